@@ -1,0 +1,125 @@
+"""Who is heard, and where: the peers in range, each with what its last decoded beacon said."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fes import geometry
+from fes.arrays import Bools, Floats, Ints
+from fes.edges import Edges, no_edges
+from fes.sensing import DECODED, Beacons, Observations, silence
+
+NEVER = -(2**62)
+"""Tick at which a peer was last heard that was never heard."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lookup:
+    """Where each contact's beacon stands in the beacons of a tick; holds while neither set changes."""
+
+    edges: Edges
+    ids: Ints
+    links: Edges
+    sender: Ints
+    """Row of the peer's beacon [m]; 0 where it is absent."""
+    present: Bools
+    """Whether the peer's beacon is there [m]."""
+    link: Ints
+    """Position of the peer's link to this robot among all links, or -1 [m]."""
+
+    def fits(self, edges: Edges, beacons: Beacons) -> bool:
+        """Whether this lookup holds for these contacts and beacons."""
+        return self.edges is edges and self.ids is beacons.ids and self.links is beacons.links
+
+
+@dataclass(frozen=True, eq=False)
+class Contacts:
+    """The peers in range of each robot, and what was last heard of each; arrays over `edges` [m]."""
+
+    edges: Edges
+    lookup: Lookup
+    heard: Ints
+    """Tick of the last decoded beacon, or NEVER."""
+    x: Floats
+    y: Floats
+    """Position in that beacon [m; world frame]."""
+    estimates: Floats
+    """The peer's own separation estimate for the link to this robot [m]; NaN if it has no such link."""
+    names_us: Bools
+    """Whether the peer's graph rule chose this robot."""
+    known: Bools
+    """Whether the peer was heard within the timeout."""
+    dx: Floats
+    dy: Floats
+    separation: Floats
+    """Line of sight and its length, from own pose of the same tick as the beacon [m; world frame]."""
+
+
+def nobody(ids: Ints) -> Contacts:
+    """The contacts of a crew that has heard nobody."""
+    return _blank(no_edges(ids))
+
+
+def update(contacts: Contacts, observations: Observations, own: Floats, beacons: Beacons, timeout: int) -> Contacts:
+    """Contacts after the beacons of the previous tick.
+
+    `own` are the robots' poses [n, 3] at that tick: a separation is formed from two poses of one tick, so
+    r_ij = r_ji to the bit. `timeout` [ticks]: a peer unheard for longer is not known any more.
+    """
+    if observations.in_range is not contacts.edges:
+        contacts = _carry(contacts, observations.in_range)
+    edges = contacts.edges
+    lookup = contacts.lookup if contacts.lookup.fits(edges, beacons) else _look_up(edges, beacons)
+    decoded = (observations.reception == DECODED) & lookup.present
+    heard, x, y = contacts.heard, contacts.x, contacts.y
+    estimates, names_us = contacts.estimates, contacts.names_us
+    if decoded.any():
+        linked = lookup.link >= 0
+        heard = np.where(decoded, beacons.tick, heard)
+        x = np.where(decoded, beacons.poses[:, geometry.X].take(lookup.sender), x)
+        y = np.where(decoded, beacons.poses[:, geometry.Y].take(lookup.sender), y)
+        if len(beacons.links):
+            told = np.where(linked, beacons.estimates.take(lookup.link, mode="clip"), np.nan)
+            names = beacons.named.take(lookup.link, mode="clip") & linked
+            estimates = np.where(decoded, told, estimates)
+            names_us = np.where(decoded, names, names_us)
+    dx = x - own[:, geometry.X].take(edges.rows)
+    dy = y - own[:, geometry.Y].take(edges.rows)
+    known = heard >= observations.tick - timeout
+    return Contacts(edges, lookup, heard, x, y, estimates, names_us, known, dx, dy, geometry.separation(dx, dy))
+
+
+def _look_up(edges: Edges, beacons: Beacons) -> Lookup:
+    if len(beacons.ids) == 0:
+        nowhere = np.zeros(len(edges), dtype=np.int64)
+        return Lookup(edges, beacons.ids, beacons.links, nowhere, nowhere > 0, nowhere - 1)
+    sender = np.minimum(np.searchsorted(beacons.ids, edges.peers), len(beacons.ids) - 1)
+    present = beacons.ids[sender] == edges.peers
+    return Lookup(
+        edges, beacons.ids, beacons.links, sender, present, beacons.links.find(edges.reverse_keys)
+    )
+
+
+def _blank(edges: Edges) -> Contacts:
+    count = len(edges)
+    zero = np.zeros(count)
+    no = np.zeros(count, dtype=np.bool_)
+    never = np.full(count, NEVER, dtype=np.int64)
+    return Contacts(edges, _look_up(edges, silence()), never, zero, zero, np.full(count, np.nan), no, no, zero, zero, zero)
+
+
+def _carry(contacts: Contacts, edges: Edges) -> Contacts:
+    """What was heard of the peers that stay in range; the others are forgotten."""
+    blank = _blank(edges)
+    if len(contacts.edges) == 0:
+        return blank
+    at = contacts.edges.find(edges.keys)
+    stays = at >= 0
+    return replace(
+        blank,
+        heard=np.where(stays, contacts.heard[at], blank.heard),
+        x=np.where(stays, contacts.x[at], blank.x),
+        y=np.where(stays, contacts.y[at], blank.y),
+        estimates=np.where(stays, contacts.estimates[at], blank.estimates),
+        names_us=np.where(stays, contacts.names_us[at], blank.names_us),
+    )

@@ -1,0 +1,140 @@
+"""A crew of one or more robots: pure functions of arrays with a leading robot axis.
+
+`step` is the table of contents of a robot. The same code, and the same digits, whether a process hosts one
+robot or all of them.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from agents import contacts, formation, neighbors, seeking
+from agents.contacts import Contacts
+from agents.neighbors import Triples
+from agents.seeking import Index, Seeker
+from fes import geometry
+from fes.arrays import Bools, Floats, Ints
+from fes.config import AgentConfig
+from fes.edges import Edges, no_edges
+from fes.errors import FesError
+from fes.sensing import Beacons, Observations
+
+FIRST_EXCHANGE_TICKS = 2
+"""Ticks from a robot's first link until it has heard whether others chose it: its initial graph."""
+
+
+@dataclass(frozen=True)
+class Crew:
+    """What does not change during a run."""
+
+    config: AgentConfig
+    ids: Ints
+    """Robot ids, ascending [n]."""
+    seeker: Seeker
+    contact_timeout: int
+    """[ticks]"""
+
+
+@dataclass(frozen=True, eq=False)
+class Links:
+    """The links that the robots use, and what they seek on each."""
+
+    among: Bools
+    """Which contacts they are [m]."""
+    contact: Ints
+    """Position of each link among the contacts [l]."""
+    edges: Edges
+    state: Floats
+    """Seeking state [3, l]; rows as in `agents.seeking`."""
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """What a crew carries from tick to tick."""
+
+    poses: Floats
+    """Own poses at the previous tick [n, 3]."""
+    contacts: Contacts
+    triples: Triples
+    links: Links
+    linked_since: Ints
+    """Tick of each robot's first link [n]; a large number before."""
+
+
+def assemble(config: AgentConfig, ids: Ints) -> Crew:
+    """The crew of robots `ids` [n], ascending, of a run with `config`."""
+    seeker = Seeker(config.seeking, _index(config), config.dt)
+    return Crew(config, ids, seeker, math.ceil(config.formation.contact_timeout / config.dt))
+
+
+def start(crew: Crew) -> State:
+    """The state of a crew that has sensed and heard nothing yet."""
+    nobody = contacts.nobody(crew.ids)
+    links = Links(nobody.known, np.zeros(0, dtype=np.int64), no_edges(crew.ids), np.zeros((3, 0)))
+    never = np.full(len(crew.ids), np.iinfo(np.int64).max // 2)
+    return State(np.zeros((len(crew.ids), 3)), nobody, Triples(nobody.edges), links, never)
+
+
+def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -> tuple[State, Beacons, Floats]:
+    """One tick: from what the robots sense now and heard of the last tick, to what they say and do.
+
+    Returns the next state, the beacons of this tick, and the twists [n, 2] [m/s, rad/s].
+    """
+    tick, config = observations.tick, crew.config
+
+    # Who is heard, and where
+    known = contacts.update(state.contacts, observations, state.poses, heard, crew.contact_timeout)
+    triples = state.triples if state.triples.edges is known.edges else Triples(known.edges)
+
+    # Who is a neighbor
+    named = neighbors.RULES[config.formation.rule](known, triples)
+    links, since = _relink(crew, state, tick, known, named | (known.names_us & known.known))
+
+    # Where to go
+    error = known.separation.take(links.contact) - links.state[seeking.ESTIMATE]
+    pull = formation.pull(links.edges, error, _bearing(known, links.contact))
+    twists = formation.twist(pull, observations.poses[:, geometry.HEADING], config.dt, config.formation)
+
+    # What to say, and what to seek until the next tick
+    said = links.state[seeking.ESTIMATE]
+    beacons = Beacons(tick, crew.ids, observations.poses, links.edges, said, named.take(links.contact))
+    sought = seeking.advance(crew.seeker, tick, links.state, known.estimates.take(links.contact))
+    links = Links(links.among, links.contact, links.edges, sought)
+    return State(observations.poses, known, triples, links, since), beacons, twists
+
+
+def _relink(crew: Crew, state: State, tick: int, known: Contacts, among: Bools) -> tuple[Links, Ints]:
+    """The links among the contacts `among` [m] now, and since when each robot has any [n]."""
+    old = state.links
+    if known.edges is state.contacts.edges and np.array_equal(among, old.among):
+        return old, state.linked_since
+    edges = known.edges.select(among)
+    since = np.where(edges.counts > 0, np.minimum(state.linked_since, tick), state.linked_since)
+    fresh = tick - since < FIRST_EXCHANGE_TICKS
+    sought = seeking.relink(crew.seeker, crew.config.seed, tick, old.edges, old.state, edges, fresh)
+    return Links(among, np.flatnonzero(among), edges, sought), since
+
+
+def _bearing(known: Contacts, at: Ints) -> Floats:
+    """Unit vectors [2, l] of the lines of sight of the contacts at positions `at`.
+
+    The paper needs psi_ji = pi + psi_ij even where two robots coincide: there the lower id looks along +x.
+    """
+    size = known.separation.take(at)
+    bearing = np.stack([known.dx.take(at), known.dy.take(at)])
+    apart = size > 0.0
+    if not apart.all():
+        edges = known.edges
+        bearing[0] = np.where(apart, bearing[0], np.sign(edges.peers - edges.ids[edges.rows]).take(at))
+        size = np.where(apart, size, 1.0)
+    return bearing / size
+
+
+def _index(config: AgentConfig) -> Index:
+    if config.channel is None:
+        raise FesError("seeking.index = 'oracle' needs the channel, and this agent was not told it")
+    # Only here, so that a process of a run with another index never loads the channel's formula.
+    from agents import oracle
+
+    return oracle.performance_index(config.objective, config.channel)

@@ -1,0 +1,1 @@
+"""What a person runs: fes run, fes view."""

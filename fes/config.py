@@ -1,0 +1,117 @@
+"""All that an agent may know of a run: it arrives in the Welcome, never from a file.
+
+The world's scenario is built from the same tables. Every model is frozen, complete and rejects unknown
+fields. Symbols in brackets are the paper's.
+"""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+MAX_SUB_STEP_PHASE = 2.0
+"""Dither phase [rad] that one Runge-Kutta step may span before the integration aliases it."""
+
+
+class Table(BaseModel):
+    """A table of a scenario: frozen, complete, strict."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class ChannelConfig(Table):
+    """The radio channel; the truth of the world, and told to an agent only for the oracle index."""
+
+    model: Literal["rayleigh", "perfect"] = "rayleigh"
+    """`rayleigh`: beacons decode with the probability of (3). `perfect`: every beacon in range decodes."""
+    reference_snr: Positive = 1e7
+    """SNR at the reference distance [1] (P0/sigma^2)."""
+    spectral_efficiency: Positive = 2.0
+    """Data rate below which the link is in outage [bit/s/Hz] (delta)."""
+    path_loss_exponent: Positive = 3.0
+    """Path-loss exponent [1] (nu of (3))."""
+    reference_distance: Positive = 1.0
+    """Distance of the reference SNR [m] (r0)."""
+    communication_range: Positive = 150.0
+    """Hard cut-off of the radio [m] (r_x)."""
+
+
+class ObjectiveConfig(Table):
+    """Which separations the team prefers; equation (16)."""
+
+    minimum_separation: Positive = 50.0
+    """Minimum spacing preferred [m] (r_min)."""
+    maximum_separation: Positive = 150.0
+    """Spacing of the worst tolerable outage [m] (r_x)."""
+    shape_exponent: Positive = 4.0
+    """Shape exponent of the index [1] (nu of (16); Fig. 3 has 4)."""
+
+
+class SeekingConfig(Table):
+    """The seeking law (18)."""
+
+    index: Literal["oracle"] = "oracle"
+    """`oracle`: the index is computed from the channel's formula, as the paper's simulation does (33)."""
+    law: Literal["consensus", "paper"] = "consensus"
+    """`paper`: (18) as printed. `consensus`: with the sign of its second consensus term reversed."""
+    index_gain: Positive = 44460.0
+    """Gain on the index [1] (k): 1/(a^2 |J''|/2) at r_min 50 makes the gradient time constant 1 s."""
+    dither_amplitude: Positive = 0.2
+    """[m] (a)."""
+    dither_frequency: Positive = 100.0
+    """[rad/s] (beta_0)."""
+    consensus_gain: NonNegative = 4.0
+    """[1/s] (kappa); the paper asks for beta_l^2 / 4."""
+    low_pass_cutoff: Positive = 4.0
+    """[rad/s] (beta_l)."""
+    washout_cutoff: Positive = 25.0
+    """[rad/s] (beta_h)."""
+    sub_step: Positive = 0.01
+    """Longest step of the integration [s]; a tick is cut into equal steps no longer than this."""
+    initial_estimate: tuple[Positive, Positive] = Field(default=(50.0, 90.0), strict=False)
+    """Estimates of the first links are drawn uniformly from this interval [m]."""
+
+    @model_validator(mode="after")
+    def _bounds(self) -> Self:
+        low, high = self.initial_estimate
+        if low > high:
+            raise ValueError(f"initial_estimate must be [low, high], got [{low}, {high}]")
+        if self.sub_step * self.dither_frequency > MAX_SUB_STEP_PHASE:
+            raise ValueError(
+                f"sub_step x dither_frequency must be at most {MAX_SUB_STEP_PHASE} rad, "
+                f"got {self.sub_step * self.dither_frequency:g}"
+            )
+        return self
+
+
+class FormationConfig(Table):
+    """The formation law (6), (7) and the graph it works on."""
+
+    rule: Literal["disk", "two_nearest", "relative_neighborhood"] = "relative_neighborhood"
+    """Which robots in range are neighbors."""
+    linear_gain: Positive = 1.0
+    """[1/s] (mu)."""
+    angular_gain: Positive = 10.0
+    """[rad/s/m] (mu'); the paper asks for mu' >= mu."""
+    linear_limit: Positive | None = None
+    """Largest linear speed [m/s]; none by default, as in the paper."""
+    angular_limit: Positive | None = None
+    """Largest angular speed [rad/s]; none by default, as in the paper."""
+    contact_timeout: Positive = 1.0
+    """A peer unheard for this long [s] is no longer a contact."""
+
+
+class AgentConfig(Table):
+    """What the world tells an agent when it joins, and all that it ever knows of the run's settings."""
+
+    dt: Positive
+    """Tick length [s]."""
+    seed: int = Field(ge=0)
+    """Seed of the robots' own draws; it does not reveal the world's."""
+    objective: ObjectiveConfig
+    seeking: SeekingConfig
+    formation: FormationConfig
+    channel: ChannelConfig | None
+    """The true channel, for the oracle index only."""

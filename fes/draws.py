@@ -1,0 +1,53 @@
+"""Random numbers as a function of (seed, stream, tick, sender, receiver), and of nothing else.
+
+Philox is a counter-based generator: the number at a counter does not depend on which numbers were asked
+for before it. So the order of arrival, the placement of robots and the load of the machine change no
+draw; another robot changes no other robot's draws; another controller changes no draw of the channel.
+"""
+
+import hashlib
+
+import numpy as np
+
+from fes.arrays import Floats, Ints
+
+_PER_COUNTER = 4  # Philox 4x64 gives four words at each counter value
+_TO_UNIT = 2.0**-53
+
+
+def key(seed: int, stream: str) -> Ints:
+    """The generator's key [2] of a named stream of a seed, so that no two streams share numbers."""
+    digest = hashlib.sha256(f"{seed}/{stream}".encode()).digest()
+    return np.frombuffer(digest[:16], dtype=np.uint64).copy()  # type: ignore[return-value]
+
+
+def sub_seed(seed: int, stream: str) -> int:
+    """A seed [0, 2**53) for somebody who must not be able to tell `seed` from it."""
+    return int.from_bytes(hashlib.sha256(f"{seed}/{stream}/sub".encode()).digest()[:8], "little") >> 11
+
+
+def uniform_ticks(stream_key: Ints, first: int, count: int, senders: Ints, receivers: Ints) -> Floats:
+    """Uniform numbers in [0, 1) for `count` ticks from `first` on, for each (sender, receiver).
+
+    Shapes: senders and receivers [m]; the result [count, m], contiguous by tick. `first` and `count` must
+    be multiples of 4.
+    """
+    if first % _PER_COUNTER or count % _PER_COUNTER:
+        raise ValueError(f"ticks come in blocks of {_PER_COUNTER}: first={first}, count={count}")
+    words = np.empty((count, len(senders)), dtype=np.uint64)
+    counter = np.zeros(4, dtype=np.uint64)
+    generator = np.random.Philox(key=stream_key, counter=counter)
+    state = generator.state
+    counter = state["state"]["counter"]
+    for column, (sender, receiver) in enumerate(zip(senders.tolist(), receivers.tolist(), strict=True)):
+        # The word before the first: the generator counts up before it gives out numbers.
+        counter[:] = (first // _PER_COUNTER, sender, receiver, 0)
+        state["buffer_pos"] = _PER_COUNTER
+        generator.state = state
+        words[:, column] = generator.random_raw(count)
+    return (words >> np.uint64(11)) * _TO_UNIT
+
+
+def uniform_pairs(stream_key: Ints, senders: Ints, receivers: Ints) -> Floats:
+    """One uniform number in [0, 1) for each (sender, receiver) [m]."""
+    return uniform_ticks(stream_key, 0, _PER_COUNTER, senders, receivers)[0]

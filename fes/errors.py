@@ -1,0 +1,45 @@
+"""Every error of the project, on one page.
+
+FesError                 something a person can act on: one line, exit code 1
+├── ScenarioError        a scenario or an override that breaks a rule
+├── MessageError         a payload that is not what its key promises
+├── TransportError       the bus could not be opened, or broke
+├── Absent               somebody who was waited for did not come, or left
+└── Refused              the world turned a robot away
+"""
+
+
+class FesError(Exception):
+    """An error whose message is one line: the rule, then the offending value."""
+
+    exit_code = 1
+
+
+class ScenarioError(FesError):
+    """A scenario or an override that breaks a rule."""
+
+    def __init__(self, where: str, rule: str) -> None:
+        self.where = where
+        self.rule = rule
+        super().__init__(f"{where}: {rule}")
+
+
+class MessageError(FesError):
+    """A payload that is not what its key promises."""
+
+    def __init__(self, schema: str, rule: str) -> None:
+        self.schema = schema
+        self.rule = rule
+        super().__init__(f"{schema}: {rule}")
+
+
+class TransportError(FesError):
+    """The bus could not be opened, or broke."""
+
+
+class Absent(FesError):
+    """Somebody who was waited for did not come, or left."""
+
+
+class Refused(FesError):
+    """The world turned a robot away."""

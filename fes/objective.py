@@ -1,0 +1,28 @@
+"""The robots' own half of the performance index (16): which separations they prefer, radio aside.
+
+Equation (16) is J(r) = S(r) p(r). S is the team's own wish (spread out, but not too far) and known to it;
+p is the reception probability, which belongs to the channel. The paper writes one nu for the shape of S
+and for the path loss inside p; only two exponents, 4 and 3, give its Fig. 3, so they are kept apart.
+"""
+
+import numpy as np
+
+from fes.arrays import Floats
+from fes.config import ObjectiveConfig
+
+
+def preference(separation: Floats, objective: ObjectiveConfig) -> Floats:
+    """S(r) = [1 - exp(-(r/r_min)^s)] exp(-(r/r_x)^s) at `separation` [m], any shape; from (16)."""
+    shape = objective.shape_exponent
+    ratio = objective.minimum_separation / objective.maximum_separation
+    spread = np.power(separation / objective.minimum_separation, shape)
+    return -np.expm1(-spread) * np.exp(-(ratio**shape) * spread)
+
+
+def log_preference_slope(separation: Floats, objective: ObjectiveConfig) -> Floats:
+    """(ln S)' [1/m] at `separation` [m], any shape; from (16)."""
+    shape = objective.shape_exponent
+    spread = np.power(separation / objective.minimum_separation, shape)
+    reach = np.power(separation / objective.maximum_separation, shape)
+    with np.errstate(over="ignore"):  # far beyond r_min the first term is 0, as it should be
+        return shape / separation * (spread / np.expm1(spread) - reach)

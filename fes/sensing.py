@@ -1,0 +1,53 @@
+"""What a crew senses and says in one tick, as arrays; the shells turn messages into these and back.
+
+An observation holds only what a real robot could sense or receive.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fes.arrays import Bytes, Bools, Floats, Ints
+from fes.edges import Edges, no_edges
+
+CLOSED, LOST, DECODED = 0, 1, 2
+"""Reception of a peer's last beacon: its radio contact is not open yet; it was lost on the air; it decoded."""
+
+OPENING_TICKS = 2
+"""A contact opens this many ticks after a peer comes in range: the rule of the radio in every backend."""
+
+
+@dataclass(frozen=True, eq=False)
+class Observations:
+    """What the robots of a crew sense at one tick."""
+
+    tick: int
+    poses: Floats
+    """Own poses at this tick [n, 3] [m, m, rad; world frame]."""
+    in_range: Edges
+    """Peers within communication range at this tick [m]."""
+    reception: Bytes
+    """What became of each peer's beacon of the previous tick: CLOSED, LOST or DECODED [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Beacons:
+    """What robots tell their peers at one tick."""
+
+    tick: int
+    ids: Ints
+    """Senders, ascending [n]."""
+    poses: Floats
+    """Senders' poses [n, 3] [m, m, rad; world frame]."""
+    links: Edges
+    """The links each sender uses [l]."""
+    estimates: Floats
+    """Its separation estimate for each link [l] [m]."""
+    named: Bools
+    """Whether its own graph rule chose the link (a link may stand because the other side chose it) [l]."""
+
+
+def silence() -> Beacons:
+    """The beacons before the first tick: nobody has said anything."""
+    nobody = np.zeros(0, dtype=np.int64)
+    return Beacons(-1, nobody, np.zeros((0, 3)), no_edges(nobody), np.zeros(0), np.zeros(0, dtype=np.bool_))

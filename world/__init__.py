@@ -1,0 +1,13 @@
+"""Ground truth, the radio channel and the barrier.
+
+process     the shell: fes-world
+server      welcome, roll-call, barrier, reports
+scenario    the typed scenario, from TOML
+kinematics  the unicycle (5) on its exact arc
+proximity   which pairs of robots are within communication range
+channel     which beacons decode
+simulation  step(state, twists) -> state
+optimum     r*, the separation that maximizes the index (16)
+graphs      connectivity of a graph, lambda_2
+metrics     what a run achieved, and its digest
+"""

@@ -1,0 +1,89 @@
+"""The radio: whose beacon decodes at whom.
+
+A beacon is put on the air by every robot at every tick. Between two robots in range it decodes with the
+reception probability (3) at their separation of that tick, independently for each tick and direction
+(Rayleigh block fading). A contact opens two ticks after the robots came in range.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fes import draws, outage
+from fes.arrays import Bytes, Floats, Ints
+from fes.config import ChannelConfig
+from fes.edges import Edges
+from fes.sensing import CLOSED, DECODED, LOST, OPENING_TICKS
+from world.proximity import Proximity
+
+_BLOCK = 64  # ticks of numbers drawn at a time: drawing costs per pair, not per number
+_MANY = 4096
+_FEW_BLOCK = 16
+
+
+@dataclass(frozen=True, eq=False)
+class Radio:
+    """What the radio did at one tick, over the pairs in range [m]."""
+
+    edges: Edges
+    """(receiver, sender)"""
+    age: Ints
+    """Ticks since each pair came in range [m]."""
+    reception: Bytes
+    """What became of the previous tick's beacon: CLOSED, LOST or DECODED [m]."""
+    sent: Ints
+    """Beacons sent on each contact since it opened [m]."""
+    decoded: Ints
+    """Beacons decoded on it [m]."""
+
+
+@dataclass(eq=False)
+class Draws:
+    """Uniform numbers for the pairs in range, drawn ahead in blocks of ticks.
+
+    A cache, not a state: every number is a function of (seed, tick, sender, receiver).
+    """
+
+    key: Ints
+    edges: Edges | None = None
+    first: int = 0
+    numbers: Floats | None = None
+
+    def at(self, tick: int, edges: Edges) -> Floats:
+        """The numbers of one tick for (receiver, sender) `edges` [m], in [0, 1)."""
+        if self.numbers is None or edges is not self.edges or not 0 <= tick - self.first < len(self.numbers):
+            count = _BLOCK if len(edges) <= _MANY else _FEW_BLOCK
+            self.edges, self.first = edges, tick - tick % count
+            receivers = edges.ids[edges.rows]
+            self.numbers = draws.uniform_ticks(self.key, self.first, count, edges.peers, receivers)
+        return self.numbers[tick - self.first]
+
+
+def quiet(edges: Edges) -> Radio:
+    """The radio before the first tick: nothing was sent."""
+    nothing = np.zeros(len(edges), dtype=np.int64)
+    return Radio(edges, nothing, nothing.astype(np.uint8), nothing, nothing)
+
+
+def transmit(
+    radio: Radio, tick: int, before: Proximity, after: Proximity, config: ChannelConfig, numbers: Draws
+) -> Radio:
+    """The radio at tick + 1: what became of the beacons of `tick`, sent at the separations of `before`."""
+    edges = after.edges
+    if edges is before.edges:
+        age, sent, decoded = radio.age + 1, radio.sent, radio.decoded
+        separation = before.separation.take(before.pair)
+    else:
+        at = before.edges.find(edges.keys)
+        stays = at >= 0
+        age = np.where(stays, radio.age.take(at, mode="clip") + 1, 0) if len(before.edges) else 0 * edges.rows
+        sent = np.where(stays, radio.sent.take(at, mode="clip"), 0) if len(before.edges) else 0 * edges.rows
+        decoded = np.where(stays, radio.decoded.take(at, mode="clip"), 0) if len(before.edges) else sent
+        separation = np.zeros(len(edges))
+        separation[stays] = before.separation[before.pair[at[stays]]]
+    is_open = age >= OPENING_TICKS
+    heard = is_open
+    if config.model != "perfect":
+        heard = is_open & (numbers.at(tick, edges) < outage.reception_probability(separation, config))
+    reception = np.where(heard, DECODED, np.where(is_open, LOST, CLOSED)).astype(np.uint8)
+    return Radio(edges, age, reception, sent + is_open, decoded + heard)

@@ -1,0 +1,115 @@
+"""Which pairs of robots are within communication range.
+
+Candidate pairs (a Verlet list) are found once with a margin and kept until some robot has moved half of it;
+per tick only the candidates' separations are measured. Finding them sorts robots into square cells.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from fes import geometry
+from fes.arrays import Bools, Floats, Ints
+from fes.edges import Edges
+
+SMALL = 64
+"""Up to this many robots every pair is a candidate for ever: it is cheaper than looking after a list."""
+
+MARGIN = 0.2
+"""Margin of the candidate list, as a fraction of the communication range."""
+
+_NEAR_CELLS = ((0, 0), (1, 0), (-1, 1), (0, 1), (1, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """Pairs of rows (a < b) that may be in range [p], sorted."""
+
+    a: Ints
+    b: Ints
+    positions: Floats | None
+    """Where the robots were when the list was made [n, 2]; None if it holds for ever."""
+
+
+@dataclass(frozen=True, eq=False)
+class Proximity:
+    """The pairs in range at one tick."""
+
+    candidates: Candidates
+    mask: Bools
+    """Which candidates are in range [p]."""
+    edges: Edges
+    """They, in both directions [m]; the same object while the pairs in range stay the same."""
+    separation: Floats
+    """Separation of the candidates [p] [m]."""
+
+    @cached_property
+    def pair(self) -> Ints:
+        """Position of each edge's pair among the candidates [m]."""
+        at = np.flatnonzero(self.mask)
+        n = len(self.edges.ids)
+        codes = np.concatenate([self.candidates.a[at] * n + self.candidates.b[at]])
+        rows, peers = self.edges.rows, np.searchsorted(self.edges.ids, self.edges.peers)
+        return at[np.searchsorted(codes, np.minimum(rows, peers) * n + np.maximum(rows, peers))]
+
+
+def measure(ids: Ints, poses: Floats, reach: float, before: Proximity | None) -> Proximity:
+    """The pairs of robots at most `reach` [m] apart, given the pairs of the tick before."""
+    candidates = before.candidates if before and _holds(before.candidates, poses, reach) else _find(poses, reach)
+    x, y = poses[:, geometry.X], poses[:, geometry.Y]
+    separation = geometry.separation(
+        x.take(candidates.a) - x.take(candidates.b), y.take(candidates.a) - y.take(candidates.b)
+    )
+    mask = separation <= reach
+    if before and before.candidates is candidates and np.array_equal(mask, before.mask):
+        current = Proximity(candidates, mask, before.edges, separation)
+        current.__dict__["pair"] = before.pair  # the same pairs stand in the same places
+        return current
+    return Proximity(candidates, mask, _edges(ids, candidates.a[mask], candidates.b[mask]), separation)
+
+
+def _edges(ids: Ints, a: Ints, b: Ints) -> Edges:
+    rows, columns = np.concatenate([a, b]), np.concatenate([b, a])
+    order = np.argsort(rows * len(ids) + columns)
+    return Edges(ids, rows[order], ids[columns[order]])
+
+
+def _holds(candidates: Candidates, poses: Floats, reach: float) -> bool:
+    if candidates.positions is None:
+        return True
+    moved = poses[:, :2] - candidates.positions
+    return bool((geometry.separation(moved[:, 0], moved[:, 1]) <= 0.5 * MARGIN * reach).all())
+
+
+def _find(poses: Floats, reach: float) -> Candidates:
+    n = len(poses)
+    if n <= SMALL:
+        a, b = np.triu_indices(n, 1)
+        return Candidates(a, b, None)
+    side = (1.0 + MARGIN) * reach
+    cells = np.floor(poses[:, :2] / side).astype(np.int64)
+    cells -= cells.min(axis=0) - 1
+    width = int(cells[:, 0].max()) + 2
+    code = cells[:, 1] * width + cells[:, 0]
+    order = np.argsort(code, kind="stable")
+    ordered = code[order]
+    found = [_between(order, ordered, code + dy * width + dx, own=(dx, dy) == (0, 0)) for dx, dy in _NEAR_CELLS]
+    left, right = (np.concatenate(side_) for side_ in zip(*found, strict=True))
+    near = geometry.separation(
+        poses[left, geometry.X] - poses[right, geometry.X], poses[left, geometry.Y] - poses[right, geometry.Y]
+    )
+    left, right = left[near <= side], right[near <= side]
+    a, b = np.minimum(left, right), np.maximum(left, right)
+    sort = np.argsort(a * n + b)
+    return Candidates(a[sort], b[sort], poses[:, :2].copy())
+
+
+def _between(order: Ints, ordered: Ints, cell: Ints, own: bool) -> tuple[Ints, Ints]:
+    """All pairs of a robot [n] and a robot in the cell [n] named for it; each pair of one cell once."""
+    first, last = np.searchsorted(ordered, cell, "left"), np.searchsorted(ordered, cell, "right")
+    count = last - first
+    left = np.repeat(np.arange(len(cell)), count)
+    offset = np.arange(len(left)) - np.repeat(np.cumsum(count) - count, count)
+    right = order[np.repeat(first, count) + offset]
+    return (left[left < right], right[left < right]) if own else (left, right)

@@ -1,0 +1,184 @@
+"""The scenario: one TOML file, typed, frozen and complete, with the names that `--set` overrides use."""
+
+import difflib
+import math
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, ValidationError, model_validator
+
+from fes import draws
+from fes.arrays import Floats
+from fes.config import (
+    AgentConfig,
+    ChannelConfig,
+    FormationConfig,
+    NonNegative,
+    ObjectiveConfig,
+    Positive,
+    SeekingConfig,
+    Table,
+)
+from fes.errors import ScenarioError
+
+MAX_ROBOTS = 100_000
+
+PoseRow = Annotated[tuple[float, float, float], Field(strict=False)]
+
+
+class RunConfig(Table):
+    """How long and how fine."""
+
+    dt: Positive = 0.02
+    """Tick length [s]."""
+    duration: Positive = 60.0
+    """[s]; a whole number of ticks is run."""
+    seed: int = Field(default=0, ge=0, lt=2**63)
+    clock: Literal["lockstep"] = "lockstep"
+
+
+class RobotsConfig(Table):
+    """Where the robots start: explicit poses, or a generator."""
+
+    poses: list[PoseRow] | None = None
+    """[[x, y, heading], ...] [m, m, rad; world frame], in the order of the robot ids."""
+    kind: Literal["grid", "line"] = "grid"
+    count: int | None = Field(default=None, ge=1, le=MAX_ROBOTS)
+    spacing: Positive = 78.0
+    """Between neighbors of the generated start [m]."""
+    jitter: NonNegative = 0.0
+    """Each generated position is moved by up to this much along x and y [m], seeded."""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if (self.poses is None) == (self.count is None):
+            raise ValueError("give either poses or count")
+        if self.poses is not None and not 1 <= len(self.poses) <= MAX_ROBOTS:
+            raise ValueError(f"poses must list 1 to {MAX_ROBOTS} robots")
+        if self.poses is not None and not all(math.isfinite(value) for pose in self.poses for value in pose):
+            raise ValueError("poses must be finite")
+        return self
+
+    @property
+    def number(self) -> int:
+        """Number of robots."""
+        return len(self.poses) if self.poses is not None else self.count or 0
+
+
+class Scenario(Table):
+    """What is run."""
+
+    schema_version: Literal[1] = Field(alias="schema")
+    run: RunConfig = RunConfig()
+    robots: RobotsConfig
+    channel: ChannelConfig = ChannelConfig()
+    objective: ObjectiveConfig = ObjectiveConfig()
+    seeking: SeekingConfig = SeekingConfig()
+    formation: FormationConfig = FormationConfig()
+
+    @property
+    def ticks(self) -> int:
+        """Number of ticks of the run."""
+        return max(1, round(self.run.duration / self.run.dt))
+
+
+def load(path: Path, overrides: dict[str, Any] | None = None) -> Scenario:
+    """The scenario in a TOML file, with `overrides` by dotted path.
+
+    Raises ScenarioError: one line that names the field, the rule and the offending value.
+    """
+    try:
+        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ScenarioError(str(path), f"cannot be read: {error.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ScenarioError(str(path), f"is not valid TOML: {error}") from None
+    for dotted, value in (overrides or {}).items():
+        _override(tables, dotted, value)
+    return parse(tables, str(path))
+
+
+def parse(tables: dict[str, Any], where: str) -> Scenario:
+    """The scenario of parsed TOML `tables`; errors name `where` they come from."""
+    try:
+        return Scenario.model_validate(tables)
+    except ValidationError as error:
+        raise ScenarioError(where, _first_rule(error, tables)) from None
+
+
+def parse_override(text: str) -> tuple[str, Any]:
+    """A `--set` argument `a.b=value` as its path and its TOML value; bare words are strings.
+
+    >>> parse_override("run.seed=3"), parse_override("formation.rule=disk")
+    (('run.seed', 3), ('formation.rule', 'disk'))
+    """
+    dotted, equals, raw = text.partition("=")
+    if not equals or not dotted.strip():
+        raise ScenarioError("--set", f"expects table.field=value, got '{text}'")
+    try:
+        value = tomllib.loads(f"value = {raw}")["value"]
+    except tomllib.TOMLDecodeError:
+        value = raw
+    return dotted.strip(), value
+
+
+def agent_config(scenario: Scenario) -> AgentConfig:
+    """What the scenario lets an agent know."""
+    return AgentConfig(
+        dt=scenario.run.dt,
+        seed=draws.sub_seed(scenario.run.seed, "agents"),
+        objective=scenario.objective,
+        seeking=scenario.seeking,
+        formation=scenario.formation,
+        channel=scenario.channel if scenario.seeking.index == "oracle" else None,
+    )
+
+
+def initial_poses(scenario: Scenario) -> Floats:
+    """Poses at tick 0 [n, 3] [m, m, rad; world frame]."""
+    robots = scenario.robots
+    if robots.poses is not None:
+        return np.array(robots.poses, dtype=np.float64)
+    n = robots.number
+    width = math.ceil(math.sqrt(n)) if robots.kind == "grid" else n
+    ids = np.arange(n)
+    stream = draws.key(scenario.run.seed, "initial pose")
+    dx, dy, turn = (draws.uniform_pairs(stream, ids, np.full(n, axis)) for axis in range(3))
+    x = robots.spacing * (ids % width) + robots.jitter * (2.0 * dx - 1.0)
+    y = robots.spacing * (ids // width) + robots.jitter * (2.0 * dy - 1.0)
+    return np.stack([x, y, 2.0 * math.pi * turn - math.pi], axis=1)
+
+
+def _override(tables: dict[str, Any], dotted: str, value: Any) -> None:
+    *path, field = dotted.split(".")
+    for part in path:
+        tables = tables.setdefault(part, {})
+        if not isinstance(tables, dict):
+            raise ScenarioError("--set", f"'{dotted}' goes through '{part}', which is not a table")
+    tables[field] = value
+
+
+def _first_rule(error: ValidationError, tables: dict[str, Any]) -> str:
+    """The first broken rule in one line: field, rule, offending value; for an unknown field the nearest one."""
+    first = error.errors(include_url=False)[0]
+    field = ".".join(str(part) for part in first["loc"]) or "scenario"
+    if first["type"] == "extra_forbidden":
+        known = _fields(Scenario, "")
+        near = difflib.get_close_matches(field, known, n=1, cutoff=0.4)
+        return f"unknown field '{field}'" + (f"; did you mean '{near[0]}'?" if near else "")
+    message = first["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    if first["type"] in ("missing", "value_error"):
+        return f"{field}: {message}" if first["type"] == "value_error" else f"{field}: is required"
+    return f"{field}: {message}, got {first['input']!r}"
+
+
+def _fields(model: type[Table], prefix: str) -> list[str]:
+    names = []
+    for name, field in model.model_fields.items():
+        dotted = f"{prefix}{field.alias or name}"
+        names.append(dotted)
+        if isinstance(field.annotation, type) and issubclass(field.annotation, Table):
+            names += _fields(field.annotation, f"{dotted}.")
+    return names
