@@ -8,6 +8,7 @@ depend on who else shares its process.
 
 from dataclasses import dataclass
 from functools import cached_property
+from operator import is_ as _is
 
 import numpy as np
 
@@ -30,15 +31,20 @@ class Edges:
     def __len__(self) -> int:
         return len(self.rows)
 
+    @staticmethod
+    def key(robots: Ints, peers: Ints) -> Ints:
+        """The key of pairs given by ids; any shape."""
+        return (robots << _SHIFT) | peers
+
     @cached_property
     def keys(self) -> Ints:
         """One integer per pair, ascending [m]."""
-        return (self.ids[self.rows] << _SHIFT) | self.peers
+        return self.key(self.ids[self.rows], self.peers)
 
     @cached_property
     def reverse_keys(self) -> Ints:
         """The key of each pair seen from the other side [m]."""
-        return (self.peers << _SHIFT) | self.ids[self.rows]
+        return self.key(self.peers, self.ids[self.rows])
 
     @cached_property
     def reverse(self) -> Ints:
@@ -59,6 +65,13 @@ class Edges:
     def counts(self) -> Ints:
         """Number of peers of each robot [n]."""
         return np.bincount(self.rows, minlength=len(self.ids))
+
+    @cached_property
+    def spans(self) -> list[slice]:
+        """Where each robot's pairs stand [n]."""
+        ends = np.cumsum(self.counts)
+        begins = ends - self.counts
+        return [slice(begin, end) for begin, end in zip(begins.tolist(), ends.tolist(), strict=True)]
 
     @cached_property
     def starts(self) -> Ints:
@@ -103,6 +116,24 @@ class Edges:
     def select(self, mask: Bools) -> "Edges":
         """The pairs where `mask` [m] is true."""
         return Edges(self.ids, self.rows[mask], self.peers[mask])
+
+
+class Stack:
+    """Edges from one list of peers per robot; the same object while every list is the same object."""
+
+    def __init__(self) -> None:
+        self._lists: list[Ints] = []
+        self._edges: Edges | None = None
+
+    def edges(self, ids: Ints, lists: list[Ints]) -> Edges:
+        """The pairs of robots `ids` [n] and the peers in `lists` [n], each ascending."""
+        last = self._edges
+        same = last is not None and last.ids is ids and all(map(_is, lists, self._lists))
+        if last is None or not same:
+            rows = np.repeat(np.arange(len(ids)), [len(peers) for peers in lists])
+            last = self._edges = Edges(ids, rows, np.concatenate(lists) if lists else rows)
+            self._lists = lists
+        return last
 
 
 def no_edges(ids: Ints) -> Edges:

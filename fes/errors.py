@@ -27,10 +27,10 @@ class ScenarioError(FesError):
 class MessageError(FesError):
     """A payload that is not what its key promises."""
 
-    def __init__(self, schema: str, rule: str) -> None:
+    def __init__(self, schema: str, rule: str, value: str = "") -> None:
         self.schema = schema
         self.rule = rule
-        super().__init__(f"{schema}: {rule}")
+        super().__init__(f"{schema}: {rule}" + (f": {value}" if value else ""))
 
 
 class TransportError(FesError):

@@ -1,0 +1,59 @@
+"""Messages into a crew's arrays, and back."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from fes import messages
+from fes.arrays import Floats, Ints
+from fes.edges import Stack
+from fes.messages import Beacon, Command, Observation
+from fes.sensing import Beacons, Observations, silence
+
+
+class Assembly:
+    """Stacks the messages of one process; keeps arrays that did not change, so that nobody recomputes."""
+
+    def __init__(self, ids: Ints) -> None:
+        self._ids = ids
+        self._in_range = Stack()
+        self._senders: list[int] = []
+        self._sender_ids: Ints = silence().ids
+        self._links = Stack()
+
+    def observations(self, received: list[Observation]) -> Observations:
+        """One observation of each robot of the crew, in id order, as arrays."""
+        edges = self._in_range.edges(self._ids, [message.in_range for message in received])
+        poses = np.array([message.pose for message in received])
+        reception = np.concatenate([message.reception for message in received])
+        return Observations(received[0].tick, poses, edges, reception)
+
+    def beacons(self, tick: int, received: list[Beacon]) -> Beacons:
+        """The beacons of one tick, in id order, as arrays."""
+        if not received:
+            return silence()
+        senders = [message.robot for message in received]
+        if senders != self._senders:
+            self._senders, self._sender_ids = senders, np.array(senders, dtype=np.int64)
+        links = self._links.edges(self._sender_ids, [message.links for message in received])
+        return Beacons(
+            tick,
+            self._sender_ids,
+            np.array([message.pose for message in received]),
+            links,
+            np.concatenate([message.estimates for message in received]),
+            np.concatenate([message.named for message in received]).view(np.bool_),
+        )
+
+
+def payloads(said: Beacons, twists: Floats) -> Iterator[tuple[int, bytes, bytes]]:
+    """For each robot its id, and the payloads of its beacon and its command."""
+    named = said.named.view(np.uint8)
+    rows = zip(said.ids.tolist(), said.poses.tolist(), twists.tolist(), said.links.spans, strict=True)
+    for robot, pose, twist, span in rows:
+        links, estimates = said.links.peers[span], said.estimates[span]
+        beacon = Beacon(said.tick, robot, tuple(pose), links, estimates, named[span])
+        command = Command(said.tick, robot, tuple(twist), links, estimates)
+        yield robot, messages.encode_beacon(beacon), messages.encode_command(command)
+
+

@@ -1,0 +1,182 @@
+"""The shell of an agent: joins, waits for a tick, gathers beacons, steps its crew, publishes."""
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: no thread pool for arrays this small
+
+import argparse
+import asyncio
+import logging
+import uuid
+from collections.abc import AsyncIterator, Callable
+
+import numpy as np
+
+from agents import assembly, crew
+from agents.assembly import Assembly
+from agents.radio import Radio
+from fes import bus, keys, messages, process
+from fes.bus import Bus
+from fes.complaints import Complaints
+from fes.errors import Absent, FesError, MessageError
+from fes.inbox import Inbox
+from fes.messages import Observation, Welcome
+
+SILENCE_TIMEOUT = 3600.0
+"""An agent that hears nothing from a living world for this long [s] gives up."""
+
+Put = Callable[[bytes], None]
+
+
+class Agent:
+    """One process's part in a run: the robots it hosts, and their way to the bus."""
+
+    def __init__(self, opened: Bus, run: str, robots: tuple[int, ...]) -> None:
+        name = f"agent.{robots[0]}" if len(robots) == 1 else f"agent.{robots[0]}-{robots[-1]}"
+        self.logger = logging.getLogger(name)
+        self.complaints = Complaints(self.logger)
+        self._bus = opened
+        self._run = run
+        self._robots = robots
+        self._inbox = Inbox(asyncio.get_running_loop())
+        self._world_here = asyncio.Event()
+        self._tick = -1
+        self._mouths: dict[int, tuple[Put, Put]] = {}
+        self._said: dict[int, tuple[bytes, bytes]] = {}
+
+    async def join(self, timeout: float) -> Welcome:
+        """Wait for the world, and ask it for the robots; raises Absent or Refused."""
+        self._bus.watch(keys.world_alive(self._run), self._on_world)
+        try:
+            async with asyncio.timeout(timeout):
+                await self._world_here.wait()
+        except TimeoutError:
+            raise Absent(f"no world of run '{self._run}' appeared within {timeout:g} s") from None
+        question = messages.encode_join(self._robots, uuid.uuid4().hex)
+        return messages.decode_welcome(await self._bus.ask(keys.welcome(self._run), question, timeout))
+
+    async def live(self, welcome: Welcome) -> None:
+        """The robots' life: one step a tick, until the world says that the run is over."""
+        ids = np.array(welcome.robots, dtype=np.int64)
+        robots = crew.assemble(welcome.config, ids)
+        state = crew.start(robots)
+        stack, radio = Assembly(ids), Radio(self._bus, self._run, self.complaints)
+        self._mouths = self._publishers()
+        for robot in self._robots:
+            self._bus.subscribe(keys.observation(self._run, robot), self._inbox.put)
+        for robot in self._robots:  # last of all: a token says that everything above is in place
+            self._bus.token(keys.robot_alive(self._run, robot))
+        tuned = None
+        async for received in self._ticks():
+            observations = stack.observations(received)
+            heard = stack.beacons(observations.tick - 1, radio.heard(observations.tick - 1))
+            state, said, twists = crew.step(robots, state, observations, heard)
+            if observations.in_range is not tuned:
+                tuned = observations.in_range
+                radio.tune(set(tuned.peers.tolist()))
+            self._publish(list(assembly.payloads(said, twists)))
+
+    async def _ticks(self) -> AsyncIterator[list[Observation]]:
+        """The observations of each tick, one per robot in id order. Ticks that come again are answered again."""
+        waiting: dict[int, Observation] = {}
+        while True:
+            if not await self._inbox.wait(len(self._robots) - len(waiting), SILENCE_TIMEOUT):
+                raise Absent(f"the world said nothing for {SILENCE_TIMEOUT:g} s after tick {self._tick}")
+            for key, payload in self._inbox.drain():
+                observation = self._read(key, payload)
+                if observation is None:
+                    continue
+                if observation.over:
+                    return
+                if observation.tick == self._tick + 1:
+                    waiting[observation.robot] = observation
+                elif observation.tick == self._tick:
+                    self._repeat(observation.robot)
+            if len(waiting) == len(self._robots):
+                self._tick += 1
+                yield [waiting[robot] for robot in self._robots]
+                waiting.clear()
+
+    def _read(self, key: str, payload: bytes | None) -> Observation | None:
+        try:
+            if payload is None:
+                raise MessageError("Observation", "a deletion is not an observation")
+            observation = messages.decode_observation(payload)
+            if keys.robot_of(key) != observation.robot:
+                raise MessageError("Observation", "came on another robot's key", key)
+        except MessageError as error:
+            self.complaints.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
+            return None
+        return observation
+
+    def _publishers(self) -> dict[int, tuple[Put, Put]]:
+        return {
+            robot: (
+                self._bus.publisher(keys.beacon(self._run, robot), "fes.Beacon"),
+                self._bus.publisher(keys.command(self._run, robot), "fes.Command"),
+            )
+            for robot in self._robots
+        }
+
+    def _publish(self, said: list[tuple[int, bytes, bytes]]) -> None:
+        """Beacons first, commands last: the world's next tick then follows every beacon of this one."""
+        for robot, beacon, _ in said:
+            self._mouths[robot][0](beacon)
+        for robot, _, command in said:
+            self._mouths[robot][1](command)
+        self._said = {robot: (beacon, command) for robot, beacon, command in said}
+
+    def _repeat(self, robot: int) -> None:
+        """Answer a tick again that the world asked for again."""
+        for put, payload in zip(self._mouths[robot], self._said[robot], strict=True):
+            put(payload)
+
+    def _on_world(self, key: str, alive: bool) -> None:
+        if alive:
+            self._world_here.set()
+        elif self._world_here.is_set():
+            self._inbox.fail(Absent(f"the world of run '{self._run}' left after tick {self._tick}"))
+
+
+async def serve(flags: argparse.Namespace) -> int:
+    """One agent process, from start to exit code."""
+    robots, run = parse_ids(flags.id), keys.check_run(flags.run)
+    endpoints = process.agent_endpoints(flags, flags.timeout)
+    logging.getLogger(f"agent.{flags.id}").info("waiting for the world at %s, run '%s'", endpoints.shown, run)
+    with bus.opened(endpoints) as opened:
+        agent = Agent(opened, run, robots)
+        try:
+            welcome = await agent.join(flags.timeout)
+            agent.logger.info("ready")
+            await agent.live(welcome)
+            agent.logger.info("the run is over")
+        finally:
+            agent.complaints.log_total()
+    return process.SUCCESS
+
+
+def parse_ids(text: str) -> tuple[int, ...]:
+    """Robot ids from `--id I` or `--id A-B`; raises FesError.
+
+    >>> parse_ids("3"), parse_ids("2-4")
+    ((3,), (2, 3, 4))
+    """
+    first, dash, last = text.partition("-")
+    if not first.isdecimal() or (dash and not last.isdecimal()):
+        raise FesError(f"--id expects I or A-B with integers from 0, got '{text}'")
+    low, high = int(first), int(last) if dash else int(first)
+    if high < low or high > 2**31 - 1:
+        raise FesError(f"--id expects I or A-B with A <= B < 2^31, got '{text}'")
+    return tuple(range(low, high + 1))
+
+
+def main() -> None:
+    """Entry point of fes-agent."""
+    parser = process.OneLineParser(prog="fes-agent", description="One robot, or a range of robots, of a run.")
+    parser.add_argument("--id", required=True, metavar="I|A-B", help="the robot, or the range of robots")
+    parser.add_argument(
+        "--timeout", type=float, default=30.0, metavar="S", help="give up if the world is not there by then"
+    )
+    process.add_network_flags(parser)
+    flags = parser.parse_args()
+    process.run("fes-agent", lambda: serve(flags), exit_with_stdin=flags.exit_with_stdin)

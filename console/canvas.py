@@ -1,0 +1,91 @@
+"""A canvas of braille dots in a terminal: two dots by four a cell, so that a dot is as wide as it is high.
+
+Dots are counted from the lower left, x to the right and y up, as the world's axes are.
+"""
+
+from collections.abc import Sequence
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.segment import Segment
+from rich.style import Style
+
+from fes.arrays import Bools, Floats, Ints
+
+Line: TypeAlias = list[Segment]
+
+DOTS_X, DOTS_Y = 2, 4
+"""Dots a cell."""
+
+_BRAILLE = 0x2800
+_BLANK = ord(" ")
+_BITS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]], dtype=np.uint32)
+
+
+class Canvas:
+    """Dots, and characters over them. Where two drawings share a cell, the later entry of the palette shows."""
+
+    def __init__(self, width: int, height: int, palette: Sequence[str]) -> None:
+        self.width, self.height = width, height
+        self.palette = [Style.parse(style) for style in palette]
+        self.dots: Bools = np.zeros((height * DOTS_Y, width * DOTS_X), dtype=np.bool_)
+        self.ink: Ints = np.zeros((height, width), dtype=np.int64)
+        self.characters: NDArray[np.uint32] = np.zeros((height, width), dtype=np.uint32)
+
+    def points(self, x: Floats, y: Floats, ink: Ints) -> None:
+        """Set the dots nearest to (x, y) [m], each in its entry of the palette; those outside are left out."""
+        column, row = np.rint(x).astype(np.int64), np.rint(y).astype(np.int64)
+        row = self.height * DOTS_Y - 1 - row
+        inside = (column >= 0) & (column < self.width * DOTS_X) & (row >= 0) & (row < self.height * DOTS_Y)
+        column, row = column[inside], row[inside]
+        self.dots[row, column] = True
+        np.maximum.at(self.ink, (row // DOTS_Y, column // DOTS_X), ink[inside])
+
+    def lines(self, start: Floats, end: Floats, ink: Ints, dash: Ints) -> None:
+        """Draw lines from `start` [m, 2] to `end` [m, 2]; of every dash[1] dots the first dash[0] show [m, 2]."""
+        steps = np.maximum(1, np.ceil(np.abs(end - start).max(axis=1, initial=0.0)).astype(np.int64))
+        line = np.repeat(np.arange(len(steps)), steps + 1)
+        first = np.cumsum(steps + 1) - (steps + 1)
+        step = np.arange(len(line)) - first[line]
+        line, step = (kept[step % dash[line, 1] < dash[line, 0]] for kept in (line, step))
+        at = start[line] + (end - start)[line] * (step / steps[line])[:, None]
+        self.points(at[:, 0], at[:, 1], ink[line])
+
+    def cell(self, x: Floats, y: Floats) -> tuple[Ints, Ints]:
+        """Column and row, counted from the top, of the cells that hold the dots nearest to (x, y)."""
+        column, row = np.rint(x).astype(np.int64), np.rint(y).astype(np.int64)
+        return column // DOTS_X, self.height - 1 - row // DOTS_Y
+
+    def write(self, column: int, row: int, text: str, ink: int) -> None:
+        """Put `text` over the dots, from a cell to the right; what does not fit is left out."""
+        for place, character in enumerate(text, column):
+            if 0 <= place < self.width and 0 <= row < self.height:
+                self.characters[row, place] = ord(character)
+                self.ink[row, place] = ink
+
+    def is_free(self, column: int, row: int, length: int, of_dots: bool) -> bool:
+        """Whether `length` cells are on the canvas and hold no character and, if asked, no dot."""
+        if not (0 <= row < self.height and 0 <= column and column + length <= self.width):
+            return False
+        if self.characters[row, column : column + length].any():
+            return False
+        top, left = row * DOTS_Y, column * DOTS_X
+        return not (of_dots and self.dots[top : top + DOTS_Y, left : left + length * DOTS_X].any())
+
+    def render(self) -> list[Line]:
+        """The canvas as lines of styled text."""
+        cells = self.dots.reshape(self.height, DOTS_Y, self.width, DOTS_X).astype(np.uint32)
+        code = np.einsum("iajb,ab->ij", cells, _BITS).astype(np.uint32)
+        code = np.where(code > 0, code + _BRAILLE, _BLANK)
+        code = np.where(self.characters > 0, self.characters, code).astype("<u4")
+        return [self._line(code[row], np.where(code[row] == _BLANK, 0, self.ink[row])) for row in range(self.height)]
+
+    def _line(self, code: NDArray[np.uint32], ink: Ints) -> Line:
+        text = code.tobytes().decode("utf-32-le")
+        cuts = [0, *(np.flatnonzero(ink[1:] != ink[:-1]) + 1).tolist(), len(text)]
+        return [
+            Segment(text[first:last], self.palette[ink[first]])
+            for first, last in zip(cuts[:-1], cuts[1:], strict=True)
+            if first < last
+        ]

@@ -1,0 +1,155 @@
+"""The dashboard: `render(history, width, height)` turns what is known of a run into one frame of text.
+
+Panels that do not fit are left out, the least needed first; a frame always has the size asked for.
+"""
+
+import numpy as np
+from rich.console import RenderableType
+from rich.segment import Segment, SegmentLines
+
+from console import panels
+from console.canvas import Line
+from console.header import header
+from console.panels import SERIES
+from console.teammap import legend, team_map
+from console.text import styled
+from fes.arrays import Bools, Floats
+from fes.report import Report
+
+CAPACITY = 1024
+"""Bins of a history."""
+
+_TWO_COLUMNS = 72  # narrower than this, the panels stand one below the other
+_GAP = 2
+_SIDE = (43, 68)  # least and most width of the panels beside the map
+_MAX_BARS = 7
+
+
+class History:
+    """The latest Report, and the worst of each bin of ticks of the run so far.
+
+    A bin is one tick wide at first. Whenever the run outgrows the bins, pairs of them become one.
+    """
+
+    def __init__(self) -> None:
+        self.latest: Report | None = None
+        self._clear()
+
+    def add(self, report: Report) -> None:
+        """Take in a Report; one from before the latest begins a new run."""
+        if self.latest and (report.tick < self.latest.tick or report.scenario != self.latest.scenario):
+            self._clear()
+        self.latest = report
+        while report.tick // self.stride >= CAPACITY:
+            self._coarsen()
+        at = report.tick // self.stride
+        new = np.array([getattr(report, field) for field in SERIES])
+        self._worst[:, at] = np.fmax(self._worst[:, at], np.where(np.isfinite(new), new, np.nan))
+        self._seen[at] = True
+
+    @property
+    def ticks(self) -> tuple[int, int]:
+        """First and last tick of the series."""
+        return int(self._seen.argmax()) * self.stride, self.latest.tick if self.latest else 0
+
+    def series(self, columns: int) -> Floats:
+        """Worst value in each of `columns` equal parts of the run so far [3, columns] [m]; rows as in SERIES."""
+        seen = np.flatnonzero(self._seen)
+        if len(seen) == 0:
+            return np.full((len(SERIES), columns), np.nan)
+        bins = np.arange(seen[0], seen[-1] + 1)
+        held = self._worst[:, seen[np.searchsorted(seen, bins, side="right") - 1]]
+        starts = np.arange(columns) * len(bins) // columns
+        if columns >= len(bins):
+            return held[:, starts]
+        worst: Floats = np.fmax.reduceat(held, starts, axis=1)
+        return worst
+
+    def _clear(self) -> None:
+        self.stride = 1
+        """Ticks a bin."""
+        self._worst: Floats = np.full((len(SERIES), CAPACITY), np.nan)
+        self._seen: Bools = np.zeros(CAPACITY, dtype=np.bool_)
+
+    def _coarsen(self) -> None:
+        half = CAPACITY // 2
+        worst, seen = self._worst, self._seen
+        stride = 2 * self.stride
+        self._clear()
+        self.stride = stride
+        self._worst[:, :half] = np.fmax(worst[:, 0::2], worst[:, 1::2])
+        self._seen[:half] = seen[0::2] | seen[1::2]
+
+
+def render(history: History, width: int, height: int) -> RenderableType:
+    """One frame of exactly `width` x `height` cells."""
+    width, height = max(1, width), max(1, height)
+    if history.latest is None:
+        frame = _waiting(width, height)
+    elif width >= _TWO_COLUMNS:
+        frame = _wide(history, history.latest, width, height)
+    else:
+        frame = _narrow(history, history.latest, width, height)
+    return SegmentLines(Segment.set_shape(frame, width, height), new_lines=True)
+
+
+def _waiting(width: int, height: int) -> list[Line]:
+    text = "waiting for the world"
+    blank: list[Line] = [[] for _ in range((height - 1) // 2)]
+    return [*blank, [styled(" " * ((width - len(text)) // 2) + text, "dim")]]
+
+
+def _wide(history: History, report: Report, width: int, height: int) -> list[Line]:
+    """The map on the left, the other panels on the right."""
+    side = min(max(_SIDE[0], int(0.43 * width)), _SIDE[1])
+    left, body = width - side - _GAP, height - 2
+    team = [title("Map", legend(), left), *team_map(report, left, body - 1)]
+    right = _column(history, report, side, body, may_grow=True)
+    rows = zip(_shape(team, left, body), _shape(right, side, body), strict=True)
+    return [*header(report, width), *([*one, styled(" " * _GAP), *other] for one, other in rows)]
+
+
+def _narrow(history: History, report: Report, width: int, height: int) -> list[Line]:
+    """The map above the other panels, if there is room for it."""
+    lines, body = header(report, width), height - 2
+    spare = body - 4 - 3 - (2 + len(report.a))  # what the other panels leave at their full height
+    tall = min(max(spare, body // 2), width // 2) if body >= 14 else 0
+    if tall:
+        lines += _shape([title("Map", legend(), width), *team_map(report, width, tall - 1)], width, tall)
+    return lines + _column(history, report, width, body - tall, may_grow=False)
+
+
+def _column(history: History, report: Report, width: int, height: int, may_grow: bool) -> list[Line]:
+    """Convergence, links and connectivity in `height` lines; connectivity, then links go if there is no room."""
+    connectivity = panels.connectivity(report)
+    tied = 1 + len(connectivity) if height >= 8 + len(connectivity) else 0
+    table = 2 + max(1, len(report.a)) if height >= 8 else 0
+    left = height - tied - min(table, (height - tied) // 2 + 1)
+    rows = min(_MAX_BARS, left // len(SERIES) - 1) if may_grow else 1
+    rows = rows if rows > 1 and left > len(SERIES) * (rows + 1) else max(1, rows - 1)
+    series = history.series(panels.sparkline_width(width, rows))
+    first, last = (tick * report.dt for tick in history.ticks)
+    lines = [title("Convergence", [styled(f"log scale, {first:.4g} to {last:.4g} s")], width)]
+    lines += panels.convergence(report, series, width, rows)
+    room = height - len(lines) - tied
+    if room >= 3:
+        note = [styled("worst separation error first")]
+        lines += [title(f"Links {len(report.a):,}, in m", note, width)]
+        table_lines = panels.links(report, width, room - 1)
+        lines += table_lines
+    if tied:
+        lines += [title("Connectivity", [], width), *connectivity]
+    return lines
+
+
+def title(name: str, note: Line, width: int) -> Line:
+    """A panel's name, a rule, and a note at its end if there is room."""
+    size = sum(segment.cell_length for segment in note)
+    if not note or len(name) + size + 5 > width:
+        return [styled(name, "bold"), styled(f" {'─' * max(0, width - len(name) - 1)}", "dim")]
+    rule = "─" * (width - len(name) - size - 2)
+    return [styled(name, "bold"), styled(f" {rule} ", "dim"), *note]
+
+
+def _shape(lines: list[Line], width: int, height: int) -> list[Line]:
+    return Segment.set_shape(lines, width, height)

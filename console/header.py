@@ -1,0 +1,73 @@
+"""The first lines of the dashboard: how far the run is, how fast, and how the team is."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from rich.cells import cell_len
+
+from console.canvas import Line
+from console.text import number, printable, styled
+from fes.report import Report
+
+_GAP = 3
+
+
+def header(report: Report, width: int) -> list[Line]:
+    """The two lines."""
+    return [_progress(report, width), _facts(report, width)]
+
+
+def _progress(report: Report, width: int) -> Line:
+    name = printable(report.scenario)
+    done, whole = (number(ticks * report.dt, ",.2f") for ticks in (report.tick, report.ticks))
+    ticks, times = f"{report.tick:,} / {report.ticks:,}", f"{done} / {whole} s"
+    words = [f"tick {ticks}", f"time {times}"] if width >= 72 else [ticks, times]
+    room = width - cell_len(name) - sum(len(word) + _GAP for word in words) - 2
+    line = [styled(name, "bold")]
+    if room >= 5:
+        part = min(1.0, report.tick / report.ticks) if report.ticks > 0 else 0.0
+        full = round(part * room)
+        line += [styled("  "), styled("━" * full, "cyan"), styled("─" * (room - full), "dim")]
+    return line + [styled(" " * _GAP + word) for word in words]
+
+
+def _facts(report: Report, width: int) -> Line:
+    """As many facts as fit, in their short form if need be."""
+    n, alive = len(report.alive), int(np.count_nonzero(report.alive == 1))
+    sent, decoded = report.beacons_sent, report.beacons_decoded
+    ratio = f"{decoded / sent:.1%}" if sent > 0 else number(float("nan"), "")
+    team = [
+        ("robots alive", f"{alive}/{n}", "" if alive == n else "bold red"),
+        ("r*", f"{number(report.optimal_separation, '.2f')} m", ""),
+    ]
+    pace = [
+        ("ticks/s", number(report.ticks_per_s, ",.0f"), ""),
+        ("real time", f"×{number(report.ticks_per_s * report.dt, ',.3g')}", ""),
+    ]
+    choices = [
+        [*team, *pace, ("beacons decoded/sent", f"{decoded:,}/{sent:,}, {ratio}", "")],
+        [*team, *pace, ("decoded/sent", f"{decoded:,}/{sent:,}", "")],
+        [*team, *pace, ("decoded", f"{_short(decoded)}/{_short(sent)}", "")],
+        [*team, *pace],
+        team,
+    ]
+    facts = next((facts for facts in choices if _extent(facts) <= width), team[:1])
+    line: Line = []
+    for label, value, style in facts:
+        line += [styled(" " * _GAP if line else ""), styled(f"{label} ", "dim"), styled(value, style)]
+    return line
+
+
+def _extent(facts: Sequence[tuple[str, str, str]]) -> int:
+    return sum(len(label) + 1 + len(value) + _GAP for label, value, _ in facts) - _GAP
+
+
+def _short(count: int) -> str:
+    """A count in at most five characters or so.
+
+    >>> _short(9_999), _short(123_456), _short(12_345_678)
+    ('9,999', '123k', '12.3M')
+    """
+    if count < 10_000:
+        return f"{count:,}"
+    return f"{count / 1e3:.3g}k" if count < 999_500 else f"{count / 1e6:.3g}M"

@@ -1,0 +1,50 @@
+"""Numbers as a person reads them, and pieces of styled lines."""
+
+import math
+
+from rich.segment import Segment
+from rich.style import Style
+
+UNKNOWN = "–"
+"""What stands for a number that does not exist."""
+
+_UNITS = ((1e3, "km"), (1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
+
+
+def styled(text: str, style: str = "") -> Segment:
+    """One piece of a line."""
+    return Segment(text, Style.parse(style))
+
+
+def number(value: float, form: str) -> str:
+    """`value` in a format, if it is one.
+
+    >>> number(1234.56, ",.1f"), number(math.nan, ",.1f")
+    ('1,234.6', '–')
+    """
+    return format(value, form) if math.isfinite(value) else UNKNOWN
+
+
+def length(value: float) -> str:
+    """A length [m], not negative, in three digits and the unit that suits it.
+
+    >>> length(68.1), length(0.0123), length(0.9996), length(math.nan), length(0.0), length(3e-14)
+    ('68.1 m', '12.3 mm', '1.00 m', '–', '0 m', '3e-14 m')
+    """
+    if not math.isfinite(value):
+        return UNKNOWN
+    size = float(f"{value:.2e}")
+    for unit, name in _UNITS:
+        if unit <= size < 1e6:
+            digits = 2 if size < 10 * unit else 1 if size < 100 * unit else 0
+            return f"{size / unit:.{digits}f} {name}"
+    return f"{value:.0e} m" if value else "0 m"
+
+
+def printable(text: str) -> str:
+    """`text` without characters that would move the cursor.
+
+    >>> printable("a\\x1b[2J")
+    'a?[2J'
+    """
+    return "".join(letter if letter.isprintable() else "?" for letter in text)

@@ -1,0 +1,218 @@
+"""The only import of zenoh. One session, everything it declared, and the way from its threads to asyncio.
+
+Zenoh calls handlers in threads of its own. A handler given here must only hand over (append, wake), never
+decode or compute: an exception there would be lost, and time spent there holds up every other message.
+"""
+
+import asyncio
+import json
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+# Three threads a session instead of seven; it must be set before the first session opens.
+os.environ.setdefault(
+    "ZENOH_RUNTIME",
+    "(rx:(handover:app),acc:(handover:app),tx:(handover:app),net:(handover:app),app:(worker_threads:2))",
+)
+
+import zenoh
+import zenoh.handlers
+
+from fes.errors import Absent, FesError, Refused, TransportError
+
+DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
+MAX_MESSAGE = 1 << 20  # bytes; larger messages are dropped by the transport
+
+Handler = Callable[[str, bytes | None], None]
+"""Called with the key and the payload of a sample (None for a deletion), in a thread of Zenoh."""
+
+
+@dataclass(frozen=True)
+class Endpoints:
+    """How a process takes part in the network; Zenoh's own flags."""
+
+    mode: Literal["router", "client", "peer"]
+    connect: tuple[str, ...] = ()
+    listen: tuple[str, ...] = ()
+    config_file: Path | None = None
+    settings: tuple[str, ...] = ()
+    """KEY:VALUE pairs, the value in JSON5."""
+    timeout: float = 10.0
+    """How long to try to connect [s]."""
+
+    @property
+    def shown(self) -> str:
+        """The endpoints as a person reads them."""
+        return ", ".join(self.connect or self.listen) or "no endpoint"
+
+
+@dataclass(frozen=True)
+class Question:
+    """A query that waits for its answer."""
+
+    payload: bytes
+    _query: Any
+    _key: str
+
+    def answer(self, payload: bytes, schema: str) -> None:
+        """Answer it."""
+        with self._query as query:
+            query.reply(self._key, payload, encoding=_encoding(schema))
+
+    def refuse(self, reason: str) -> None:
+        """Turn it away, with one line that says why."""
+        with self._query as query:
+            query.reply_err(reason.encode())
+
+
+class Bus:
+    """An open session."""
+
+    def __init__(self, session: zenoh.Session, loop: asyncio.AbstractEventLoop) -> None:
+        self._session = session
+        self._loop = loop
+        self._held: list[Any] = []
+
+    def publisher(self, key: str, schema: str, *, drop: bool = False) -> Callable[[bytes], None]:
+        """A function that puts a payload on `key`.
+
+        It waits where the network is congested, since one lost message would stop the lockstep; with `drop`
+        the message is lost instead, since an observer must never hold up a tick.
+        """
+        control = zenoh.CongestionControl.DROP if drop else zenoh.CongestionControl.BLOCK
+        declared = self._session.declare_publisher(
+            key, encoding=_encoding(schema), congestion_control=control, express=False
+        )
+        self._held.append(declared)
+        return declared.put
+
+    def subscribe(self, key: str, handler: Handler) -> Callable[[], None]:
+        """Hand every sample on `key` to `handler`; returns a function that ends it."""
+
+        def on_sample(sample: zenoh.Sample) -> None:
+            put = sample.kind == zenoh.SampleKind.PUT
+            handler(str(sample.key_expr), sample.payload.to_bytes() if put else None)
+
+        declared = self._session.declare_subscriber(key, zenoh.handlers.Callback(on_sample, indirect=False))
+        return declared.undeclare
+
+    def token(self, key: str) -> None:
+        """Declare a liveliness token: it stands until the session closes or the process dies."""
+        self._held.append(self._session.liveliness().declare_token(key))
+
+    def watch(self, key: str, handler: Callable[[str, bool], None]) -> None:
+        """Call `handler(key, alive)` on the loop for each token on `key`, also for those that stand already."""
+
+        def on_change(sample: zenoh.Sample) -> None:
+            alive = sample.kind == zenoh.SampleKind.PUT
+            self._loop.call_soon_threadsafe(handler, str(sample.key_expr), alive)
+
+        callback = zenoh.handlers.Callback(on_change, indirect=False)
+        self._held.append(self._session.liveliness().declare_subscriber(key, callback, history=True))
+
+    def serve(self, key: str, handler: Callable[[Question], None]) -> None:
+        """Call `handler` on the loop with each question asked on `key`."""
+
+        def on_query(query: zenoh.Query) -> None:
+            payload = query.payload.to_bytes() if query.payload is not None else b""
+            self._loop.call_soon_threadsafe(handler, Question(payload, query, key))
+
+        self._held.append(
+            self._session.declare_queryable(key, zenoh.handlers.Callback(on_query, indirect=False))
+        )
+
+    async def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
+        """The answer to a question on `key`; raises Refused, or Absent after `timeout` [s]."""
+        future: asyncio.Future[zenoh.Reply | None] = self._loop.create_future()
+
+        def settle(reply: zenoh.Reply | None) -> None:
+            if not future.done():
+                future.set_result(reply)
+
+        callback = zenoh.handlers.Callback(
+            lambda reply: self._loop.call_soon_threadsafe(settle, reply),
+            drop=lambda: self._loop.call_soon_threadsafe(settle, None),
+            indirect=False,
+        )
+        self._session.get(key, callback, payload=payload, timeout=timeout)
+        reply = await future
+        if reply is None:
+            raise Absent(f"nobody answered on {key} within {timeout:g} s")
+        if reply.ok is None:
+            error = reply.err
+            raise Refused(error.payload.to_string() if error is not None else "refused")
+        return reply.ok.payload.to_bytes()
+
+
+@contextmanager
+def opened(endpoints: Endpoints) -> Iterator[Bus]:
+    """An open bus, closed at the end. Blocks while it connects; call it inside a running loop.
+
+    Raises TransportError in one line: port taken, nobody there, bad flag.
+    """
+    config = _config(endpoints)
+    try:
+        session = zenoh.open(config)
+    except zenoh.ZError as error:
+        raise TransportError(_reason(endpoints, str(error))) from None
+    with session:
+        yield Bus(session, asyncio.get_running_loop())
+
+
+def _config(endpoints: Endpoints) -> zenoh.Config:
+    path = endpoints.config_file
+    try:
+        config = zenoh.Config.from_file(path) if path is not None else zenoh.Config()
+    except zenoh.ZError as error:
+        raise TransportError(f"cannot read the Zenoh configuration {path}: {_first_line(str(error))}") from None
+    wait = round(1000 * endpoints.timeout)
+    retry = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5}
+    settings: dict[str, object] = {
+        "mode": endpoints.mode,
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "scouting/delay": 0,
+        "listen/endpoints": list(endpoints.listen),
+        "connect/endpoints": list(endpoints.connect),
+        "connect/timeout_ms": wait,
+        "connect/retry": retry,
+        "listen/timeout_ms": 0,
+        "transport/shared_memory/enabled": False,
+        "transport/link/tx/lease": 2000,
+        # The default lets one put wait 5 s for a link that is cut.
+        "transport/link/tx/queue/congestion_control/block/wait_before_close": 500_000,
+        "transport/link/rx/max_message_size": MAX_MESSAGE,
+        "transport/unicast/open_timeout": 2000,
+        "transport/unicast/accept_timeout": 2000,
+    }
+    for key, value in settings.items():
+        config.insert_json5(key, json.dumps(value))
+    for setting in endpoints.settings:
+        key, colon, text = setting.partition(":")
+        if not colon:
+            raise FesError(f"--cfg expects KEY:VALUE, got '{setting}'")
+        try:
+            config.insert_json5(key, text)
+        except zenoh.ZError as error:
+            raise FesError(f"--cfg {setting}: {_first_line(str(error))}") from None
+    return config
+
+
+def _reason(endpoints: Endpoints, message: str) -> str:
+    if "in use" in message.lower():
+        return f"cannot listen on {', '.join(endpoints.listen)}: the address is already in use"
+    if endpoints.mode == "client":
+        return f"nobody listens on {endpoints.shown} (tried for {endpoints.timeout:g} s)"
+    return f"cannot open a session on {endpoints.shown}: {_first_line(message)}"
+
+
+def _first_line(message: str) -> str:
+    return message.strip().splitlines()[0] if message.strip() else "unknown error"
+
+
+def _encoding(schema: str) -> zenoh.Encoding:
+    return zenoh.Encoding("application/x-msgpack").with_schema(schema)

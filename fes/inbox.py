@@ -1,0 +1,65 @@
+"""From Zenoh's threads to the loop: one wake-up when enough messages have come."""
+
+import asyncio
+from collections import deque
+
+from fes.errors import FesError
+
+Item = tuple[str, bytes | None]
+
+LIMIT = 100_000
+"""Messages that may wait; what comes beyond is dropped and counted."""
+
+
+class Inbox:
+    """Messages that wait for the loop. `put` may be called from any thread, all else on the loop."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+        self._loop = loop
+        self._items: deque[Item] = deque()
+        self._wanted = 0
+        self._waiter: asyncio.Future[None] | None = None
+        self._failure: FesError | None = None
+        self.dropped = 0
+
+    def put(self, key: str, payload: bytes | None) -> None:
+        """Hand over one message."""
+        if len(self._items) >= LIMIT:
+            self.dropped += 1
+            return
+        self._items.append((key, payload))
+        if 0 < self._wanted <= len(self._items):
+            self._wanted = 0
+            self._loop.call_soon_threadsafe(self._wake)
+
+    def fail(self, failure: FesError) -> None:
+        """End every present and future wait with `failure`."""
+        self._failure = self._failure or failure
+        self._wake()
+
+    async def wait(self, count: int, timeout: float) -> bool:
+        """Wait until `count` messages are here; False if `timeout` [s] passed first."""
+        self._waiter = self._loop.create_future()
+        self._wanted = count
+        if len(self._items) < count and self._failure is None:
+            timer = self._loop.call_later(timeout, self._wake)
+            try:
+                await self._waiter
+            finally:
+                timer.cancel()
+        self._wanted = 0
+        # What came before a failure is still to be read: a world says that the run is over, then leaves.
+        if len(self._items) >= count:
+            return True
+        if self._failure is not None:
+            raise self._failure
+        return False
+
+    def drain(self) -> list[Item]:
+        """All messages that are here, in the order they came."""
+        items = self._items
+        return [items.popleft() for _ in range(len(items))]
+
+    def _wake(self) -> None:
+        if self._waiter is not None and not self._waiter.done():
+            self._waiter.set_result(None)

@@ -1,0 +1,74 @@
+"""Every key expression, in one table.
+
+| key                             | payload                  | from -> to                          | rate         |
+|---------------------------------|--------------------------|-------------------------------------|--------------|
+| fes/<run>/world/alive           | liveliness token         | world -> all                        | while up     |
+| fes/<run>/robot/<i>/alive       | liveliness token         | agent i -> all                      | while up     |
+| fes/<run>/world/welcome         | Join, answered by Welcome | agent -> world -> agent            | once a join  |
+| fes/<run>/robot/<i>/observation | Observation              | world -> agent i                    | each tick    |
+| fes/<run>/robot/<i>/beacon      | Beacon                   | agent i -> peers in range, observers | each tick   |
+| fes/<run>/robot/<i>/command     | Command                  | agent i -> world                    | each tick    |
+| fes/<run>/world/report          | Report                   | world -> observers                  | 10 Hz (wall) |
+
+One robot owns one prefix, so access rules are one pattern a robot.
+"""
+
+import re
+
+from fes.errors import FesError
+
+DEFAULT_RUN = "main"
+_RUN = re.compile(r"[A-Za-z0-9_.-]{1,64}")
+_ROBOT = re.compile(r"fes/[^/]+/robot/(\d{1,10})/[a-z]+")
+
+
+def check_run(run: str) -> str:
+    """`run` itself, if it can be part of a key; raises FesError."""
+    if not _RUN.fullmatch(run):
+        raise FesError(f"a run's name is 1 to 64 letters, digits, '_', '.' or '-', got '{run}'")
+    return run
+
+
+def world_alive(run: str) -> str:
+    """The world's liveliness token."""
+    return f"fes/{run}/world/alive"
+
+
+def welcome(run: str) -> str:
+    """Where an agent asks to join."""
+    return f"fes/{run}/world/welcome"
+
+
+def report(run: str) -> str:
+    """Where observers look."""
+    return f"fes/{run}/world/report"
+
+
+def robot_alive(run: str, robot: int | str) -> str:
+    """A robot's liveliness token; `*` for all robots, as in the functions below."""
+    return f"fes/{run}/robot/{robot}/alive"
+
+
+def observation(run: str, robot: int | str) -> str:
+    """What a robot senses."""
+    return f"fes/{run}/robot/{robot}/observation"
+
+
+def beacon(run: str, robot: int | str) -> str:
+    """What a robot tells its peers."""
+    return f"fes/{run}/robot/{robot}/beacon"
+
+
+def command(run: str, robot: int | str) -> str:
+    """What a robot tells its body."""
+    return f"fes/{run}/robot/{robot}/command"
+
+
+def robot_of(key: str) -> int | None:
+    """The robot that a key belongs to, or None if it is no robot's own key (a wildcard, say).
+
+    >>> robot_of("fes/main/robot/3/beacon"), robot_of("fes/main/robot/*/beacon")
+    (3, None)
+    """
+    found = _ROBOT.fullmatch(key)
+    return int(found[1]) if found else None

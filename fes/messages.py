@@ -1,0 +1,175 @@
+"""What crosses the wire between world and agents, one robot at a time.
+
+A decoder raises MessageError, and nothing else, on whatever bytes it gets.
+"""
+
+from dataclasses import dataclass
+
+from pydantic import ValidationError
+
+from fes import wire
+from fes.arrays import Bytes, Floats, Ints
+from fes.config import AgentConfig
+from fes.errors import MessageError
+from fes.sensing import DECODED
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Welcome:
+    """World to agent, once per join: which robots it hosts, and all it may know."""
+
+    robots: tuple[int, ...]
+    config: AgentConfig
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Observation:
+    """World to robot, each tick: what it senses. `over` ends the run and expects no answer."""
+
+    tick: int
+    robot: int
+    pose: tuple[float, float, float]
+    """x, y, heading [m, m, rad; world frame]."""
+    in_range: Ints
+    """Peers within communication range, ascending [c]."""
+    reception: Bytes
+    """What became of their beacons of the previous tick: CLOSED, LOST or DECODED [c]."""
+    over: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Beacon:
+    """Robot to the peers in range, each tick."""
+
+    tick: int
+    robot: int
+    pose: tuple[float, float, float]
+    """x, y, heading [m, m, rad; world frame]."""
+    links: Ints
+    """Peers it has a link to, ascending [l]."""
+    estimates: Floats
+    """Its separation estimate of each link [l] [m]."""
+    named: Bytes
+    """1 where its own graph rule chose the link [l]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Command:
+    """Robot to its body, each tick: the twist to hold; and telemetry for observers, which moves nothing."""
+
+    tick: int
+    robot: int
+    twist: tuple[float, float]
+    """linear, angular [m/s, rad/s; body frame]."""
+    links: Ints
+    """As in the beacon [l]."""
+    estimates: Floats
+    """As in the beacon [l] [m]."""
+
+
+def encode_observation(message: Observation) -> bytes:
+    """The payload of an Observation."""
+    return wire.pack(
+        message.tick,
+        message.robot,
+        *message.pose,
+        wire.id_bytes(message.in_range),
+        message.reception.tobytes(),
+        message.over,
+    )
+
+
+def decode_observation(payload: bytes) -> Observation:
+    """The Observation in a payload."""
+    name = "Observation"
+    tick, robot, x, y, heading, in_range, reception, over = wire.unpack(name, payload, 8)
+    peers = wire.ids(name, in_range)
+    return Observation(
+        wire.tick(name, tick),
+        wire.robot_id(name, robot),
+        (wire.number(name, x), wire.number(name, y), wire.number(name, heading)),
+        peers,
+        wire.codes(name, reception, len(peers), DECODED),
+        wire.flag(name, over),
+    )
+
+
+def encode_beacon(message: Beacon) -> bytes:
+    """The payload of a Beacon."""
+    return wire.pack(
+        message.tick,
+        message.robot,
+        *message.pose,
+        wire.id_bytes(message.links),
+        message.estimates.tobytes(),
+        message.named.tobytes(),
+    )
+
+
+def decode_beacon(payload: bytes) -> Beacon:
+    """The Beacon in a payload."""
+    name = "Beacon"
+    tick, robot, x, y, heading, links, estimates, named = wire.unpack(name, payload, 8)
+    peers = wire.ids(name, links)
+    return Beacon(
+        wire.tick(name, tick),
+        wire.robot_id(name, robot),
+        (wire.number(name, x), wire.number(name, y), wire.number(name, heading)),
+        peers,
+        wire.numbers(name, estimates, len(peers)),
+        wire.codes(name, named, len(peers), 1),
+    )
+
+
+def encode_command(message: Command) -> bytes:
+    """The payload of a Command."""
+    return wire.pack(
+        message.tick, message.robot, *message.twist, wire.id_bytes(message.links), message.estimates.tobytes()
+    )
+
+
+def decode_command(payload: bytes) -> Command:
+    """The Command in a payload."""
+    name = "Command"
+    tick, robot, linear, angular, links, estimates = wire.unpack(name, payload, 6)
+    peers = wire.ids(name, links)
+    return Command(
+        wire.tick(name, tick),
+        wire.robot_id(name, robot),
+        (wire.number(name, linear), wire.number(name, angular)),
+        peers,
+        wire.numbers(name, estimates, len(peers)),
+    )
+
+
+def encode_welcome(message: Welcome) -> bytes:
+    """The payload of a Welcome."""
+    return wire.pack(list(message.robots), message.config.model_dump_json())
+
+
+def decode_welcome(payload: bytes) -> Welcome:
+    """The Welcome in a payload."""
+    name = "Welcome"
+    robots, config = wire.unpack(name, payload, 2)
+    wire.check(name, isinstance(robots, list) and len(robots) > 0, "expects a list of robots", robots)
+    wire.check(name, isinstance(config, str), "expects the configuration as JSON", config)
+    try:
+        return Welcome(tuple(wire.robot_id(name, robot) for robot in robots), AgentConfig.model_validate_json(config))
+    except ValidationError as error:
+        raise MessageError(name, f"configuration: {error.errors()[0]['msg']}") from None
+
+
+def encode_join(robots: tuple[int, ...], token: str) -> bytes:
+    """The payload of an agent's question for a Welcome: the robots it wants to host, and who it is."""
+    return wire.pack(list(robots), token)
+
+
+def decode_join(payload: bytes) -> tuple[tuple[int, ...], str]:
+    """The robots wanted, ascending, and the asker's token."""
+    name = "Join"
+    robots, token = wire.unpack(name, payload, 2)
+    wire.check(name, isinstance(robots, list) and 0 < len(robots), "expects a list of robots", robots)
+    wire.check(name, isinstance(token, str) and 0 < len(token) <= 64, "expects a token", token)
+    wanted = tuple(wire.robot_id(name, robot) for robot in robots)
+    wire.check(name, list(wanted) == sorted(set(wanted)), "robot ids must ascend", robots)
+    return wanted, token

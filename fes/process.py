@@ -1,0 +1,107 @@
+"""A process from start to exit: signals, exit codes, and the flags that world and agents share."""
+
+import argparse
+import asyncio
+import logging
+import os
+import signal
+import sys
+from collections.abc import Callable, Coroutine
+from pathlib import Path
+from typing import NoReturn
+
+from fes import keys
+from fes.bus import DEFAULT_ENDPOINT, Endpoints
+from fes.errors import FesError
+
+SUCCESS, FAILURE, UNMET = 0, 1, 2
+"""Exit codes: success; bad configuration or run-time error; an expectation of the scenario failed."""
+
+FORCED = 130
+"""Exit code after a second signal."""
+
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+def run(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_with_stdin: bool = False) -> NoReturn:
+    """Run `main` to its exit code, and end the process.
+
+    The first signal cancels `main`, the second ends the process at once. With `exit_with_stdin` the end of
+    standard input counts as a signal: a child whose parent is gone, however it went, must not stay.
+    """
+    logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="%(asctime)s %(name)s: %(message)s")
+    try:
+        code = asyncio.run(_until_stopped(main, exit_with_stdin))
+    except FesError as error:
+        print(f"{name}: error: {error}", file=sys.stderr)
+        code = error.exit_code
+    except KeyboardInterrupt:
+        code = FAILURE
+    sys.stdout.flush()
+    sys.stderr.flush()
+    # A session that Zenoh could not close would keep an ordinary exit waiting for ever.
+    os._exit(code)
+
+
+async def _until_stopped(main: Callable[[], Coroutine[None, None, int]], exit_with_stdin: bool) -> int:
+    loop = asyncio.get_running_loop()
+    task = asyncio.ensure_future(main())
+    told = 0
+
+    def stop() -> None:
+        nonlocal told
+        told += 1
+        if told > 1:
+            os._exit(FORCED)
+        task.cancel()
+
+    for number in STOP_SIGNALS:
+        loop.add_signal_handler(number, stop)
+    if exit_with_stdin:
+        loop.add_reader(sys.stdin.fileno(), lambda: _at_end_of_stdin(loop, stop))
+    try:
+        return await task
+    except asyncio.CancelledError:
+        return SUCCESS  # a service that was told to stop, and stopped
+
+
+def _at_end_of_stdin(loop: asyncio.AbstractEventLoop, stop: Callable[[], None]) -> None:
+    if not os.read(sys.stdin.fileno(), 4096):
+        loop.remove_reader(sys.stdin.fileno())
+        stop()
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """Argparse, but a bad argument is one line and exit code 1, as every other error."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong, and end the process."""
+        print(f"{self.prog}: error: {message}", file=sys.stderr)
+        raise SystemExit(FAILURE)
+
+
+def add_network_flags(parser: argparse.ArgumentParser) -> None:
+    """Zenoh's own flags, as in its examples, and the run's name."""
+    group = parser.add_argument_group("network")
+    group.add_argument("-m", "--mode", choices=["router", "client", "peer"], help="Zenoh session mode")
+    group.add_argument("-e", "--connect", action="append", default=[], metavar="ENDPOINT")
+    group.add_argument("-l", "--listen", action="append", default=[], metavar="ENDPOINT")
+    group.add_argument("-c", "--config", type=Path, metavar="FILE", help="Zenoh configuration file")
+    group.add_argument("--cfg", action="append", default=[], metavar="KEY:VALUE", help="Zenoh setting")
+    group.add_argument("--run", default=keys.DEFAULT_RUN, help="name of the run (default: %(default)s)")
+    parser.add_argument("--exit-with-stdin", action="store_true", help="stop when standard input ends")
+
+
+def world_endpoints(flags: argparse.Namespace) -> Endpoints:
+    """Endpoints of a world: a router that listens, unless the flags say otherwise."""
+    mode = flags.mode or "router"
+    listen = tuple(flags.listen) or ((DEFAULT_ENDPOINT,) if mode == "router" else ())
+    return Endpoints(mode, tuple(flags.connect), listen, flags.config, tuple(flags.cfg))
+
+
+def agent_endpoints(flags: argparse.Namespace, timeout: float) -> Endpoints:
+    """Endpoints of an agent or an observer: a client of the world's router, unless the flags say otherwise."""
+    connect = tuple(flags.connect) or (DEFAULT_ENDPOINT,)
+    return Endpoints(
+        flags.mode or "client", connect, tuple(flags.listen), flags.config, tuple(flags.cfg), timeout
+    )

@@ -1,0 +1,128 @@
+"""Report: the world to observers, as often as they can use it. The truth, and what robots say of themselves.
+
+No agent subscribes to it. Quantities that do not exist yet (an estimate nobody made) are NaN.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fes import wire
+from fes.arrays import Bytes, Floats, Ints
+
+_LINK_ARRAYS = ("separation", "estimate_ab", "estimate_ba", "outage", "decoded_ratio")
+_NUMBERS = (
+    "dt",
+    "optimal_separation",
+    "elapsed",
+    "ticks_per_s",
+    "disagreement",
+    "estimate_error_max",
+    "separation_error_max",
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Report:
+    """One look at the whole team."""
+
+    scenario: str
+    tick: int
+    ticks: int
+    """Ticks that the run has in all."""
+    dt: float
+    """Tick length [s]."""
+    optimal_separation: float
+    """r* of the true channel and objective [m]."""
+    elapsed: float
+    """Wall-clock time since tick 0 [s]."""
+    ticks_per_s: float
+    """Recent rate [1/s]."""
+    alive: Bytes
+    """1 for each robot whose agent is alive [n]."""
+    poses: Floats
+    """True poses [n, 3] [m, m, rad; world frame]."""
+    a: Ints
+    """Links in use: the lower id [l]."""
+    b: Ints
+    """The higher id [l]."""
+    separation: Floats
+    """True separation [l] [m]."""
+    estimate_ab: Floats
+    """Estimate of robot a [l] [m]."""
+    estimate_ba: Floats
+    """Estimate of robot b [l] [m]."""
+    outage: Floats
+    """True outage probability of a beacon at this separation [l]."""
+    decoded_ratio: Floats
+    """Beacons decoded of those sent since the contact opened, both ways together [l]."""
+    beacons_sent: int
+    beacons_decoded: int
+    disagreement: float
+    """Sum over links of the two estimates' difference [m]."""
+    estimate_error_max: float
+    """Largest |estimate - r*| [m]."""
+    separation_error_max: float
+    """Largest |separation - r*| over links [m]."""
+    disk_connected: bool
+    """Whether the graph of all robots in range is connected."""
+
+
+def encode_report(report: Report) -> bytes:
+    """The payload of a Report."""
+    return wire.pack(
+        report.scenario,
+        report.tick,
+        report.ticks,
+        [getattr(report, name) for name in _NUMBERS],
+        report.alive.tobytes(),
+        report.poses.tobytes(),
+        report.a.astype("<i4").tobytes(),
+        report.b.astype("<i4").tobytes(),
+        [getattr(report, name).tobytes() for name in _LINK_ARRAYS],
+        report.beacons_sent,
+        report.beacons_decoded,
+        report.disk_connected,
+    )
+
+
+def decode_report(payload: bytes) -> Report:
+    """The Report in a payload; raises MessageError."""
+    name = "Report"
+    fields = wire.unpack(name, payload, 12)
+    scenario, tick, ticks, numbers, alive, poses, a, b, arrays, sent, decoded, connected = fields
+    wire.check(name, type(scenario) is str, "expects the scenario's name", scenario)
+    wire.check(name, type(numbers) is list and len(numbers) == len(_NUMBERS), "expects numbers", numbers)
+    wire.check(name, all(type(value) is float for value in numbers), "expects numbers", numbers)
+    wire.check(name, type(alive) is bytes, "expects a code a robot", alive)
+    wire.check(name, type(arrays) is list and len(arrays) == len(_LINK_ARRAYS), "expects link arrays", arrays)
+    lower, higher = _ids(name, a), _ids(name, b)
+    wire.check(name, len(lower) == len(higher), "expects two ends a link", len(higher))
+    links = {key: _floats(name, blob, len(lower)) for key, blob in zip(_LINK_ARRAYS, arrays, strict=True)}
+    robots = len(alive)
+    return Report(
+        scenario=scenario,
+        tick=wire.tick(name, tick),
+        ticks=wire.tick(name, ticks),
+        **dict(zip(_NUMBERS, numbers, strict=True)),
+        alive=wire.codes(name, alive, robots, 1),
+        poses=wire.numbers(name, poses, 3 * robots).reshape(robots, 3),
+        a=lower,
+        b=higher,
+        **links,
+        beacons_sent=wire.tick(name, sent),
+        beacons_decoded=wire.tick(name, decoded),
+        disk_connected=wire.flag(name, connected),
+    )
+
+
+def _ids(name: str, blob: Any) -> Ints:
+    wire.check(name, type(blob) is bytes and len(blob) % 4 == 0, "expects ids as int32", blob)
+    return np.frombuffer(blob, dtype="<i4").astype(np.int64)
+
+
+def _floats(name: str, blob: Any, count: int) -> Floats:
+    """Numbers [count], NaN where there is none."""
+    wire.check(name, type(blob) is bytes and len(blob) == 8 * count, f"expects {count} float64", blob)
+    return np.frombuffer(blob, dtype="<f8")

@@ -1,0 +1,114 @@
+"""Fields of a payload: packed with msgpack, and checked one by one when they come back.
+
+Every payload is a msgpack array that begins with PROTOCOL. Lists of ids and of numbers travel as binary,
+little-endian int32 and float64. Each function that reads a field takes the name of the message, and raises
+MessageError where the field has the wrong type, length or size, a number is not finite, or ids do not ascend.
+"""
+
+import math
+from functools import lru_cache
+from typing import Any
+
+import msgpack
+import numpy as np
+
+from fes.arrays import Bytes, Floats, Ints
+from fes.errors import MessageError
+
+PROTOCOL = 1
+MAX_PAYLOAD = 1 << 20
+"""Longest payload [bytes] that is looked at."""
+
+MAX_TICK = 2**53
+MAX_ID = 2**31 - 1
+
+
+def pack(*fields: Any) -> bytes:
+    """The payload of a message with these fields."""
+    return msgpack.packb((PROTOCOL, *fields))  # type: ignore[no-any-return]
+
+
+def unpack(name: str, payload: bytes, count: int) -> list[Any]:
+    """The fields after the version."""
+    check(name, len(payload) <= MAX_PAYLOAD, f"longer than {MAX_PAYLOAD} bytes", len(payload))
+    try:
+        fields = msgpack.unpackb(payload, strict_map_key=True)
+    except (ValueError, msgpack.UnpackException, RecursionError) as error:
+        raise MessageError(name, f"is not msgpack ({type(error).__name__})") from None
+    check(name, type(fields) is list and len(fields) > 0, "expects an array", fields)
+    check(name, fields[0] == PROTOCOL, f"speaks protocol {PROTOCOL}, got version", fields[0])
+    check(name, len(fields) == count + 1, f"expects {count} fields, got", len(fields) - 1)
+    return fields[1:]  # type: ignore[no-any-return]
+
+
+def check(name: str, holds: bool, rule: str, value: object) -> None:
+    """Raise MessageError with the rule and the offending value unless the rule holds."""
+    if not holds:
+        shown = repr(value)
+        raise MessageError(name, rule, shown if len(shown) <= 60 else shown[:57] + "...")
+
+
+def tick(name: str, value: Any) -> int:
+    """A tick."""
+    check(name, type(value) is int and 0 <= value < MAX_TICK, "tick must be an integer from 0", value)
+    return int(value)
+
+
+def robot_id(name: str, value: Any) -> int:
+    """The id of a robot."""
+    check(name, type(value) is int and 0 <= value <= MAX_ID, "robot must be an integer from 0 to 2^31 - 1", value)
+    return int(value)
+
+
+def number(name: str, value: Any) -> float:
+    """A finite number."""
+    check(name, type(value) is float and math.isfinite(value), "expects a finite number", value)
+    return float(value)
+
+
+def flag(name: str, value: Any) -> bool:
+    """True or False."""
+    check(name, type(value) is bool, "expects a flag", value)
+    return bool(value)
+
+
+def ids(name: str, blob: Any) -> Ints:
+    """Ids, ascending [m]; the same bytes give the same array."""
+    check(name, type(blob) is bytes and len(blob) % 4 == 0, "expects ids as int32", blob)
+    found = _ascending(blob)
+    if found is None:
+        raise MessageError(name, "ids must ascend from 0")
+    return found
+
+
+@lru_cache(maxsize=4096)
+def _ascending(blob: bytes) -> Ints | None:
+    """The ids in little-endian int32, or None if they do not ascend from 0.
+
+    The same bytes give the same array, so that a set of ids which does not change keeps its identity.
+    """
+    found = np.frombuffer(blob, dtype="<i4").astype(np.int64)
+    if len(found) and (found[0] < 0 or (found[1:] <= found[:-1]).any()):
+        return None
+    found.flags.writeable = False
+    return found
+
+
+def id_bytes(robots: Ints) -> bytes:
+    """Ids [m] as they travel."""
+    return robots.astype("<i4").tobytes()
+
+
+def numbers(name: str, blob: Any, count: int) -> Floats:
+    """Finite numbers [count]."""
+    check(name, type(blob) is bytes and len(blob) == 8 * count, f"expects {count} float64", blob)
+    found = np.frombuffer(blob, dtype="<f8")
+    check(name, bool(np.isfinite(found).all()), "numbers must be finite", found.tolist())
+    return found
+
+
+def codes(name: str, blob: Any, count: int, highest: int) -> Bytes:
+    """Small integers from 0 to `highest` [count]."""
+    check(name, type(blob) is bytes and len(blob) == count, f"expects {count} codes", blob)
+    check(name, not blob or max(blob) <= highest, f"codes must be at most {highest}", blob)
+    return np.frombuffer(blob, dtype=np.uint8)

@@ -1,0 +1,1 @@
+"""Claims about the laws and the machinery, each with an independent witness."""

@@ -1,0 +1,67 @@
+"""Robots in the plane and what they hear of one another, built pair by pair in plain Python."""
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from agents import contacts
+from agents.contacts import Contacts
+from fes.arrays import Bools, Floats, Ints
+from fes.edges import Edges, no_edges
+from fes.sensing import DECODED, LOST, Beacons, Observations
+
+REACH = 150.0
+"""[m]"""
+
+
+def poses(positions: Iterable[tuple[float, float]], heading: float = 0.0) -> Floats:
+    """Poses [n, 3] at `positions`."""
+    return np.array([(x, y, heading) for x, y in positions])
+
+
+def scatter(rng: np.random.Generator, n: int, width: float) -> Floats:
+    """n poses, uniform in a square [m]."""
+    return np.column_stack([rng.uniform(0.0, width, (n, 2)), rng.uniform(-math.pi, math.pi, n)])
+
+
+def distance(where: Floats, i: int, j: int) -> float:
+    """Between robots i and j [m]."""
+    dx, dy = where[i, 0] - where[j, 0], where[i, 1] - where[j, 1]
+    return math.sqrt(dx * dx + dy * dy)
+
+
+def edges(ids: Iterable[int], pairs: Iterable[tuple[int, int]]) -> Edges:
+    """The directed `pairs` (robot, peer) of the robots `ids`."""
+    crew = sorted(ids)
+    ordered = sorted(pairs)
+    rows = np.array([crew.index(robot) for robot, _ in ordered], dtype=np.int64)
+    return Edges(np.array(crew, dtype=np.int64), rows, np.array([peer for _, peer in ordered], dtype=np.int64))
+
+
+def in_range(where: Floats, robots: Iterable[int], reach: float = REACH) -> Edges:
+    """Peers within reach of each of `robots`, all poses being `where` [n, 3]."""
+    crew = list(robots)
+    n = len(where)
+    return edges(crew, [(i, j) for i in crew for j in range(n) if i != j and distance(where, i, j) <= reach])
+
+
+def hear(where: Floats, robots: Iterable[int], reach: float = REACH, decoded: Bools | None = None) -> Contacts:
+    """The contacts of `robots` after one beacon from everybody; `decoded` [m]: which ones did (all)."""
+    crew = sorted(robots)
+    near = in_range(where, crew, reach)
+    everybody = np.arange(len(where))
+    nothing = np.zeros(0)
+    said = Beacons(0, everybody, where, no_edges(everybody), nothing, np.zeros(0, dtype=np.bool_))
+    codes = np.full(len(near), DECODED, dtype=np.uint8)
+    if decoded is not None:
+        codes[~decoded] = LOST
+    own = where[np.array(crew)]
+    return contacts.update(contacts.nobody(near.ids), Observations(1, own, near, codes), own, said, 50)
+
+
+def pairs_of(among: Edges, chosen: Bools | None = None) -> set[tuple[int, int]]:
+    """The (chosen) pairs (robot, peer)."""
+    robots: Ints = among.ids[among.rows]
+    mask = np.ones(len(among), dtype=np.bool_) if chosen is None else chosen
+    return set(zip(robots[mask].tolist(), among.peers[mask].tolist(), strict=True))

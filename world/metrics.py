@@ -1,0 +1,124 @@
+"""What a run achieves: errors, connectivity, times to reach them, and the digest."""
+
+import hashlib
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fes import geometry
+from fes.arrays import Floats, Ints
+from fes.edges import Edges
+from world import graphs
+from world.proximity import Proximity
+
+HOLD = 10.0
+"""A level counts as reached at the first time from which it holds for this long [s], or to the end."""
+
+LEVELS = {
+    "disagreement_1m": ("disagreement", 1.0),
+    "estimate_1m": ("estimate_error", 1.0),
+    "estimate_0_1m": ("estimate_error", 0.1),
+    "separation_1m": ("separation_error", 1.0),
+    "separation_0_1m": ("separation_error", 0.1),
+}
+"""Name in the summary -> which quantity must stay below which level [m]."""
+
+
+@dataclass(eq=False)
+class Graph:
+    """The components of the graph of some edges, computed once for as long as the edges stay."""
+
+    edges: Edges | None = None
+    connected: bool = False
+
+    def is_connected(self, edges: Edges) -> bool:
+        """Whether all robots form one component."""
+        if edges is not self.edges:
+            a, b = ends(edges)
+            self.edges, self.connected = edges, graphs.component_count(len(edges.ids), a, b) == 1
+        return self.connected
+
+
+@dataclass(eq=False)
+class Tally:
+    """Sums up a run, tick by tick; `add` is called once for each tick, in order."""
+
+    dt: float
+    optimal: float
+    """r* [m]."""
+    ticks: int = 0
+    errors: dict[str, float] = field(default_factory=dict)
+    """At the last tick: disagreement (NaN before there are links), estimate_error, separation_error [m]."""
+    disk_always: bool = True
+    links_always: bool = True
+    disk_now: bool = False
+    _since: dict[str, int | None] = field(default_factory=lambda: dict.fromkeys(LEVELS))
+    _reached: dict[str, int] = field(default_factory=dict)
+    _hash: "hashlib._Hash" = field(default_factory=hashlib.sha256)
+    _disk: Graph = field(default_factory=Graph)
+    _links: Graph = field(default_factory=Graph)
+
+    def add(
+        self, poses: Floats, twists: Floats, near: Proximity, open_contacts: bool, links: Edges, estimates: Floats
+    ) -> None:
+        """One tick: true poses [n, 3] and twists [n, 2], who is in range, and what robots say they use."""
+        self._digest(poses, twists)
+        self.disk_now = self._disk.is_connected(near.edges)
+        self.disk_always &= self.disk_now
+        if open_contacts:
+            self.links_always &= self._links.is_connected(links)
+        self.errors = link_errors(poses, links, estimates, self.optimal)
+        self._levels()
+        self.ticks += 1
+
+    def times(self) -> dict[str, float | None]:
+        """For each level the first time [s] from which it held for HOLD, or to the end; None if it never did."""
+        found = {name: self._reached.get(name, self._since[name]) for name in LEVELS}
+        return {name: None if tick is None else tick * self.dt for name, tick in found.items()}
+
+    def digest(self) -> str:
+        """SHA-256 over the ticks so far; see `docs` in the README for its layout."""
+        return self._hash.hexdigest()
+
+    def _digest(self, poses: Floats, twists: Floats) -> None:
+        self._hash.update(np.int64(self.ticks).astype("<i8").tobytes())
+        self._hash.update(np.concatenate([poses, twists], axis=1).astype("<f8", copy=False).tobytes())
+
+    def _levels(self) -> None:
+        hold = math.ceil(HOLD / self.dt)
+        for name, (quantity, level) in LEVELS.items():
+            if name in self._reached:
+                continue
+            since = self._since[name]
+            if not self.errors[quantity] < level:
+                self._since[name] = None
+            elif since is None:
+                self._since[name] = self.ticks
+            elif self.ticks - since >= hold:
+                self._reached[name] = since
+
+
+def ends(edges: Edges) -> tuple[Ints, Ints]:
+    """Rows of the two ends of each undirected edge, among all robots 0 to n - 1."""
+    at = edges.undirected
+    return edges.rows[at], edges.peers[at]
+
+
+def separations(poses: Floats, a: Ints, b: Ints) -> Floats:
+    """True separation [m] of the robots in rows a and b."""
+    x, y = poses[:, geometry.X], poses[:, geometry.Y]
+    return geometry.separation(x.take(a) - x.take(b), y.take(a) - y.take(b))
+
+
+def link_errors(poses: Floats, links: Edges, estimates: Floats, optimal: float) -> dict[str, float]:
+    """Disagreement and largest errors [m] over the links in use; NaN where there are none."""
+    if len(links) == 0:
+        return dict.fromkeys(("disagreement", "estimate_error", "separation_error"), math.nan)
+    both = links.mutual
+    a, b = ends(links)
+    return {
+        "disagreement": float(np.abs(estimates.take(both) - estimates.take(links.reverse.take(both))).sum()),
+        "estimate_error": float(np.abs(estimates - optimal).max()),
+        "separation_error": float(np.abs(separations(poses, a, b) - optimal).max()),
+    }

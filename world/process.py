@@ -1,0 +1,77 @@
+"""The shell of the world: fes-world."""
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: no thread pool for arrays this small
+
+import argparse
+from pathlib import Path
+
+from fes import bus, keys, process
+from fes.errors import FesError
+from world import summary
+from world.scenario import Scenario, load, parse_override
+from world.server import Server
+
+
+async def serve(flags: argparse.Namespace, scenario: Scenario) -> int:
+    """One world process, from start to exit code."""
+    run = keys.check_run(flags.run)
+    with bus.opened(process.world_endpoints(flags)) as opened:
+        server = Server(opened, scenario, Path(flags.scenario).stem, run, flags.rtf)
+        try:
+            await server.gather()
+            await server.run()
+        finally:
+            server.dismiss()
+            server.complaints.log_total()
+            reached = server.summarize()
+            if reached is not None and flags.out is not None:
+                summary.write(flags.out, reached)
+        server.logger.info("the run is over after %d ticks", scenario.ticks)
+    return process.SUCCESS
+
+
+def main() -> None:
+    """Entry point of fes-world."""
+    parser = process.OneLineParser(prog="fes-world", description="Ground truth and radio channel of a run.")
+    parser.add_argument("scenario", metavar="SCENARIO", help="a scenario file, such as configs/paper.toml")
+    add_scenario_flags(parser)
+    parser.add_argument("--rtf", type=real_time_factor, metavar="max|X", help="pace: simulated s per s")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="where to write scenario.toml and summary.json")
+    process.add_network_flags(parser)
+    flags = parser.parse_args()
+    try:
+        scenario = load(Path(flags.scenario), overrides(flags))
+        if flags.out is not None:
+            summary.write_scenario(flags.out, scenario)
+    except (FesError, OSError) as error:
+        parser.error(str(error))
+    process.run("fes-world", lambda: serve(flags, scenario), exit_with_stdin=flags.exit_with_stdin)
+
+
+def add_scenario_flags(parser: argparse.ArgumentParser) -> None:
+    """The flags that override fields of a scenario."""
+    parser.add_argument("--set", action="append", default=[], metavar="a.b=c", help="override a field")
+    parser.add_argument("--seed", type=int, metavar="N", help="override run.seed")
+    parser.add_argument("--duration", type=float, metavar="S", help="override run.duration [s]")
+
+
+def overrides(flags: argparse.Namespace) -> dict[str, object]:
+    """The overrides in the flags, by dotted path."""
+    found = dict(parse_override(text) for text in flags.set)
+    if flags.seed is not None:
+        found["run.seed"] = flags.seed
+    if flags.duration is not None:
+        found["run.duration"] = flags.duration
+    return found
+
+
+def real_time_factor(text: str) -> float | None:
+    """The argument of --rtf: a positive number, or `max` for full speed (None)."""
+    if text == "max":
+        return None
+    value = float(text)
+    if not 0.0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"expects 'max' or a positive number, got '{text}'")
+    return value

@@ -1,0 +1,83 @@
+"""Who hosts which robot, and who is alive: the world's reception desk."""
+
+import asyncio
+import logging
+import time
+
+import numpy as np
+
+from fes import keys, messages
+from fes.arrays import Bytes
+from fes.bus import Bus, Question
+from fes.complaints import Complaints
+from fes.config import AgentConfig
+from fes.errors import Absent, MessageError
+from fes.inbox import Inbox
+from fes.messages import Welcome
+
+LEASE = 15.0
+"""A robot that was promised to an agent is free again if no liveliness token follows within this time [s]."""
+
+
+class Roster:
+    """The robots of a run, and the agents that host them."""
+
+    def __init__(self, bus: Bus, run: str, robots: int, config: AgentConfig, complaints: Complaints) -> None:
+        self.alive: Bytes = np.zeros(robots, dtype=np.uint8)
+        self.complete = asyncio.Event()
+        self._run = run
+        self._config = config
+        self._complaints = complaints
+        self._logger = logging.getLogger("world")
+        self._promised: dict[int, float] = {}
+        self._inbox: Inbox | None = None
+        bus.serve(keys.welcome(run), self._on_question)
+        bus.watch(keys.robot_alive(run, "*"), self._on_token)
+
+    def report_losses_to(self, inbox: Inbox) -> None:
+        """From now on the loss of a robot fails `inbox`."""
+        self._inbox = inbox
+
+    def missing(self) -> list[int]:
+        """The robots that are not here."""
+        return np.flatnonzero(self.alive == 0).tolist()
+
+    def _on_question(self, question: Question) -> None:
+        try:
+            wanted, _ = messages.decode_join(question.payload)
+        except MessageError as error:
+            self._complaints.add(f"{error.schema}: {error.rule}", f"{keys.welcome(self._run)}: {error}")
+            question.refuse(str(error))
+            return
+        refusal = self._refusal(wanted)
+        if refusal:
+            self._complaints.add("Join: refused", f"a join: {refusal}")
+            question.refuse(refusal)
+            return
+        for robot in wanted:
+            self._promised[robot] = time.monotonic() + LEASE
+        question.answer(messages.encode_welcome(Welcome(wanted, self._config)), "fes.Welcome")
+
+    def _refusal(self, wanted: tuple[int, ...]) -> str:
+        robots = len(self.alive)
+        for robot in wanted:
+            if robot >= robots:
+                return f"robot {robot} does not exist: this run has robots 0 to {robots - 1}"
+            if self.alive[robot] or self._promised.get(robot, 0.0) > time.monotonic():
+                return f"robot {robot} is hosted by another agent already"
+        return ""
+
+    def _on_token(self, key: str, alive: bool) -> None:
+        robot = keys.robot_of(key)
+        if robot is None or robot >= len(self.alive):
+            self._complaints.add("liveliness: unknown robot", f"the liveliness token {key}: no such robot")
+            return
+        self.alive[robot] = alive
+        self._promised.pop(robot, None)
+        if self.alive.all():
+            self.complete.set()
+        elif not alive and self._inbox is not None:
+            self._inbox.fail(Absent(f"robot {robot} left: its agent died, stopped or lost its connection"))
+        elif not alive:
+            self.complete.clear()
+            self._logger.info("robot %d left before the start", robot)

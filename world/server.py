@@ -1,0 +1,194 @@
+"""The lockstep over the bus: observations out, commands in, one barrier a tick."""
+
+import asyncio
+import logging
+import time
+from typing import Any
+
+import numpy as np
+
+from fes import keys, messages
+from fes.arrays import Floats
+from fes.bus import Bus
+from fes.complaints import Complaints
+from fes.edges import Edges, Stack, no_edges
+from fes.errors import Absent, MessageError
+from fes.inbox import Inbox
+from fes.messages import Command, Observation
+from fes.report import encode_report
+from fes.sensing import Observations
+from world import reporting, simulation, summary
+from world.metrics import Tally
+from world.optimum import optimal_separation
+from world.roster import Roster
+from world.scenario import Scenario, agent_config
+
+ANSWER_TIMEOUT = 10.0
+"""A living robot that does not answer a tick for this long [s] is hung: its liveliness token would stay."""
+
+ASK_AGAIN = 0.5
+"""An observation is sent again to robots that did not answer it for this long [s]."""
+
+
+class Server:
+    """One run of one scenario."""
+
+    def __init__(self, bus: Bus, scenario: Scenario, name: str, run: str, rtf: float | None) -> None:
+        self.scenario = scenario
+        self.name = name
+        self.logger = logging.getLogger("world")
+        self.complaints = Complaints(self.logger)
+        robots = range(scenario.robots.number)
+        self._rtf = rtf
+        self._world = simulation.create(scenario)
+        self._state = simulation.start(self._world)
+        self._tally = Tally(scenario.run.dt, optimal_separation(scenario.objective, scenario.channel))
+        self._stack = Stack()
+        self._links, self._estimates = no_edges(self._world.ids), np.zeros(0)
+        self._inbox = Inbox(asyncio.get_running_loop())
+        self._observe = [bus.publisher(keys.observation(run, robot), "fes.Observation") for robot in robots]
+        self._report = bus.publisher(keys.report(run), "fes.Report", drop=True)
+        self._robot_of = {keys.command(run, robot): robot for robot in robots}
+        bus.subscribe(keys.command(run, "*"), self._inbox.put)
+        self._roster = Roster(bus, run, len(robots), agent_config(scenario), self.complaints)
+        bus.token(keys.world_alive(run))  # last: it says that everything above is in place
+        self._begun = self._told_at = 0.0
+        self._told_tick = 0
+
+    async def gather(self) -> None:
+        """Wait until every robot is here."""
+        self.logger.info("waiting for %d robots", len(self._observe))
+        await self._roster.complete.wait()
+        self._roster.report_losses_to(self._inbox)
+        self.logger.info("all robots are here: %s starts", self.name)
+
+    async def run(self) -> None:
+        """All ticks of the scenario; ends early, with what was reached, if it is cancelled."""
+        self._begun = self._told_at = time.perf_counter()
+        while self._tally.ticks < self.scenario.ticks:
+            observations = simulation.observe(self._state)
+            sent = self._publish(observations)
+            twists = self._tell_apart(await self._barrier(sent))
+            before = self._state
+            self._state = simulation.step(self._world, before, twists)
+            self._tally.add(
+                before.poses, twists, before.proximity, before.sent > 0, self._links, self._estimates
+            )
+            self._final = before
+            if time.perf_counter() - self._told_at >= reporting.PERIOD:
+                self._tell()
+            await self._pace()
+
+    def summarize(self) -> dict[str, Any] | None:
+        """The summary of the ticks that were run; None before the first."""
+        if self._tally.ticks == 0:
+            return None
+        wall = time.perf_counter() - self._begun
+        return summary.summarize(
+            self.scenario,
+            self.name,
+            "processes",
+            self._tally,
+            self._final,
+            self._links,
+            self._estimates,
+            wall,
+        )
+
+    def dismiss(self) -> None:
+        """Tell every robot and observer that the run is over."""
+        if self._tally.ticks:
+            self._tell()
+        nothing = np.zeros(0, dtype=np.int64)
+        for robot, (put, pose) in enumerate(zip(self._observe, self._state.poses.tolist(), strict=True)):
+            farewell = Observation(
+                self._state.tick, robot, tuple(pose), nothing, nothing.astype(np.uint8), over=True
+            )
+            put(messages.encode_observation(farewell))
+
+    def _publish(self, observations: Observations) -> list[bytes]:
+        """Put each robot's observation; returns the payloads, to be sent again if need be."""
+        spans, sent = observations.in_range.spans, []
+        for robot, (pose, span) in enumerate(zip(observations.poses.tolist(), spans, strict=True)):
+            message = Observation(
+                observations.tick,
+                robot,
+                tuple(pose),
+                observations.in_range.peers[span],
+                observations.reception[span],
+                over=False,
+            )
+            payload = messages.encode_observation(message)
+            self._observe[robot](payload)
+            sent.append(payload)
+        return sent
+
+    async def _barrier(self, sent: list[bytes]) -> list[Command]:
+        """The command of every robot for this tick, in id order; raises Absent for one that does not answer."""
+        answers: list[Command | None] = [None] * len(sent)
+        missing, deadline = len(sent), time.monotonic() + ANSWER_TIMEOUT
+        while missing:
+            enough = await self._inbox.wait(missing, ASK_AGAIN)
+            for key, payload in self._inbox.drain():
+                command = self._read(key, payload)
+                if command is not None and answers[command.robot] is None:
+                    answers[command.robot] = command
+                    missing -= 1
+            if not enough and missing:
+                silent = [robot for robot, answer in enumerate(answers) if answer is None]
+                if time.monotonic() > deadline:
+                    raise Absent(
+                        f"robot {silent[0]} did not answer tick {self._state.tick} for {ANSWER_TIMEOUT:g} s"
+                    )
+                for robot in silent:
+                    self._observe[robot](sent[robot])
+        return [answer for answer in answers if answer is not None]
+
+    def _read(self, key: str, payload: bytes | None) -> Command | None:
+        """The command in a message if it is one for this tick; anything else is dropped and counted."""
+        robots = len(self._observe)
+        try:
+            if payload is None:
+                raise MessageError("Command", "a deletion is not a command")
+            command = messages.decode_command(payload)
+            if self._robot_of.get(key) != command.robot:
+                raise MessageError("Command", "came on another robot's key", key)
+            if command.tick != self._state.tick:
+                raise MessageError("Command", "is not for this tick", str(command.tick))
+            if len(command.links) and command.links[-1] >= robots:
+                raise MessageError("Command", "has a link to a robot that does not exist", str(command.links[-1]))
+        except MessageError as error:
+            self.complaints.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
+            return None
+        return command
+
+    def _tell_apart(self, commands: list[Command]) -> Floats:
+        """The twists [n, 2] in the commands; the telemetry beside them is kept for the tally and the report."""
+        self._links: Edges = self._stack.edges(self._world.ids, [command.links for command in commands])
+        self._estimates = np.concatenate([command.estimates for command in commands])
+        return np.array([command.twist for command in commands])
+
+    def _tell(self) -> None:
+        now = time.perf_counter()
+        rate = (self._tally.ticks - self._told_tick) / max(now - self._told_at, 1e-9)
+        self._told_at, self._told_tick = now, self._tally.ticks
+        report = reporting.build(
+            self.scenario,
+            self.name,
+            self._final,
+            self._tally,
+            self._links,
+            self._estimates,
+            self._roster.alive,
+            now - self._begun,
+            rate,
+        )
+        self._report(encode_report(report))
+
+    async def _pace(self) -> None:
+        """With a real-time factor, wait until this tick is due. Falling behind slows time; no tick is skipped."""
+        if self._rtf is not None:
+            due = self._begun + self._tally.ticks * self.scenario.run.dt / self._rtf
+            ahead = due - time.perf_counter()
+            if ahead > 0:
+                await asyncio.sleep(ahead)
