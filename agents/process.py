@@ -143,7 +143,7 @@ async def serve(flags: argparse.Namespace) -> int:
     robots, run = parse_ids(flags.id), keys.check_run(flags.run)
     endpoints = process.agent_endpoints(flags, flags.timeout)
     logging.getLogger(f"agent.{flags.id}").info("waiting for the world at %s, run '%s'", endpoints.shown, run)
-    with bus.opened(endpoints) as opened:
+    async with bus.opened(endpoints) as opened:
         agent = Agent(opened, run, robots)
         try:
             welcome = await agent.join(flags.timeout)
@@ -180,3 +180,7 @@ def main() -> None:
     process.add_network_flags(parser)
     flags = parser.parse_args()
     process.run("fes-agent", lambda: serve(flags), exit_with_stdin=flags.exit_with_stdin)
+
+
+if __name__ == "__main__":
+    main()

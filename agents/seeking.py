@@ -21,6 +21,9 @@ from fes.edges import Edges
 ESTIMATE, DRIFT, BASELINE = 0, 1, 2
 """Rows of the seeking state [3, l]: r_hat [m], xi [m/s], eta [index]."""
 
+MAX_EXTRAPOLATION = 0.1
+"""Age [s] up to which a peer's estimate is extrapolated."""
+
 Index = Callable[[Floats], Floats]
 
 
@@ -83,11 +86,23 @@ def relink(seeker: Seeker, seed: int, tick: int, old: Edges, state: Floats, new:
     return result
 
 
+def extrapolate(seeker: Seeker, state: Floats, heard: Floats, age: Floats) -> Floats:
+    """The peers' estimates now [l] [m], from what was `heard` of them `age` [l] [s] ago.
+
+    (18) compares two estimates of the same time, but a beacon is at least a tick old. Both peers climb the
+    same index, so meanwhile the other's estimate has drifted about as one's own: by xi age. Without this the
+    exchange holds both back, by 15 % at a delay of 20 ms. For an old beacon the drift counts up to
+    MAX_EXTRAPOLATION only. The printed law stays literal: it takes the peer's last word as it is.
+    """
+    if seeker.config.law == "paper":
+        return heard
+    return heard + state[DRIFT] * np.minimum(age, MAX_EXTRAPOLATION)
+
+
 def advance(seeker: Seeker, tick: int, state: Floats, heard: Floats) -> Floats:
     """State [3, l] one tick later; equation (18) by classic Runge-Kutta.
 
-    `heard` [l] [m] is the peer's last heard estimate for the link, held over the tick; NaN where none was
-    heard, which is s_ij = 0 of (2).
+    `heard` [l] [m] is the peer's estimate for the link, held over the tick; NaN where none was heard, which is s_ij = 0 of (2).
     """
     if state.shape[1] == 0:
         return state

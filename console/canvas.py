@@ -4,6 +4,7 @@ Dots are counted from the lower left, x to the right and y up, as the world's ax
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -24,7 +25,7 @@ _BITS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]], dtype
 
 
 class Canvas:
-    """Dots, and characters over them. Where two drawings share a cell, the later entry of the palette shows."""
+    """Dots, and characters over them. In a cell that drawings share, the later entry of the palette shows."""
 
     def __init__(self, width: int, height: int, palette: Sequence[str]) -> None:
         self.width, self.height = width, height
@@ -34,8 +35,8 @@ class Canvas:
         self.characters: NDArray[np.uint32] = np.zeros((height, width), dtype=np.uint32)
 
     def points(self, x: Floats, y: Floats, ink: Ints) -> None:
-        """Set the dots nearest to (x, y) [m], each in its entry of the palette; those outside are left out."""
-        column, row = np.rint(x).astype(np.int64), np.rint(y).astype(np.int64)
+        """Set the dots nearest to (x, y) [k], in entry `ink` of the palette; leave out those outside."""
+        column, row = _nearest(x), _nearest(y)
         row = self.height * DOTS_Y - 1 - row
         inside = (column >= 0) & (column < self.width * DOTS_X) & (row >= 0) & (row < self.height * DOTS_Y)
         column, row = column[inside], row[inside]
@@ -43,18 +44,20 @@ class Canvas:
         np.maximum.at(self.ink, (row // DOTS_Y, column // DOTS_X), ink[inside])
 
     def lines(self, start: Floats, end: Floats, ink: Ints, dash: Ints) -> None:
-        """Draw lines from `start` [m, 2] to `end` [m, 2]; of every dash[1] dots the first dash[0] show [m, 2]."""
-        steps = np.maximum(1, np.ceil(np.abs(end - start).max(axis=1, initial=0.0)).astype(np.int64))
+        """Draw lines from `start` to `end` [k, 2]; of every dash[:, 1] dots show the first dash[:, 0]."""
+        origin = _nearest(start)
+        way = _nearest(end) - origin
+        steps = np.maximum(1, np.abs(way).max(axis=1, initial=0))
         line = np.repeat(np.arange(len(steps)), steps + 1)
         first = np.cumsum(steps + 1) - (steps + 1)
         step = np.arange(len(line)) - first[line]
         line, step = (kept[step % dash[line, 1] < dash[line, 0]] for kept in (line, step))
-        at = start[line] + (end - start)[line] * (step / steps[line])[:, None]
+        at = origin[line] + way[line] * (step / steps[line])[:, None]
         self.points(at[:, 0], at[:, 1], ink[line])
 
     def cell(self, x: Floats, y: Floats) -> tuple[Ints, Ints]:
         """Column and row, counted from the top, of the cells that hold the dots nearest to (x, y)."""
-        column, row = np.rint(x).astype(np.int64), np.rint(y).astype(np.int64)
+        column, row = _nearest(x), _nearest(y)
         return column // DOTS_X, self.height - 1 - row // DOTS_Y
 
     def write(self, column: int, row: int, text: str, ink: int) -> None:
@@ -66,7 +69,7 @@ class Canvas:
 
     def is_free(self, column: int, row: int, length: int, of_dots: bool) -> bool:
         """Whether `length` cells are on the canvas and hold no character and, if asked, no dot."""
-        if not (0 <= row < self.height and 0 <= column and column + length <= self.width):
+        if not (0 <= row < self.height and column >= 0 and column + length <= self.width):
             return False
         if self.characters[row, column : column + length].any():
             return False
@@ -79,13 +82,22 @@ class Canvas:
         code = np.einsum("iajb,ab->ij", cells, _BITS).astype(np.uint32)
         code = np.where(code > 0, code + _BRAILLE, _BLANK)
         code = np.where(self.characters > 0, self.characters, code).astype("<u4")
-        return [self._line(code[row], np.where(code[row] == _BLANK, 0, self.ink[row])) for row in range(self.height)]
+        return [
+            self._line(code[row], np.where(code[row] == _BLANK, 0, self.ink[row]))
+            for row in range(self.height)
+        ]
 
     def _line(self, code: NDArray[np.uint32], ink: Ints) -> Line:
         text = code.tobytes().decode("utf-32-le")
         cuts = [0, *(np.flatnonzero(ink[1:] != ink[:-1]) + 1).tolist(), len(text)]
         return [
             Segment(text[first:last], self.palette[ink[first]])
-            for first, last in zip(cuts[:-1], cuts[1:], strict=True)
+            for first, last in pairwise(cuts)
             if first < last
         ]
+
+
+def _nearest(place: Floats) -> Ints:
+    """Whole numbers; not `rint`, whose halves go to even ones and would leave gaps in a line."""
+    whole: Ints = np.floor(place + 0.5).astype(np.int64)
+    return whole

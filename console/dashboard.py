@@ -21,8 +21,9 @@ CAPACITY = 1024
 
 _TWO_COLUMNS = 72  # narrower than this, the panels stand one below the other
 _GAP = 2
-_SIDE = (43, 68)  # least and most width of the panels beside the map
-_MAX_BARS = 7
+_SIDE = (48, 68)  # most width of the panels beside the map: what they may take, and what they may grow to
+_LEAST_LINKS = 4  # lines of the links' panel: with fewer, not even one would show
+_MAX_BARS = 6
 
 
 class History:
@@ -53,17 +54,16 @@ class History:
         return int(self._seen.argmax()) * self.stride, self.latest.tick if self.latest else 0
 
     def series(self, columns: int) -> Floats:
-        """Worst value in each of `columns` equal parts of the run so far [3, columns] [m]; rows as in SERIES."""
+        """Worst value in each of `columns` equal parts of the run so far [3, columns] [m]; rows: SERIES."""
         seen = np.flatnonzero(self._seen)
         if len(seen) == 0:
             return np.full((len(SERIES), columns), np.nan)
-        bins = np.arange(seen[0], seen[-1] + 1)
-        held = self._worst[:, seen[np.searchsorted(seen, bins, side="right") - 1]]
-        starts = np.arange(columns) * len(bins) // columns
-        if columns >= len(bins):
-            return held[:, starts]
-        worst: Floats = np.fmax.reduceat(held, starts, axis=1)
-        return worst
+        column = (seen - seen[0]) * columns // (seen[-1] - seen[0] + 1)
+        filled, first = np.unique(column, return_index=True)
+        worst = np.fmax.reduceat(self._worst[:, seen], first, axis=1)
+        # A part without a report shows the one before it
+        held: Floats = worst[:, np.searchsorted(filled, np.arange(columns), side="right") - 1]
+        return held
 
     def _clear(self) -> None:
         self.stride = 1
@@ -90,7 +90,7 @@ def render(history: History, width: int, height: int) -> RenderableType:
         frame = _wide(history, history.latest, width, height)
     else:
         frame = _narrow(history, history.latest, width, height)
-    return SegmentLines(Segment.set_shape(frame, width, height), new_lines=True)
+    return SegmentLines(_shape(frame, width, height), new_lines=True)
 
 
 def _waiting(width: int, height: int) -> list[Line]:
@@ -101,9 +101,9 @@ def _waiting(width: int, height: int) -> list[Line]:
 
 def _wide(history: History, report: Report, width: int, height: int) -> list[Line]:
     """The map on the left, the other panels on the right."""
-    side = min(max(_SIDE[0], int(0.43 * width)), _SIDE[1])
+    side = max(min(panels.links_width(report), _SIDE[0]), min(int(0.43 * width), _SIDE[1]))
     left, body = width - side - _GAP, height - 2
-    team = [title("Map", legend(), left), *team_map(report, left, body - 1)]
+    team = [title("Map", legend(left - 6), left), *team_map(report, left, body - 1)]
     right = _column(history, report, side, body, may_grow=True)
     rows = zip(_shape(team, left, body), _shape(right, side, body), strict=True)
     return [*header(report, width), *([*one, styled(" " * _GAP), *other] for one, other in rows)]
@@ -113,30 +113,27 @@ def _narrow(history: History, report: Report, width: int, height: int) -> list[L
     """The map above the other panels, if there is room for it."""
     lines, body = header(report, width), height - 2
     spare = body - 4 - 3 - (2 + len(report.a))  # what the other panels leave at their full height
-    tall = min(max(spare, body // 2), width // 2) if body >= 14 else 0
+    tall = min(max(spare, 2 * body // 5), width // 2) if body >= 14 else 0
     if tall:
-        lines += _shape([title("Map", legend(), width), *team_map(report, width, tall - 1)], width, tall)
+        lines += [title("Map", legend(width - 6), width), *team_map(report, width, tall - 1)]
     return lines + _column(history, report, width, body - tall, may_grow=False)
 
 
 def _column(history: History, report: Report, width: int, height: int, may_grow: bool) -> list[Line]:
-    """Convergence, links and connectivity in `height` lines; connectivity, then links go if there is no room."""
+    """Convergence, links and connectivity in `height` lines; without room, the last goes first."""
     connectivity = panels.connectivity(report)
-    tied = 1 + len(connectivity) if height >= 8 + len(connectivity) else 0
+    tied = 1 + len(connectivity) if height >= 10 + len(connectivity) else 0
     table = 2 + max(1, len(report.a)) if height >= 8 else 0
     left = height - tied - min(table, (height - tied) // 2 + 1)
-    rows = min(_MAX_BARS, left // len(SERIES) - 1) if may_grow else 1
-    rows = rows if rows > 1 and left > len(SERIES) * (rows + 1) else max(1, rows - 1)
+    rows = max(1, min(_MAX_BARS, (left - 1) // len(SERIES) - 1)) if may_grow else 1
     series = history.series(panels.sparkline_width(width, rows))
     first, last = (tick * report.dt for tick in history.ticks)
     lines = [title("Convergence", [styled(f"log scale, {first:.4g} to {last:.4g} s")], width)]
     lines += panels.convergence(report, series, width, rows)
     room = height - len(lines) - tied
-    if room >= 3:
-        note = [styled("worst separation error first")]
-        lines += [title(f"Links {len(report.a):,}, in m", note, width)]
-        table_lines = panels.links(report, width, room - 1)
-        lines += table_lines
+    if room >= min(table, _LEAST_LINKS) > 0:
+        note = [styled(f"{len(report.a):,}, in m, worst error first")]
+        lines += [title("Links", note, width), *panels.links(report, width, room - 1)]
     if tied:
         lines += [title("Connectivity", [], width), *connectivity]
     return lines
@@ -152,4 +149,6 @@ def title(name: str, note: Line, width: int) -> Line:
 
 
 def _shape(lines: list[Line], width: int, height: int) -> list[Line]:
-    return Segment.set_shape(lines, width, height)
+    """`lines` cropped and padded to exactly `width` x `height` cells."""
+    kept = [Segment.adjust_line_length(line, width) for line in lines[: max(0, height)]]
+    return kept + [[Segment(" " * width)]] * (height - len(kept))

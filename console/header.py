@@ -36,10 +36,9 @@ def _facts(report: Report, width: int) -> Line:
     n, alive = len(report.alive), int(np.count_nonzero(report.alive == 1))
     sent, decoded = report.beacons_sent, report.beacons_decoded
     ratio = f"{decoded / sent:.1%}" if sent > 0 else number(float("nan"), "")
-    team = [
-        ("robots alive", f"{alive}/{n}", "" if alive == n else "bold red"),
-        ("r*", f"{number(report.optimal_separation, '.2f')} m", ""),
-    ]
+    living = (f"{alive}/{n}", "" if alive == n else "bold red")
+    optimum = ("r*", f"{number(report.optimal_separation, '.2f')} m", "")
+    team, short = [("robots alive", *living), optimum], [("alive", *living), optimum]
     pace = [
         ("ticks/s", number(report.ticks_per_s, ",.0f"), ""),
         ("real time", f"×{number(report.ticks_per_s * report.dt, ',.3g')}", ""),
@@ -47,11 +46,11 @@ def _facts(report: Report, width: int) -> Line:
     choices = [
         [*team, *pace, ("beacons decoded/sent", f"{decoded:,}/{sent:,}, {ratio}", "")],
         [*team, *pace, ("decoded/sent", f"{decoded:,}/{sent:,}", "")],
-        [*team, *pace, ("decoded", f"{_short(decoded)}/{_short(sent)}", "")],
-        [*team, *pace],
-        team,
+        [*short, *pace, ("decoded", f"{_short(decoded)}/{_short(sent)}", "")],
+        [*short, *pace],
+        short,
     ]
-    facts = next((facts for facts in choices if _extent(facts) <= width), team[:1])
+    facts = next((facts for facts in choices if _extent(facts) <= width), short[:1])
     line: Line = []
     for label, value, style in facts:
         line += [styled(" " * _GAP if line else ""), styled(f"{label} ", "dim"), styled(value, style)]

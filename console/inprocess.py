@@ -5,7 +5,6 @@ from collections.abc import Callable
 from typing import Any
 
 from agents import crew
-from fes.errors import FesError
 from fes.report import Report
 from fes.sensing import silence
 from world import reporting, simulation, summary
@@ -14,10 +13,6 @@ from world.optimum import optimal_separation
 from world.scenario import Scenario, agent_config
 
 Watch = Callable[[Report], None]
-
-
-class Stopped(FesError):
-    """The run was stopped before its end."""
 
 
 def run(

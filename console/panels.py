@@ -24,8 +24,8 @@ SERIES = {
 
 _LABEL = max(map(len, SERIES.values()))
 _VALUE = 8
-_AXIS = 7
-_DECADES = 8  # a log scale spans at most these, below the largest value
+_AXIS = 8
+_DECADES = 8  # a log scale goes at most so far below its largest value
 _BARS = " ▁▂▃▄▅▆▇█"
 
 # Heading, width, and rank when there is no room: the lowest goes first
@@ -33,7 +33,7 @@ _COLUMNS = (
     ("separation", 10, 5),
     ("error", 7, 1),
     ("estimates", 13, 4),
-    ("outage", 7, 3),
+    ("outage", 6, 3),
     ("decoded", 7, 2),
 )
 
@@ -42,7 +42,7 @@ def links(report: Report, width: int, height: int) -> list[Line]:
     """The links in use, worst separation first, as many as fit."""
     if len(report.a) == 0:
         return [[styled("no links", "dim")]]
-    first = max(4, *(len(_link(report, at)) for at in _ends(report)))
+    first = _first_column(report)
     columns, gap = _fit(width - first)
     heading = "link".ljust(first) + "".join(f"{name:>{gap + size}}" for name, size, _ in columns)
     order = _worst_first(report)
@@ -59,20 +59,24 @@ def links(report: Report, width: int, height: int) -> list[Line]:
     return lines
 
 
+def links_width(report: Report) -> int:
+    """Width of the links with all that matters in columns one cell apart."""
+    return _first_column(report) + sum(size + 1 for name, size, _ in _COLUMNS if name != "error")
+
+
 def connectivity(report: Report) -> list[Line]:
     """Whether the links, and the robots in range, hold the team together."""
     sizes, lambda_2 = _spectrum(len(report.alive), report.a.tobytes(), report.b.tobytes())
-    if len(sizes) == 1:
-        state = styled("connected", "green")
-    else:
-        largest = ", ".join(map(str, sizes[:4])) + (", …" if len(sizes) > 4 else "")
-        state = styled(f"{len(sizes):,} components of {largest}", "yellow")
-    algebraic = styled("" if lambda_2 is None else f"   λ₂ {lambda_2:.3g}")
+    state = styled("connected", "green")
+    if len(sizes) != 1:
+        largest = ", ".join(map(str, sizes[:3])) + (", …" if len(sizes) > 3 else "")
+        state = styled(f"{len(sizes):,} components ({largest})", "yellow")
+    algebraic = styled("" if lambda_2 is None else f"  λ₂ {lambda_2:.3g}")
     disk = styled("connected", "green") if report.disk_connected else styled("not connected", "yellow")
-    lines = [[styled("links        ", "dim"), state, algebraic], [styled("disk graph   ", "dim"), disk]]
+    lines = [[styled("links       ", "dim"), state, algebraic], [styled("disk graph  ", "dim"), disk]]
     dead = np.flatnonzero(report.alive != 1).tolist()
     if dead:
-        lines.append([styled("not alive    ", "dim"), styled(", ".join(map(str, dead[:40])), "bold red")])
+        lines.append([styled("not alive   ", "dim"), styled(", ".join(map(str, dead[:40])), "bold red")])
     return lines
 
 
@@ -84,13 +88,13 @@ def convergence(report: Report, series: Floats, width: int, rows: int) -> list[L
     lines: list[Line] = []
     for values, (field, label) in zip(series, SERIES.items(), strict=True):
         now = f"{length(getattr(report, field)):>{_VALUE}}"
-        low, high = decades(values)
+        low, high = log_range(values)
         bars = bar_rows(values, low, high, rows)
         if rows == 1:
             lines.append([styled(f"{label:<{_LABEL}} ", "dim"), styled(bars[0], "cyan"), styled(now)])
             continue
         lines.append([styled(f"{label:<{max(0, width - _VALUE)}}", "dim"), styled(now)])
-        axis = [_decade(high), *[""] * (rows - 2), _decade(low)]
+        axis = [length(10.0**high), *[""] * (rows - 2), _power(low)]
         for mark, bar in zip(axis, bars, strict=True):
             lines.append([styled(f"{mark:>{_AXIS - 1}} ", "dim"), styled(bar, "cyan")])
     return lines
@@ -101,23 +105,23 @@ def sparkline_width(width: int, rows: int) -> int:
     return max(1, width - (_LABEL + 1 + _VALUE if rows == 1 else _AXIS))
 
 
-def decades(values: Floats) -> tuple[int, int]:
-    """Powers of ten around the positive `values` [k], at most _DECADES apart.
+def log_range(values: Floats) -> tuple[float, float]:
+    """Common logarithms between which to plot the positive `values` [k]: from a whole decade to the largest.
 
-    >>> decades(np.array([0.02, math.nan, 0.0, 35.0]))
-    (-2, 2)
+    >>> log_range(np.array([0.02, math.nan, 0.0, 100.0]))
+    (-2.0, 2.0)
     """
     positive = values[np.isfinite(values) & (values > 0.0)]
     if len(positive) == 0:
-        return 0, 1
-    low, high = math.floor(math.log10(positive.min())), math.ceil(math.log10(positive.max()))
-    return max(low, high - _DECADES) if low < high else low - 1, high
+        return -1.0, 0.0
+    low, high = math.floor(math.log10(positive.min())), math.log10(positive.max())
+    return float(max(low, math.floor(high) - _DECADES) if low < high else low - 1), high
 
 
-def bar_rows(values: Floats, low: int, high: int, rows: int) -> list[str]:
+def bar_rows(values: Floats, low: float, high: float, rows: int) -> list[str]:
     """Bars of `values` [k] from 10^low to 10^high, upper row first; a blank where there is no number.
 
-    >>> bar_rows(np.array([100.0, 10.0, 1.0, math.nan]), 0, 2, 2)
+    >>> bar_rows(np.array([100.0, 10.0, 1.0, math.nan]), 0.0, 2.0, 2)
     ['█▁  ', '██▁ ']
     """
     known = np.isfinite(values)
@@ -129,14 +133,12 @@ def bar_rows(values: Floats, low: int, high: int, rows: int) -> list[str]:
     return ["".join(_BARS[step] for step in row) for row in filled]
 
 
-def _decade(power: int) -> str:
-    unit, shift = ("km", 3) if power >= 3 else ("m", 0) if power >= 0 else ("mm", -3) if power >= -3 else ("µm", -6)
-    return f"{10 ** (power - shift)} {unit}" if -6 <= power < 6 else f"1e{power}"
+def _power(exponent: float) -> str:
+    return length(10.0**exponent).replace(".00", "").replace(".0", "")
 
 
-def _ends(report: Report) -> tuple[int, int]:
-    """The links with the longest names, nearly: those of the highest ids."""
-    return int(report.a.argmax()), int(report.b.argmax())
+def _first_column(report: Report) -> int:
+    return max(len("link"), len(f"{report.a.max(initial=0)}–{report.b.max(initial=0)}"))
 
 
 def _link(report: Report, at: int) -> str:
@@ -152,7 +154,7 @@ def _fit(width: int) -> tuple[list[tuple[str, int, int]], int]:
 
 
 def _worst_first(report: Report) -> Ints:
-    """Links by |separation - r*|, in steps of the last digit shown: that equal looking rows keep their order."""
+    """Links by |separation - r*|, rounded as it is shown, so that rows that look equal keep their order."""
     error = np.round(np.abs(report.separation - report.optimal_separation), 2)
     order: Ints = np.lexsort((report.b, report.a, -np.where(np.isfinite(error), error, -1.0)))
     return order
@@ -174,7 +176,7 @@ def _cell(report: Report, at: int, column: str) -> str:
 
 
 def _percent(part: float) -> str:
-    return number(100.0 * part, ".1f") + (" %" if math.isfinite(part) else "")
+    return number(part, ".1%")
 
 
 @lru_cache(maxsize=8)
@@ -184,5 +186,7 @@ def _spectrum(n: int, a: bytes, b: bytes) -> tuple[list[int], float | None]:
     fine = (np.minimum(*ends) >= 0) & (np.maximum(*ends) < n)
     lower, higher = ends[0][fine], ends[1][fine]
     sizes = np.unique(graphs.components(n, lower, higher), return_counts=True)[1]
-    lambda_2 = graphs.algebraic_connectivity(n, lower, higher) if n <= MAX_SPECTRUM else None
+    lambda_2: float | None = 0.0  # not the 1e-16 of rounding where it is not connected
+    if len(sizes) == 1:
+        lambda_2 = graphs.algebraic_connectivity(n, lower, higher) if n <= MAX_SPECTRUM else None
     return sorted(sizes.tolist(), reverse=True), lambda_2

@@ -19,7 +19,7 @@ OUTAGE_STYLES = ("green", "yellow", "red")
 """Good, fair and poor links."""
 
 _DASHES = np.array([[1, 1], [4, 8], [1, 4]])
-_LEGEND = (("⠒⠒⠒", f"<{FAIR_OUTAGE:.0%}"), ("⠒⠂⠐⠒", f"<{POOR_OUTAGE:.0%}"), ("⠂⠐ ⠂", "more"))
+_LEGEND = (("⠒⠒⠒", f"<{FAIR_OUTAGE:.0%}"), ("⠒⠒ ⠒⠒", f"<{POOR_OUTAGE:.0%}"), ("⠂⠐ ⠂", "more"))
 _PALETTE = ("", *OUTAGE_STYLES, "bold", "bold red")
 _LINK, _ROBOT, _DEAD = 1, 4, 5
 _ARROWS = np.array([ord(arrow) for arrow in "→↗↑↖←↙↓↘"], dtype=np.uint32)
@@ -77,7 +77,7 @@ def team_map(report: Report, width: int, height: int) -> list[Line]:
         return []
     canvas = Canvas(width, height - 1, _PALETTE)
     positions = report.poses[:, :2]
-    shown = (np.abs(positions) < _MOST).all(axis=1)  # false for NaN
+    shown: Bools = np.all(np.abs(positions) < _MOST, axis=1)  # false for NaN
     seen = view(positions[shown], width, height - 1)
     dots = seen.dots(np.where(shown[:, None], positions, seen.west))
     _links(canvas, report, dots, shown)
@@ -85,12 +85,13 @@ def team_map(report: Report, width: int, height: int) -> list[Line]:
     return [*canvas.render(), _scale_bar(seen.scale * DOTS_X, width)]
 
 
-def legend() -> Line:
-    """How outage is drawn."""
-    line = [Segment("outage")]
+def legend(width: int) -> Line:
+    """How outage is drawn, in words if `width` has room for them."""
+    line: Line = []
     for (pattern, meaning), style in zip(_LEGEND, OUTAGE_STYLES, strict=True):
-        line += [Segment(f" {pattern} ", Style.parse(style)), Segment(meaning)]
-    return line
+        line += [Segment(f" {pattern}", Style.parse(style)), Segment(f" {meaning}")]
+    named = [Segment("outage "), *line]
+    return named if sum(segment.cell_length for segment in named) <= width else line[:-1]
 
 
 def _links(canvas: Canvas, report: Report, dots: Floats, shown: Bools) -> None:
@@ -123,13 +124,13 @@ def _arrows(heading: Floats) -> Ints:
 
 
 def _name(canvas: Canvas, name: str, column: int, row: int, ink: int) -> None:
-    """Write a robot's id beside it: where no link passes if it can be, else where no other robot is."""
-    left, size = column - len(name), len(name)
-    places = [(column + 1, row), (left, row)]
-    places += [(x, y) for y in (row - 1, row + 1) for x in (column, column + 1, left)]
-    for of_dots in (True, False):
-        for x, y in places:
-            if canvas.is_free(x, y, size, of_dots):
+    """Write a robot's id beside it: off the links and apart from other ids, as far as there is room."""
+    size = len(name)
+    beside = [(column + 1, row, 0, 1), (column - size, row, 1, 0)]
+    above = [(x, y, 1, 1) for y in (row - 1, row + 1) for x in (column, column + 1, column - size)]
+    for of_dots, apart in ((True, 1), (False, 1), (False, 0)):
+        for x, y, before, after in beside + above:
+            if canvas.is_free(x - before * apart, y, size + (before + after) * apart, of_dots):
                 canvas.write(x, y, name, ink)
                 return
 

@@ -5,10 +5,12 @@ decode or compute: an exception there would be lost, and time spent there holds 
 """
 
 import asyncio
+import contextlib
 import json
 import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+import threading
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -148,19 +150,46 @@ class Bus:
         return reply.ok.payload.to_bytes()
 
 
-@contextmanager
-def opened(endpoints: Endpoints) -> Iterator[Bus]:
-    """An open bus, closed at the end. Blocks while it connects; call it inside a running loop.
+@asynccontextmanager
+async def opened(endpoints: Endpoints) -> AsyncIterator[Bus]:
+    """An open bus, closed at the end.
 
     Raises TransportError in one line: port taken, nobody there, bad flag.
     """
     config = _config(endpoints)
     try:
-        session = zenoh.open(config)
+        session = await _open(config)
     except zenoh.ZError as error:
         raise TransportError(_reason(endpoints, str(error))) from None
     with session:
         yield Bus(session, asyncio.get_running_loop())
+
+
+async def _open(config: zenoh.Config) -> zenoh.Session:
+    """Open a session in a thread: Zenoh blocks while it tries to connect, and signals must be heard meanwhile."""
+    loop = asyncio.get_running_loop()
+    future: asyncio.Future[zenoh.Session] = loop.create_future()
+
+    def settle(session: zenoh.Session | None, error: Exception | None) -> None:
+        if future.cancelled():
+            if session is not None:
+                session.close()
+        elif session is not None:
+            future.set_result(session)
+        elif error is not None:
+            future.set_exception(error)
+
+    def work() -> None:
+        outcome: tuple[zenoh.Session | None, Exception | None]
+        try:
+            outcome = zenoh.open(config), None
+        except Exception as error:
+            outcome = None, error
+        with contextlib.suppress(RuntimeError):  # the loop is closed: nobody waits any more
+            loop.call_soon_threadsafe(settle, *outcome)
+
+    threading.Thread(target=work, name="zenoh open", daemon=True).start()
+    return await future
 
 
 def _config(endpoints: Endpoints) -> zenoh.Config:

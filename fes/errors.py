@@ -5,7 +5,8 @@ FesError                 something a person can act on: one line, exit code 1
 ├── MessageError         a payload that is not what its key promises
 ├── TransportError       the bus could not be opened, or broke
 ├── Absent               somebody who was waited for did not come, or left
-└── Refused              the world turned a robot away
+├── Refused              the world turned a robot away
+└── Stopped              a signal ended it before its end
 """
 
 
@@ -43,3 +44,7 @@ class Absent(FesError):
 
 class Refused(FesError):
     """The world turned a robot away."""
+
+
+class Stopped(FesError):
+    """A signal ended it before its end."""

@@ -2,17 +2,18 @@
 
 import argparse
 import asyncio
+import contextlib
 import logging
 import os
 import signal
 import sys
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Iterator
 from pathlib import Path
-from typing import NoReturn
+from typing import NoReturn, TypeVar
 
 from fes import keys
 from fes.bus import DEFAULT_ENDPOINT, Endpoints
-from fes.errors import FesError
+from fes.errors import FesError, Stopped
 
 SUCCESS, FAILURE, UNMET = 0, 1, 2
 """Exit codes: success; bad configuration or run-time error; an expectation of the scenario failed."""
@@ -20,55 +21,82 @@ SUCCESS, FAILURE, UNMET = 0, 1, 2
 FORCED = 130
 """Exit code after a second signal."""
 
+T = TypeVar("T")
+
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def run(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_with_stdin: bool = False) -> NoReturn:
-    """Run `main` to its exit code, and end the process.
+    """Run the service `main` to its exit code, and end the process.
 
     The first signal cancels `main`, the second ends the process at once. With `exit_with_stdin` the end of
     standard input counts as a signal: a child whose parent is gone, however it went, must not stay.
     """
     logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="%(asctime)s %(name)s: %(message)s")
+    leave(name, main, exit_with_stdin=exit_with_stdin)
+
+
+def leave(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_with_stdin: bool = False) -> NoReturn:
+    """As `run`, without logging: for a person's tools."""
     try:
-        code = asyncio.run(_until_stopped(main, exit_with_stdin))
+        code = supervise(main, exit_with_stdin=exit_with_stdin)
+    except Stopped:
+        code = SUCCESS  # a service that was told to stop, and stopped
     except FesError as error:
         print(f"{name}: error: {error}", file=sys.stderr)
         code = error.exit_code
-    except KeyboardInterrupt:
-        code = FAILURE
-    sys.stdout.flush()
-    sys.stderr.flush()
+    with contextlib.suppress(OSError):  # the terminal may be gone
+        sys.stdout.flush()
+        sys.stderr.flush()
     # A session that Zenoh could not close would keep an ordinary exit waiting for ever.
     os._exit(code)
 
 
-async def _until_stopped(main: Callable[[], Coroutine[None, None, int]], exit_with_stdin: bool) -> int:
+def supervise(main: Callable[[], Coroutine[None, None, T]], *, exit_with_stdin: bool = False) -> T:
+    """The result of `main`, run to its end; a signal cancels it, lets it clean up, and raises Stopped."""
+    return asyncio.run(_until_stopped(main, exit_with_stdin))
+
+
+@contextlib.contextmanager
+def interruptible() -> Iterator[None]:
+    """A block without a loop, in which a signal raises Stopped."""
+
+    def stop(number: int, frame: object) -> NoReturn:
+        raise Stopped(f"stopped by {signal.Signals(number).name}")
+
+    before = {number: signal.signal(number, stop) for number in STOP_SIGNALS}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+async def _until_stopped(main: Callable[[], Coroutine[None, None, T]], exit_with_stdin: bool) -> T:
     loop = asyncio.get_running_loop()
     task = asyncio.ensure_future(main())
-    told = 0
+    told: list[str] = []
 
-    def stop() -> None:
-        nonlocal told
-        told += 1
-        if told > 1:
+    def stop(by: str) -> None:
+        told.append(by)
+        if len(told) > 1:
             os._exit(FORCED)
         task.cancel()
 
     for number in STOP_SIGNALS:
-        loop.add_signal_handler(number, stop)
+        loop.add_signal_handler(number, stop, number.name)
     if exit_with_stdin:
         loop.add_reader(sys.stdin.fileno(), lambda: _at_end_of_stdin(loop, stop))
     try:
         return await task
     except asyncio.CancelledError:
-        return SUCCESS  # a service that was told to stop, and stopped
+        raise Stopped(f"stopped by {told[0] if told else 'a cancellation'}") from None
 
 
-def _at_end_of_stdin(loop: asyncio.AbstractEventLoop, stop: Callable[[], None]) -> None:
+def _at_end_of_stdin(loop: asyncio.AbstractEventLoop, stop: Callable[[str], None]) -> None:
     if not os.read(sys.stdin.fileno(), 4096):
         loop.remove_reader(sys.stdin.fileno())
-        stop()
+        stop("the end of standard input")
 
 
 class OneLineParser(argparse.ArgumentParser):

@@ -45,7 +45,9 @@ class History:
 
 def load(name: str, **overrides: Any) -> Scenario:
     """A scenario of configs/; overrides with `__` for the dot."""
-    return scenario.load(CONFIGS / name, {path.replace("__", "."): value for path, value in overrides.items()})
+    return scenario.load(
+        CONFIGS / name, {path.replace("__", "."): value for path, value in overrides.items()}
+    )
 
 
 def run(what: Scenario, ticks: int | None = None, split: list[list[int]] | None = None) -> History:
@@ -98,7 +100,9 @@ def _together(said: list[Beacons]) -> Beacons:
     links = Edges(ids[order], np.searchsorted(ids[order], robots[by_pair]), peers[by_pair])
     estimates = np.concatenate([part.estimates for part in said])[by_pair]
     named = np.concatenate([part.named for part in said])[by_pair]
-    return Beacons(said[0].tick, ids[order], np.concatenate([p.poses for p in said])[order], links, estimates, named)
+    return Beacons(
+        said[0].tick, ids[order], np.concatenate([p.poses for p in said])[order], links, estimates, named
+    )
 
 
 def _among(said: Beacons, ids: Ints) -> Beacons:

@@ -56,7 +56,7 @@ def test_a_rule_chooses_what_its_definition_says(rule: str, n: int, width: float
 @pytest.mark.parametrize("seed", range(5))
 def test_on_a_lattice_full_of_ties_a_rule_chooses_what_its_definition_says(rule: str, seed: int) -> None:
     # whole meters: equal separations are equal to the bit
-    where = np.random.default_rng(seed).integers(0, 5, (12, 3)) * 40.0
+    where = (np.random.default_rng(seed).integers(0, 5, (12, 3)) * 40).astype(np.float64)
     assert found(rule, where) == by_definition(rule, where, all_heard(where))
 
 

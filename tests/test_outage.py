@@ -64,7 +64,7 @@ def test_range_at_outage_is_where_a_root_finder_meets_the_outage(
     channel: ChannelConfig, probability: float
 ) -> None:
     def excess(log_ratio: float) -> float:
-        exponent = (2.0**channel.spectral_efficiency - 1.0) / channel.reference_snr
+        exponent = (math.exp2(channel.spectral_efficiency) - 1.0) / channel.reference_snr
         return exponent * math.exp(log_ratio * channel.path_loss_exponent) + math.log1p(-probability)
 
     expected = channel.reference_distance * math.exp(witness.root(excess, -60.0, 60.0))
@@ -73,7 +73,9 @@ def test_range_at_outage_is_where_a_root_finder_meets_the_outage(
 
 
 @given(channel=channels, probability=st.floats(1e-6, 1.0 - 1e-6))
-def test_the_outage_at_the_range_of_an_outage_is_that_outage(channel: ChannelConfig, probability: float) -> None:
+def test_the_outage_at_the_range_of_an_outage_is_that_outage(
+    channel: ChannelConfig, probability: float
+) -> None:
     r = np.array(outage.range_at_outage(probability, channel))
     # d(outage)/d(ln r) <= nu/e <= 2.3, so roundings of r hardly grow
     assert float(outage.outage_probability(r, channel)) == pytest.approx(probability, rel=1e-12, abs=1e-14)

@@ -17,7 +17,7 @@ from world.server import Server
 async def serve(flags: argparse.Namespace, scenario: Scenario) -> int:
     """One world process, from start to exit code."""
     run = keys.check_run(flags.run)
-    with bus.opened(process.world_endpoints(flags)) as opened:
+    async with bus.opened(process.world_endpoints(flags)) as opened:
         server = Server(opened, scenario, Path(flags.scenario).stem, run, flags.rtf)
         try:
             await server.gather()
@@ -75,3 +75,7 @@ def real_time_factor(text: str) -> float | None:
     if not 0.0 < value < float("inf"):
         raise argparse.ArgumentTypeError(f"expects 'max' or a positive number, got '{text}'")
     return value
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,142 @@
+"""The `fes` command: what a person runs."""
+
+import json
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+from console import inprocess, processes, rundir, summary, view
+from console.processes import Launch
+from console.rundir import Address
+from fes import bus, keys, process
+from fes.bus import Endpoints
+from fes.errors import FesError, ScenarioError
+from world.scenario import Scenario, load, parse_override
+from world.summary import write, write_scenario
+
+app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+
+
+class Backend(StrEnum):
+    """Where the robots run."""
+
+    PROCESSES = "processes"
+    INPROCESS = "inprocess"
+
+
+@app.callback()
+def about() -> None:
+    """Formation by extremum seeking: robots that find the best separation for their radio together."""
+
+
+@app.command()
+def run(
+    scenario: Annotated[Path, typer.Argument(help="A scenario file, such as configs/paper.toml.")],
+    set_: Annotated[list[str] | None, typer.Option("--set", metavar="A.B=C", help="Override a field.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Override run.seed.")] = None,
+    duration: Annotated[float | None, typer.Option(help="Override run.duration [s].")] = None,
+    backend: Annotated[Backend, typer.Option(help="One process a robot over Zenoh, or all in one loop.")] = (
+        Backend.PROCESSES
+    ),
+    agents_per_process: Annotated[int, typer.Option(min=1, help="Robots hosted by each agent.")] = 1,
+    clock: Annotated[str | None, typer.Option(help="Override run.clock.")] = None,
+    rtf: Annotated[str, typer.Option(metavar="max|X", help="Pace: simulated seconds a second.")] = "max",
+    out: Annotated[Path | None, typer.Option(help="Run directory (default runs/<scenario>-<n>).")] = None,
+    headless: Annotated[bool, typer.Option("--headless", help="No dashboard.")] = False,
+    json_: Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else.")] = False,
+) -> int:
+    """Run a scenario: world, robots and dashboard."""
+    fields = [("run.seed", seed), ("run.duration", duration), ("run.clock", clock)]
+    overrides = [*(set_ or []), *(f"{field}={value}" for field, value in fields if value is not None)]
+    loaded = load(scenario, dict(parse_override(text) for text in overrides))
+    pace = _pace(rtf)
+    directory = rundir.create(scenario.stem, out)
+    screen = Console(stderr=json_)
+    dashboard = screen.is_terminal and not headless and not json_
+    if backend is Backend.INPROCESS:
+        result = _in_process(loaded, scenario.stem, pace, directory, screen if dashboard else None)
+    else:
+        launch = Launch(scenario, tuple(overrides), agents_per_process, rtf, dashboard)
+        result = processes.run(launch, loaded, directory, screen)
+    if json_:
+        print(json.dumps(result))
+    else:
+        screen.print(summary.render(result))
+        screen.print(f"run directory: {directory}", highlight=False)
+    return process.SUCCESS
+
+
+@app.command(name="view")
+def view_command(
+    connect: Annotated[list[str] | None, typer.Option("--connect", "-e", metavar="ENDPOINT")] = None,
+    config: Annotated[Path | None, typer.Option("--config", "-c", help="Zenoh configuration file.")] = None,
+    cfg: Annotated[list[str] | None, typer.Option(metavar="KEY:VALUE", help="Zenoh setting.")] = None,
+    run: Annotated[str, typer.Option(help="Name of the run.")] = keys.DEFAULT_RUN,
+    timeout: Annotated[float, typer.Option(help="Give up if no world is there by then [s].")] = 30.0,
+) -> int:
+    """Show a run that goes on in another terminal (by default the latest one started in this folder)."""
+    address = Address(connect[0], keys.check_run(run)) if connect else rundir.find(keys.check_run(run))
+    endpoints = Endpoints(
+        "client", tuple(connect or (address.endpoint,)), (), config, tuple(cfg or ()), timeout
+    )
+    screen = Console()
+
+    async def show() -> int:
+        async with bus.opened(endpoints) as opened:
+            with view.Screen(screen) as shown:
+                await view.watch(opened, address.run, timeout, shown)
+        screen.print(shown.frame())
+        return process.SUCCESS
+
+    process.leave("fes", show)
+
+
+def main() -> None:
+    """Entry point of fes: every error is one line, and the exit code says which kind it was."""
+    command = typer.main.get_command(app)
+    try:
+        code = command(standalone_mode=False)
+    except FesError as error:
+        print(f"fes: error: {error}", file=sys.stderr)
+        code = error.exit_code
+    except Exception as error:
+        # Typer's own complaints about arguments know how to say themselves in one line.
+        message = getattr(error, "format_message", None)
+        if message is None:
+            raise
+        print(f"fes: error: {message()}", file=sys.stderr)
+        code = process.FAILURE
+    except KeyboardInterrupt:
+        code = process.FAILURE
+    sys.exit(code if isinstance(code, int) else process.SUCCESS)
+
+
+def _pace(text: str) -> float | None:
+    """The argument of --rtf; None for full speed."""
+    if text == "max":
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < float("inf"):
+        raise ScenarioError("--rtf", f"expects 'max' or a positive number, got '{text}'")
+    return value
+
+
+def _in_process(
+    scenario: Scenario, name: str, pace: float | None, directory: Path, screen: Console | None
+) -> dict[str, Any]:
+    write_scenario(directory, scenario)
+    with process.interruptible():
+        if screen is None:
+            result = inprocess.run(scenario, name, pace)
+        else:
+            with view.Screen(screen) as shown:
+                result = inprocess.run(scenario, name, pace, shown.show)
+    write(directory, result)
+    return result

@@ -1,0 +1,169 @@
+"""Child processes: a world and its agents, started together and never left behind."""
+
+import asyncio
+import os
+import signal
+import socket
+import sys
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO
+
+from fes.errors import FesError
+
+GRACE = 5.0
+"""Time [s] that children have to end by themselves before they are ended."""
+
+
+class ChildFailed(FesError):
+    """A child process ended as it should not have."""
+
+
+@dataclass(frozen=True, eq=False)
+class Child:
+    """One child process."""
+
+    name: str
+    process: asyncio.subprocess.Process
+    log: Path
+    """Its standard error."""
+
+    def verdict(self) -> str:
+        """How it ended, with the last line it said."""
+        code = self.process.returncode
+        how = f"was ended by {signal.Signals(-code).name}" if code is not None and code < 0 else f"exit code {code}"
+        lines = self.log.read_text(errors="replace").strip().splitlines()
+        said = lines[-1].removeprefix(f"{self.name.split()[0]}: error: ") if lines and code == 1 else ""
+        return said or f"{self.name} {how} (its log: {self.log})"
+
+
+class Family:
+    """A world and its agents."""
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+        self.world: Child | None = None
+        self.agents: list[Child] = []
+        self._logs: list[IO[bytes]] = []
+
+    @property
+    def children(self) -> list[Child]:
+        """All of them."""
+        return ([self.world] if self.world else []) + self.agents
+
+    async def start_world(self, arguments: list[str]) -> None:
+        """Start fes-world."""
+        self.world = await self._start("fes-world", "world.process", arguments, "world")
+
+    async def start_agent(self, ids: str, arguments: list[str]) -> None:
+        """Start fes-agent for `ids`."""
+        child = await self._start(
+            f"fes-agent --id {ids}", "agents.process", ["--id", ids, *arguments], f"agent-{ids}"
+        )
+        self.agents.append(child)
+
+    async def finish(self) -> None:
+        """Wait until the world and all agents have ended well; raises ChildFailed for the first that did not.
+
+        If an agent dies, the world names it; so the world's word is heard first.
+        """
+        assert self.world is not None
+        waits = {asyncio.ensure_future(child.process.wait()): child for child in self.children}
+        pending = set(waits)
+        try:
+            while pending:
+                done, pending = await asyncio.wait(pending, return_when=asyncio.FIRST_COMPLETED)
+                failed = [waits[task] for task in done if task.result() != 0]
+                if failed:
+                    raise ChildFailed(await self._explain(failed[0]))
+        finally:
+            for task in pending:
+                task.cancel()
+
+    async def stop(self) -> None:
+        """End every child: the world first, which dismisses the agents; then, after GRACE, by force."""
+        if self.world is not None:
+            _signal(self.world, signal.SIGTERM)
+            if await _gone([self.world, *self.agents], GRACE):
+                return
+        for child in self.agents:
+            _signal(child, signal.SIGTERM)
+        if not await _gone(self.children, GRACE):
+            for child in self.children:
+                _signal(child, signal.SIGKILL)
+            await _gone(self.children, GRACE)
+
+    async def _explain(self, failed: Child) -> str:
+        """Why the run failed: the first child that did, and what the world says of it."""
+        assert self.world is not None
+        await _gone([self.world], 2.0)
+        if failed is self.world or not self.world.process.returncode:
+            return failed.verdict()
+        if failed.process.returncode is not None and failed.process.returncode < 0:
+            return f"{failed.verdict()}; the world: {self.world.verdict()}"
+        return self.world.verdict()
+
+    async def _start(self, name: str, module: str, arguments: list[str], log: str) -> Child:
+        path = self.directory / f"{log}.log"
+        with path.open("wb") as stream:
+            process = await asyncio.create_subprocess_exec(
+                sys.executable,
+                "-P",  # a folder called `world` where the person stands is not ours
+                "-m",
+                module,
+                *arguments,
+                "--exit-with-stdin",
+                stdin=asyncio.subprocess.PIPE,  # never written to: its end tells the child that we are gone
+                stdout=stream,
+                stderr=stream,
+                start_new_session=True,  # a Ctrl-C reaches us, and we end the children in order
+                env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+            )
+        return Child(name, process, path)
+
+
+@asynccontextmanager
+async def family(directory: Path) -> AsyncIterator[Family]:
+    """A family whose children all end with the block, however it ends."""
+    kin = Family(directory)
+    try:
+        yield kin
+    finally:
+        # Shielded: a second cancellation must not leave anybody behind.
+        await asyncio.shield(kin.stop())
+
+
+def free_port() -> int:
+    """A TCP port of the loopback interface that nobody listens on."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def share(robots: int, per_process: int) -> Iterator[str]:
+    """Robot ids for each agent process, `per_process` at a time.
+
+    >>> list(share(5, 2))
+    ['0-1', '2-3', '4']
+    """
+    for first in range(0, robots, per_process):
+        last = min(first + per_process, robots) - 1
+        yield str(first) if first == last else f"{first}-{last}"
+
+
+def _signal(child: Child, number: signal.Signals) -> None:
+    if child.process.returncode is None:
+        child.process.send_signal(number)
+
+
+async def _gone(children: list[Child], timeout: float) -> bool:
+    """Whether all of them ended within `timeout` [s]."""
+    try:
+        async with asyncio.timeout(timeout):
+            for child in children:
+                await child.process.wait()
+    except TimeoutError:
+        return False
+    return True

@@ -1,0 +1,101 @@
+"""fes run with real processes: one world, its agents, and whoever watches."""
+
+import asyncio
+import contextlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from console import launcher, observer, rundir, view
+from console.launcher import Family
+from console.rundir import Address
+from fes import bus, keys, process
+from fes.bus import Endpoints
+from fes.errors import FesError
+from world.scenario import Scenario
+
+RUN = keys.DEFAULT_RUN
+JOIN_TIMEOUT = 60.0
+"""How long children look for the world [s]; a loaded machine starts ten interpreters slowly."""
+
+
+@dataclass(frozen=True)
+class Launch:
+    """How a run is to be started."""
+
+    scenario_file: Path
+    overrides: tuple[str, ...]
+    """a.b=c"""
+    agents_per_process: int
+    rtf: str
+    dashboard: bool
+
+
+def run(launch: Launch, scenario: Scenario, directory: Path, console: Console) -> dict[str, Any]:
+    """Run a scenario with one process for the world and one for each group of agents; returns the summary.
+
+    Every child ends with this call, however it ends. Raises FesError if one of them fails, and Stopped after
+    a signal; what was reached until then is in the directory.
+    """
+    process.supervise(lambda: _run(launch, scenario, directory, console))
+    return read_summary(directory)
+
+
+async def _run(launch: Launch, scenario: Scenario, directory: Path, console: Console) -> None:
+    endpoint = f"tcp/127.0.0.1:{launcher.free_port()}"
+    settings = [word for override in launch.overrides for word in ("--set", override)]
+    groups = list(launcher.share(scenario.robots.number, launch.agents_per_process))
+    async with launcher.family(directory) as family:
+        await family.start_world(
+            [str(launch.scenario_file), *settings, "--rtf", launch.rtf, "--out", str(directory), "-l", endpoint]
+        )
+        rundir.announce(directory, Address(endpoint, RUN))
+        try:
+            for ids in groups:
+                await family.start_agent(ids, ["-e", endpoint, "--timeout", str(JOIN_TIMEOUT)])
+            await _attend(family, launch, endpoint, console)
+        finally:
+            rundir.withdraw(directory)
+
+
+def read_summary(directory: Path) -> dict[str, Any]:
+    """The summary in a run directory; raises FesError."""
+    try:
+        found: dict[str, Any] = json.loads((directory / "summary.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        raise FesError(f"{directory} has no summary") from None
+    return found
+
+
+async def _attend(family: Family, launch: Launch, endpoint: str, console: Console) -> None:
+    """Wait for the children to end, and show the run meanwhile if a person looks."""
+    if not console.is_terminal:
+        await family.finish()
+        return
+    show = asyncio.ensure_future(_show(launch, endpoint, console))
+    try:
+        await family.finish()
+    finally:
+        show.cancel()
+        with contextlib.suppress(asyncio.CancelledError, FesError):
+            await show
+
+
+async def _show(launch: Launch, endpoint: str, console: Console) -> None:
+    """The dashboard, or a line of progress; a view only, whose failure is not the run's."""
+    endpoints = Endpoints("client", (endpoint,), timeout=JOIN_TIMEOUT)
+    async with bus.opened(endpoints) as opened:
+        if launch.dashboard:
+            with view.Screen(console) as screen:
+                await view.watch(opened, RUN, JOIN_TIMEOUT, screen)
+            return
+        with console.status("waiting for the robots") as status:
+            async for report in observer.reports(opened, RUN, JOIN_TIMEOUT, view.IDLE):
+                if report is not None:
+                    status.update(
+                        f"tick {report.tick} of {report.ticks}, {report.ticks_per_s:.0f} ticks/s, "
+                        f"largest separation error {report.separation_error_max:.3f} m"
+                    )

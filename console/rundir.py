@@ -1,0 +1,69 @@
+"""Run directories: where a run leaves its scenario, its summary and its children's logs."""
+
+import contextlib
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from fes.bus import DEFAULT_ENDPOINT
+from fes.errors import FesError
+
+ROOT = Path("runs")
+LATEST = "latest"
+_ENDPOINT = "endpoint.json"
+
+
+@dataclass(frozen=True)
+class Address:
+    """Where a run can be watched."""
+
+    endpoint: str
+    run: str
+
+
+def create(scenario: str, out: Path | None) -> Path:
+    """A new run directory: `out`, or runs/<scenario>-<n> with runs/latest pointing at it; raises FesError."""
+    try:
+        if out is not None:
+            out.mkdir(parents=True, exist_ok=True)
+            if any(out.iterdir()):
+                raise FesError(f"--out {out}: the directory is not empty")
+            return out
+        ROOT.mkdir(exist_ok=True)
+        number = 1
+        while True:
+            directory = ROOT / f"{scenario}-{number}"
+            with contextlib.suppress(FileExistsError):
+                directory.mkdir()
+                break
+            number += 1
+        _point_at(directory)
+        return directory
+    except OSError as error:
+        raise FesError(f"cannot create a run directory: {error.strerror}: {error.filename}") from None
+
+
+def announce(directory: Path, address: Address) -> None:
+    """Say in the run directory where the run can be watched."""
+    (directory / _ENDPOINT).write_text(json.dumps(vars(address)) + "\n", encoding="utf-8")
+
+
+def withdraw(directory: Path) -> None:
+    """The run cannot be watched any more."""
+    (directory / _ENDPOINT).unlink(missing_ok=True)
+
+
+def find(run: str) -> Address:
+    """Where to look without being told: the latest run of this folder if it goes on, else the default endpoint."""
+    with contextlib.suppress(OSError, ValueError, TypeError):
+        return Address(**json.loads((ROOT / LATEST / _ENDPOINT).read_text(encoding="utf-8")))
+    return Address(DEFAULT_ENDPOINT, run)
+
+
+def _point_at(directory: Path) -> None:
+    """Point runs/latest at the directory, in one step."""
+    temporary = ROOT / f".{LATEST}-{os.getpid()}"
+    temporary.unlink(missing_ok=True)
+    temporary.symlink_to(directory.name)
+    os.replace(temporary, ROOT / LATEST)

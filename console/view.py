@@ -1,0 +1,56 @@
+"""The live dashboard: the only place where rich's Live is. A view, which never slows a tick."""
+
+from types import TracebackType
+from typing import Self
+
+from rich.console import Console, RenderableType
+from rich.live import Live
+
+from console import observer
+from console.dashboard import History, render
+from fes.bus import Bus
+from fes.report import Report
+
+IDLE = 0.25
+"""Without news the screen is drawn again after this time [s], for a terminal that was resized."""
+
+
+class Screen:
+    """A terminal that shows the dashboard while the block lasts."""
+
+    def __init__(self, console: Console) -> None:
+        self.history = History()
+        self._console = console
+        self._live = Live(console=console, screen=True, auto_refresh=False)
+
+    def __enter__(self) -> Self:
+        self._live.__enter__()
+        self.draw()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._live.__exit__(kind, error, trace)
+
+    def show(self, report: Report) -> None:
+        """Show a report."""
+        self.history.add(report)
+        self.draw()
+
+    def draw(self) -> None:
+        """Draw what is known, at the terminal's present size."""
+        self._live.update(self.frame(), refresh=True)
+
+    def frame(self) -> RenderableType:
+        """What is known, as one frame of the terminal's present size."""
+        return render(self.history, self._console.width, self._console.height)
+
+
+async def watch(bus: Bus, run: str, timeout: float, screen: Screen) -> None:
+    """Show a run until its world leaves; raises Absent if none appears within `timeout` [s]."""
+    async for report in observer.reports(bus, run, timeout, IDLE):
+        if report is None:
+            screen.draw()
+        else:
+            screen.show(report)

@@ -1,0 +1,142 @@
+"""The floors of the house: who may import whom, proved from the source and in a fresh interpreter."""
+
+import ast
+import importlib.util
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+ROOMS = ("fes", "agents", "world", "console")
+BELOW = {"fes": set[str](), "agents": {"fes"}, "world": {"fes"}, "console": {"fes", "agents", "world"}}
+FORMULA_READERS = {"world.channel", "world.optimum", "world.reporting", "agents.oracle"}
+"""Who may know the channel's formula; the Report shows observers the true outage."""
+LONGEST_FILE = 260
+
+
+def modules(*rooms: str) -> dict[str, Path]:
+    """Dotted name and file of every module, a package by its own name."""
+    paths = [path for room in rooms for path in sorted((ROOT / room).rglob("*.py"))]
+    names = [
+        ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__") for path in paths
+    ]
+    return dict(zip(names, paths, strict=True))
+
+
+def imports(tree: ast.AST) -> Iterator[str]:
+    """Everything that is imported: for `from a import b` both a and a.b, as b may be a module."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (name.name for name in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, "imports are absolute"
+            assert node.module
+            yield node.module
+            yield from (f"{node.module}.{name.name}" for name in node.names)
+
+
+def importers(of: str) -> set[str]:
+    """The modules of the project that import `of` or something in it."""
+    found = set()
+    for name, path in modules(*ROOMS).items():
+        wanted = imports(ast.parse(path.read_text(encoding="utf-8")))
+        if any(imported == of or imported.startswith(f"{of}.") for imported in wanted):
+            found.add(name)
+    return found
+
+
+def at_import(path: Path) -> Iterator[ast.stmt]:
+    """The statements that run when a module is imported: not the bodies of functions."""
+    waiting: list[ast.AST] = list(ast.parse(path.read_text(encoding="utf-8")).body)
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+            continue
+        if isinstance(node, ast.stmt):
+            yield node
+        waiting += ast.iter_child_nodes(node)
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_room_imports_only_what_lies_below_it(room: str) -> None:
+    seen = set()
+    for name, path in modules(room).items():
+        for imported in imports(ast.parse(path.read_text(encoding="utf-8"))):
+            other = imported.partition(".")[0]
+            seen.add(other)
+            assert other not in {*ROOMS, "tests"} - {room} - BELOW[room], f"{name} imports {imported}"
+    assert "dataclasses" in seen or "numpy" in seen, "the room was not read"
+
+
+def test_only_the_bus_imports_zenoh() -> None:
+    assert importers("zenoh") <= {"fes.bus"}
+
+
+def test_only_the_world_and_the_oracle_know_the_channels_formula() -> None:
+    assert importers("fes.outage") == FORMULA_READERS
+
+
+def test_only_a_crew_imports_the_oracle_and_only_when_it_assembles_one() -> None:
+    assert importers("agents.oracle") == {"agents.crew"}
+    for statement in at_import(modules("agents")["agents.crew"]):
+        if isinstance(statement, ast.Import | ast.ImportFrom):
+            assert "agents.oracle" not in set(imports(statement))
+
+
+@pytest.mark.parametrize("module", ["agents.crew", "agents.process"])
+def test_an_agent_starts_without_the_formula_and_without_what_it_has_no_use_for(module: str) -> None:
+    if importlib.util.find_spec(module) is None:
+        pytest.skip(f"{module} is not written yet")
+    code = f"import sys, {module}; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.split())
+    assert {module, "numpy"} <= loaded
+    unwanted = {"matplotlib", "typer", "mcap", "rich", "world", "console", "agents.oracle", "fes.outage"}
+    assert not unwanted & loaded
+
+
+def test_a_crew_that_was_not_told_the_channel_never_loads_its_formula() -> None:
+    code = """
+import sys
+import numpy as np
+from agents import crew
+from fes.config import AgentConfig, FormationConfig, ObjectiveConfig, SeekingConfig
+from fes.errors import FesError
+seeking = SeekingConfig()
+config = AgentConfig(
+    dt=0.02, seed=1, objective=ObjectiveConfig(), seeking=seeking, formation=FormationConfig(), channel=None
+)
+try:
+    crew.assemble(config, np.arange(2))
+except FesError as error:
+    print("refused:", error)
+print(*(name for name in sys.modules if name in ("agents.oracle", "fes.outage")))
+"""
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    said = done.stdout.splitlines()
+    assert said[0].startswith("refused: seeking.index = 'oracle' needs the channel")
+    assert said[1:] in ([], [""])
+
+
+@pytest.mark.parametrize(("name", "path"), modules(*ROOMS).items(), ids=lambda value: str(value))
+def test_no_file_is_longer_than_one_sitting(name: str, path: Path) -> None:
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= LONGEST_FILE, name
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_rooms_init_is_its_docstring_and_nothing_else(room: str) -> None:
+    tree = ast.parse((ROOT / room / "__init__.py").read_text(encoding="utf-8"))
+    assert len(tree.body) == 1
+    assert ast.get_docstring(tree)
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_the_map_in_a_rooms_docstring_names_every_module_of_the_room_and_no_other(room: str) -> None:
+    tree = ast.parse((ROOT / room / "__init__.py").read_text(encoding="utf-8"))
+    lines = (ast.get_docstring(tree) or "").splitlines()[2:]
+    # a map's line: a name, two spaces or more, what it holds; a longer text goes on, indented
+    mapped = {line.split()[0] for line in lines if line and not line.startswith(" ")}
+    assert mapped == {path.stem for path in (ROOT / room).glob("*.py")} - {"__init__"}
