@@ -10,9 +10,12 @@ makes the derivative of its Lyapunov function (28) negative definite. It is the 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from agents import collocation
+from agents.collocation import Step
 from fes import draws
 from fes.arrays import Bools, Floats
 from fes.config import SeekingConfig
@@ -20,6 +23,9 @@ from fes.edges import Edges
 
 ESTIMATE, DRIFT, BASELINE = 0, 1, 2
 """Rows of the seeking state [3, l]: r_hat [m], xi [m/s], eta [index]."""
+
+SWEEPS = 2
+"""Picard sweeps a step; two leave an error below 1e-4 of the travel at 2 rad of dither a step."""
 
 MAX_EXTRAPOLATION = 0.1
 """Age [s] up to which a peer's estimate is extrapolated."""
@@ -29,22 +35,36 @@ Index = Callable[[Floats], Floats]
 
 @dataclass(frozen=True)
 class Seeker:
-    """The constants of the law for one run: configuration, index (with its gain) and time grid."""
+    """The constants of the law for one run: configuration, index, and its linear part over a sub-step."""
 
     config: SeekingConfig
     index: Index
     dt: float
+    """Tick length [s]."""
 
     @property
     def sub_steps(self) -> int:
-        """Runge-Kutta steps a tick."""
+        """Steps of the integration a tick."""
         return max(1, math.ceil(self.dt / self.config.sub_step - 1e-9))
 
+    @cached_property
+    def coupled(self) -> Step:
+        """The linear part for a link whose peer is heard, s_ij = 1."""
+        return self._step(self.config.consensus_gain)
 
-def dither(seeker: Seeker, tick: int) -> Floats:
-    """a sin(beta_0 t) [m] at the beginning, middle and end of each sub-step of a tick [2 sub_steps + 1]."""
-    steps = 2 * seeker.sub_steps
-    time = (tick + np.arange(steps + 1) / steps) * seeker.dt
+    @cached_property
+    def alone(self) -> Step:
+        """The linear part for a link whose peer is not heard, s_ij = 0."""
+        return self._step(0.0)
+
+    def _step(self, consensus: float) -> Step:
+        config, sign = self.config, 1.0 if self.config.law == "consensus" else -1.0
+        length = self.dt / self.sub_steps
+        return collocation.step(length, config.low_pass_cutoff, config.washout_cutoff, consensus, sign)
+
+
+def dither(seeker: Seeker, time: Floats) -> Floats:
+    """a sin(beta_0 t) [m] at `time` [s], any shape; the same for all links, on one clock."""
     return seeker.config.dither_amplitude * np.sin(seeker.config.dither_frequency * time)
 
 
@@ -62,7 +82,7 @@ def begin(seeker: Seeker, tick: int, estimates: Floats) -> Floats:
     """
     state = np.zeros((3, len(estimates)))
     state[ESTIMATE] = estimates
-    state[BASELINE] = _sample(seeker, estimates + dither(seeker, tick)[0])
+    state[BASELINE] = _sample(seeker, estimates + dither(seeker, np.float64(tick * seeker.dt)))
     return state
 
 
@@ -100,50 +120,41 @@ def extrapolate(seeker: Seeker, state: Floats, heard: Floats, age: Floats) -> Fl
 
 
 def advance(seeker: Seeker, tick: int, state: Floats, heard: Floats) -> Floats:
-    """State [3, l] one tick later; equation (18) by classic Runge-Kutta.
+    """State [3, l] one tick later; equation (18).
 
-    `heard` [l] [m] is the peer's estimate for the link, held over the tick; NaN where none was heard, which is s_ij = 0 of (2).
+    `heard` [l] [m] is the peer's estimate for the link, held over the tick; NaN where none was heard, which
+    is s_ij = 0 of (2).
     """
     if state.shape[1] == 0:
         return state
-    config, steps = seeker.config, seeker.sub_steps
-    h = seeker.dt / steps
-    wave = dither(seeker, tick)
     coupled = np.isfinite(heard)
-    pull = np.where(coupled, config.consensus_gain * heard, 0.0)
-    gain = np.where(coupled, config.consensus_gain, 0.0)
-    sign = config.low_pass_cutoff * (1.0 if config.law == "consensus" else -1.0)
-    for step in range(steps):
-        first, middle, last = wave[2 * step : 2 * step + 3].tolist()
-        k1 = _rate(seeker, state, first, pull, gain, sign)
-        k2 = _rate(seeker, state + (0.5 * h) * k1, middle, pull, gain, sign)
-        k3 = _rate(seeker, state + (0.5 * h) * k2, middle, pull, gain, sign)
-        k4 = _rate(seeker, state + h * k3, last, pull, gain, sign)
-        k2 += k3
-        k2 *= 2.0
-        k2 += k1
-        k2 += k4
-        k2 *= h / 6.0
-        state = state + k2
+    if coupled.all():
+        return _integrate(seeker, tick, state, heard, seeker.coupled)
+    alone = _integrate(seeker, tick, state, np.zeros_like(heard), seeker.alone)
+    if not coupled.any():
+        return alone
+    together = _integrate(seeker, tick, state, np.where(coupled, heard, 0.0), seeker.coupled)
+    return np.where(coupled, together, alone)
+
+
+def _integrate(seeker: Seeker, tick: int, state: Floats, peer: Floats, linear: Step) -> Floats:
+    """State [3, l] one tick later, by collocation; see `agents.collocation`."""
+    n = collocation.NODES
+    for step in range(seeker.sub_steps):
+        wave = dither(seeker, (tick + step / seeker.sub_steps) * seeker.dt + linear.nodes)[:, None]
+        held = linear.washout_start * state[BASELINE]
+        drift = np.add.reduce(linear.path_start * np.stack([state[ESTIMATE], state[DRIFT], peer]), axis=1)
+        path = drift
+        for _ in range(SWEEPS):
+            sample = _sample(seeker, path[:n] + wave)
+            baseline = np.add.reduce(linear.washout_input * sample, axis=1)
+            baseline += held
+            sample -= baseline[:n]
+            sample *= wave
+            path = np.add.reduce(linear.path_input * sample, axis=1)
+            path += drift
+        state = np.stack([path[n], path[n + 1], baseline[n]])
     return state
-
-
-def _rate(seeker: Seeker, state: Floats, drive: float, pull: Floats, gain: Floats, sign: float) -> Floats:
-    """Right-hand side of (18) [3, l] at dither `drive` [m]; kappa s (r_ji - r_ij) = pull - gain r_ij."""
-    config = seeker.config
-    rate = np.empty_like(state)
-    estimate, drift, baseline = state
-    consensus, demodulated, washout = rate
-    np.multiply(gain, estimate, out=consensus)
-    np.subtract(pull, consensus, out=consensus)
-    np.subtract(_sample(seeker, estimate + drive), baseline, out=washout)
-    np.multiply(washout, drive, out=demodulated)
-    demodulated -= drift
-    demodulated *= config.low_pass_cutoff
-    demodulated += sign * consensus
-    consensus += drift
-    washout *= config.washout_cutoff
-    return rate
 
 
 def _sample(seeker: Seeker, separation: Floats) -> Floats:

@@ -13,7 +13,7 @@ from typing import IO
 
 from fes.errors import FesError
 
-GRACE = 5.0
+GRACE = 3.0
 """Time [s] that children have to end by themselves before they are ended."""
 
 
@@ -84,9 +84,9 @@ class Family:
 
     async def stop(self) -> None:
         """End every child: the world first, which dismisses the agents; then, after GRACE, by force."""
-        if self.world is not None:
+        if self.world is not None and self.world.process.returncode is None:
             _signal(self.world, signal.SIGTERM)
-            if await _gone([self.world, *self.agents], GRACE):
+            if await _gone(self.children, GRACE):
                 return
         for child in self.agents:
             _signal(child, signal.SIGTERM)

@@ -68,7 +68,7 @@ class SeekingConfig(Table):
     """[rad/s] (beta_l)."""
     washout_cutoff: Positive = 25.0
     """[rad/s] (beta_h)."""
-    sub_step: Positive = 0.01
+    sub_step: Positive = 0.02
     """Longest step of the integration [s]; a tick is cut into equal steps no longer than this."""
     initial_estimate: tuple[Positive, Positive] = Field(default=(50.0, 90.0), strict=False)
     """Estimates of the first links are drawn uniformly from this interval [m]."""

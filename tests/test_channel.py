@@ -5,8 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from fes import draws
 from fes.arrays import Floats
 from fes.sensing import CLOSED, DECODED, LOST
+from tests import layouts
 from world import simulation
 from world.scenario import Scenario, parse
 from world.simulation import State
@@ -91,7 +93,11 @@ def test_the_contacts_of_others_stay_open_while_one_comes_and_goes() -> None:
     there_and_back = ([100.0] * 4 + [-100.0] * 4) * 3
     speeds = [np.array([0.0, 0.0, v]) for v in there_and_back]
     codes, states = listen(team([(0, 0), (20, 0), (146, 0)], "perfect"), speeds)
-    assert -1 in codes[0, 2]
+    # 146, 148, 150, 152, 154, 152, 150, 148 m and so on: in range three ticks, out three, in five, out three
+    opening = [CLOSED, CLOSED, DECODED, DECODED, DECODED, -1, -1, -1]
+    assert (
+        codes[0, 2] == codes[2, 0] == [CLOSED, CLOSED, DECODED, -1, -1, -1, *opening, *opening, *opening[:3]]
+    )
     assert codes[0, 1] == codes[1, 0] == [CLOSED, CLOSED] + [DECODED] * 23
     heard = sum(code == DECODED for verdicts in codes.values() for code in verdicts)
     assert states[-1].sent == states[-1].decoded == heard
@@ -140,6 +146,17 @@ def test_a_nearer_pair_decodes_whatever_a_farther_one_with_the_same_draws_does()
     pairs = list(zip(near[0, 1], far[0, 1], strict=True))
     assert (LOST, DECODED) not in pairs
     assert {(LOST, LOST), (DECODED, LOST), (DECODED, DECODED)} <= set(pairs)
+
+
+def test_a_verdict_rests_on_the_number_of_its_own_tick_sender_and_receiver() -> None:
+    codes, states = listen(team([(0, 0), (110, 0), (60, 90)], seed=4), still(3, 150))
+    key = draws.key(4, "channel")
+    for (receiver, sender), verdicts in codes.items():
+        p = math.exp(-3e-7 * layouts.distance(states[0].poses, receiver, sender) ** 3)
+        for tick in range(1, 149):  # what tick + 1 reports was sent at tick; open from tick 2
+            counter = np.array([tick // 4, sender, receiver, 0], dtype=np.uint64)
+            number = np.random.Generator(np.random.Philox(key=key, counter=counter)).random(4)[tick % 4]
+            assert verdicts[tick + 1] == (DECODED if number < p else LOST)
 
 
 def test_another_seed_is_another_fading() -> None:

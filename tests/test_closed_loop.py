@@ -5,8 +5,10 @@ from functools import cache
 import numpy as np
 import pytest
 
+from fes import draws
 from tests import loop, witness
 from tests.loop import History, Pair
+from world import scenario
 
 
 @cache
@@ -113,6 +115,21 @@ def test_how_robots_are_spread_over_crews_changes_no_bit(name: str, split: list[
     for tick in range(200):
         assert parts.poses[tick].tobytes() == whole.poses[tick].tobytes()
         assert parts.estimates[tick] == whole.estimates[tick]
+
+
+@pytest.mark.parametrize("name", ["paper.toml", "neighborhood.toml"])
+def test_every_link_of_a_robots_first_exchange_begins_with_its_own_draw(name: str) -> None:
+    run, told = history(name), scenario.agent_config(loop.load(name))
+    key = draws.key(told.seed, "first estimate")
+    begun = {
+        **run.estimates[3],
+        **run.estimates[2],
+    }  # contacts open at tick 2; at 3 a robot knows who named it
+    assert len(begun) >= 18
+    for (robot, peer), value in begun.items():
+        counter = np.array([0, robot, peer, 0], dtype=np.uint64)
+        number = np.random.Generator(np.random.Philox(key=key, counter=counter)).random()
+        assert value == pytest.approx(50.0 + 40.0 * number, rel=1e-15)
 
 
 def test_another_seed_is_another_run() -> None:

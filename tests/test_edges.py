@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fes.edges import Edges, no_edges
+from fes.edges import Edges, Stack, no_edges
 from tests.layouts import edges
 
 Pairs = list[tuple[int, int]]
@@ -38,6 +38,18 @@ def test_a_sum_adds_a_robots_pairs_one_by_one_in_the_order_of_their_peers(
             total += float(WILD[robot, peer])
         expected.append(total)
     assert among.sum(np.array(values(among))).tolist() == expected  # to the bit
+
+
+def test_a_long_sum_is_added_one_by_one_too() -> None:
+    # numpy's own sum adds in eight lanes, and in pairs beyond 128
+    rng = np.random.default_rng(3)
+    among = edges([0, 1], [(0, peer) for peer in range(1, 301)] + [(1, peer) for peer in range(2, 40)])
+    numbers = rng.normal(0.0, 10.0 ** rng.integers(-8, 8, len(among)))
+    expected = [0.0, 0.0]
+    for row, number in zip(among.rows.tolist(), numbers.tolist(), strict=True):
+        expected[row] += number
+    assert among.sum(numbers).tolist() == expected  # to the bit
+    assert float(np.sum(numbers[:300])) != expected[0]  # so that the order shows
 
 
 def test_the_order_of_a_sum_matters_to_its_digits() -> None:
@@ -117,3 +129,18 @@ def test_a_crew_without_pairs_sums_to_zero_and_finds_nothing() -> None:
 def test_the_keys_of_the_largest_team_stay_apart(largest: int) -> None:
     among = edges([0, 1, largest], [(0, 1), (0, largest), (1, 0), (largest, 0), (largest, 1)])
     assert among.reverse.tolist() == [2, 3, 0, 1, -1]
+
+
+def test_a_stack_of_lists_is_the_same_edges_until_a_list_is_another() -> None:
+    stack, ids = Stack(), np.array([3, 5])
+    lists = [np.array([1, 5]), np.array([3])]
+    first = stack.edges(ids, lists)
+    assert sorted(zip(first.ids[first.rows].tolist(), first.peers.tolist(), strict=True)) == [
+        (3, 1),
+        (3, 5),
+        (5, 3),
+    ]
+    assert stack.edges(ids, list(lists)) is first
+    other = stack.edges(ids, [lists[0], np.array([1, 3])])
+    assert other.peers.tolist() == [1, 5, 1, 3]
+    assert [first.peers[span].tolist() for span in first.spans] == [[1, 5], [3]]

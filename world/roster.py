@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import time
+from collections.abc import Callable
 
 import numpy as np
 
@@ -11,8 +12,7 @@ from fes.arrays import Bytes
 from fes.bus import Bus, Question
 from fes.complaints import Complaints
 from fes.config import AgentConfig
-from fes.errors import Absent, MessageError
-from fes.inbox import Inbox
+from fes.errors import MessageError
 from fes.messages import Welcome
 
 LEASE = 15.0
@@ -30,17 +30,13 @@ class Roster:
         self._complaints = complaints
         self._logger = logging.getLogger("world")
         self._promised: dict[int, float] = {}
-        self._inbox: Inbox | None = None
+        self._on_loss: Callable[[int], None] | None = None
         bus.serve(keys.welcome(run), self._on_question)
         bus.watch(keys.robot_alive(run, "*"), self._on_token)
 
-    def report_losses_to(self, inbox: Inbox) -> None:
-        """From now on the loss of a robot fails `inbox`."""
-        self._inbox = inbox
-
-    def missing(self) -> list[int]:
-        """The robots that are not here."""
-        return np.flatnonzero(self.alive == 0).tolist()
+    def report_losses_to(self, on_loss: Callable[[int], None]) -> None:
+        """From now on `on_loss` is called with each robot that is lost."""
+        self._on_loss = on_loss
 
     def _on_question(self, question: Question) -> None:
         try:
@@ -76,8 +72,8 @@ class Roster:
         self._promised.pop(robot, None)
         if self.alive.all():
             self.complete.set()
-        elif not alive and self._inbox is not None:
-            self._inbox.fail(Absent(f"robot {robot} left: its agent died, stopped or lost its connection"))
+        elif not alive and self._on_loss is not None:
+            self._on_loss(robot)
         elif not alive:
             self.complete.clear()
             self._logger.info("robot %d left before the start", robot)

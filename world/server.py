@@ -59,7 +59,7 @@ class Server:
         """Wait until every robot is here."""
         self.logger.info("waiting for %d robots", len(self._observe))
         await self._roster.complete.wait()
-        self._roster.report_losses_to(self._inbox)
+        self._roster.report_losses_to(self._on_loss)
         self.logger.info("all robots are here: %s starts", self.name)
 
     async def run(self) -> None:
@@ -105,6 +105,14 @@ class Server:
                 self._state.tick, robot, tuple(pose), nothing, nothing.astype(np.uint8), over=True
             )
             put(messages.encode_observation(farewell))
+
+    def _on_loss(self, robot: int) -> None:
+        self._inbox.fail(
+            Absent(
+                f"robot {robot} left at tick {self._state.tick}: "
+                "its agent died, was stopped or lost its connection"
+            )
+        )
 
     def _publish(self, observations: Observations) -> list[bytes]:
         """Put each robot's observation; returns the payloads, to be sent again if need be."""

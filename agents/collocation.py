@@ -1,0 +1,99 @@
+"""One step of the seeking law (18) by collocation: the filters exactly, the index at a few times at once.
+
+In (18) only the index is nonlinear; the rest is a washout, a low-pass and an integrator, whose answer to an
+input known at Gauss-Legendre nodes is a matrix that can be computed once. What remains is to make the estimate's
+path and the index along it agree, by a fixed number of Picard sweeps: each evaluates the index at all nodes of
+all links in one call. A classic Runge-Kutta step would need four calls one after the other.
+
+Sums over nodes run along the second axis of small arrays, one by one, so a link's digits do not depend on how
+many links are computed with it (a matrix product's would).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from fes.arrays import Floats
+
+NODES = 5
+"""Gauss-Legendre nodes a step; fewer than 8, so that numpy adds them in order."""
+
+_QUADRATURE = 24
+_TAYLOR = 30
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """The answers of the linear part over one step, at the nodes and at its end."""
+
+    nodes: Floats
+    """Times of the nodes within the step [NODES] [s]."""
+    washout_start: Floats
+    """eta at the nodes and the end from eta at the start [NODES + 1, 1]."""
+    washout_input: Floats
+    """eta at the nodes and the end from the index at the nodes [NODES + 1, NODES, 1]."""
+    path_start: Floats
+    """r_hat at the nodes and the end, and xi at the end, from (r_hat, xi, peer's r_hat) [NODES + 2, 3, 1]."""
+    path_input: Floats
+    """The same from the demodulated index at the nodes [NODES + 2, NODES, 1]."""
+
+
+def step(length: float, low_pass: float, washout: float, consensus: float, sign: float) -> Step:
+    """The linear part of (18) over `length` [s].
+
+    `low_pass` and `washout` are the cut-offs [rad/s], `consensus` is kappa [1/s] (0 for a link without a
+    peer), and `sign` is that of the kappa term in xi': -1 as printed, +1 for consensus.
+    """
+    points, _ = np.polynomial.legendre.leggauss(NODES)
+    nodes = 0.5 * (points + 1.0)
+    ends = np.append(nodes, 1.0)
+    high_pass = np.array([[-washout]])
+    # (r_hat, xi)' = system (r_hat, xi) + from_peer r_hat_peer + from_index demodulated
+    system = np.array([[-consensus, 1.0], [-sign * low_pass * consensus, -low_pass]])
+    from_peer = np.array([consensus, sign * low_pass * consensus])
+    from_index = np.array([0.0, low_pass])
+    path_start, path_input = [], []
+    for end in ends:
+        peer = _answer(system, from_peer, length, end, np.ones_like)[:, :1]
+        path_start.append(np.hstack([_exponential(system * length * end), peer]))
+        path_input.append(_answer(system, from_index, length, end, lambda s: _lagrange(nodes, s)))
+    rows = [part[0] for part in path_start] + [path_start[-1][1]]
+    inputs = [part[0] for part in path_input] + [path_input[-1][1]]
+    wash = [_answer(high_pass, np.array([washout]), length, end, lambda s: _lagrange(nodes, s))[0] for end in ends]
+    return Step(
+        nodes=length * nodes,
+        washout_start=np.exp(-washout * length * ends)[:, None],
+        washout_input=np.array(wash)[:, :, None],
+        path_start=np.array(rows)[:, :, None],
+        path_input=np.array(inputs)[:, :, None],
+    )
+
+
+def _answer(system: Floats, gain: Floats, length: float, end: float, shape: Callable[[Floats], Floats]) -> Floats:
+    """Integral over [0, end length] of exp(system (end length - t)) gain shape(t / length) dt."""
+    points, weights = np.polynomial.legendre.leggauss(_QUADRATURE)
+    at = 0.5 * end * (points + 1.0)
+    kernels = np.stack([_exponential(system * length * (end - s)) @ gain for s in at], axis=1)
+    return 0.5 * end * length * (kernels * weights) @ np.atleast_2d(shape(at)).reshape(len(at), -1)
+
+
+def _lagrange(nodes: Floats, at: Floats) -> Floats:
+    """The Lagrange polynomials of the nodes at times `at` [s] -> [len(at), NODES]."""
+    columns = []
+    for j, node in enumerate(nodes):
+        others = np.delete(nodes, j)
+        columns.append(np.prod((at[:, None] - others) / (node - others), axis=1))
+    return np.stack(columns, axis=1)
+
+
+def _exponential(matrix: Floats) -> Floats:
+    """exp of a small matrix of norm below about 10, by halving and Taylor's series."""
+    halvings = max(0, int(np.ceil(np.log2(max(np.abs(matrix).sum(), 1e-300)))) + 1)
+    term = result = np.eye(len(matrix))
+    for order in range(1, _TAYLOR):
+        term = term @ (matrix / 2.0**halvings) / order
+        result = result + term
+    for _ in range(halvings):
+        result = result @ result
+    return result

@@ -1,0 +1,7 @@
+"""Benchmarks: ratios and costs measured side by side in one run, beside their budgets.
+
+bare        the lockstep's message pattern on bare Zenoh, computing nothing: what the wire alone costs
+lockstep    fes against bare, in turn
+compute     crew.step, in-process rates, cost per robot-tick from 10 to 10,000 robots
+startup     time and memory until an agent is ready
+"""

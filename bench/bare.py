@@ -1,0 +1,135 @@
+"""The lockstep's message pattern on bare Zenoh: one world, one asyncio process a robot, nothing computed.
+
+World to each robot an observation, robot to its peers a beacon, robot to the world a command; the world's next
+tick follows the last command. Payloads have the sizes of the real ones, and are not looked at.
+Run as `python -m bench.bare world N TICKS ENDPOINT SIZE` and `python -m bench.bare agent I N ENDPOINT SIZE PEER...`.
+"""
+
+import asyncio
+import json
+import os
+import sys
+import time
+
+os.environ.setdefault(
+    "ZENOH_RUNTIME",
+    "(rx:(handover:app),acc:(handover:app),tx:(handover:app),net:(handover:app),app:(worker_threads:2))",
+)
+
+import zenoh
+import zenoh.handlers
+
+
+def settings(mode: str, endpoint: str) -> zenoh.Config:
+    """The session settings that the project uses too."""
+    config = zenoh.Config()
+    for key, value in {
+        "mode": mode,
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "scouting/delay": 0,
+        "listen/endpoints": [endpoint] if mode == "router" else [],
+        "connect/endpoints": [endpoint] if mode == "client" else [],
+        "connect/timeout_ms": 20000,
+        "transport/shared_memory/enabled": False,
+    }.items():
+        config.insert_json5(key, json.dumps(value))
+    return config
+
+
+def publisher(session: zenoh.Session, key: str) -> zenoh.Publisher:
+    """A publisher as the project declares them."""
+    return session.declare_publisher(key, congestion_control=zenoh.CongestionControl.BLOCK, express=False)
+
+
+async def world(n: int, ticks: int, endpoint: str, size: int) -> float:
+    """Ticks per second over `ticks` ticks with `n` agents."""
+    loop = asyncio.get_running_loop()
+    arrived: list[bytes] = []
+    barrier = loop.create_future()
+
+    def wake() -> None:
+        if not barrier.done():
+            barrier.set_result(None)
+
+    def on_command(sample: zenoh.Sample) -> None:
+        arrived.append(sample.payload.to_bytes())
+        if len(arrived) == n:
+            loop.call_soon_threadsafe(wake)
+
+    with zenoh.open(settings("router", endpoint)) as session:
+        subscriber = session.declare_subscriber(
+            "bare/*/command", zenoh.handlers.Callback(on_command, indirect=False)
+        )
+        puts = [publisher(session, f"bare/{robot}/observation").put for robot in range(n)]
+        while len(arrived) < n:  # each agent puts one command when it is ready
+            await asyncio.sleep(0.01)
+        payload = bytes(size)
+        begun = time.perf_counter()
+        for _ in range(ticks):
+            arrived.clear()
+            barrier = loop.create_future()
+            for put in puts:
+                put(payload)
+            await barrier
+        rate = ticks / (time.perf_counter() - begun)
+        for put in puts:
+            put(b"")
+        subscriber.undeclare()
+    return rate
+
+
+async def agent(robot: int, endpoint: str, size: int, peers: list[int]) -> None:
+    """One robot that answers every observation until an empty one comes."""
+    loop = asyncio.get_running_loop()
+    heard: list[bytes] = []
+    tick: asyncio.Future[bytes] = loop.create_future()
+
+    def wake(payload: bytes) -> None:
+        tick.set_result(payload)
+
+    def on_observation(sample: zenoh.Sample) -> None:
+        loop.call_soon_threadsafe(wake, sample.payload.to_bytes())
+
+    def on_beacon(sample: zenoh.Sample) -> None:
+        heard.append(sample.payload.to_bytes())
+
+    with zenoh.open(settings("client", endpoint)) as session:
+        subscribers = [
+            session.declare_subscriber(
+                f"bare/{robot}/observation", zenoh.handlers.Callback(on_observation, indirect=False)
+            )
+        ]
+        for peer in peers:
+            subscribers.append(
+                session.declare_subscriber(
+                    f"bare/{peer}/beacon", zenoh.handlers.Callback(on_beacon, indirect=False)
+                )
+            )
+        beacon = publisher(session, f"bare/{robot}/beacon").put
+        command = publisher(session, f"bare/{robot}/command").put
+        payload = bytes(size)
+        command(payload)
+        while await tick:
+            tick = loop.create_future()
+            heard.clear()
+            beacon(payload)
+            command(payload)
+        for subscriber in subscribers:
+            subscriber.undeclare()
+
+
+def main() -> None:
+    """One of the two roles."""
+    role, *words = sys.argv[1:]
+    if role == "world":
+        n, ticks, endpoint, size = words
+        print(asyncio.run(world(int(n), int(ticks), endpoint, int(size))), flush=True)
+    else:
+        robot, endpoint, size, *peers = words
+        asyncio.run(agent(int(robot), endpoint, int(size), [int(peer) for peer in peers]))
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main()

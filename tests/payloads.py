@@ -1,0 +1,125 @@
+"""Messages of every kind with any fields they may have, and msgpack values of any kind."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import msgpack  # type: ignore[import-untyped]
+import numpy as np
+from hypothesis import strategies as st
+
+from fes import messages
+from fes import report as reports
+from fes.arrays import Floats
+from fes.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
+from fes.errors import MessageError
+from fes.messages import Beacon, Command, Observation, Welcome
+from fes.report import Report
+
+
+class Codec(NamedTuple):
+    """How a message is packed and read, any such message, and how many fields it has."""
+
+    encode: Callable[[Any], bytes]
+    decode: Callable[[bytes], Any]
+    messages: st.SearchStrategy[Any]
+    fields: int
+
+
+finite = st.floats(allow_nan=False, allow_infinity=False)
+positive = st.floats(0, exclude_min=True, allow_infinity=False)
+small = st.floats(1e-3, 1.0)
+ticks = st.integers(0, 2**53 - 1)
+robots = st.integers(0, 2**31 - 1)
+peers = st.lists(robots, unique=True, max_size=6).map(lambda ids: np.array(sorted(ids), dtype=np.int64))
+
+
+def floats(count: int, numbers: st.SearchStrategy[float] = finite) -> st.SearchStrategy[Floats]:
+    return st.lists(numbers, min_size=count, max_size=count).map(lambda found: np.array(found, dtype="<f8"))
+
+
+def codes(count: int, highest: int) -> st.SearchStrategy[Any]:
+    values = st.lists(st.integers(0, highest), min_size=count, max_size=count)
+    return values.map(lambda found: np.array(found, dtype=np.uint8))
+
+
+@st.composite
+def observations(draw: st.DrawFn) -> Observation:
+    pose, near = (draw(finite), draw(finite), draw(finite)), draw(peers)
+    received, over = draw(codes(len(near), 2)), draw(st.booleans())
+    return Observation(draw(ticks), draw(robots), pose, near, received, over)
+
+
+@st.composite
+def beacons(draw: st.DrawFn) -> Beacon:
+    pose, near = (draw(finite), draw(finite), draw(finite)), draw(peers)
+    return Beacon(draw(ticks), draw(robots), pose, near, draw(floats(len(near))), draw(codes(len(near), 1)))
+
+
+@st.composite
+def commands(draw: st.DrawFn) -> Command:
+    near = draw(peers)
+    return Command(draw(ticks), draw(robots), (draw(finite), draw(finite)), near, draw(floats(len(near))))
+
+
+@st.composite
+def welcomes(draw: st.DrawFn) -> Welcome:
+    low, high = sorted((draw(positive), draw(positive)))
+    seeking = SeekingConfig(index_gain=draw(positive), sub_step=draw(small), dither_frequency=draw(small))
+    formation = FormationConfig(linear_limit=draw(st.none() | positive), angular_gain=draw(positive))
+    channel = draw(st.none() | st.builds(ChannelConfig, reference_snr=positive, path_loss_exponent=positive))
+    config = AgentConfig(
+        dt=draw(positive),
+        seed=draw(st.integers(0, 2**53 - 1)),
+        objective=ObjectiveConfig(minimum_separation=draw(positive)),
+        seeking=seeking.model_copy(update={"initial_estimate": (low, high)}),
+        formation=formation,
+        channel=channel,
+    )
+    return Welcome(tuple(sorted(draw(st.sets(robots, min_size=1, max_size=5)))), config)
+
+
+@st.composite
+def team_reports(draw: st.DrawFn) -> Report:
+    n, links = draw(st.integers(0, 5)), draw(st.integers(0, 4))
+    hints = {field.name: field.type for field in dataclasses.fields(Report)}
+    found: dict[str, Any] = {name: draw(ticks) for name, kind in hints.items() if kind is int}
+    found |= {name: draw(st.floats()) for name, kind in hints.items() if kind is float}
+    found |= {name: draw(floats(links, st.floats())) for name, kind in hints.items() if kind == Floats}
+    for end in ("a", "b"):
+        found[end] = np.array(draw(st.lists(robots, min_size=links, max_size=links)), dtype=np.int64)
+    found |= {"alive": draw(codes(n, 1)), "poses": draw(floats(3 * n)).reshape(n, 3)}
+    return Report(scenario=draw(st.text()), disk_connected=draw(st.booleans()), **found)
+
+
+joins = st.tuples(
+    st.sets(robots, min_size=1, max_size=9).map(lambda ids: tuple(sorted(ids))),
+    st.text(min_size=1, max_size=64),
+)
+
+CODECS = {
+    "Observation": Codec(messages.encode_observation, messages.decode_observation, observations(), 8),
+    "Beacon": Codec(messages.encode_beacon, messages.decode_beacon, beacons(), 8),
+    "Command": Codec(messages.encode_command, messages.decode_command, commands(), 6),
+    "Welcome": Codec(messages.encode_welcome, messages.decode_welcome, welcomes(), 2),
+    "Join": Codec(lambda join: messages.encode_join(*join), messages.decode_join, joins, 2),
+    "Report": Codec(reports.encode_report, reports.decode_report, team_reports(), 12),
+}
+scalars = st.none() | st.booleans() | st.integers(-(2**63), 2**64 - 1) | st.floats() | st.text() | st.binary()
+odd = st.builds(msgpack.ExtType, st.integers(0, 127), st.binary()) | st.just(msgpack.Timestamp(1, 5))
+values = st.recursive(
+    scalars | odd, lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(), inner, max_size=3)
+)
+
+
+def refusal(name: str, payload: bytes) -> str | None:
+    """Why a payload is refused, in one line, or None if it is a message; any other error gets through."""
+    try:
+        CODECS[name].decode(payload)
+    except MessageError as error:
+        said = str(error)
+        assert said.startswith(f"{name}: ")
+        assert len(said) < 200
+        assert said.isprintable()
+        return said
+    return None

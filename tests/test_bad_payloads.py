@@ -1,0 +1,118 @@
+"""Payloads that break one rule each, packed by hand: what is refused, and in which words."""
+
+import math
+import struct
+from typing import Any
+
+import msgpack  # type: ignore[import-untyped]
+import pytest
+
+from fes import wire
+from tests.payloads import CODECS, refusal
+
+NAMES = list(CODECS)
+
+
+def int32(*ids: int) -> bytes:
+    return struct.pack(f"<{len(ids)}i", *ids)
+
+
+def float64(*numbers: float) -> bytes:
+    return struct.pack(f"<{len(numbers)}d", *numbers)
+
+
+# The layouts, packed by hand: version, then the fields; robot 4 at tick 7 with the peers 2 and 9.
+PLAIN: dict[str, list[Any]] = {
+    "Observation": [1, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), b"\2\1", False],
+    "Beacon": [1, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), float64(60.0, 70.0), b"\1\0"],
+    "Command": [1, 7, 4, 1.5, -0.5, int32(2, 9), float64(60.0, 70.0)],
+    "Join": [1, [4, 5], "me"],
+    "Report": [
+        *(1, "pair", 7, 9, [0.02, 68.0, 1.0, 50.0, math.nan, math.inf, 3.0], b"\1\0"),
+        *(float64(*range(6)), int32(0), int32(1), [float64(math.nan)] * 5, 8, 6, True),
+    ],
+}
+BIG = b"\0" * (wire.MAX_PAYLOAD + 1)
+
+BROKEN: list[tuple[str, int, Any, str]] = [
+    *((name, 0, version, "protocol 1") for name in PLAIN for version in (0, 2, None, "1", [1])),
+    *((name, 1, BIG, "longer than 1048576 bytes") for name in PLAIN),
+    *((name, 1, tick, "tick") for name in NAMES[:3] for tick in (-1, 2**53, 1.0, True, None)),
+    *((name, 2, robot, "robot") for name in NAMES[:3] for robot in (-1, 2**31, 4.0, False)),
+    *((name, 3, x, "finite") for name in NAMES[:3] for x in (math.nan, math.inf, -math.inf, 1, True)),
+    *(("Beacon", 6, ids, "ascend") for ids in (int32(9, 2), int32(-1, 2), int32(2, 2))),
+    *(("Beacon", 6, ids, "int32") for ids in (b"123", [2, 9], "abcd", None)),
+    *(("Beacon", 7, found, "2 float64") for found in (b"", float64(1.0), float64(1.0) + b"1", [60.0, 70.0])),
+    *(("Beacon", 7, float64(1.0, bad), "finite") for bad in (math.nan, math.inf, -math.inf)),
+    *(("Command", 6, float64(1.0, bad), "finite") for bad in (math.nan, math.inf)),
+    *(("Beacon", 8, named, "codes") for named in (b"\1", b"\1\2", b"\1\0\0", [1, 0])),
+    *(("Observation", 7, codes, "codes") for codes in (b"", b"\1\3", "\1\1")),
+    *(("Observation", 8, over, "flag") for over in (0, 1, None, "")),
+    *(("Join", 1, ids, "ascend") for ids in ([5, 4], [4, 4])),
+    *(("Join", 1, ids, "robot") for ids in ([], 4, [-1], [True], [2**31], [1.0], {"a": 4})),
+    *(("Join", 2, token, "token") for token in ("", "x" * 65, b"me", 3)),
+    *(("Report", 4, numbers, "numbers") for numbers in ([], [1.0] * 6, [1] * 7, [True] * 7, None)),
+    *(("Report", 5, alive, "code") for alive in (b"\1\2", [1, 0])),
+    *(("Report", 6, poses, "float64") for poses in (float64(1.0), b"")),
+    *(("Report", 6, float64(1, 2, 3, 4, 5, bad), "finite") for bad in (math.nan, math.inf)),
+    ("Report", 8, int32(1, 2), "two ends"),
+    ("Report", 9, [float64(1.0)] * 4, "link arrays"),
+    ("Report", 9, [float64(1.0, 2.0)] * 5, "1 float64"),
+    ("Report", 12, 1, "flag"),
+]
+
+
+@pytest.mark.parametrize("name", PLAIN)
+def test_the_layout_is_the_version_and_the_fields_in_order(name: str) -> None:
+    payload: bytes = msgpack.packb(PLAIN[name])
+    assert CODECS[name].encode(CODECS[name].decode(payload)) == payload
+
+
+@pytest.mark.parametrize(("name", "at", "value", "rule"), BROKEN)
+def test_a_broken_field_is_refused_with_its_rule(name: str, at: int, value: Any, rule: str) -> None:
+    fields = PLAIN[name].copy()
+    fields[at] = value
+    said = refusal(name, msgpack.packb(fields))
+    assert said is not None
+    assert rule in said
+
+
+@pytest.mark.parametrize("name", PLAIN)
+def test_a_missing_or_an_additional_field_is_refused(name: str) -> None:
+    for fields in (PLAIN[name][:-1], [*PLAIN[name], 0]):
+        assert f"expects {len(PLAIN[name]) - 1} fields" in str(refusal(name, msgpack.packb(fields)))
+
+
+@pytest.mark.parametrize(
+    ("robots", "config", "rule"),
+    [
+        ([], "{}", "list of robots"),
+        ([-1], "{}", "configuration"),
+        ([0], "", "configuration"),
+        ([0], "[" * 5000, "configuration"),
+        ([0], '{"dt": NaN}', "configuration"),
+        ([0], "x" * 5000, "configuration"),
+        ([0], b"{}", "JSON"),
+    ],
+)
+def test_a_welcome_without_a_configuration_is_refused(robots: list[int], config: object, rule: str) -> None:
+    assert rule in str(refusal("Welcome", msgpack.packb([1, robots, config])))
+
+
+REPR = pytest.mark.xfail(raises=RecursionError, strict=True, reason="repr() of 1,000 nested lists fails")
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "depth", [10, 200, pytest.param(1000, marks=REPR), pytest.param(1020, marks=REPR), 100_000]
+)
+def test_a_deep_nest_of_lists_is_refused(name: str, depth: int) -> None:
+    fields = CODECS[name].fields
+    assert refusal(name, b"\x91" * depth + b"\xc0")
+    assert refusal(name, bytes([0x91 + fields, 1]) + b"\x91" * depth + b"\xc0" * fields)
+
+
+@pytest.mark.xfail(strict=True, reason="True == 1.0 == 1, so they pass as the version")
+@pytest.mark.parametrize("version", [True, 1.0])
+def test_a_version_that_is_no_integer_is_refused(version: object) -> None:
+    assert refusal("Join", msgpack.packb([version, *PLAIN["Join"][1:]]))
