@@ -18,7 +18,7 @@ NEARLY_ZERO = 1e-9
 def performance_index(
     objective_config: ObjectiveConfig, channel: ChannelConfig
 ) -> Callable[[Floats], Floats]:
-    """J of (33), as a function of the separation [m], any shape: S(r) times the reception probability."""
+    """J of (33), as a function of separations [m] in an array: S(r) times the reception probability."""
     shape = objective_config.shape_exponent
     scale = objective_config.minimum_separation
     spread_reach = -((scale / objective_config.maximum_separation) ** shape)

@@ -35,6 +35,7 @@ class Agent:
         name = f"agent.{robots[0]}" if len(robots) == 1 else f"agent.{robots[0]}-{robots[-1]}"
         self.logger = logging.getLogger(name)
         self.complaints = Complaints(self.logger)
+        self.radio = Radio(opened, run, self.complaints)
         self._bus = opened
         self._run = run
         self._robots = robots
@@ -60,7 +61,7 @@ class Agent:
         ids = np.array(welcome.robots, dtype=np.int64)
         robots = crew.assemble(welcome.config, ids)
         state = crew.start(robots)
-        stack, radio = Assembly(ids), Radio(self._bus, self._run, self.complaints)
+        stack = Assembly(ids)
         self._mouths = self._publishers()
         for robot in self._robots:
             self._bus.subscribe(keys.observation(self._run, robot), self._inbox.put)
@@ -69,11 +70,11 @@ class Agent:
         tuned = None
         async for received in self._ticks():
             observations = stack.observations(received)
-            heard = stack.beacons(observations.tick - 1, radio.heard(observations.tick - 1))
+            heard = stack.beacons(observations.tick - 1, self.radio.heard(observations.tick - 1))
             state, said, twists = crew.step(robots, state, observations, heard)
             if observations.in_range is not tuned:
                 tuned = observations.in_range
-                radio.tune(set(tuned.peers.tolist()))
+                self.radio.tune(set(tuned.peers.tolist()))
             self._publish(list(assembly.payloads(said, twists)))
 
     async def _ticks(self) -> AsyncIterator[list[Observation]]:

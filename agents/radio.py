@@ -1,61 +1,63 @@
 """A process's ear: subscribed to the beacons of the peers in range of its robots, and to no others."""
 
-from collections import deque
-from collections.abc import Callable
-
 from fes import keys, messages
-from fes.bus import Bus
+from fes.bus import Bus, Mailbox
 from fes.complaints import Complaints
 from fes.errors import MessageError
 from fes.messages import Beacon
 
-MAX_WAITING = 100_000
-"""Beacons that may wait to be read; what comes beyond is dropped."""
-
 
 class Radio:
-    """Subscriptions to peers' beacons, and the beacons that came, by tick."""
+    """One mailbox for each peer in range."""
 
     def __init__(self, bus: Bus, run: str, complaints: Complaints) -> None:
         self._bus = bus
         self._run = run
         self._complaints = complaints
-        self._tuned: dict[int, Callable[[], None]] = {}
-        self._arrived: deque[tuple[str, bytes | None]] = deque(maxlen=MAX_WAITING)
-        self._by_tick: dict[int, dict[int, Beacon]] = {}
+        self._boxes: dict[int, Mailbox] = {}
+        self._early: dict[int, Beacon] = {}
+        """A peer's beacon of a tick that this process has not reached yet: at most one a peer."""
 
     @property
-    def tuned(self) -> set[int]:
-        """The peers it listens to."""
-        return set(self._tuned)
+    def tuned(self) -> list[int]:
+        """The peers it listens to, ascending."""
+        return list(self._boxes)
 
     def tune(self, peers: set[int]) -> None:
         """Listen to `peers` from now on. A beacon put after this, in tick order, will be heard."""
-        for peer in self._tuned.keys() - peers:
-            self._tuned.pop(peer)()
-        for peer in sorted(peers - self._tuned.keys()):
-            self._tuned[peer] = self._bus.subscribe(keys.beacon(self._run, peer), self._hand_over)
+        for peer in self._boxes.keys() - peers:
+            self._boxes.pop(peer).close()
+            self._early.pop(peer, None)
+        for peer in peers - self._boxes.keys():
+            self._boxes[peer] = self._bus.mailbox(keys.beacon(self._run, peer))
+        self._boxes = dict(sorted(self._boxes.items()))
 
     def heard(self, tick: int) -> list[Beacon]:
-        """The beacons of `tick` that came, by sender; forgets all older ones."""
-        for _ in range(len(self._arrived)):
-            self._read(*self._arrived.popleft())
-        for old in [other for other in self._by_tick if other < tick]:
-            del self._by_tick[old]
-        found = self._by_tick.pop(tick, {})
-        return [found[robot] for robot in sorted(found)]
+        """The beacons of `tick` that came, by sender; older ones are forgotten."""
+        found = (self._beacon(peer, box, tick) for peer, box in self._boxes.items())
+        return [beacon for beacon in found if beacon is not None]
 
-    def _hand_over(self, key: str, payload: bytes | None) -> None:
-        self._arrived.append((key, payload))
+    def _beacon(self, peer: int, box: Mailbox, tick: int) -> Beacon | None:
+        early = self._early.pop(peer, None)
+        if early is not None and early.tick == tick:
+            return early
+        while (sample := box.take()) is not None:
+            beacon = self._read(peer, *sample)
+            if beacon is not None and beacon.tick == tick:
+                return beacon
+            if beacon is not None and beacon.tick > tick:
+                self._early[peer] = beacon
+                return None
+        return None
 
-    def _read(self, key: str, payload: bytes | None) -> None:
+    def _read(self, peer: int, key: str, payload: bytes | None) -> Beacon | None:
         try:
             if payload is None:
                 raise MessageError("Beacon", "a deletion is not a beacon")
             beacon = messages.decode_beacon(payload)
-            if keys.robot_of(key) != beacon.robot:
+            if beacon.robot != peer or keys.robot_of(key) != peer:
                 raise MessageError("Beacon", "came on another robot's key", key)
         except MessageError as error:
             self._complaints.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
-            return
-        self._by_tick.setdefault(beacon.tick, {}).setdefault(beacon.robot, beacon)
+            return None
+        return beacon

@@ -1,1 +1,17 @@
-"""What a person runs: fes run, fes view."""
+"""What a person runs: fes run, fes view.
+
+cli         the commands
+processes   fes run with real processes
+launcher    child processes, never left behind
+inprocess   the same world and crew in one loop, without Zenoh
+rundir      run directories
+summary     the summary as a person reads it
+observer    the world's reports, as they come
+view        the live dashboard: the only place where rich's Live is
+dashboard   one frame, from the reports so far
+header      its first lines
+teammap     its map
+panels      its links, convergence and connectivity
+canvas      braille dots
+text        numbers as people read them
+"""

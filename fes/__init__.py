@@ -4,13 +4,17 @@ arrays      type aliases for the arrays that every signature speaks of
 edges       directed pairs (robot, peer) of a crew, and sums over them in a fixed order
 geometry    wrap, separation, line of sight
 draws       random numbers as a function of (seed, stream, tick, sender, receiver)
-outage      equations (3) and (4); only world.channel, world.optimum and agents.oracle may import it
+outage      equations (3) and (4); of the agents only agents.oracle may import it
 objective   the robots' own half of the performance index (16)
 config      AgentConfig: all that an agent may know
 sensing     what a crew senses and says in one tick, as arrays
-messages    Welcome, Observation, Beacon, Command, Report, and their encoding
+messages    Welcome, Observation, Beacon, Command, and their encoding
+report      Report, what observers see, and its encoding
+wire        fields of a payload, packed and checked
 keys        every key expression, in one table
 bus         the only import of zenoh
+inbox       from Zenoh's threads to the loop, one wake-up a tick
+complaints  bad messages, counted and logged once a kind
 process     signals, exit codes, Zenoh's command-line flags
 errors      every error, on one page
 """

@@ -8,6 +8,7 @@ import asyncio
 import contextlib
 import json
 import os
+import re
 import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -27,6 +28,9 @@ import zenoh.handlers
 from fes.errors import Absent, FesError, Refused, TransportError
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
+MAILBOX = 256
+"""Samples that may wait in a mailbox."""
+
 MAX_MESSAGE = 1 << 20  # bytes; larger messages are dropped by the transport
 
 Handler = Callable[[str, bytes | None], None]
@@ -71,6 +75,22 @@ class Question:
             query.reply_err(reason.encode())
 
 
+class Mailbox:
+    """Samples that wait to be taken, the oldest first; when it is full the oldest is dropped."""
+
+    def __init__(self, subscriber: "zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]") -> None:
+        self._subscriber = subscriber
+        self.close = subscriber.undeclare
+
+    def take(self) -> tuple[str, bytes | None] | None:
+        """The key and payload of the next sample (payload None for a deletion), or None if there is none."""
+        sample = self._subscriber.try_recv()
+        if sample is None:
+            return None
+        put = sample.kind == zenoh.SampleKind.PUT
+        return str(sample.key_expr), sample.payload.to_bytes() if put else None
+
+
 class Bus:
     """An open session."""
 
@@ -101,6 +121,11 @@ class Bus:
 
         declared = self._session.declare_subscriber(key, zenoh.handlers.Callback(on_sample, indirect=False))
         return declared.undeclare
+
+    def mailbox(self, key: str) -> "Mailbox":
+        """A box in which samples on `key` wait to be taken: they arrive without waking Python at all."""
+        channel: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(MAILBOX)
+        return Mailbox(self._session.declare_subscriber(key, channel))
 
     def token(self, key: str) -> None:
         """Declare a liveliness token: it stands until the session closes or the process dies."""
@@ -226,8 +251,8 @@ def _config(endpoints: Endpoints) -> zenoh.Config:
             raise FesError(f"--cfg expects KEY:VALUE, got '{setting}'")
         try:
             config.insert_json5(key, text)
-        except zenoh.ZError as error:
-            raise FesError(f"--cfg {setting}: {_first_line(str(error))}") from None
+        except zenoh.ZError:
+            raise FesError(f"--cfg {setting}: no such setting, or its value is not JSON5") from None
     return config
 
 
@@ -240,7 +265,9 @@ def _reason(endpoints: Endpoints, message: str) -> str:
 
 
 def _first_line(message: str) -> str:
-    return message.strip().splitlines()[0] if message.strip() else "unknown error"
+    """The first line of an error of Zenoh, without the places in its source."""
+    line = message.strip().splitlines()[0] if message.strip() else "unknown error"
+    return re.sub(r" at /\S+:\d+\.?", "", line)
 
 
 def _encoding(schema: str) -> zenoh.Encoding:

@@ -48,6 +48,15 @@ class ObjectiveConfig(Table):
     shape_exponent: Positive = 4.0
     """Shape exponent of the index [1] (nu of (16); Fig. 3 has 4)."""
 
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.minimum_separation >= self.maximum_separation:
+            raise ValueError(
+                f"minimum_separation must be below maximum_separation, "
+                f"got {self.minimum_separation:g} and {self.maximum_separation:g}"
+            )
+        return self
+
 
 class SeekingConfig(Table):
     """The seeking law (18)."""

@@ -42,7 +42,6 @@ def uniform_ticks(stream_key: Ints, first: int, count: int, senders: Ints, recei
     for column, (sender, receiver) in enumerate(zip(senders.tolist(), receivers.tolist(), strict=True)):
         # The word before the first: the generator counts up before it gives out numbers.
         counter[:] = (first // _PER_COUNTER, sender, receiver, 0)
-        state["buffer_pos"] = _PER_COUNTER
         generator.state = state
         words[:, column] = generator.random_raw(count)
     return (words >> np.uint64(11)) * _TO_UNIT

@@ -14,7 +14,7 @@ LINEAR, ANGULAR = 0, 1
 
 
 def wrap(angle: Floats) -> Floats:
-    """The same angle [rad] in [-pi, pi).
+    """The same angle [rad] in [-pi, pi), up to rounding at the ends.
 
     >>> wrap(np.array([3 * math.pi, 0.5]))
     array([-3.14159265,  0.5       ])

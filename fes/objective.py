@@ -25,4 +25,6 @@ def log_preference_slope(separation: Floats, objective: ObjectiveConfig) -> Floa
     spread = np.power(separation / objective.minimum_separation, shape)
     reach = np.power(separation / objective.maximum_separation, shape)
     with np.errstate(over="ignore"):  # far beyond r_min the first term is 0, as it should be
-        return shape / separation * (spread / np.expm1(spread) - reach)
+        # spread / (e^spread - 1) tends to 1 where the separation is so small that spread underflows
+        fall = np.where(spread > 0.0, spread / np.expm1(np.maximum(spread, np.finfo(np.float64).tiny)), 1.0)
+        return shape / separation * (fall - reach)

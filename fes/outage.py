@@ -1,7 +1,7 @@
 """Outage of a single-antenna link under Rayleigh fading: equations (3) and (4) in closed form.
 
-This is the formula that the paper's robots are said not to know. Only `world.channel`, `world.optimum` and
-`agents.oracle` may import it; `tests/test_architecture.py` holds them to it.
+This is the formula that the paper's robots are said not to know. The world may use it; of the agents' modules
+only `agents.oracle` may import it. `tests/test_architecture.py` holds them to it.
 """
 
 import math

@@ -71,7 +71,7 @@ def welcomes(draw: st.DrawFn) -> Welcome:
     config = AgentConfig(
         dt=draw(positive),
         seed=draw(st.integers(0, 2**53 - 1)),
-        objective=ObjectiveConfig(minimum_separation=draw(positive)),
+        objective=ObjectiveConfig(minimum_separation=draw(small), shape_exponent=draw(positive)),
         seeking=seeking.model_copy(update={"initial_estimate": (low, high)}),
         formation=formation,
         channel=channel,

@@ -87,7 +87,7 @@ def test_a_missing_or_an_additional_field_is_refused(name: str) -> None:
     ("robots", "config", "rule"),
     [
         ([], "{}", "list of robots"),
-        ([-1], "{}", "configuration"),
+        ([-1], "{}", "robot must"),
         ([0], "", "configuration"),
         ([0], "[" * 5000, "configuration"),
         ([0], '{"dt": NaN}', "configuration"),

@@ -33,8 +33,9 @@ def hand_over(inbox: Inbox, thread: int, count: int) -> None:
 
 def test_a_wait_ends_when_enough_came_from_other_threads() -> None:
     async def scene(inbox: Inbox) -> tuple[bool, list[str]]:
-        threads = [threading.Thread(target=hand_over, args=(inbox, k, 250)) for k in range(4)]
-        asyncio.get_running_loop().call_soon(lambda: [thread.start() for thread in threads])
+        threads = [threading.Thread(target=hand_over, args=(inbox, k, 250), daemon=True) for k in range(4)]
+        for thread in threads:
+            asyncio.get_running_loop().call_soon(thread.start)
         enough = await inbox.wait(1000, LONG)
         for thread in threads:
             thread.join()
@@ -59,7 +60,7 @@ def test_many_rounds_of_waiting_for_threads_lose_no_wake_up() -> None:
                 turn.acquire()
                 inbox.put("key", str(number).encode())
 
-        threads = [threading.Thread(target=answer) for _ in range(2)]
+        threads = [threading.Thread(target=answer, daemon=True) for _ in range(2)]
         for thread in threads:
             thread.start()
         came = 0

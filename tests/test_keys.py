@@ -1,4 +1,4 @@
-"""Keys: every function yields a key of the module's table, and Zenoh takes them as they are meant."""
+"""Keys: every function yields a key of the module's table, and a key tells whose it is."""
 
 import re
 

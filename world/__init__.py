@@ -1,7 +1,9 @@
 """Ground truth, the radio channel and the barrier.
 
 process     the shell: fes-world
-server      welcome, roll-call, barrier, reports
+server      the lockstep: observations out, commands in, one barrier a tick
+roster      who hosts which robot, and who is alive
+reporting   the report to observers
 scenario    the typed scenario, from TOML
 kinematics  the unicycle (5) on its exact arc
 proximity   which pairs of robots are within communication range
@@ -10,4 +12,5 @@ simulation  step(state, twists) -> state
 optimum     r*, the separation that maximizes the index (16)
 graphs      connectivity of a graph, lambda_2
 metrics     what a run achieved, and its digest
+summary     summary.json and scenario.toml of a run directory
 """

@@ -40,7 +40,7 @@ class Proximity:
     mask: Bools
     """Which candidates are in range [p]."""
     edges: Edges
-    """They, in both directions [m]; the same object while the pairs in range stay the same."""
+    """They, in both directions [m]; the same object while neither the pairs in range nor the list change."""
     separation: Floats
     """Separation of the candidates [p] [m]."""
 

@@ -24,6 +24,7 @@ from fes.config import (
 from fes.errors import ScenarioError
 
 MAX_ROBOTS = 100_000
+MAX_TICKS = 1e9
 
 PoseRow = Annotated[tuple[float, float, float], Field(strict=False)]
 
@@ -37,6 +38,12 @@ class RunConfig(Table):
     """[s]; a whole number of ticks is run."""
     seed: int = Field(default=0, ge=0, lt=2**63)
     clock: Literal["lockstep"] = "lockstep"
+
+    @model_validator(mode="after")
+    def _countable(self) -> Self:
+        if self.duration / self.dt > MAX_TICKS:
+            raise ValueError(f"duration / dt must be at most {MAX_TICKS:g} ticks")
+        return self
 
 
 class RobotsConfig(Table):
@@ -70,7 +77,7 @@ class RobotsConfig(Table):
 class Scenario(Table):
     """What is run."""
 
-    schema_version: Literal[1] = Field(alias="schema")
+    schema_version: int = Field(alias="schema", ge=1, le=1)
     run: RunConfig = RunConfig()
     robots: RobotsConfig
     channel: ChannelConfig = ChannelConfig()
@@ -163,7 +170,7 @@ def _override(tables: dict[str, Any], dotted: str, value: Any) -> None:
 def _first_rule(error: ValidationError, tables: dict[str, Any]) -> str:
     """The first broken rule in one line: field, rule, offending value; for an unknown field the nearest one."""
     first = error.errors(include_url=False)[0]
-    field = ".".join(str(part) for part in first["loc"]) or "scenario"
+    field = ".".join(str(part) for part in first["loc"]).replace("\n", "\\n") or "scenario"
     if first["type"] == "extra_forbidden":
         known = _fields(Scenario, "")
         near = difflib.get_close_matches(field, known, n=1, cutoff=0.4)

@@ -1,0 +1,60 @@
+"""World and agents as tasks of one loop, over real Zenoh sessions on a free loopback port."""
+
+import asyncio
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
+from typing import Any
+
+from agents.process import Agent
+from console.launcher import free_port
+from fes import bus
+from fes.bus import Bus, Endpoints
+from world.scenario import Scenario
+from world.server import Server
+
+RUN = "test"
+
+
+@asynccontextmanager
+async def router() -> AsyncIterator[tuple[Bus, str]]:
+    """An open bus that listens, and its endpoint."""
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    async with bus.opened(Endpoints("router", (), (endpoint,))) as opened:
+        yield opened, endpoint
+
+
+@asynccontextmanager
+async def client(endpoint: str, timeout: float = 5.0) -> AsyncIterator[Bus]:
+    """An open bus that is a client of `endpoint`."""
+    async with bus.opened(Endpoints("client", (endpoint,), timeout=timeout)) as opened:
+        yield opened
+
+
+async def live(endpoint: str, robots: Sequence[int], timeout: float = 10.0) -> Agent:
+    """One agent, from joining to the end of the run."""
+    async with client(endpoint) as opened:
+        agent = Agent(opened, RUN, tuple(robots))
+        await agent.live(await agent.join(timeout))
+        return agent
+
+
+async def run(
+    scenario: Scenario, groups: Sequence[Sequence[int]], disturb: Any = None
+) -> tuple[dict[str, Any], Server, list[Agent]]:
+    """Run a scenario with one agent a group, started in the order given; returns summary, server and agents.
+
+    `disturb(endpoint)`, if given, runs beside it, from when all robots are here.
+    """
+    async with router() as (opened, endpoint):
+        server = Server(opened, scenario, "test", RUN, None)
+        agents = [asyncio.ensure_future(live(endpoint, robots)) for robots in groups]
+        await server.gather()
+        other = asyncio.ensure_future(disturb(endpoint)) if disturb is not None else None
+        await server.run()
+        server.dismiss()
+        ended = await asyncio.gather(*agents)
+        if other is not None:
+            await other
+        summary = server.summarize()
+        assert summary is not None
+        return summary, server, ended

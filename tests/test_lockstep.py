@@ -1,0 +1,170 @@
+"""The lockstep over real Zenoh sessions, world and agents in one process: same digest as without Zenoh."""
+
+import asyncio
+from typing import Any
+
+import numpy as np
+import pytest
+
+from console import inprocess
+from fes import keys, messages
+from fes.errors import Absent, Refused
+from fes.messages import Command
+from tests import session
+from tests.loop import load
+from tests.session import RUN, client
+from world.scenario import Scenario
+
+SHORT = {"run__duration": 3.0}
+
+
+@pytest.fixture(scope="module")
+def paper() -> Scenario:
+    return load("paper.toml", **SHORT)
+
+
+@pytest.fixture(scope="module")
+def expected(paper: Scenario) -> dict[str, Any]:
+    return inprocess.run(paper, "test")
+
+
+def run(scenario: Scenario, groups: list[list[int]], disturb: Any = None) -> Any:
+    async def bounded() -> Any:
+        async with asyncio.timeout(60.0):
+            return await session.run(scenario, groups, disturb)
+
+    return asyncio.run(bounded())
+
+
+GROUPS = {
+    "one robot each": [[i] for i in range(10)],
+    "in reverse order": [[i] for i in reversed(range(10))],
+    "three each": [[0, 1, 2], [3, 4, 5], [6, 7, 8], [9]],
+    "all in one, some late": [[4, 5, 6, 7, 8, 9], [0, 1, 2, 3]],
+}
+
+
+@pytest.mark.parametrize("groups", GROUPS.values(), ids=GROUPS.keys())
+def test_the_digest_does_not_depend_on_zenoh_placement_or_start_order(
+    paper: Scenario, expected: dict[str, Any], groups: list[list[int]]
+) -> None:
+    summary, server, _ = run(paper, groups)
+    assert summary["digest"] == expected["digest"]
+    assert summary["edges"] == expected["edges"]
+    assert summary["beacons_decoded"] == expected["beacons_decoded"]
+    assert not server.complaints.counts
+
+
+def test_an_agent_listens_to_the_peers_in_range_and_to_nobody_else() -> None:
+    # Three in a row, 100 m apart, range 150 m: the ends must not hear each other, until they come together.
+    apart = load("pair.toml", robots__poses=[[0.0, 0.0, 0.0], [100.0, 0.0, 0.0], [200.0, 0.0, 0.0]])
+    still = apart.model_copy(update={"run": apart.run.model_copy(update={"duration": 0.1})})
+    _, _, agents = run(still, [[0], [1], [2]])
+    assert [agent.radio.tuned for agent in agents] == [[1], [0, 2], [1]]
+
+
+def test_an_agent_drops_its_subscription_when_a_peer_leaves() -> None:
+    # 149.9 m apart and told to be farther apart than the radio reaches: they part for ever.
+    parting = load(
+        "pair.toml",
+        robots__poses=[[0.0, 0.0, np.pi], [149.0, 0.0, 0.0]],
+        seeking__initial_estimate=[400.0, 400.0],
+        run__duration=2.0,
+    )
+    summary, _, agents = run(parting, [[0], [1]])
+    assert not summary["disk_connected_always"]
+    assert [agent.radio.tuned for agent in agents] == [[], []]
+
+
+def test_garbage_on_any_key_is_counted_and_changes_nothing(paper: Scenario, expected: dict[str, Any]) -> None:
+    nothing = np.zeros(0, dtype=np.int64)
+    forged = messages.encode_command(Command(10**9, 3, (1.0, 1.0), nothing, np.zeros(0)))
+
+    async def disturb(endpoint: str) -> None:
+        async with client(endpoint) as vandal:
+            put = vandal._session.put
+            for count in range(200):
+                for robot in range(10):
+                    put(keys.beacon(RUN, robot), b"\xc1 garbage")
+                    put(keys.command(RUN, robot), forged)
+                    put(keys.observation(RUN, robot), b"")
+                put(f"fes/{RUN}/robot/*/command", b"wildcard")
+                put(f"fes/{RUN}/robot/77/command", forged)
+                put(keys.report(RUN), b"garbage")
+                vandal._session.delete(keys.command(RUN, count % 10))
+                await asyncio.sleep(0)
+
+    summary, server, agents = run(paper, [[i] for i in range(10)], disturb)
+    assert summary["digest"] == expected["digest"]
+    kinds = set(server.complaints.counts)
+    assert {"Command: is not for this tick", "Command: a deletion is not a command"} <= kinds
+    assert all(agent.complaints.counts for agent in agents)
+
+
+def test_who_asks_for_a_taken_or_unknown_robot_is_refused_and_the_run_goes_on(
+    paper: Scenario, expected: dict[str, Any]
+) -> None:
+    refusals: list[str] = []
+
+    async def disturb(endpoint: str) -> None:
+        for robots in ([42], [2, 3]):
+            async with client(endpoint) as opened:
+                agent = session.Agent(opened, RUN, tuple(robots))
+                try:
+                    await agent.join(5.0)
+                except Refused as refused:
+                    refusals.append(str(refused))
+
+    summary, _, _ = run(paper, [[i] for i in range(10)], disturb)
+    assert refusals[0] == "robot 42 does not exist: this run has robots 0 to 9"
+    assert refusals[1] == "robot 2 is hosted by another agent already"
+    assert summary["digest"] == expected["digest"]
+
+
+def test_an_agent_that_leaves_ends_the_run_with_its_name() -> None:
+    endless = load("pair.toml", run__duration=1000.0)
+
+    async def main() -> None:
+        async with session.router() as (opened, endpoint):
+            server = session.Server(opened, endless, "test", RUN, None)
+            stays = asyncio.ensure_future(session.live(endpoint, [0]))
+            leaves = asyncio.ensure_future(session.live(endpoint, [1]))
+            await server.gather()
+            running = asyncio.ensure_future(server.run())
+            while server.summarize() is None:
+                await asyncio.sleep(0.01)
+            leaves.cancel()
+            with pytest.raises(Absent, match=r"^robot 1 left at tick \d+: "):
+                await asyncio.wait_for(running, 10.0)
+            server.dismiss()
+            await asyncio.wait_for(stays, 10.0)
+
+    asyncio.run(main())
+
+
+def test_an_agent_whose_world_leaves_says_so() -> None:
+    endless = load("pair.toml", run__duration=1000.0)
+
+    async def main() -> None:
+        async with session.router() as (opened, endpoint):
+            server = session.Server(opened, endless, "test", RUN, None)
+            agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
+            await server.gather()
+            running = asyncio.ensure_future(server.run())
+            while server.summarize() is None:
+                await asyncio.sleep(0.01)
+            running.cancel()
+        for agent in agents:
+            with pytest.raises(Absent, match=r"^the world of run 'test' left after tick \d+$"):
+                await asyncio.wait_for(agent, 10.0)
+
+    asyncio.run(main())
+
+
+def test_without_a_world_an_agent_gives_up_and_says_what_it_waited_for() -> None:
+    async def main() -> None:
+        async with session.router() as (_, endpoint):
+            with pytest.raises(Absent, match=r"^no world of run 'test' appeared within 0.2 s$"):
+                await session.live(endpoint, [0], timeout=0.2)
+
+    asyncio.run(main())
