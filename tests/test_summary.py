@@ -135,6 +135,7 @@ def test_the_counts_of_a_pair_with_a_perfect_radio_are_those_computed_by_hand() 
     assert (found["robots"], found["ticks"], found["simulated_s"], found["seed"]) == (2, 100, 2.0, 1)
     # Two beacons a tick, from tick 2 on, of which the last tick of the run, 99, is the last to know
     assert found["beacons_sent"] == found["beacons_decoded"] == 2 * 98
+    assert found["links_connected_always"] is True  # from tick 2 on: nobody can be linked before
     assert found["algebraic_connectivity"] == pytest.approx(2.0)  # the Laplacian [[1, -1], [-1, 1]]
     assert found["ticks_per_s"] == pytest.approx(100 / found["wall_s"])
     assert found["real_time_factor"] == pytest.approx(2.0 / found["wall_s"])
