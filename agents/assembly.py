@@ -55,5 +55,3 @@ def payloads(said: Beacons, twists: Floats) -> Iterator[tuple[int, bytes, bytes]
         beacon = Beacon(said.tick, robot, tuple(pose), links, estimates, named[span])
         command = Command(said.tick, robot, tuple(twist), links, estimates)
         yield robot, messages.encode_beacon(beacon), messages.encode_command(command)
-
-

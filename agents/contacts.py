@@ -95,9 +95,7 @@ def _look_up(edges: Edges, beacons: Beacons) -> Lookup:
         return Lookup(edges, beacons.ids, beacons.links, nowhere, nowhere > 0, nowhere - 1)
     sender = np.minimum(np.searchsorted(beacons.ids, edges.peers), len(beacons.ids) - 1)
     present = beacons.ids[sender] == edges.peers
-    return Lookup(
-        edges, beacons.ids, beacons.links, sender, present, beacons.links.find(edges.reverse_keys)
-    )
+    return Lookup(edges, beacons.ids, beacons.links, sender, present, beacons.links.find(edges.reverse_keys))
 
 
 def _blank(edges: Edges) -> Contacts:
@@ -105,7 +103,9 @@ def _blank(edges: Edges) -> Contacts:
     zero = np.zeros(count)
     no = np.zeros(count, dtype=np.bool_)
     never = np.full(count, NEVER, dtype=np.int64)
-    return Contacts(edges, _look_up(edges, silence()), never, zero, zero, np.full(count, np.nan), no, no, zero, zero, zero)
+    return Contacts(
+        edges, _look_up(edges, silence()), never, zero, zero, np.full(count, np.nan), no, no, zero, zero, zero
+    )
 
 
 def _carry(contacts: Contacts, edges: Edges) -> Contacts:

@@ -99,7 +99,7 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
     # What to say, and what to seek until the next tick
     said = links.state[seeking.ESTIMATE]
     beacons = Beacons(tick, crew.ids, observations.poses, links.edges, said, named.take(links.contact))
-    age = (tick - known.heard.take(links.contact)) * config.dt
+    age = config.dt * (tick - known.heard.take(links.contact)).astype(np.float64)
     peers = seeking.extrapolate(crew.seeker, links.state, known.estimates.take(links.contact), age)
     sought = seeking.advance(crew.seeker, tick, links.state, peers)
     links = Links(links.among, links.contact, links.edges, sought)

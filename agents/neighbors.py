@@ -84,7 +84,8 @@ def relative_neighborhood(contacts: Contacts, triples: Triples) -> Bools:
     )
     excluded = np.maximum(d_ik, d_jk) < d_ij
     count = np.bincount(pair, excluded, minlength=len(known))
-    return known & (count == 0)
+    chosen: Bools = known & (count == 0)
+    return chosen
 
 
 Rule = Callable[[Contacts, Triples], Bools]

@@ -15,9 +15,7 @@ NEARLY_ZERO = 1e-9
 """The smallest separation [m] at which the index is evaluated: an estimate may be thrown below zero."""
 
 
-def performance_index(
-    objective_config: ObjectiveConfig, channel: ChannelConfig
-) -> Callable[[Floats], Floats]:
+def performance_index(objective_config: ObjectiveConfig, channel: ChannelConfig) -> Callable[[Floats], Floats]:
     """J of (33), as a function of separations [m] in an array: S(r) times the reception probability."""
     shape = objective_config.shape_exponent
     scale = objective_config.minimum_separation
@@ -38,4 +36,3 @@ def performance_index(
         return np.negative(decay, out=decay)
 
     return index
-

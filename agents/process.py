@@ -7,6 +7,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: no thread po
 import argparse
 import asyncio
 import logging
+import re
 import uuid
 from collections.abc import AsyncIterator, Callable
 
@@ -21,6 +22,9 @@ from fes.complaints import Complaints
 from fes.errors import Absent, FesError, MessageError
 from fes.inbox import Inbox
 from fes.messages import Observation, Welcome
+
+MAX_ROBOTS = 100_000
+_NUMBER = re.compile("[0-9]{1,9}")
 
 SILENCE_TIMEOUT = 3600.0
 """An agent that hears nothing from a living world for this long [s] gives up."""
@@ -163,11 +167,11 @@ def parse_ids(text: str) -> tuple[int, ...]:
     ((3,), (2, 3, 4))
     """
     first, dash, last = text.partition("-")
-    if not first.isdecimal() or (dash and not last.isdecimal()):
-        raise FesError(f"--id expects I or A-B with integers from 0, got '{text}'")
+    if not _NUMBER.fullmatch(first) or (dash and not _NUMBER.fullmatch(last)):
+        raise FesError(f"--id expects I or A-B with integers from 0, got '{text[:40]}'")
     low, high = int(first), int(last) if dash else int(first)
-    if high < low or high > 2**31 - 1:
-        raise FesError(f"--id expects I or A-B with A <= B < 2^31, got '{text}'")
+    if high < low or high >= MAX_ROBOTS:
+        raise FesError(f"--id expects I or A-B with A <= B < {MAX_ROBOTS}, got '{text}'")
     return tuple(range(low, high + 1))
 
 
@@ -176,7 +180,11 @@ def main() -> None:
     parser = process.OneLineParser(prog="fes-agent", description="One robot, or a range of robots, of a run.")
     parser.add_argument("--id", required=True, metavar="I|A-B", help="the robot, or the range of robots")
     parser.add_argument(
-        "--timeout", type=float, default=30.0, metavar="S", help="give up if the world is not there by then"
+        "--timeout",
+        type=process.seconds,
+        default=30.0,
+        metavar="S",
+        help="give up if the world is not there by then",
     )
     process.add_network_flags(parser)
     flags = parser.parse_args()

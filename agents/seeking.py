@@ -82,7 +82,7 @@ def begin(seeker: Seeker, tick: int, estimates: Floats) -> Floats:
     """
     state = np.zeros((3, len(estimates)))
     state[ESTIMATE] = estimates
-    state[BASELINE] = _sample(seeker, estimates + dither(seeker, np.float64(tick * seeker.dt)))
+    state[BASELINE] = _sample(seeker, estimates + dither(seeker, np.array([tick * seeker.dt])))
     return state
 
 
@@ -116,7 +116,8 @@ def extrapolate(seeker: Seeker, state: Floats, heard: Floats, age: Floats) -> Fl
     """
     if seeker.config.law == "paper":
         return heard
-    return heard + state[DRIFT] * np.minimum(age, MAX_EXTRAPOLATION)
+    now: Floats = heard + state[DRIFT] * np.minimum(age, MAX_EXTRAPOLATION)
+    return now
 
 
 def advance(seeker: Seeker, tick: int, state: Floats, heard: Floats) -> Floats:

@@ -58,9 +58,7 @@ async def world(n: int, ticks: int, endpoint: str, size: int) -> float:
             loop.call_soon_threadsafe(wake)
 
     with zenoh.open(settings("router", endpoint)) as session:
-        subscriber = session.declare_subscriber(
-            "bare/*/command", zenoh.handlers.Callback(on_command, indirect=False)
-        )
+        subscriber = session.declare_subscriber("bare/*/command", zenoh.handlers.Callback(on_command, indirect=False))
         puts = [publisher(session, f"bare/{robot}/observation").put for robot in range(n)]
         while len(arrived) < n:  # each agent puts one command when it is ready
             await asyncio.sleep(0.01)
@@ -102,9 +100,7 @@ async def agent(robot: int, endpoint: str, size: int, peers: list[int]) -> None:
         ]
         for peer in peers:
             subscribers.append(
-                session.declare_subscriber(
-                    f"bare/{peer}/beacon", zenoh.handlers.Callback(on_beacon, indirect=False)
-                )
+                session.declare_subscriber(f"bare/{peer}/beacon", zenoh.handlers.Callback(on_beacon, indirect=False))
             )
         beacon = publisher(session, f"bare/{robot}/beacon").put
         command = publisher(session, f"bare/{robot}/command").put

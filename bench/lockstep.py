@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -34,7 +35,8 @@ def bare(n: int, ticks: int, peers: list[list[int]]) -> float:
         for agent in agents:
             agent.wait(timeout=20)
     finally:
-        for child in [world, *agents]:
+        children: list[subprocess.Popen[Any]] = [world, *agents]
+        for child in children:
             if child.poll() is None:
                 child.kill()
     return float(said)

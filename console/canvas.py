@@ -82,19 +82,12 @@ class Canvas:
         code = np.einsum("iajb,ab->ij", cells, _BITS).astype(np.uint32)
         code = np.where(code > 0, code + _BRAILLE, _BLANK)
         code = np.where(self.characters > 0, self.characters, code).astype("<u4")
-        return [
-            self._line(code[row], np.where(code[row] == _BLANK, 0, self.ink[row]))
-            for row in range(self.height)
-        ]
+        return [self._line(code[row], np.where(code[row] == _BLANK, 0, self.ink[row])) for row in range(self.height)]
 
     def _line(self, code: NDArray[np.uint32], ink: Ints) -> Line:
         text = code.tobytes().decode("utf-32-le")
         cuts = [0, *(np.flatnonzero(ink[1:] != ink[:-1]) + 1).tolist(), len(text)]
-        return [
-            Segment(text[first:last], self.palette[ink[first]])
-            for first, last in pairwise(cuts)
-            if first < last
-        ]
+        return [Segment(text[first:last], self.palette[ink[first]]) for first, last in pairwise(cuts) if first < last]
 
 
 def _nearest(place: Floats) -> Ints:

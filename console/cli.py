@@ -13,7 +13,7 @@ from console import inprocess, processes, rundir, summary, view
 from console.processes import Launch
 from console.rundir import Address
 from fes import bus, keys, process
-from fes.bus import Endpoints
+from fes.endpoints import Endpoints
 from fes.errors import FesError, ScenarioError
 from world.scenario import Scenario, load, parse_override
 from world.summary import write, write_scenario
@@ -55,12 +55,13 @@ def run(
     loaded = load(scenario, dict(parse_override(text) for text in overrides))
     pace = _pace(rtf)
     directory = rundir.create(scenario.stem, out)
+    write_scenario(directory, loaded)
     screen = Console(stderr=json_)
     dashboard = screen.is_terminal and not headless and not json_
     if backend is Backend.INPROCESS:
         result = _in_process(loaded, scenario.stem, pace, directory, screen if dashboard else None)
     else:
-        launch = Launch(scenario, tuple(overrides), agents_per_process, rtf, dashboard)
+        launch = Launch(scenario.stem, agents_per_process, rtf, dashboard)
         result = processes.run(launch, loaded, directory, screen)
     if json_:
         print(json.dumps(result))
@@ -76,13 +77,13 @@ def view_command(
     config: Annotated[Path | None, typer.Option("--config", "-c", help="Zenoh configuration file.")] = None,
     cfg: Annotated[list[str] | None, typer.Option(metavar="KEY:VALUE", help="Zenoh setting.")] = None,
     run: Annotated[str, typer.Option(help="Name of the run.")] = keys.DEFAULT_RUN,
-    timeout: Annotated[float, typer.Option(help="Give up if no world is there by then [s].")] = 30.0,
+    timeout: Annotated[
+        float, typer.Option(min=1e-3, max=process.YEAR, help="Give up if no world is there by then [s].")
+    ] = 30.0,
 ) -> int:
     """Show a run that goes on in another terminal (by default the latest one started in this folder)."""
     address = Address(connect[0], keys.check_run(run)) if connect else rundir.find(keys.check_run(run))
-    endpoints = Endpoints(
-        "client", tuple(connect or (address.endpoint,)), (), config, tuple(cfg or ()), timeout
-    )
+    endpoints = Endpoints("client", tuple(connect or (address.endpoint,)), (), config, tuple(cfg or ()), timeout)
     screen = Console()
 
     async def show() -> int:
@@ -101,14 +102,14 @@ def main() -> None:
     try:
         code = command(standalone_mode=False)
     except FesError as error:
-        print(f"fes: error: {error}", file=sys.stderr)
+        process.complain("fes", str(error))
         code = error.exit_code
     except Exception as error:
         # Typer's own complaints about arguments know how to say themselves in one line.
         message = getattr(error, "format_message", None)
         if message is None:
             raise
-        print(f"fes: error: {message()}", file=sys.stderr)
+        process.complain("fes", message() or "expects a command; see fes --help")
         code = process.FAILURE
     except KeyboardInterrupt:
         code = process.FAILURE
@@ -131,7 +132,6 @@ def _pace(text: str) -> float | None:
 def _in_process(
     scenario: Scenario, name: str, pace: float | None, directory: Path, screen: Console | None
 ) -> dict[str, Any]:
-    write_scenario(directory, scenario)
     with process.interruptible():
         if screen is None:
             result = inprocess.run(scenario, name, pace)

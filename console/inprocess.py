@@ -15,9 +15,7 @@ from world.scenario import Scenario, agent_config
 Watch = Callable[[Report], None]
 
 
-def run(
-    scenario: Scenario, name: str, rtf: float | None = None, watch: Watch | None = None
-) -> dict[str, Any]:
+def run(scenario: Scenario, name: str, rtf: float | None = None, watch: Watch | None = None) -> dict[str, Any]:
     """Run a scenario to its end, and return its summary.
 
     `watch` is called with a Report every tenth of a second of wall-clock time. With `rtf` the run is paced to
@@ -39,11 +37,7 @@ def run(
             clock = time.perf_counter()
             alive = (world.ids >= 0).view("uint8")
             rate = (tally.ticks - told) / (clock - told_at)
-            watch(
-                reporting.build(
-                    scenario, name, now, tally, said.links, said.estimates, alive, clock - begun, rate
-                )
-            )
+            watch(reporting.build(scenario, name, now, tally, said.links, said.estimates, alive, clock - begun, rate))
             told_at, told = clock, tally.ticks
         if rtf is not None:
             time.sleep(max(0.0, begun + tally.ticks * scenario.run.dt / rtf - time.perf_counter()))

@@ -13,7 +13,7 @@ from console import launcher, observer, rundir, view
 from console.launcher import Family
 from console.rundir import Address
 from fes import bus, keys, process
-from fes.bus import Endpoints
+from fes.endpoints import Endpoints
 from fes.errors import FesError
 from world.scenario import Scenario
 
@@ -26,9 +26,8 @@ JOIN_TIMEOUT = 60.0
 class Launch:
     """How a run is to be started."""
 
-    scenario_file: Path
-    overrides: tuple[str, ...]
-    """a.b=c"""
+    name: str
+    """Name of the scenario."""
     agents_per_process: int
     rtf: str
     dashboard: bool
@@ -46,12 +45,10 @@ def run(launch: Launch, scenario: Scenario, directory: Path, console: Console) -
 
 async def _run(launch: Launch, scenario: Scenario, directory: Path, console: Console) -> None:
     endpoint = f"tcp/127.0.0.1:{launcher.free_port()}"
-    settings = [word for override in launch.overrides for word in ("--set", override)]
     groups = list(launcher.share(scenario.robots.number, launch.agents_per_process))
     async with launcher.family(directory) as family:
-        await family.start_world(
-            [str(launch.scenario_file), *settings, "--rtf", launch.rtf, "--out", str(directory), "-l", endpoint]
-        )
+        world = [str(directory / "scenario.toml"), "--name", launch.name, "--rtf", launch.rtf]
+        await family.start_world([*world, "--out", str(directory), "-l", endpoint])
         rundir.announce(directory, Address(endpoint, RUN))
         try:
             for ids in groups:

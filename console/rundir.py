@@ -6,7 +6,7 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from fes.bus import DEFAULT_ENDPOINT
+from fes.endpoints import DEFAULT_ENDPOINT
 from fes.errors import FesError
 
 ROOT = Path("runs")

@@ -3,7 +3,9 @@
 from typing import Any
 
 from rich.console import Group, RenderableType
+from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 _TIMES = {
     "disagreement_1m": "disagreement < 1 m",
@@ -20,16 +22,17 @@ def render(summary: dict[str, Any]) -> RenderableType:
     """The summary of a run as tables."""
     facts = Table.grid(padding=(0, 2))
     facts.add_column(style="bold")
-    facts.add_column()
+    facts.add_column(overflow="fold")
     for name, value in _facts(summary):
         facts.add_row(name, value)
     edges = Table(title=f"{len(summary['edges'])} links at the end", title_justify="left", box=None)
     for heading in ("link", "separation [m]", "estimate [m]", "estimate back [m]"):
-        edges.add_column(heading, justify="right")
+        edges.add_column(escape(heading), justify="right")
     for i, j, *numbers in summary["edges"][:MAX_EDGES]:
         edges.add_row(f"{i}–{j}", *(_meters(value, 3) for value in numbers))
     rest = len(summary["edges"]) - MAX_EDGES
-    return Group(facts, "", edges, *([f"… and {rest} more in summary.json"] if rest > 0 else []))
+    digest = Text.assemble(("digest", "bold"), f" {summary['digest']}")
+    return Group(facts, digest, "", edges, *([f"… and {rest} more in summary.json"] if rest > 0 else []))
 
 
 def _facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
@@ -37,7 +40,10 @@ def _facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
     rate = f"{summary['ticks_per_s']:.0f} ticks/s, {summary['real_time_factor']:.1f}x real time"
     connectivity = summary["algebraic_connectivity"]
     facts = [
-        ("run", f"{summary['scenario']}, {summary['robots']} robots, seed {summary['seed']}, {summary['backend']}"),
+        (
+            "run",
+            f"{summary['scenario']}, {summary['robots']} robots, seed {summary['seed']}, {summary['backend']}",
+        ),
         ("time", f"{summary['simulated_s']:g} s simulated in {summary['wall_s']:.1f} s ({rate})"),
         ("optimal separation", _meters(summary["optimal_separation"], 4) + " m"),
         ("largest separation error", _meters(summary["separation_error_max"], 4) + " m"),
@@ -52,7 +58,7 @@ def _facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
         (label, "never" if summary["time_to"][name] is None else f"from {summary['time_to'][name]:.2f} s on")
         for name, label in _TIMES.items()
     ]
-    return [*facts, ("digest", summary["digest"])]
+    return facts
 
 
 def _meters(value: float | None, digits: int) -> str:

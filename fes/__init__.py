@@ -12,6 +12,7 @@ messages    Welcome, Observation, Beacon, Command, and their encoding
 report      Report, what observers see, and its encoding
 wire        fields of a payload, packed and checked
 keys        every key expression, in one table
+endpoints   how a process takes part in the network
 bus         the only import of zenoh
 inbox       from Zenoh's threads to the loop, one wake-up a tick
 complaints  bad messages, counted and logged once a kind

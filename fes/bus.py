@@ -13,8 +13,7 @@ import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 # Three threads a session instead of seven; it must be set before the first session opens.
 os.environ.setdefault(
@@ -25,35 +24,15 @@ os.environ.setdefault(
 import zenoh
 import zenoh.handlers
 
+from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
 from fes.errors import Absent, FesError, Refused, TransportError
 
-DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 MAILBOX = 256
 """Samples that may wait in a mailbox."""
 
-MAX_MESSAGE = 1 << 20  # bytes; larger messages are dropped by the transport
 
 Handler = Callable[[str, bytes | None], None]
 """Called with the key and the payload of a sample (None for a deletion), in a thread of Zenoh."""
-
-
-@dataclass(frozen=True)
-class Endpoints:
-    """How a process takes part in the network; Zenoh's own flags."""
-
-    mode: Literal["router", "client", "peer"]
-    connect: tuple[str, ...] = ()
-    listen: tuple[str, ...] = ()
-    config_file: Path | None = None
-    settings: tuple[str, ...] = ()
-    """KEY:VALUE pairs, the value in JSON5."""
-    timeout: float = 10.0
-    """How long to try to connect [s]."""
-
-    @property
-    def shown(self) -> str:
-        """The endpoints as a person reads them."""
-        return ", ".join(self.connect or self.listen) or "no endpoint"
 
 
 @dataclass(frozen=True)
@@ -80,7 +59,10 @@ class Mailbox:
 
     def __init__(self, subscriber: "zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]") -> None:
         self._subscriber = subscriber
-        self.close = subscriber.undeclare
+
+    def close(self) -> None:
+        """Listen no more."""
+        self._subscriber.undeclare()
 
     def take(self) -> tuple[str, bytes | None] | None:
         """The key and payload of the next sample (payload None for a deletion), or None if there is none."""
@@ -148,9 +130,7 @@ class Bus:
             payload = query.payload.to_bytes() if query.payload is not None else b""
             self._loop.call_soon_threadsafe(handler, Question(payload, query, key))
 
-        self._held.append(
-            self._session.declare_queryable(key, zenoh.handlers.Callback(on_query, indirect=False))
-        )
+        self._held.append(self._session.declare_queryable(key, zenoh.handlers.Callback(on_query, indirect=False)))
 
     async def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
         """The answer to a question on `key`; raises Refused, or Absent after `timeout` [s]."""
@@ -160,7 +140,7 @@ class Bus:
             if not future.done():
                 future.set_result(reply)
 
-        callback = zenoh.handlers.Callback(
+        callback: zenoh.handlers.Callback[zenoh.Reply] = zenoh.handlers.Callback(
             lambda reply: self._loop.call_soon_threadsafe(settle, reply),
             drop=lambda: self._loop.call_soon_threadsafe(settle, None),
             indirect=False,
@@ -223,36 +203,16 @@ def _config(endpoints: Endpoints) -> zenoh.Config:
         config = zenoh.Config.from_file(path) if path is not None else zenoh.Config()
     except zenoh.ZError as error:
         raise TransportError(f"cannot read the Zenoh configuration {path}: {_first_line(str(error))}") from None
-    wait = round(1000 * endpoints.timeout)
-    retry = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5}
-    settings: dict[str, object] = {
-        "mode": endpoints.mode,
-        "scouting/multicast/enabled": False,
-        "scouting/gossip/enabled": False,
-        "scouting/delay": 0,
-        "listen/endpoints": list(endpoints.listen),
-        "connect/endpoints": list(endpoints.connect),
-        "connect/timeout_ms": wait,
-        "connect/retry": retry,
-        "listen/timeout_ms": 0,
-        "transport/shared_memory/enabled": False,
-        "transport/link/tx/lease": 2000,
-        # The default lets one put wait 5 s for a link that is cut.
-        "transport/link/tx/queue/congestion_control/block/wait_before_close": 500_000,
-        "transport/link/rx/max_message_size": MAX_MESSAGE,
-        "transport/unicast/open_timeout": 2000,
-        "transport/unicast/accept_timeout": 2000,
-    }
-    for key, value in settings.items():
-        config.insert_json5(key, json.dumps(value))
-    for setting in endpoints.settings:
-        key, colon, text = setting.partition(":")
-        if not colon:
-            raise FesError(f"--cfg expects KEY:VALUE, got '{setting}'")
+    for key, value in endpoints.house_rules().items():
+        try:
+            config.insert_json5(key, json.dumps(value))
+        except zenoh.ZError:
+            raise FesError(f"not an endpoint like {DEFAULT_ENDPOINT}: {endpoints.shown}") from None
+    for key, text in endpoints.own_settings():
         try:
             config.insert_json5(key, text)
         except zenoh.ZError:
-            raise FesError(f"--cfg {setting}: no such setting, or its value is not JSON5") from None
+            raise FesError(f"--cfg {key}:{text}: no such setting, or its value is not JSON5") from None
     return config
 
 

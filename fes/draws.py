@@ -44,9 +44,11 @@ def uniform_ticks(stream_key: Ints, first: int, count: int, senders: Ints, recei
         counter[:] = (first // _PER_COUNTER, sender, receiver, 0)
         generator.state = state
         words[:, column] = generator.random_raw(count)
-    return (words >> np.uint64(11)) * _TO_UNIT
+    numbers: Floats = (words >> np.uint64(11)).astype(np.float64) * _TO_UNIT
+    return numbers
 
 
 def uniform_pairs(stream_key: Ints, senders: Ints, receivers: Ints) -> Floats:
     """One uniform number in [0, 1) for each (sender, receiver) [m]."""
-    return uniform_ticks(stream_key, 0, _PER_COUNTER, senders, receivers)[0]
+    numbers: Floats = uniform_ticks(stream_key, 0, _PER_COUNTER, senders, receivers)[0]
+    return numbers

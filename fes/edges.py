@@ -93,7 +93,7 @@ class Edges:
 
     def sum(self, values: Floats) -> Floats:
         """Sum of `values` [m] over each robot's pairs, in their order [n]."""
-        return np.bincount(self.rows, values, minlength=len(self.ids))
+        return np.bincount(self.rows, values, minlength=len(self.ids)).astype(np.float64, copy=False)
 
     def first_largest(self, values: Floats) -> Bools:
         """Mark the largest of `values` [m] of each robot; among equals the lowest peer id [m].

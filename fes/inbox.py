@@ -39,15 +39,19 @@ class Inbox:
 
     async def wait(self, count: int, timeout: float) -> bool:
         """Wait until `count` messages are here; False if `timeout` [s] passed first."""
-        self._waiter = self._loop.create_future()
-        self._wanted = count
-        if len(self._items) < count and self._failure is None:
-            timer = self._loop.call_later(timeout, self._wake)
-            try:
+        end = self._loop.time() + timeout
+        timer = self._loop.call_later(timeout, self._wake)
+        try:
+            # A wake-up may be one that was on its way when an earlier wait ended: look again each time.
+            while len(self._items) < count and self._failure is None and self._loop.time() < end:
+                self._waiter = self._loop.create_future()
+                self._wanted = count
+                if len(self._items) >= count:
+                    break
                 await self._waiter
-            finally:
-                timer.cancel()
-        self._wanted = 0
+        finally:
+            timer.cancel()
+            self._wanted = 0
         # What came before a failure is still to be read: a world says that the run is over, then leaves.
         if len(self._items) >= count:
             return True

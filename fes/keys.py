@@ -19,7 +19,7 @@ from fes.errors import FesError
 
 DEFAULT_RUN = "main"
 _RUN = re.compile(r"[A-Za-z0-9_.-]{1,64}")
-_ROBOT = re.compile(r"fes/[^/]+/robot/(\d{1,10})/[a-z]+")
+_ROBOT = re.compile(r"fes/[^/]+/robot/(0|[1-9][0-9]{0,9})/[a-z]+")
 
 
 def check_run(run: str) -> str:

@@ -168,7 +168,7 @@ def decode_join(payload: bytes) -> tuple[tuple[int, ...], str]:
     """The robots wanted, ascending, and the asker's token."""
     name = "Join"
     robots, token = wire.unpack(name, payload, 2)
-    wire.check(name, isinstance(robots, list) and 0 < len(robots), "expects a list of robots", robots)
+    wire.check(name, isinstance(robots, list) and len(robots) > 0, "expects a list of robots", robots)
     wire.check(name, isinstance(token, str) and 0 < len(token) <= 64, "expects a token", token)
     wanted = tuple(wire.robot_id(name, robot) for robot in robots)
     wire.check(name, list(wanted) == sorted(set(wanted)), "robot ids must ascend", robots)

@@ -16,7 +16,8 @@ def preference(separation: Floats, objective: ObjectiveConfig) -> Floats:
     shape = objective.shape_exponent
     ratio = objective.minimum_separation / objective.maximum_separation
     spread = np.power(separation / objective.minimum_separation, shape)
-    return -np.expm1(-spread) * np.exp(-(ratio**shape) * spread)
+    preferred: Floats = -np.expm1(-spread) * np.exp(-(ratio**shape) * spread)
+    return preferred
 
 
 def log_preference_slope(separation: Floats, objective: ObjectiveConfig) -> Floats:
@@ -27,4 +28,5 @@ def log_preference_slope(separation: Floats, objective: ObjectiveConfig) -> Floa
     with np.errstate(over="ignore"):  # far beyond r_min the first term is 0, as it should be
         # spread / (e^spread - 1) tends to 1 where the separation is so small that spread underflows
         fall = np.where(spread > 0.0, spread / np.expm1(np.maximum(spread, np.finfo(np.float64).tiny)), 1.0)
-        return shape / separation * (fall - reach)
+        slope: Floats = shape / separation * (fall - reach)
+    return slope

@@ -20,7 +20,7 @@ def exponent_scale(channel: ChannelConfig) -> float:
     if channel.model == "perfect":
         return 0.0
     threshold = math.exp2(channel.spectral_efficiency) - 1.0
-    return threshold / channel.reference_snr / channel.reference_distance**channel.path_loss_exponent
+    return float(threshold / channel.reference_snr / channel.reference_distance**channel.path_loss_exponent)
 
 
 def reception_probability(separation: Floats, channel: ChannelConfig) -> Floats:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NoReturn, TypeVar
 
 from fes import keys
-from fes.bus import DEFAULT_ENDPOINT, Endpoints
+from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, Mode
 from fes.errors import FesError, Stopped
 
 SUCCESS, FAILURE, UNMET = 0, 1, 2
@@ -20,6 +20,8 @@ SUCCESS, FAILURE, UNMET = 0, 1, 2
 
 FORCED = 130
 """Exit code after a second signal."""
+
+YEAR = 3.2e7  # s
 
 T = TypeVar("T")
 
@@ -43,7 +45,7 @@ def leave(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_wit
     except Stopped:
         code = SUCCESS  # a service that was told to stop, and stopped
     except FesError as error:
-        print(f"{name}: error: {error}", file=sys.stderr)
+        complain(name, str(error))
         code = error.exit_code
     with contextlib.suppress(OSError):  # the terminal may be gone
         sys.stdout.flush()
@@ -99,12 +101,30 @@ def _at_end_of_stdin(loop: asyncio.AbstractEventLoop, stop: Callable[[str], None
         stop("the end of standard input")
 
 
+def complain(name: str, message: str) -> None:
+    """Say what is wrong, in one line."""
+    line = " ".join(message.split("\n"))
+    with contextlib.suppress(OSError):  # the terminal may be gone
+        print(f"{name}: error: {line}", file=sys.stderr)
+
+
+def seconds(text: str) -> float:
+    """The argument of --timeout: a positive time [s], at most a year; raises ArgumentTypeError."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value <= YEAR:
+        raise argparse.ArgumentTypeError(f"expects a positive time in seconds, got '{text}'")
+    return value
+
+
 class OneLineParser(argparse.ArgumentParser):
     """Argparse, but a bad argument is one line and exit code 1, as every other error."""
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong, and end the process."""
-        print(f"{self.prog}: error: {message}", file=sys.stderr)
+        complain(self.prog, message)
         raise SystemExit(FAILURE)
 
 
@@ -122,7 +142,7 @@ def add_network_flags(parser: argparse.ArgumentParser) -> None:
 
 def world_endpoints(flags: argparse.Namespace) -> Endpoints:
     """Endpoints of a world: a router that listens, unless the flags say otherwise."""
-    mode = flags.mode or "router"
+    mode: Mode = flags.mode or "router"
     listen = tuple(flags.listen) or ((DEFAULT_ENDPOINT,) if mode == "router" else ())
     return Endpoints(mode, tuple(flags.connect), listen, flags.config, tuple(flags.cfg))
 
@@ -130,6 +150,4 @@ def world_endpoints(flags: argparse.Namespace) -> Endpoints:
 def agent_endpoints(flags: argparse.Namespace, timeout: float) -> Endpoints:
     """Endpoints of an agent or an observer: a client of the world's router, unless the flags say otherwise."""
     connect = tuple(flags.connect) or (DEFAULT_ENDPOINT,)
-    return Endpoints(
-        flags.mode or "client", connect, tuple(flags.listen), flags.config, tuple(flags.cfg), timeout
-    )
+    return Endpoints(flags.mode or "client", connect, tuple(flags.listen), flags.config, tuple(flags.cfg), timeout)

@@ -99,7 +99,9 @@ def decode_report(payload: bytes) -> Report:
     wire.check(name, type(arrays) is list and len(arrays) == len(_LINK_ARRAYS), "expects link arrays", arrays)
     lower, higher = _ids(name, a), _ids(name, b)
     wire.check(name, len(lower) == len(higher), "expects two ends a link", len(higher))
-    links = {key: _floats(name, blob, len(lower)) for key, blob in zip(_LINK_ARRAYS, arrays, strict=True)}
+    links: dict[str, Any] = {
+        key: _floats(name, blob, len(lower)) for key, blob in zip(_LINK_ARRAYS, arrays, strict=True)
+    }
     robots = len(alive)
     return Report(
         scenario=scenario,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fes.arrays import Bytes, Bools, Floats, Ints
+from fes.arrays import Bools, Bytes, Floats, Ints
 from fes.edges import Edges, no_edges
 
 CLOSED, LOST, DECODED = 0, 1, 2

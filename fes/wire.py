@@ -6,6 +6,7 @@ MessageError where the field has the wrong type, length or size, a number is not
 """
 
 import math
+import reprlib
 from functools import lru_cache
 from typing import Any
 
@@ -22,6 +23,10 @@ MAX_PAYLOAD = 1 << 20
 MAX_TICK = 2**53
 MAX_ID = 2**31 - 1
 
+TOO_LONG = f"longer than {MAX_PAYLOAD} bytes"
+WRONG_VERSION = f"speaks protocol {PROTOCOL}, got version"
+BAD_ID = "robot must be an integer from 0 to 2^31 - 1"
+
 
 def pack(*fields: Any) -> bytes:
     """The payload of a message with these fields."""
@@ -29,22 +34,24 @@ def pack(*fields: Any) -> bytes:
 
 
 def unpack(name: str, payload: bytes, count: int) -> list[Any]:
-    """The fields after the version."""
-    check(name, len(payload) <= MAX_PAYLOAD, f"longer than {MAX_PAYLOAD} bytes", len(payload))
+    """The `count` fields of a payload, after the version."""
+    check(name, len(payload) <= MAX_PAYLOAD, TOO_LONG, len(payload))
     try:
-        fields = msgpack.unpackb(payload, strict_map_key=True)
+        fields = msgpack.unpackb(payload)
     except (ValueError, msgpack.UnpackException, RecursionError) as error:
         raise MessageError(name, f"is not msgpack ({type(error).__name__})") from None
     check(name, type(fields) is list and len(fields) > 0, "expects an array", fields)
-    check(name, fields[0] == PROTOCOL, f"speaks protocol {PROTOCOL}, got version", fields[0])
-    check(name, len(fields) == count + 1, f"expects {count} fields, got", len(fields) - 1)
+    version = fields[0]
+    check(name, type(version) is int and version == PROTOCOL, WRONG_VERSION, version)
+    if len(fields) != count + 1:
+        raise MessageError(name, f"expects {count} fields, got", str(len(fields) - 1))
     return fields[1:]  # type: ignore[no-any-return]
 
 
 def check(name: str, holds: bool, rule: str, value: object) -> None:
     """Raise MessageError with the rule and the offending value unless the rule holds."""
     if not holds:
-        shown = repr(value)
+        shown = reprlib.repr(value)  # bounded in length and depth, whatever the value is
         raise MessageError(name, rule, shown if len(shown) <= 60 else shown[:57] + "...")
 
 
@@ -56,7 +63,7 @@ def tick(name: str, value: Any) -> int:
 
 def robot_id(name: str, value: Any) -> int:
     """The id of a robot."""
-    check(name, type(value) is int and 0 <= value <= MAX_ID, "robot must be an integer from 0 to 2^31 - 1", value)
+    check(name, type(value) is int and 0 <= value <= MAX_ID, BAD_ID, value)
     return int(value)
 
 
@@ -101,14 +108,18 @@ def id_bytes(robots: Ints) -> bytes:
 
 def numbers(name: str, blob: Any, count: int) -> Floats:
     """Finite numbers [count]."""
-    check(name, type(blob) is bytes and len(blob) == 8 * count, f"expects {count} float64", blob)
+    if type(blob) is not bytes or len(blob) != 8 * count:
+        check(name, False, f"expects {count} float64", blob)
     found = np.frombuffer(blob, dtype="<f8")
-    check(name, bool(np.isfinite(found).all()), "numbers must be finite", found.tolist())
+    if not np.logical_and.reduce(np.isfinite(found)):
+        check(name, False, "numbers must be finite", found.tolist())
     return found
 
 
 def codes(name: str, blob: Any, count: int, highest: int) -> Bytes:
     """Small integers from 0 to `highest` [count]."""
-    check(name, type(blob) is bytes and len(blob) == count, f"expects {count} codes", blob)
-    check(name, not blob or max(blob) <= highest, f"codes must be at most {highest}", blob)
+    if type(blob) is not bytes or len(blob) != count:
+        check(name, False, f"expects {count} codes", blob)
+    if blob and max(blob) > highest:
+        check(name, False, f"codes must be at most {highest}", blob)
     return np.frombuffer(blob, dtype=np.uint8)

@@ -36,9 +36,7 @@ def edges(ids: Iterable[int], pairs: Iterable[tuple[int, int]]) -> Edges:
     crew = sorted(ids)
     ordered = sorted(pairs)
     rows = np.array([crew.index(robot) for robot, _ in ordered], dtype=np.int64)
-    return Edges(
-        np.array(crew, dtype=np.int64), rows, np.array([peer for _, peer in ordered], dtype=np.int64)
-    )
+    return Edges(np.array(crew, dtype=np.int64), rows, np.array([peer for _, peer in ordered], dtype=np.int64))
 
 
 def in_range(where: Floats, robots: Iterable[int], reach: float = REACH) -> Edges:
@@ -48,9 +46,7 @@ def in_range(where: Floats, robots: Iterable[int], reach: float = REACH) -> Edge
     return edges(crew, [(i, j) for i in crew for j in range(n) if i != j and distance(where, i, j) <= reach])
 
 
-def hear(
-    where: Floats, robots: Iterable[int], reach: float = REACH, decoded: Bools | None = None
-) -> Contacts:
+def hear(where: Floats, robots: Iterable[int], reach: float = REACH, decoded: Bools | None = None) -> Contacts:
     """The contacts of `robots` after one beacon from everybody; `decoded` [m]: which ones did (all)."""
     crew = sorted(robots)
     near = in_range(where, crew, reach)

@@ -45,9 +45,7 @@ class History:
 
 def load(name: str, **overrides: Any) -> Scenario:
     """A scenario of configs/; overrides with `__` for the dot."""
-    return scenario.load(
-        CONFIGS / name, {path.replace("__", "."): value for path, value in overrides.items()}
-    )
+    return scenario.load(CONFIGS / name, {path.replace("__", "."): value for path, value in overrides.items()})
 
 
 def run(what: Scenario, ticks: int | None = None, split: list[list[int]] | None = None) -> History:
@@ -85,9 +83,7 @@ def _own(sensed: Observations, ids: Ints) -> Observations:
     near = sensed.in_range
     mine = np.isin(near.ids[near.rows], ids)
     rows = np.searchsorted(ids, near.ids[near.rows[mine]])
-    return Observations(
-        sensed.tick, sensed.poses[ids], Edges(ids, rows, near.peers[mine]), sensed.reception[mine]
-    )
+    return Observations(sensed.tick, sensed.poses[ids], Edges(ids, rows, near.peers[mine]), sensed.reception[mine])
 
 
 def _together(said: list[Beacons]) -> Beacons:
@@ -100,9 +96,7 @@ def _together(said: list[Beacons]) -> Beacons:
     links = Edges(ids[order], np.searchsorted(ids[order], robots[by_pair]), peers[by_pair])
     estimates = np.concatenate([part.estimates for part in said])[by_pair]
     named = np.concatenate([part.named for part in said])[by_pair]
-    return Beacons(
-        said[0].tick, ids[order], np.concatenate([p.poses for p in said])[order], links, estimates, named
-    )
+    return Beacons(said[0].tick, ids[order], np.concatenate([p.poses for p in said])[order], links, estimates, named)
 
 
 def _among(said: Beacons, ids: Ints) -> Beacons:

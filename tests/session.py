@@ -8,7 +8,8 @@ from typing import Any
 from agents.process import Agent
 from console.launcher import free_port
 from fes import bus
-from fes.bus import Bus, Endpoints
+from fes.bus import Bus
+from fes.endpoints import Endpoints
 from world.scenario import Scenario
 from world.server import Server
 

@@ -20,9 +20,7 @@ LONGEST_FILE = 260
 def modules(*rooms: str) -> dict[str, Path]:
     """Dotted name and file of every module, a package by its own name."""
     paths = [path for room in rooms for path in sorted((ROOT / room).rglob("*.py"))]
-    names = [
-        ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__") for path in paths
-    ]
+    names = [".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__") for path in paths]
     return dict(zip(names, paths, strict=True))
 
 

@@ -18,9 +18,7 @@ Pairs = set[tuple[int, int]]
 
 IDS = (0, 3, 4, 90, 2**31 - 1)
 crews = st.sets(st.sampled_from(IDS), min_size=1)
-pair_sets = st.sets(
-    st.tuples(st.sampled_from(IDS), st.sampled_from(IDS)).filter(lambda pair: pair[0] != pair[1])
-)
+pair_sets = st.sets(st.tuples(st.sampled_from(IDS), st.sampled_from(IDS)).filter(lambda pair: pair[0] != pair[1]))
 seeds = st.integers(0, 2**32)
 
 
@@ -62,9 +60,7 @@ def test_beacons_split_into_payloads_and_stacked_again_are_the_same_bits(
 
 
 @given(crew=crews, pairs=pair_sets, seed=seeds)
-def test_each_command_holds_its_own_robots_twist_and_telemetry(
-    crew: set[int], pairs: Pairs, seed: int
-) -> None:
+def test_each_command_holds_its_own_robots_twist_and_telemetry(crew: set[int], pairs: Pairs, seed: int) -> None:
     said, twists = say(crew, pairs, seed)
     estimates = dict(zip(sorted(layouts.pairs_of(said.links)), said.estimates.tolist(), strict=True))
     for at, (robot, _, payload) in enumerate(payloads(said, twists)):

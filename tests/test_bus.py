@@ -7,7 +7,8 @@ from collections.abc import Awaitable, Callable
 import pytest
 
 from fes import bus
-from fes.bus import Endpoints, Question
+from fes.bus import Question
+from fes.endpoints import Endpoints
 from fes.errors import Absent, FesError, Refused, TransportError
 from tests.session import client, router
 
@@ -52,7 +53,10 @@ def test_a_subscription_declared_before_a_command_hears_every_beacon_after_the_n
             loop = asyncio.get_running_loop()
 
             def to(queue: asyncio.Queue[bytes | None]) -> Callable[[str, bytes | None], None]:
-                return lambda key, payload: loop.call_soon_threadsafe(queue.put_nowait, payload) and None
+                def hand_over(key: str, payload: bytes | None) -> None:
+                    loop.call_soon_threadsafe(queue.put_nowait, payload)
+
+                return hand_over
 
             world.subscribe("command", to(commands))
             one.subscribe("tick/one", to(ticks["one"]))
@@ -89,9 +93,7 @@ def test_a_subscription_declared_before_a_command_hears_every_beacon_after_the_n
     run(main)
 
 
-def _settled(
-    puts: dict[str, Callable[[bytes], None]], queues: dict[str, "asyncio.Queue[bytes | None]"]
-) -> bool:
+def _settled(puts: dict[str, Callable[[bytes], None]], queues: dict[str, "asyncio.Queue[bytes | None]"]) -> bool:
     """Whether both subscriptions are in place: each put has arrived; leaves the queues empty."""
     if all(not queue.empty() for queue in queues.values()):
         for queue in queues.values():
@@ -130,7 +132,7 @@ def test_a_question_is_answered_refused_or_left_alone() -> None:
         async with router() as (world, endpoint), client(endpoint) as agent:
             world.serve("desk", on_question)
             assert await agent.ask("desk", b"yes?", 5.0) == b"yes"
-            with pytest.raises(Refused, match="^no, because$"):
+            with pytest.raises(Refused, match=r"^no, because$"):
                 await agent.ask("desk", b"no?", 5.0)
             with pytest.raises(Absent, match="nobody answered on nowhere"):
                 await agent.ask("nowhere", b"", 0.5)
@@ -148,7 +150,7 @@ def test_a_taken_port_nobody_there_and_bad_settings_are_one_clear_line_each() ->
             async with client("tcp/127.0.0.1:1", timeout=0.3):
                 pass
         for setting in ("nocolon", "no/such/setting:1", "mode:{"):
-            with pytest.raises(FesError, match="^--cfg") as caught:
+            with pytest.raises(FesError, match=r"^--cfg") as caught:
                 async with bus.opened(Endpoints("client", settings=(setting,))):
                     pass
             assert "\n" not in str(caught.value)
@@ -178,7 +180,11 @@ def test_a_full_mailbox_forgets_the_oldest_and_never_stops_its_sender() -> None:
         async with router() as (world, endpoint), client(endpoint) as agent:
             box, done = agent.mailbox("box"), asyncio.Event()
             loop = asyncio.get_running_loop()
-            agent.subscribe("end", lambda key, payload: loop.call_soon_threadsafe(done.set) and None)
+
+            def on_end(key: str, payload: bytes | None) -> None:
+                loop.call_soon_threadsafe(done.set)
+
+            agent.subscribe("end", on_end)
             put, end = world.publisher("box", "x"), world.publisher("end", "x")
             await until(lambda: put(b"first") is None and box.take() is not None)
             while box.take() is not None:

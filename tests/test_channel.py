@@ -95,9 +95,7 @@ def test_the_contacts_of_others_stay_open_while_one_comes_and_goes() -> None:
     codes, states = listen(team([(0, 0), (20, 0), (146, 0)], "perfect"), speeds)
     # 146, 148, 150, 152, 154, 152, 150, 148 m and so on: in range three ticks, out three, in five, out three
     opening = [CLOSED, CLOSED, DECODED, DECODED, DECODED, -1, -1, -1]
-    assert (
-        codes[0, 2] == codes[2, 0] == [CLOSED, CLOSED, DECODED, -1, -1, -1, *opening, *opening, *opening[:3]]
-    )
+    assert codes[0, 2] == codes[2, 0] == [CLOSED, CLOSED, DECODED, -1, -1, -1, *opening, *opening, *opening[:3]]
     assert codes[0, 1] == codes[1, 0] == [CLOSED, CLOSED] + [DECODED] * 23
     heard = sum(code == DECODED for verdicts in codes.values() for code in verdicts)
     assert states[-1].sent == states[-1].decoded == heard

@@ -22,9 +22,7 @@ PAIR = str(CONFIGS / "pair.toml")
 def call(where: Path, *words: str) -> subprocess.CompletedProcess[str]:
     """The outcome of a command in the folder `where`."""
     command = [str(PROGRAMS / words[0]), *words[1:]]
-    return subprocess.run(
-        command, cwd=where, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60
-    )
+    return subprocess.run(command, cwd=where, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
 
 
 def run_json(where: Path, *words: str) -> dict[str, Any]:
@@ -92,9 +90,6 @@ def test_a_person_is_told_the_result_and_where_it_is(tmp_path: Path) -> None:
     assert done.stdout.endswith("run directory: runs/pair-1\n")
 
 
-@pytest.mark.xfail(
-    strict=True, reason="80 columns cut the digest; rich takes the [m] of a heading for markup"
-)
 @pytest.mark.parametrize("part", ["digest", "unit"])
 def test_the_tables_show_the_whole_digest_and_the_units(part: str) -> None:
     found = inprocess.run(load("pair.toml", run__duration=1), "pair")
@@ -165,7 +160,6 @@ def test_an_agent_that_nobody_answers_says_whom_it_waited_for_and_how_long(tmp_p
     assert f"agent.1: waiting for the world at {endpoint}, run 'main'" in done.stderr
 
 
-@pytest.mark.xfail(strict=True, reason="fes.bus._config lets ZError and ValueError through")
 @pytest.mark.parametrize(
     "words",
     [
@@ -178,7 +172,6 @@ def test_a_bad_endpoint_or_timeout_is_one_line(words: list[str], tmp_path: Path)
     assert words[-1] in complaint(call(tmp_path, *words), words[0])
 
 
-@pytest.mark.xfail(strict=True, reason="after its help it prints an error without a word")
 def test_without_a_command_the_help_is_shown_and_no_empty_error(tmp_path: Path) -> None:
     done = call(tmp_path, "fes")
     assert "Usage: fes" in done.stdout + done.stderr

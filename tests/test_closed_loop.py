@@ -31,9 +31,7 @@ def estimate_error(run: History, tick: int, optimum: float) -> float:
 def test_every_edge_ends_at_the_optimal_separation(name: str, few: int, many: int) -> None:
     found = separations(history(name))
     assert few <= len(found) <= many  # science.md, section 3
-    assert found == pytest.approx(
-        [witness.OPTIMUM_50] * len(found), abs=0.1
-    )  # m; reached by 37 s at the latest
+    assert found == pytest.approx([witness.OPTIMUM_50] * len(found), abs=0.1)  # m; reached by 37 s at the latest
 
 
 @pytest.mark.parametrize("name", ["paper.toml", "neighborhood.toml"])
@@ -102,9 +100,7 @@ def test_robots_that_want_to_stay_farther_apart_end_at_the_other_optimum() -> No
 
 def test_two_robots_meet_at_the_optimal_separation() -> None:
     run = history("pair.toml")
-    assert separations(run) == pytest.approx(
-        [witness.OPTIMUM_50], abs=0.01
-    )  # m; bias and ripple of the dither
+    assert separations(run) == pytest.approx([witness.OPTIMUM_50], abs=0.01)  # m; bias and ripple of the dither
 
 
 @pytest.mark.parametrize("split", [[[0, 3, 4], [1], [2, 5, 6, 7, 8, 9]], [[k] for k in range(10)]])

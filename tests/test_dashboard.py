@@ -148,9 +148,7 @@ def played() -> list[Report]:
             lost = 1.0 - outage.reception_probability(report.separation, setup.channel)
             wrong = float(np.abs(np.concatenate([ab, ba]) - best).max(initial=0.0))
             summed = float(np.abs(ab - ba).sum())
-            reports.append(
-                replace(report, tick=tick, outage=lost, disagreement=summed, estimate_error_max=wrong)
-            )
+            reports.append(replace(report, tick=tick, outage=lost, disagreement=summed, estimate_error_max=wrong))
         state = simulation.step(world, state, twists)
     return reports
 
@@ -215,9 +213,7 @@ def test_numbers_that_do_not_exist_are_drawn_as_such() -> None:
     nothing = np.full(1, math.nan)
     poses = np.array([[0.0, 0.0, math.nan], [math.nan, 1.0, 0.0], [math.inf, 0.0, 0.0], [5.0, 5.0, 0.0]])
     report = a_report([(0.0, 0.0)] * 4, [(0, 1)], poses=poses, separation=nothing, outage=nothing)
-    report = replace(
-        report, disagreement=math.inf, ticks_per_s=math.nan, optimal_separation=math.nan, dt=math.nan
-    )
+    report = replace(report, disagreement=math.inf, ticks_per_s=math.nan, optimal_separation=math.nan, dt=math.nan)
     for width, height in SIZES + TINY:
         assert len(frame(a_history(report, report), width, height)) == height
     row = next(line for line in frame(a_history(report)) if "0–1" in line)
@@ -292,9 +288,7 @@ def test_a_history_stays_small_and_forgets_no_peak() -> None:
     history = a_history(*(replace(start, tick=k, disagreement=9.0 if k == 777 else 0.5) for k in range(5000)))
     held = history.series(100_000)[0]
     assert 1 + np.count_nonzero(np.diff(held)) <= 3
-    assert np.isclose(held, 9.0).mean() == pytest.approx(
-        1.0 / 625, rel=0.05
-    )  # one bin of eight ticks in 5000
+    assert np.isclose(held, 9.0).mean() == pytest.approx(1.0 / 625, rel=0.05)  # one bin of eight ticks in 5000
     assert 5000 // history.stride <= CAPACITY
     assert history.series(7)[0].tolist() == [0.5, 9.0, 0.5, 0.5, 0.5, 0.5, 0.5]
 

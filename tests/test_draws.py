@@ -13,9 +13,7 @@ from tests import witness
 
 KEY = draws.key(7, "channel")
 
-pair_lists = st.lists(
-    st.tuples(st.integers(0, 99_999), st.integers(0, 99_999)), min_size=1, max_size=8, unique=True
-)
+pair_lists = st.lists(st.tuples(st.integers(0, 99_999), st.integers(0, 99_999)), min_size=1, max_size=8, unique=True)
 
 
 def numbers(pairs: list[tuple[int, int]], first: int, count: int, key: Ints = KEY) -> Floats:

@@ -15,9 +15,7 @@ pair_sets = st.sets(
 )
 CREW = range(13)
 RNG = np.random.default_rng(8)
-WILD = dict(
-    zip([(i, j) for i in CREW for j in CREW], RNG.normal(0, 10.0 ** RNG.integers(-8, 8, 169)), strict=True)
-)
+WILD = dict(zip([(i, j) for i in CREW for j in CREW], RNG.normal(0, 10.0 ** RNG.integers(-8, 8, 169)), strict=True))
 """Numbers of very different size: their sum depends on its order."""
 
 
@@ -59,9 +57,7 @@ def test_the_order_of_a_sum_matters_to_its_digits() -> None:
 
 
 @given(pairs=pair_sets, crew=st.sets(st.sampled_from(list(CREW)), min_size=1))
-def test_a_robots_sum_does_not_depend_on_who_shares_its_process(
-    pairs: set[tuple[int, int]], crew: set[int]
-) -> None:
+def test_a_robots_sum_does_not_depend_on_who_shares_its_process(pairs: set[tuple[int, int]], crew: set[int]) -> None:
     whole = edges(CREW, pairs)
     part = edges(crew, {pair for pair in pairs if pair[0] in crew})
     sums = whole.sum(np.array(values(whole)))

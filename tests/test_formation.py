@@ -71,9 +71,7 @@ def test_for_a_vanishing_tick_the_twist_is_the_sums_of_6_and_7(
     largest = max(range(n), key=lambda k: abs(error[k]))
     weight = [1 / 2 if k == largest else 1 / (2 * (n - 1)) for k in range(n)]
     v = sum(a * e * math.cos(psi - heading) for a, e, psi in zip(weight, error, angle, strict=False))
-    omega = 10.0 * sum(
-        a * e * math.sin(psi - heading) for a, e, psi in zip(weight, error, angle, strict=False)
-    )
+    omega = 10.0 * sum(a * e * math.sin(psi - heading) for a, e, psi in zip(weight, error, angle, strict=False))
     pull = formation.pull(links(*range(1, n + 1)), np.array(error), unit(np.array(angle[:n])))
     found = formation.twist(pull, np.array([heading]), 1e-7, CONFIG)[0]
     assert found[LINEAR] == pytest.approx(v, abs=1e-12)  # m/s; roundings of 60 m
@@ -85,9 +83,7 @@ def test_for_a_vanishing_tick_the_twist_is_the_sums_of_6_and_7(
 @pytest.mark.parametrize("dt", [0.02, 0.05])
 @pytest.mark.parametrize("size", [1e-6, 0.01, 1.0, 40.0])
 @pytest.mark.parametrize("begin", [-3.1, -1.0, -1e-3, 0.0, 0.5, math.pi / 2, 3.14])
-def test_the_heading_turns_along_the_flow_of_7_with_the_pull_held(
-    begin: float, size: float, dt: float
-) -> None:
+def test_the_heading_turns_along_the_flow_of_7_with_the_pull_held(begin: float, size: float, dt: float) -> None:
     after = witness.flow(lambda t, x: (-10.0 * size * math.sin(x[0]),), [begin], 0.0, dt)[0]
     heading = 2.5  # any
     pull = size * unit(np.array([heading + begin])).T
@@ -145,6 +141,4 @@ def test_limits_cut_speeds_and_keep_their_signs() -> None:
 def test_speed_is_proportional_to_its_gain(gain: float) -> None:
     pull, heading = np.array([[1.0, 2.0]]), np.array([0.3])
     found = formation.twist(pull, heading, 0.02, FormationConfig(linear_gain=gain))
-    assert found[0, LINEAR] == pytest.approx(
-        gain * (math.cos(0.3) + 2.0 * math.sin(0.3)), rel=1e-14
-    )  # rounding
+    assert found[0, LINEAR] == pytest.approx(gain * (math.cos(0.3) + 2.0 * math.sin(0.3)), rel=1e-14)  # rounding

@@ -61,7 +61,6 @@ def test_a_key_of_another_form_belongs_to_no_robot(key: str) -> None:
     assert keys.robot_of(key) is None
 
 
-@pytest.mark.xfail(strict=True, reason="two keys share one robot: \\d takes 03 and Arabic digits for 3")
 @pytest.mark.parametrize("digits", ["03", "0000000003", "٣"])
 def test_a_robot_has_one_key_of_each_kind_only(digits: str) -> None:
     assert keys.robot_of(f"fes/main/robot/{digits}/alive") is None
@@ -72,9 +71,7 @@ def test_a_run_may_be_named_with_letters_digits_and_three_signs(run: str) -> Non
     assert keys.check_run(run) == run
 
 
-@pytest.mark.parametrize(
-    "run", ["", "x" * 65, "a/b", "a b", "*", "a*", "**", "$*", "a?", "a#", "@a", "ä", "a\n"]
-)
+@pytest.mark.parametrize("run", ["", "x" * 65, "a/b", "a b", "*", "a*", "**", "$*", "a?", "a#", "@a", "ä", "a\n"])
 def test_a_name_that_would_be_a_pattern_or_another_key_is_refused_with_the_name(run: str) -> None:
     with pytest.raises(FesError, match="1 to 64 letters") as caught:
         keys.check_run(run)

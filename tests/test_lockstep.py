@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from agents.process import Agent
 from console import inprocess
 from fes import keys, messages
 from fes.errors import Absent, Refused
@@ -14,6 +15,7 @@ from tests import session
 from tests.loop import load
 from tests.session import RUN, client
 from world.scenario import Scenario
+from world.server import Server
 
 SHORT = {"run__duration": 3.0}
 
@@ -109,7 +111,7 @@ def test_who_asks_for_a_taken_or_unknown_robot_is_refused_and_the_run_goes_on(
     async def disturb(endpoint: str) -> None:
         for robots in ([42], [2, 3]):
             async with client(endpoint) as opened:
-                agent = session.Agent(opened, RUN, tuple(robots))
+                agent = Agent(opened, RUN, tuple(robots))
                 try:
                     await agent.join(5.0)
                 except Refused as refused:
@@ -126,7 +128,7 @@ def test_an_agent_that_leaves_ends_the_run_with_its_name() -> None:
 
     async def main() -> None:
         async with session.router() as (opened, endpoint):
-            server = session.Server(opened, endless, "test", RUN, None)
+            server = Server(opened, endless, "test", RUN, None)
             stays = asyncio.ensure_future(session.live(endpoint, [0]))
             leaves = asyncio.ensure_future(session.live(endpoint, [1]))
             await server.gather()
@@ -147,7 +149,7 @@ def test_an_agent_whose_world_leaves_says_so() -> None:
 
     async def main() -> None:
         async with session.router() as (opened, endpoint):
-            server = session.Server(opened, endless, "test", RUN, None)
+            server = Server(opened, endless, "test", RUN, None)
             agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
             await server.gather()
             running = asyncio.ensure_future(server.run())

@@ -4,7 +4,7 @@ import dataclasses
 import struct
 from typing import Any
 
-import msgpack  # type: ignore[import-untyped]
+import msgpack
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -54,9 +54,7 @@ def test_a_payload_that_is_no_list_of_fields_is_refused(name: str, payload: byte
 @pytest.mark.parametrize("name", NAMES)
 @settings(max_examples=200)
 @given(data=st.data())
-def test_a_payload_with_some_fields_of_any_kind_is_refused_or_a_message(
-    name: str, data: st.DataObject
-) -> None:
+def test_a_payload_with_some_fields_of_any_kind_is_refused_or_a_message(name: str, data: st.DataObject) -> None:
     codec = CODECS[name]
     fields = msgpack.unpackb(codec.encode(data.draw(codec.messages)))
     for at in data.draw(st.sets(st.integers(0, codec.fields), min_size=1, max_size=3)):

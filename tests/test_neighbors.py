@@ -63,9 +63,7 @@ def test_on_a_lattice_full_of_ties_a_rule_chooses_what_its_definition_says(rule:
 @pytest.mark.parametrize("rule", sorted(neighbors.RULES))
 @pytest.mark.parametrize("ratio", [0.1, 0.6])
 @pytest.mark.parametrize("seed", range(5))
-def test_a_peer_that_was_never_heard_is_neither_neighbor_nor_witness(
-    rule: str, seed: int, ratio: float
-) -> None:
+def test_a_peer_that_was_never_heard_is_neither_neighbor_nor_witness(rule: str, seed: int, ratio: float) -> None:
     rng = np.random.default_rng(seed)
     # around the origin, where an unheard peer would be if its blank entry were taken for a place
     where = layouts.scatter(rng, 10, 200.0) - np.array([100.0, 100.0, 0.0])

@@ -14,7 +14,7 @@ from tests import witness
 
 objectives = st.builds(
     ObjectiveConfig,
-    minimum_separation=st.floats(20.0, 120.0),
+    minimum_separation=st.floats(20.0, 90.0),
     maximum_separation=st.floats(100.0, 300.0),
     shape_exponent=st.floats(1.0, 6.0),
 )

@@ -21,7 +21,7 @@ CASES = [(NEAR, witness.OPTIMUM_50), (FAR, witness.OPTIMUM_100)]
 
 objectives = st.builds(
     ObjectiveConfig,
-    minimum_separation=st.floats(20.0, 120.0),
+    minimum_separation=st.floats(20.0, 90.0),
     maximum_separation=st.floats(130.0, 300.0),
     shape_exponent=st.floats(1.5, 6.0),
 )
@@ -37,9 +37,7 @@ def log_index(r: complex, preferred: ObjectiveConfig, channel: ChannelConfig) ->
     """ln J of (16), written from the paper."""
     spread = (r / preferred.minimum_separation) ** preferred.shape_exponent
     reach = (r / preferred.maximum_separation) ** preferred.shape_exponent
-    loss = (
-        (math.exp2(channel.spectral_efficiency) - 1.0) / channel.reference_snr * r**channel.path_loss_exponent
-    )
+    loss = (math.exp2(channel.spectral_efficiency) - 1.0) / channel.reference_snr * r**channel.path_loss_exponent
     return cmath.log(1.0 - cmath.exp(-spread)) - reach - loss
 
 
@@ -68,9 +66,7 @@ def test_the_index_at_the_optimum_has_the_settled_value_slope_and_curvature(
 
 
 @pytest.mark.parametrize(("preferred", "curvature"), [(NEAR, -1.3327e-3), (FAR, -1.1763e-3)])
-def test_the_log_index_at_the_optimum_has_the_settled_curvature(
-    preferred: ObjectiveConfig, curvature: float
-) -> None:
+def test_the_log_index_at_the_optimum_has_the_settled_curvature(preferred: ObjectiveConfig, curvature: float) -> None:
     best = optimum.optimal_separation(preferred, PAPER)
     h = 1e-3  # m; the central difference leaves (ln J)'''' h^2/6 = 1e-13
     ahead, behind = optimum.log_index_slope(np.array([best + h, best - h]), preferred, PAPER)
@@ -98,9 +94,7 @@ def test_log_index_slope_is_the_derivative_of_the_log_index(
 @given(preferred=objectives, channel=channels)
 def test_no_separation_is_better_than_the_optimum(preferred: ObjectiveConfig, channel: ChannelConfig) -> None:
     found = optimum.optimal_separation(preferred, channel)
-    expected = witness.maximizer(
-        lambda r: log_index(r, preferred, channel).real, 1.0, preferred.maximum_separation
-    )
+    expected = witness.maximizer(lambda r: log_index(r, preferred, channel).real, 1.0, preferred.maximum_separation)
     # A maximum read off values is known to sqrt(2e-16 |ln J|/(r^2 (ln J)'')) = 1e-7 of r or so.
     assert found == pytest.approx(expected, rel=1e-6)
     slope = witness.complex_step(lambda r: log_index(r, preferred, channel), found)

@@ -47,9 +47,7 @@ def test_reception_is_the_formula_with_its_distance_measured_in_reference_distan
     channel: ChannelConfig, separation: float
 ) -> None:
     ratio = separation / channel.reference_distance
-    exponent = (
-        (2.0**channel.spectral_efficiency - 1.0) / channel.reference_snr * ratio**channel.path_loss_exponent
-    )
+    exponent = (2.0**channel.spectral_efficiency - 1.0) / channel.reference_snr * ratio**channel.path_loss_exponent
     r = np.array([separation])
     # (r/r0)^nu against c r^nu: a few roundings, multiplied by the exponent's own size
     close = 1e-13 * (1.0 + exponent)
@@ -60,9 +58,7 @@ def test_reception_is_the_formula_with_its_distance_measured_in_reference_distan
 
 
 @given(channel=channels, probability=st.floats(1e-6, 1.0 - 1e-6))
-def test_range_at_outage_is_where_a_root_finder_meets_the_outage(
-    channel: ChannelConfig, probability: float
-) -> None:
+def test_range_at_outage_is_where_a_root_finder_meets_the_outage(channel: ChannelConfig, probability: float) -> None:
     def excess(log_ratio: float) -> float:
         exponent = (math.exp2(channel.spectral_efficiency) - 1.0) / channel.reference_snr
         return exponent * math.exp(log_ratio * channel.path_loss_exponent) + math.log1p(-probability)
@@ -73,9 +69,7 @@ def test_range_at_outage_is_where_a_root_finder_meets_the_outage(
 
 
 @given(channel=channels, probability=st.floats(1e-6, 1.0 - 1e-6))
-def test_the_outage_at_the_range_of_an_outage_is_that_outage(
-    channel: ChannelConfig, probability: float
-) -> None:
+def test_the_outage_at_the_range_of_an_outage_is_that_outage(channel: ChannelConfig, probability: float) -> None:
     r = np.array(outage.range_at_outage(probability, channel))
     # d(outage)/d(ln r) <= nu/e <= 2.3, so roundings of r hardly grow
     assert float(outage.outage_probability(r, channel)) == pytest.approx(probability, rel=1e-12, abs=1e-14)

@@ -1,5 +1,6 @@
 """Real processes: `fes run`, worlds and agents by hand; nothing is left behind, whoever dies."""
 
+import asyncio
 import json
 import os
 import signal
@@ -12,8 +13,11 @@ from typing import Any
 
 import pytest
 
-from console import inprocess
+from console import inprocess, observer
 from console.launcher import free_port
+from console.rundir import Address
+from fes import bus
+from fes.endpoints import Endpoints
 from tests.loop import CONFIGS, load
 
 PATIENCE = 60.0  # s; how long a test waits for what must come, on a machine of any speed
@@ -71,6 +75,15 @@ def started(where: Path, running: "subprocess.Popen[str]", robots: int) -> dict[
     return found
 
 
+async def first_report(directory: Path) -> None:
+    """Wait until a run has run some ticks, as an observer sees it."""
+    address = Address(**json.loads((directory / "endpoint.json").read_text()))
+    async with bus.opened(Endpoints("client", (address.endpoint,), timeout=PATIENCE)) as opened:
+        async for report in observer.reports(opened, address.run, PATIENCE, PATIENCE):
+            if report is not None and report.tick > 0:
+                return
+
+
 @pytest.fixture
 def endless(tmp_path: Path) -> Iterator["subprocess.Popen[str]"]:
     """A run of two robots that goes on for a very long time."""
@@ -121,6 +134,7 @@ def test_a_signal_ends_everybody_and_keeps_what_was_reached(
     tmp_path: Path, endless: "subprocess.Popen[str]", number: signal.Signals
 ) -> None:
     pids = started(tmp_path, endless, 2)
+    asyncio.run(first_report(tmp_path / "out"))
     endless.send_signal(number)
     out, err = endless.communicate(timeout=PATIENCE)
     assert (endless.returncode, out, err) == (1, "", f"fes: error: stopped by {number.name}\n")

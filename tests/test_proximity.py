@@ -39,9 +39,7 @@ def walk(n: int, width: float, speed: float, ticks: int, seed: int) -> list[tupl
 @pytest.mark.parametrize(
     ("n", "width", "speed"), [(200, 1500.0, 2.0), (200, 600.0, 1.0), (65, 50.0, 4.0), (40, 300.0, 2.0)]
 )
-def test_the_pairs_in_range_are_those_that_a_search_of_all_pairs_finds(
-    n: int, width: float, speed: float
-) -> None:
+def test_the_pairs_in_range_are_those_that_a_search_of_all_pairs_finds(n: int, width: float, speed: float) -> None:
     measured = walk(n, width, speed, 100, seed=n)
     seen = set()
     for where, near in measured:

@@ -62,9 +62,7 @@ def test_a_fresh_robots_further_links_are_drawn_too() -> None:
     old, new = edges([0, 1], [(0, 2), (1, 2)]), edges([0, 1], [(0, 2), (0, 3), (1, 2), (1, 3)])
     state = state_of(60.0, 80.0)
     found = seeking.relink(SEEKER, SEED, 2, old, state, new, np.array([True, False]))[ESTIMATE]
-    from_nothing = seeking.relink(SEEKER, SEED, 2, edges([0, 1], []), np.zeros((3, 0)), new, NOBODY_FRESH)[
-        ESTIMATE
-    ]
+    from_nothing = seeking.relink(SEEKER, SEED, 2, edges([0, 1], []), np.zeros((3, 0)), new, NOBODY_FRESH)[ESTIMATE]
     assert found.tolist() == [60.0, from_nothing[1], 80.0, 80.0]
     assert found[1] not in (60.0, 80.0)
 

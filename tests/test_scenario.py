@@ -60,9 +60,7 @@ def test_the_papers_scenario_holds_the_numbers_of_its_section_5() -> None:
         (minimal(formation={"angular_gan": 2.0}), "formation.angular_gan", "formation.angular_gain"),
     ],
 )
-def test_an_unknown_field_names_the_nearest_known_one(
-    tables: dict[str, Any], unknown: str, nearest: str
-) -> None:
+def test_an_unknown_field_names_the_nearest_known_one(tables: dict[str, Any], unknown: str, nearest: str) -> None:
     assert refusal(tables) == f"here: unknown field '{unknown}'; did you mean '{nearest}'?"
 
 
@@ -92,9 +90,7 @@ def test_a_field_that_resembles_none_is_just_unknown() -> None:
         ({"schema": 1, "robots": {"poses": [[0.0, "a", 0.0]]}}, "robots.poses.0.1", "'a'"),
     ],
 )
-def test_a_broken_rule_is_one_line_with_field_and_value(
-    tables: dict[str, Any], field: str, value: str
-) -> None:
+def test_a_broken_rule_is_one_line_with_field_and_value(tables: dict[str, Any], field: str, value: str) -> None:
     message = refusal(tables)
     assert message.startswith("here: ")
     assert "\n" not in message

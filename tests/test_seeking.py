@@ -138,9 +138,7 @@ def test_under_the_printed_law_a_disagreement_freezes_at_a_third() -> None:
     ("law", "eigenvalues"),
     [("paper", [0.0, -12.0]), ("consensus", [-6.0 + 5.2915j, -6.0 - 5.2915j])],
 )
-def test_a_disagreement_follows_the_matrix_exponential_of_its_law(
-    law: str, eigenvalues: list[complex]
-) -> None:
+def test_a_disagreement_follows_the_matrix_exponential_of_its_law(law: str, eigenvalues: list[complex]) -> None:
     # d' = e - 2 kappa d, e' = beta_l (-e -+ 2 kappa d): the difference of two links' (18)
     sign = -1.0 if law == "paper" else 1.0
     matrix = np.array([[-2 * KAPPA, 1.0], [-sign * LOW_PASS * 2 * KAPPA, -LOW_PASS]])
@@ -184,8 +182,6 @@ def test_advancing_leaves_the_state_before_alone() -> None:
     assert not np.array_equal(after, kept)
 
 
-@pytest.mark.parametrize(
-    ("dt", "steps"), [(0.02, 2), (0.05, 5), (0.01, 1), (0.003, 1), (0.021, 3), (0.03, 3)]
-)
+@pytest.mark.parametrize(("dt", "steps"), [(0.02, 2), (0.05, 5), (0.01, 1), (0.003, 1), (0.021, 3), (0.03, 3)])
 def test_a_tick_is_cut_into_equal_steps_no_longer_than_the_sub_step(dt: float, steps: int) -> None:
     assert replace(seeker(), dt=dt).sub_steps == steps

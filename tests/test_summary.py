@@ -82,9 +82,7 @@ def test_a_run_without_links_has_null_where_there_is_no_number(tmp_path: Path) -
     assert (found["algebraic_connectivity"], found["beacons_sent"], found["beacons_decoded"]) == (0.0, 0, 0)
 
 
-@pytest.mark.parametrize(
-    ("name", "seconds"), [("paper.toml", 2), ("paper.toml", 0.1), ("neighborhood.toml", 3)]
-)
+@pytest.mark.parametrize(("name", "seconds"), [("paper.toml", 2), ("paper.toml", 0.1), ("neighborhood.toml", 3)])
 def test_the_edges_are_those_of_the_last_tick_with_their_separations_and_both_estimates(
     name: str, seconds: float
 ) -> None:
@@ -148,9 +146,7 @@ def test_the_summary_is_whole_before_it_takes_the_old_ones_place(
     replace, seen = os.replace, []
 
     def watched(source: Path, target: Path) -> None:
-        seen.append(
-            (Path(target), json.loads(Path(source).read_text()), json.loads(Path(target).read_text()))
-        )
+        seen.append((Path(target), json.loads(Path(source).read_text()), json.loads(Path(target).read_text())))
         replace(source, target)
 
     monkeypatch.setattr(os, "replace", watched)
@@ -159,9 +155,7 @@ def test_the_summary_is_whole_before_it_takes_the_old_ones_place(
     assert [path.name for path in tmp_path.iterdir()] == ["summary.json"]
 
 
-def test_a_summary_that_cannot_be_written_leaves_the_old_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_summary_that_cannot_be_written_leaves_the_old_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     summary.write(tmp_path, {"run": "old"})
     with pytest.raises(TypeError):
         summary.write(tmp_path, {"run": object()})

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import integrate, linalg, optimize, sparse, stats  # type: ignore[import-untyped]
+from scipy import integrate, linalg, optimize, sparse, stats
 
 OPTIMUM_50 = 68.113761
 """r* [m] of the paper's channel at r_min = 50 (science.md, section 1)."""
@@ -40,9 +40,7 @@ def complex_step(f: Callable[[complex], complex], at: float) -> float:
     return f(complex(at, step)).imag / step
 
 
-def flow(
-    rate: Rate, state: Sequence[float], begin: float, end: float, rtol: float = 1e-11
-) -> NDArray[np.float64]:
+def flow(rate: Rate, state: Sequence[float], begin: float, end: float, rtol: float = 1e-11) -> NDArray[np.float64]:
     """The state at `end` of state' = rate(t, state), by an eighth-order method of variable step."""
     solution = integrate.solve_ivp(
         lambda t, x: rate(t, x.tolist()), (begin, end), list(state), "DOP853", rtol=rtol, atol=1e-12

@@ -56,7 +56,8 @@ class Draws:
             self.edges, self.first = edges, tick - tick % count
             receivers = edges.ids[edges.rows]
             self.numbers = draws.uniform_ticks(self.key, self.first, count, edges.peers, receivers)
-        return self.numbers[tick - self.first]
+        numbers: Floats = self.numbers[tick - self.first]
+        return numbers
 
 
 def quiet(edges: Edges) -> Radio:

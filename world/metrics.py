@@ -60,7 +60,13 @@ class Tally:
     _links: Graph = field(default_factory=Graph)
 
     def add(
-        self, poses: Floats, twists: Floats, near: Proximity, open_contacts: bool, links: Edges, estimates: Floats
+        self,
+        poses: Floats,
+        twists: Floats,
+        near: Proximity,
+        open_contacts: bool,
+        links: Edges,
+        estimates: Floats,
     ) -> None:
         """One tick: true poses [n, 3] and twists [n, 2], who is in range, and what robots say they use."""
         self._digest(poses, twists)

@@ -18,7 +18,7 @@ async def serve(flags: argparse.Namespace, scenario: Scenario) -> int:
     """One world process, from start to exit code."""
     run = keys.check_run(flags.run)
     async with bus.opened(process.world_endpoints(flags)) as opened:
-        server = Server(opened, scenario, Path(flags.scenario).stem, run, flags.rtf)
+        server = Server(opened, scenario, flags.name or Path(flags.scenario).stem, run, flags.rtf)
         try:
             await server.gather()
             await server.run()
@@ -36,6 +36,7 @@ def main() -> None:
     """Entry point of fes-world."""
     parser = process.OneLineParser(prog="fes-world", description="Ground truth and radio channel of a run.")
     parser.add_argument("scenario", metavar="SCENARIO", help="a scenario file, such as configs/paper.toml")
+    parser.add_argument("--name", help="name of the scenario in the summary (default: that of its file)")
     add_scenario_flags(parser)
     parser.add_argument("--rtf", type=real_time_factor, metavar="max|X", help="pace: simulated s per s")
     parser.add_argument("--out", type=Path, metavar="DIR", help="where to write scenario.toml and summary.json")
@@ -44,6 +45,7 @@ def main() -> None:
     try:
         scenario = load(Path(flags.scenario), overrides(flags))
         if flags.out is not None:
+            flags.out.mkdir(parents=True, exist_ok=True)
             summary.write_scenario(flags.out, scenario)
     except (FesError, OSError) as error:
         parser.error(str(error))

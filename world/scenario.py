@@ -125,10 +125,12 @@ def parse_override(text: str) -> tuple[str, Any]:
     if not equals or not dotted.strip():
         raise ScenarioError("--set", f"expects table.field=value, got '{text}'")
     try:
-        value = tomllib.loads(f"value = {raw}")["value"]
+        parsed = tomllib.loads(f"value = {raw}")
     except tomllib.TOMLDecodeError:
-        value = raw
-    return dotted.strip(), value
+        parsed = {"value": raw}
+    if parsed.keys() != {"value"}:
+        raise ScenarioError("--set", f"expects one value, got '{raw}'")
+    return dotted.strip(), parsed["value"]
 
 
 def agent_config(scenario: Scenario) -> AgentConfig:

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from fes import keys, messages
+from fes import keys, messages, wire
 from fes.arrays import Floats
 from fes.bus import Bus
 from fes.complaints import Complaints
-from fes.edges import Edges, Stack, no_edges
+from fes.edges import Stack, no_edges
 from fes.errors import Absent, MessageError
 from fes.inbox import Inbox
 from fes.messages import Command, Observation
@@ -71,9 +71,7 @@ class Server:
             twists = self._tell_apart(await self._barrier(sent))
             before = self._state
             self._state = simulation.step(self._world, before, twists)
-            self._tally.add(
-                before.poses, twists, before.proximity, before.sent > 0, self._links, self._estimates
-            )
+            self._tally.add(before.poses, twists, before.proximity, before.sent > 0, self._links, self._estimates)
             self._final = before
             if time.perf_counter() - self._told_at >= reporting.PERIOD:
                 self._tell()
@@ -101,16 +99,13 @@ class Server:
             self._tell()
         nothing = np.zeros(0, dtype=np.int64)
         for robot, (put, pose) in enumerate(zip(self._observe, self._state.poses.tolist(), strict=True)):
-            farewell = Observation(
-                self._state.tick, robot, tuple(pose), nothing, nothing.astype(np.uint8), over=True
-            )
+            farewell = Observation(self._state.tick, robot, tuple(pose), nothing, nothing.astype(np.uint8), over=True)
             put(messages.encode_observation(farewell))
 
     def _on_loss(self, robot: int) -> None:
         self._inbox.fail(
             Absent(
-                f"robot {robot} left at tick {self._state.tick}: "
-                "its agent died, was stopped or lost its connection"
+                f"robot {robot} left at tick {self._state.tick}: its agent died, was stopped or lost its connection"
             )
         )
 
@@ -145,9 +140,7 @@ class Server:
             if not enough and missing:
                 silent = [robot for robot, answer in enumerate(answers) if answer is None]
                 if time.monotonic() > deadline:
-                    raise Absent(
-                        f"robot {silent[0]} did not answer tick {self._state.tick} for {ANSWER_TIMEOUT:g} s"
-                    )
+                    raise Absent(f"robot {silent[0]} did not answer tick {self._state.tick} for {ANSWER_TIMEOUT:g} s")
                 for robot in silent:
                     self._observe[robot](sent[robot])
         return [answer for answer in answers if answer is not None]
@@ -172,7 +165,7 @@ class Server:
 
     def _tell_apart(self, commands: list[Command]) -> Floats:
         """The twists [n, 2] in the commands; the telemetry beside them is kept for the tally and the report."""
-        self._links: Edges = self._stack.edges(self._world.ids, [command.links for command in commands])
+        self._links = self._stack.edges(self._world.ids, [command.links for command in commands])
         self._estimates = np.concatenate([command.estimates for command in commands])
         return np.array([command.twist for command in commands])
 
@@ -191,7 +184,9 @@ class Server:
             now - self._begun,
             rate,
         )
-        self._report(encode_report(report))
+        payload = encode_report(report)
+        if len(payload) <= wire.MAX_PAYLOAD:  # beyond, at about 8,000 robots, there is nothing to watch
+            self._report(payload)
 
     async def _pace(self) -> None:
         """With a real-time factor, wait until this tick is due. Falling behind slows time; no tick is skipped."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from fes import draws
 from fes.arrays import Floats, Ints
-from fes.sensing import Observations
+from fes.sensing import DECODED, Observations
 from world import channel, kinematics, proximity
 from world.channel import Draws, Radio
 from world.proximity import Proximity
@@ -64,7 +64,7 @@ def step(world: World, state: State, twists: Floats) -> State:
         proximity=near,
         radio=radio,
         sent=state.sent + int(np.count_nonzero(radio.reception)),
-        decoded=state.decoded + int(np.count_nonzero(radio.reception == channel.DECODED)),
+        decoded=state.decoded + int(np.count_nonzero(radio.reception == DECODED)),
     )
 
 

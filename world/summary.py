@@ -17,7 +17,14 @@ from world.simulation import State
 
 
 def summarize(
-    scenario: Scenario, name: str, backend: str, tally: Tally, final: State, links: Edges, estimates: Floats, wall: float
+    scenario: Scenario,
+    name: str,
+    backend: str,
+    tally: Tally,
+    final: State,
+    links: Edges,
+    estimates: Floats,
+    wall: float,
 ) -> dict[str, Any]:
     """The summary of a run; `final` is its last tick, `links` and `estimates` what the robots used at it."""
     n, optimal = scenario.robots.number, tally.optimal
@@ -74,7 +81,7 @@ def _edges(links: Edges, separation: Floats, estimates: Floats) -> list[list[flo
         i, j, other = int(links.rows[at]), int(links.peers[at]), int(links.reverse[at])
         mine, theirs = float(estimates[at]), float(estimates[other]) if other >= 0 else None
         rows.append([i, j, length, mine, theirs] if i < j else [j, i, length, theirs, mine])
-    return sorted(rows, key=lambda row: row[:2])  # type: ignore[arg-type, return-value]
+    return sorted(rows, key=lambda row: row[:2])
 
 
 def _largest(errors: Floats) -> float | None:

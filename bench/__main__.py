@@ -1,0 +1,8 @@
+"""All benchmarks, one after the other: `python -m bench`."""
+
+from bench import compute, lockstep, startup
+
+if __name__ == "__main__":
+    compute.main()
+    startup.main()
+    lockstep.main()

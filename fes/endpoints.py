@@ -1,0 +1,64 @@
+"""How a process takes part in the network: endpoints, and the settings of its Zenoh session."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from fes.errors import FesError
+
+DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
+
+MAX_MESSAGE = 1 << 20
+"""Bytes; larger messages are dropped by the transport."""
+
+Mode = Literal["router", "client", "peer"]
+
+
+@dataclass(frozen=True)
+class Endpoints:
+    """How a process takes part in the network; Zenoh's own flags."""
+
+    mode: Mode
+    connect: tuple[str, ...] = ()
+    listen: tuple[str, ...] = ()
+    config_file: Path | None = None
+    settings: tuple[str, ...] = ()
+    """KEY:VALUE pairs, the value in JSON5."""
+    timeout: float = 10.0
+    """How long to try to connect [s]."""
+
+    @property
+    def shown(self) -> str:
+        """The endpoints as a person reads them."""
+        return ", ".join(self.connect or self.listen) or "no endpoint"
+
+    def house_rules(self) -> dict[str, object]:
+        """The session's settings, by Zenoh's key: the lockstep relies on them."""
+        retry = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5}
+        return {
+            "mode": self.mode,
+            "scouting/multicast/enabled": False,
+            "scouting/gossip/enabled": False,
+            "scouting/delay": 0,
+            "listen/endpoints": list(self.listen),
+            "connect/endpoints": list(self.connect),
+            "connect/timeout_ms": round(1000 * self.timeout),
+            "connect/retry": retry,
+            "listen/timeout_ms": 0,
+            # Shared memory goes around the size limit below, and may drop without a word.
+            "transport/shared_memory/enabled": False,
+            "transport/link/tx/lease": 2000,
+            # The default lets one put wait 5 s for a link that is cut.
+            "transport/link/tx/queue/congestion_control/block/wait_before_close": 500_000,
+            "transport/link/rx/max_message_size": MAX_MESSAGE,
+            "transport/unicast/open_timeout": 2000,
+            "transport/unicast/accept_timeout": 2000,
+        }
+
+    def own_settings(self) -> list[tuple[str, str]]:
+        """The person's settings, as key and JSON5 value; raises FesError for one without a colon."""
+        pairs = [setting.partition(":") for setting in self.settings]
+        for key, colon, _ in pairs:
+            if not colon:
+                raise FesError(f"--cfg expects KEY:VALUE, got '{key}'")
+        return [(key, text) for key, _, text in pairs]

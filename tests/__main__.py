@@ -1,0 +1,29 @@
+"""The one check command, `python -m tests`: style, types, then every test. Further arguments go to pytest."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+
+CHECKS = (
+    ["ruff", "check", "."],
+    ["ruff", "format", "--check", "."],
+    ["mypy"],
+    ["pytest", *sys.argv[1:]],
+)
+
+
+def main() -> int:
+    """Run all checks, also after one failed; returns 1 if any did."""
+    failed = []
+    for name, *words in CHECKS:
+        print(f"== {name} {' '.join(words)}", flush=True)
+        if subprocess.run([sys.executable, "-m", name, *words], cwd=ROOT, check=False).returncode != 0:
+            failed.append(name)
+    print(f"failed: {', '.join(failed)}" if failed else "all checks passed", flush=True)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
