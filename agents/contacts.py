@@ -73,7 +73,7 @@ def update(contacts: Contacts, observations: Observations, own: Floats, beacons:
     decoded = (observations.reception == DECODED) & lookup.present
     heard, x, y = contacts.heard, contacts.x, contacts.y
     estimates, names_us = contacts.estimates, contacts.names_us
-    if decoded.any():
+    if np.count_nonzero(decoded):
         linked = lookup.link >= 0
         heard = np.where(decoded, beacons.tick, heard)
         x = np.where(decoded, beacons.poses[:, geometry.X].take(lookup.sender), x)
@@ -113,7 +113,7 @@ def _carry(contacts: Contacts, edges: Edges) -> Contacts:
     blank = _blank(edges)
     if len(contacts.edges) == 0:
         return blank
-    at = contacts.edges.find(edges.keys)
+    at = edges.places_in(contacts.edges)
     stays = at >= 0
     return replace(
         blank,

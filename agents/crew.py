@@ -11,7 +11,7 @@ import numpy as np
 
 from agents import contacts, formation, neighbors, seeking
 from agents.contacts import Contacts
-from agents.neighbors import Triples
+from agents.neighbors import Witnesses
 from agents.seeking import Index, Seeker
 from fes import geometry
 from fes.arrays import Bools, Floats, Ints
@@ -56,7 +56,7 @@ class State:
     poses: Floats
     """Own poses at the previous tick [n, 3]."""
     contacts: Contacts
-    triples: Triples
+    witnesses: Witnesses
     links: Links
     linked_since: Ints
     """Tick of each robot's first link [n]; a large number before."""
@@ -73,7 +73,7 @@ def start(crew: Crew) -> State:
     nobody = contacts.nobody(crew.ids)
     links = Links(nobody.known, np.zeros(0, dtype=np.int64), no_edges(crew.ids), np.zeros((3, 0)))
     never = np.full(len(crew.ids), np.iinfo(np.int64).max // 2)
-    return State(np.zeros((len(crew.ids), 3)), nobody, Triples(nobody.edges), links, never)
+    return State(np.zeros((len(crew.ids), 3)), nobody, Witnesses(nobody.edges), links, never)
 
 
 def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -> tuple[State, Beacons, Floats]:
@@ -85,10 +85,12 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
 
     # Who is heard, and where
     known = contacts.update(state.contacts, observations, state.poses, heard, crew.contact_timeout)
-    triples = state.triples if state.triples.edges is known.edges else Triples(known.edges)
+    witnesses = state.witnesses
+    if witnesses.edges is not known.edges:
+        witnesses = Witnesses(known.edges, witnesses)
 
     # Who is a neighbor
-    named = neighbors.RULES[config.formation.rule](known, triples)
+    named = neighbors.RULES[config.formation.rule](known, witnesses)
     links, since = _relink(crew, state, tick, known, named | (known.names_us & known.known))
 
     # Where to go
@@ -103,13 +105,13 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
     peers = seeking.extrapolate(crew.seeker, links.state, known.estimates.take(links.contact), age)
     sought = seeking.advance(crew.seeker, tick, links.state, peers)
     links = Links(links.among, links.contact, links.edges, sought)
-    return State(observations.poses, known, triples, links, since), beacons, twists
+    return State(observations.poses, known, witnesses, links, since), beacons, twists
 
 
 def _relink(crew: Crew, state: State, tick: int, known: Contacts, among: Bools) -> tuple[Links, Ints]:
     """The links among the contacts `among` [m] now, and since when each robot has any [n]."""
     old = state.links
-    if known.edges is state.contacts.edges and np.array_equal(among, old.among):
+    if known.edges is state.contacts.edges and among.tobytes() == old.among.tobytes():
         return old, state.linked_since
     edges = known.edges.select(among)
     since = np.where(edges.counts > 0, np.minimum(state.linked_since, tick), state.linked_since)
@@ -124,13 +126,15 @@ def _bearing(known: Contacts, at: Ints) -> Floats:
     The paper needs psi_ji = pi + psi_ij even where two robots coincide: there the lower id looks along +x.
     """
     size = known.separation.take(at)
-    bearing = np.stack([known.dx.take(at), known.dy.take(at)])
-    apart = size > 0.0
-    if not apart.all():
-        edges = known.edges
+    bearing = np.empty((2, len(at)))
+    known.dx.take(at, out=bearing[0], mode="clip")
+    known.dy.take(at, out=bearing[1], mode="clip")
+    if np.count_nonzero(size) < len(size):
+        apart, edges = size > 0.0, known.edges
         bearing[0] = np.where(apart, bearing[0], np.sign(edges.peers - edges.ids[edges.rows]).take(at))
         size = np.where(apart, size, 1.0)
-    return bearing / size
+    bearing /= size
+    return bearing
 
 
 def _index(config: AgentConfig) -> Index:

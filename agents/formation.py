@@ -17,8 +17,10 @@ def weights(links: Edges, separation_error: Floats) -> Floats:
     """
     if len(links) == 0:
         return np.zeros(0)
-    others = np.maximum(links.counts - 1, 1).take(links.rows)
-    return np.where(links.first_largest(np.abs(separation_error)), 0.5, 0.5 / others)
+    size = np.abs(separation_error)
+    result = 0.5 / np.maximum(links.counts - 1, 1).take(links.rows)
+    result[links.first_smallest(np.negative(size, out=size))] = 0.5
+    return result
 
 
 def pull(links: Edges, separation_error: Floats, bearing: Floats) -> Floats:
@@ -28,7 +30,10 @@ def pull(links: Edges, separation_error: Floats, bearing: Floats) -> Floats:
     across the heading: v = mu g.h, omega = mu' h x g.
     """
     force = weights(links, separation_error) * separation_error
-    return np.stack([links.sum(force * bearing[0]), links.sum(force * bearing[1])], axis=1)
+    total = np.empty((len(links.ids), 2))
+    total[:, 0] = links.sum(force * bearing[0])
+    total[:, 1] = links.sum(force * bearing[1])
+    return total
 
 
 def twist(pull_: Floats, heading: Floats, dt: float, config: FormationConfig) -> Floats:

@@ -4,91 +4,93 @@ Ties break by robot id: pairs are ordered by peer id, and the first of equals is
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from agents.contacts import Contacts
 from fes import geometry
-from fes.arrays import Bools, Ints
+from fes.arrays import Bools, Floats, Ints
 from fes.edges import Edges
 
+FEW = 4096
+"""Up to this many (robot, peer, witness) all are looked at in every tick: it is cheaper than choosing among them."""
 
-@dataclass(frozen=True, eq=False)
-class Triples:
-    """All (robot, peer, witness) with peer and witness two different contacts of the robot.
 
-    It changes only with the set of contacts, so a crew keeps it between ticks.
+class Witnesses:
+    """Third robots that may exclude a pair, for one set of contacts.
+
+    A cache: it changes what is computed, never what is found. For few contacts it holds all triples. For many
+    it remembers which robot excluded each pair last; most of them still do in the next tick.
     """
 
-    edges: Edges
+    def __init__(self, edges: Edges, before: "Witnesses | None" = None) -> None:
+        self.edges = edges
+        self.all: tuple[Ints, Ints] | None = None
+        self.last: Ints = np.full(len(edges), -1, dtype=np.int64)
+        if int(np.square(edges.counts).sum()) <= FEW:
+            self.all = self.of(np.arange(len(edges)))
+        elif before is not None and len(before.edges):
+            self._carry(before)
 
-    @cached_property
-    def pair(self) -> Ints:
-        """Position of (robot, peer), ascending [t]."""
-        return self._both[0]
+    def of(self, pairs: Ints) -> tuple[Ints, Ints]:
+        """Positions of (robot, peer) and of (robot, witness) for all contacts of the robots of `pairs` [t]."""
+        rows = self.edges.rows[pairs]
+        counts = self.edges.counts[rows]
+        first = (np.cumsum(self.edges.counts) - self.edges.counts)[rows]
+        offset = np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)
+        return np.repeat(pairs, counts), np.repeat(first, counts) + offset
 
-    @cached_property
-    def witness(self) -> Ints:
-        """Position of (robot, witness) [t]."""
-        return self._both[1]
-
-    @cached_property
-    def starts(self) -> Ints:
-        """First triple of each pair that has any [m]."""
-        others = (self.edges.counts - 1)[self.edges.rows]
-        return np.cumsum(others) - others
-
-    @cached_property
-    def _both(self) -> tuple[Ints, Ints]:
-        counts = self.edges.counts
-        first = np.cumsum(counts) - counts
-        pairs, witnesses = [], []
-        for begin, count in zip(first.tolist(), counts.tolist(), strict=True):
-            pair, witness = np.divmod(np.arange(count * count), max(count, 1))
-            other = pair != witness
-            pairs.append(begin + pair[other])
-            witnesses.append(begin + witness[other])
-        return np.concatenate(pairs), np.concatenate(witnesses)
+    def _carry(self, before: "Witnesses") -> None:
+        at = self.edges.places_in(before.edges)
+        old = np.where(at >= 0, before.last[at], -1)
+        self.last = np.where(old >= 0, self.edges.find(before.edges.keys[old]), -1)
 
 
-def disk(contacts: Contacts, triples: Triples) -> Bools:
+def disk(contacts: Contacts, witnesses: Witnesses) -> Bools:
     """Every contact is a neighbor: the disk graph, [S]_ij of (2) with r_ij <= r_x [m]."""
     return contacts.known
 
 
-def two_nearest(contacts: Contacts, triples: Triples) -> Bools:
+def two_nearest(contacts: Contacts, witnesses: Witnesses) -> Bools:
     """The two nearest contacts (the paper's footnote 2); an edge stands if either end chose it [m]."""
-    remaining = np.where(contacts.known, -contacts.separation, -np.inf)
-    first = contacts.edges.first_largest(remaining)
-    second = contacts.edges.first_largest(np.where(first, -np.inf, remaining))
-    return (first | second) & contacts.known
+    chosen = np.zeros(len(contacts.edges), dtype=np.bool_)
+    chosen[contacts.edges.smallest(np.where(contacts.known, contacts.separation, np.inf), 2)] = True
+    chosen &= contacts.known
+    return chosen
 
 
-def relative_neighborhood(contacts: Contacts, triples: Triples) -> Bools:
+def relative_neighborhood(contacts: Contacts, witnesses: Witnesses) -> Bools:
     """The contacts to which no third robot is closer from both ends [m].
 
     Edge i-j stands iff there is no k with max(d_ik, d_jk) < d_ij. Such a k is in range of both i and j, so
     both find the same answer from what they hear.
     """
     known = contacts.known
-    if len(triples.pair) == 0:
-        return known
-    pair, witness = triples.pair, triples.witness
-    far = np.where(known, contacts.separation, np.inf)
-    d_ij = contacts.separation.take(pair)
-    d_ik = far.take(witness)
-    d_jk = geometry.separation(
+    reach = np.where(known, contacts.separation, np.inf)
+    if witnesses.all is not None:
+        pair, witness = witnesses.all
+        excluded = np.bincount(pair, _excludes(contacts, reach, pair, witness), minlength=len(known))
+        return np.logical_and(known, excluded == 0.0)
+    last = witnesses.last
+    remembered = np.flatnonzero(last >= 0)
+    still = _excludes(contacts, reach, remembered, last[remembered])
+    last[remembered[~still]] = -1
+    suspects = np.flatnonzero(known & (last < 0))
+    pair, witness = witnesses.of(suspects)
+    found = np.flatnonzero(_excludes(contacts, reach, pair, witness))
+    last[pair[found]] = witness[found]
+    return np.logical_and(known, last < 0)
+
+
+def _excludes(contacts: Contacts, reach: Floats, pair: Ints, witness: Ints) -> Bools:
+    """Whether max(d_ik, d_jk) < d_ij, for positions of (i, j) and of (i, k) [t]; never for k = j."""
+    across = geometry.separation(
         contacts.x.take(witness) - contacts.x.take(pair), contacts.y.take(witness) - contacts.y.take(pair)
     )
-    excluded = np.maximum(d_ik, d_jk) < d_ij
-    count = np.bincount(pair, excluded, minlength=len(known))
-    chosen: Bools = known & (count == 0)
-    return chosen
+    return np.less(np.maximum(reach.take(witness), across), contacts.separation.take(pair))
 
 
-Rule = Callable[[Contacts, Triples], Bools]
+Rule = Callable[[Contacts, Witnesses], Bools]
 
 RULES: dict[str, Rule] = {
     "disk": disk,

@@ -42,7 +42,7 @@ class Seeker:
     dt: float
     """Tick length [s]."""
 
-    @property
+    @cached_property
     def sub_steps(self) -> int:
         """Steps of the integration a tick."""
         return max(1, math.ceil(self.dt / self.config.sub_step - 1e-9))
@@ -92,7 +92,7 @@ def relink(seeker: Seeker, seed: int, tick: int, old: Edges, state: Floats, new:
     A link that is new begins with its robot's own mean estimate; where the robot is `fresh` [n] (or has no
     estimate yet), with a seeded draw.
     """
-    at = old.find(new.keys)
+    at = new.places_in(old)
     stays = at >= 0
     result = np.empty((3, len(new)))
     if stays.any():
@@ -129,7 +129,7 @@ def advance(seeker: Seeker, tick: int, state: Floats, heard: Floats) -> Floats:
     if state.shape[1] == 0:
         return state
     coupled = np.isfinite(heard)
-    if coupled.all():
+    if np.count_nonzero(coupled) == len(coupled):
         return _integrate(seeker, tick, state, heard, seeker.coupled)
     alone = _integrate(seeker, tick, state, np.zeros_like(heard), seeker.alone)
     if not coupled.any():
@@ -141,10 +141,13 @@ def advance(seeker: Seeker, tick: int, state: Floats, heard: Floats) -> Floats:
 def _integrate(seeker: Seeker, tick: int, state: Floats, peer: Floats, linear: Step) -> Floats:
     """State [3, l] one tick later, by collocation; see `agents.collocation`."""
     n = collocation.NODES
+    start = np.empty((3, len(peer)))
+    start[2] = peer
     for step in range(seeker.sub_steps):
         wave = dither(seeker, (tick + step / seeker.sub_steps) * seeker.dt + linear.nodes)[:, None]
         held = linear.washout_start * state[BASELINE]
-        drift = np.add.reduce(linear.path_start * np.stack([state[ESTIMATE], state[DRIFT], peer]), axis=1)
+        start[:2] = state[:2]
+        drift = np.add.reduce(linear.path_start * start, axis=1)
         path = drift
         for _ in range(SWEEPS):
             sample = _sample(seeker, path[:n] + wave)
@@ -154,7 +157,9 @@ def _integrate(seeker: Seeker, tick: int, state: Floats, peer: Floats, linear: S
             sample *= wave
             path = np.add.reduce(linear.path_input * sample, axis=1)
             path += drift
-        state = np.stack([path[n], path[n + 1], baseline[n]])
+        state = np.empty((3, len(peer)))
+        state[:2] = path[n:]
+        state[BASELINE] = baseline[n]
     return state
 
 

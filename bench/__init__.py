@@ -2,6 +2,7 @@
 
 bare        the lockstep's message pattern on bare Zenoh, computing nothing: what the wire alone costs
 lockstep    fes against bare, in turn
+robot       what one robot's process computes in a tick, and what the world's does
 compute     crew.step, in-process rates, cost per robot-tick from 10 to 10,000 robots
 startup     time and memory until an agent is ready
 """

@@ -2,7 +2,9 @@
 
 World to each robot an observation, robot to its peers a beacon, robot to the world a command; the world's next
 tick follows the last command. Payloads have the sizes of the real ones, and are not looked at.
-Run as `python -m bench.bare world N TICKS ENDPOINT SIZE` and `python -m bench.bare agent I N ENDPOINT SIZE PEER...`.
+With WORK [s], agents (and the world) spin for that long each tick before they answer.
+
+Run as `python -m bench.bare world N TICKS ENDPOINT SIZE WORK` and `python -m bench.bare agent I ENDPOINT SIZE WORK PEER...`.
 """
 
 import asyncio
@@ -42,7 +44,14 @@ def publisher(session: zenoh.Session, key: str) -> zenoh.Publisher:
     return session.declare_publisher(key, congestion_control=zenoh.CongestionControl.BLOCK, express=False)
 
 
-async def world(n: int, ticks: int, endpoint: str, size: int) -> float:
+def spin(seconds: float) -> None:
+    """Keep the processor busy, without touching memory."""
+    end = time.perf_counter() + seconds
+    while time.perf_counter() < end:
+        pass
+
+
+async def world(n: int, ticks: int, endpoint: str, size: int, work: float) -> float:
     """Ticks per second over `ticks` ticks with `n` agents."""
     loop = asyncio.get_running_loop()
     arrived: list[bytes] = []
@@ -62,10 +71,12 @@ async def world(n: int, ticks: int, endpoint: str, size: int) -> float:
         puts = [publisher(session, f"bare/{robot}/observation").put for robot in range(n)]
         while len(arrived) < n:  # each agent puts one command when it is ready
             await asyncio.sleep(0.01)
+        await asyncio.sleep(0.1)  # the wake-up of the last of them is over
         payload = bytes(size)
         begun = time.perf_counter()
         for _ in range(ticks):
             arrived.clear()
+            spin(work)
             barrier = loop.create_future()
             for put in puts:
                 put(payload)
@@ -77,7 +88,7 @@ async def world(n: int, ticks: int, endpoint: str, size: int) -> float:
     return rate
 
 
-async def agent(robot: int, endpoint: str, size: int, peers: list[int]) -> None:
+async def agent(robot: int, endpoint: str, size: int, work: float, peers: list[int]) -> None:
     """One robot that answers every observation until an empty one comes."""
     loop = asyncio.get_running_loop()
     heard: list[bytes] = []
@@ -109,6 +120,7 @@ async def agent(robot: int, endpoint: str, size: int, peers: list[int]) -> None:
         while await tick:
             tick = loop.create_future()
             heard.clear()
+            spin(work)
             beacon(payload)
             command(payload)
         for subscriber in subscribers:
@@ -119,11 +131,11 @@ def main() -> None:
     """One of the two roles."""
     role, *words = sys.argv[1:]
     if role == "world":
-        n, ticks, endpoint, size = words
-        print(asyncio.run(world(int(n), int(ticks), endpoint, int(size))), flush=True)
+        n, ticks, endpoint, size, work = words
+        print(asyncio.run(world(int(n), int(ticks), endpoint, int(size), float(work))), flush=True)
     else:
-        robot, endpoint, size, *peers = words
-        asyncio.run(agent(int(robot), endpoint, int(size), [int(peer) for peer in peers]))
+        robot, endpoint, size, work, *peers = words
+        asyncio.run(agent(int(robot), endpoint, int(size), float(work), [int(peer) for peer in peers]))
     os._exit(0)
 
 

@@ -1,7 +1,6 @@
 """fes against the bare message pattern, in turn, on the same machine in the same minute."""
 
 import json
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -10,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from bench import robot
 from console.launcher import free_port
 from world import simulation
 from world.scenario import load
@@ -19,26 +19,26 @@ PAYLOAD = 110  # bytes; a beacon of a robot with three links has 104, an observa
 BUDGET = 0.6
 
 
-def bare(n: int, ticks: int, peers: list[list[int]]) -> float:
-    """Ticks per second of the bare pattern."""
+def bare(n: int, ticks: int, peers: list[list[int]], agent: float = 0.0, world: float = 0.0) -> float:
+    """Ticks per second of the bare pattern, if agents and world spin for so long [s] each tick."""
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     module = [sys.executable, "-m", "bench.bare"]
-    world = subprocess.Popen(
-        [*module, "world", str(n), str(ticks), endpoint, str(PAYLOAD)], stdout=subprocess.PIPE, text=True
+    hub = subprocess.Popen(
+        [*module, "world", str(n), str(ticks), endpoint, str(PAYLOAD), str(world)], stdout=subprocess.PIPE, text=True
     )
     agents = [
-        subprocess.Popen([*module, "agent", str(robot), endpoint, str(PAYLOAD), *map(str, peers[robot])])
+        subprocess.Popen([*module, "agent", str(robot), endpoint, str(PAYLOAD), str(agent), *map(str, peers[robot])])
         for robot in range(n)
     ]
     try:
-        said, _ = world.communicate(timeout=120)
-        for agent in agents:
-            agent.wait(timeout=20)
+        said, _ = hub.communicate(timeout=120)
+        for child in agents:
+            child.wait(timeout=20)
     finally:
-        children: list[subprocess.Popen[Any]] = [world, *agents]
-        for child in children:
-            if child.poll() is None:
-                child.kill()
+        children: list[subprocess.Popen[Any]] = [hub, *agents]
+        for process in children:
+            if process.poll() is None:
+                process.kill()
     return float(said)
 
 
@@ -69,14 +69,22 @@ def main() -> None:
     peers = in_range(scenario)
     n, duration = len(peers), 60.0
     ticks = round(duration / 0.02)
+    costs = robot.measure(scenario)
     rates = []
-    print(f"lockstep, {n} robots in {n} processes, {np.mean([len(p) for p in peers]):.1f} peers in range each")
+    print(
+        f"lockstep, {n} robots in {n} processes, {np.mean([len(p) for p in peers]):.1f} peers in range each [ticks/s]"
+    )
+    print("  bare: the messages alone; busy: the same, spinning for as long as fes computes when it is warm")
     for _ in range(ROUNDS):
-        pair = bare(n, ticks, peers), fes(scenario, duration)
-        rates.append(pair)
-        print(f"  bare {pair[0]:7.0f} ticks/s    fes {pair[1]:7.0f} ticks/s    ratio {pair[1] / pair[0]:.2f}")
-    ratio = statistics.median(ours / theirs for theirs, ours in rates)
-    print(f"  median ratio {ratio:.2f}    budget >= {BUDGET} (paper.toml, with sub-steps)")
+        alone, busy = bare(n, ticks, peers), bare(n, ticks, peers, costs.robot, costs.world_tick)
+        ours = fes(scenario, duration)
+        rates.append((ours / alone, ours / busy))
+        print(
+            f"  bare {alone:6.0f}    busy {busy:6.0f}    fes {ours:6.0f}    "
+            f"fes/bare {ours / alone:.2f}    fes/busy {ours / busy:.2f}"
+        )
+    to_bare, to_busy = np.median(rates, axis=0)
+    print(f"  median fes/bare {to_bare:.2f} (budget >= {BUDGET}, paper.toml, with sub-steps), fes/busy {to_busy:.2f}")
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ pairs is taken strictly in that order (`numpy.bincount` adds one by one), so a r
 depend on who else shares its process.
 """
 
+import weakref
 from dataclasses import dataclass
 from functools import cached_property
 from operator import is_ as _is
@@ -91,27 +92,50 @@ class Edges:
         at = np.minimum(np.searchsorted(self.keys, keys), len(self) - 1)
         return np.where(self.keys[at] == keys, at, -1)
 
+    def places_in(self, other: "Edges") -> Ints:
+        """Position in `other` of each pair that stands here, or -1 [m]; the answer is kept for the next asker."""
+        kept = self.__dict__.get("places")
+        if kept is None or kept[0]() is not other:
+            kept = self.__dict__["places"] = (weakref.ref(other), other.find(self.keys))
+        places: Ints = kept[1]
+        return places
+
     def sum(self, values: Floats) -> Floats:
         """Sum of `values` [m] over each robot's pairs, in their order [n]."""
         return np.bincount(self.rows, values, minlength=len(self.ids)).astype(np.float64, copy=False)
 
-    def first_largest(self, values: Floats) -> Bools:
-        """Mark the largest of `values` [m] of each robot; among equals the lowest peer id [m].
+    def first_smallest(self, values: Floats) -> Ints:
+        """Position of the smallest of each robot's `values` [m]; among equals that of the lowest peer id.
 
         >>> one = Edges(np.array([7]), np.array([0, 0, 0]), np.array([1, 2, 3]))
-        >>> one.first_largest(np.array([2.0, 5.0, 5.0]))
-        array([False,  True, False])
+        >>> one.first_smallest(np.array([5.0, 2.0, 2.0]))
+        array([1])
         """
         if len(self) == 0:
-            return np.zeros(0, dtype=np.bool_)
-        largest = np.maximum.reduceat(values, self.starts)
-        at = np.flatnonzero(values == largest.take(self.groups))
-        chosen = np.zeros(len(self), dtype=np.bool_)
+            return self.rows
+        least = np.minimum.reduceat(values, self.starts)
+        at: Ints = np.equal(values, least.take(self.groups)).nonzero()[0]
         if len(at) > len(self.starts):
             rows = self.rows.take(at)
             at = at[np.concatenate(([True], rows[1:] != rows[:-1]))]
-        chosen[at] = True
-        return chosen
+        return at
+
+    def smallest(self, values: Floats, k: int) -> Ints:
+        """Positions of each robot's `k` smallest `values` [m]; among equals the lowest peer id first.
+
+        >>> one = Edges(np.array([7]), np.array([0, 0, 0]), np.array([1, 2, 3]))
+        >>> one.smallest(np.array([5.0, 2.0, 2.0]), 2)
+        array([1, 2])
+        """
+        return np.lexsort((values, self.rows)).take(self._leaders(k))
+
+    def _leaders(self, k: int) -> Ints:
+        """Positions of the first `k` pairs of each robot."""
+        found = self.__dict__.get(f"leaders {k}")
+        if found is None:
+            rank = np.arange(len(self)) - np.repeat(self.starts, self.counts[self.counts > 0])
+            found = self.__dict__[f"leaders {k}"] = np.flatnonzero(rank < k)
+        return found
 
     def select(self, mask: Bools) -> "Edges":
         """The pairs where `mask` [m] is true."""

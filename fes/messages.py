@@ -3,7 +3,7 @@
 A decoder raises MessageError, and nothing else, on whatever bytes it gets.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from pydantic import ValidationError
 
@@ -14,16 +14,14 @@ from fes.errors import MessageError
 from fes.sensing import DECODED
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Welcome:
+class Welcome(NamedTuple):
     """World to agent, once per join: which robots it hosts, and all it may know."""
 
     robots: tuple[int, ...]
     config: AgentConfig
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Observation:
+class Observation(NamedTuple):
     """World to robot, each tick: what it senses. `over` ends the run and expects no answer."""
 
     tick: int
@@ -37,8 +35,7 @@ class Observation:
     over: bool
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Beacon:
+class Beacon(NamedTuple):
     """Robot to the peers in range, each tick."""
 
     tick: int
@@ -53,8 +50,7 @@ class Beacon:
     """1 where its own graph rule chose the link [l]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Command:
+class Command(NamedTuple):
     """Robot to its body, each tick: the twist to hold; and telemetry for observers, which moves nothing."""
 
     tick: int
@@ -85,9 +81,8 @@ def decode_observation(payload: bytes) -> Observation:
     tick, robot, x, y, heading, in_range, reception, over = wire.unpack(name, payload, 8)
     peers = wire.ids(name, in_range)
     return Observation(
-        wire.tick(name, tick),
-        wire.robot_id(name, robot),
-        (wire.number(name, x), wire.number(name, y), wire.number(name, heading)),
+        *wire.stamp(name, tick, robot),
+        wire.finite(name, (x, y, heading)),
         peers,
         wire.codes(name, reception, len(peers), DECODED),
         wire.flag(name, over),
@@ -112,9 +107,8 @@ def decode_beacon(payload: bytes) -> Beacon:
     tick, robot, x, y, heading, links, estimates, named = wire.unpack(name, payload, 8)
     peers = wire.ids(name, links)
     return Beacon(
-        wire.tick(name, tick),
-        wire.robot_id(name, robot),
-        (wire.number(name, x), wire.number(name, y), wire.number(name, heading)),
+        *wire.stamp(name, tick, robot),
+        wire.finite(name, (x, y, heading)),
         peers,
         wire.numbers(name, estimates, len(peers)),
         wire.codes(name, named, len(peers), 1),
@@ -134,9 +128,8 @@ def decode_command(payload: bytes) -> Command:
     tick, robot, linear, angular, links, estimates = wire.unpack(name, payload, 6)
     peers = wire.ids(name, links)
     return Command(
-        wire.tick(name, tick),
-        wire.robot_id(name, robot),
-        (wire.number(name, linear), wire.number(name, angular)),
+        *wire.stamp(name, tick, robot),
+        wire.finite(name, (linear, angular)),
         peers,
         wire.numbers(name, estimates, len(peers)),
     )

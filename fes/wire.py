@@ -8,7 +8,7 @@ MessageError where the field has the wrong type, length or size, a number is not
 import math
 import reprlib
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeVar
 
 import msgpack
 import numpy as np
@@ -19,6 +19,8 @@ from fes.errors import MessageError
 PROTOCOL = 1
 MAX_PAYLOAD = 1 << 20
 """Longest payload [bytes] that is looked at."""
+
+T = TypeVar("T", bound=tuple[float, ...])
 
 MAX_TICK = 2**53
 MAX_ID = 2**31 - 1
@@ -35,16 +37,18 @@ def pack(*fields: Any) -> bytes:
 
 def unpack(name: str, payload: bytes, count: int) -> list[Any]:
     """The `count` fields of a payload, after the version."""
-    check(name, len(payload) <= MAX_PAYLOAD, TOO_LONG, len(payload))
+    if len(payload) > MAX_PAYLOAD:
+        check(name, False, TOO_LONG, len(payload))
     try:
         fields = msgpack.unpackb(payload)
     except (ValueError, msgpack.UnpackException, RecursionError) as error:
         raise MessageError(name, f"is not msgpack ({type(error).__name__})") from None
-    check(name, type(fields) is list and len(fields) > 0, "expects an array", fields)
-    version = fields[0]
-    check(name, type(version) is int and version == PROTOCOL, WRONG_VERSION, version)
+    if type(fields) is not list or not fields:
+        check(name, False, "expects an array", fields)
+    if type(fields[0]) is not int or fields[0] != PROTOCOL:
+        check(name, False, WRONG_VERSION, fields[0])
     if len(fields) != count + 1:
-        raise MessageError(name, f"expects {count} fields, got", str(len(fields) - 1))
+        check(name, False, f"expects {count} fields, got", len(fields) - 1)
     return fields[1:]  # type: ignore[no-any-return]
 
 
@@ -67,10 +71,19 @@ def robot_id(name: str, value: Any) -> int:
     return int(value)
 
 
-def number(name: str, value: Any) -> float:
-    """A finite number."""
-    check(name, type(value) is float and math.isfinite(value), "expects a finite number", value)
-    return float(value)
+def stamp(name: str, tick_: Any, robot: Any) -> tuple[int, int]:
+    """A tick and the id of a robot."""
+    if type(tick_) is int and type(robot) is int and 0 <= tick_ < MAX_TICK and 0 <= robot <= MAX_ID:
+        return tick_, robot
+    return tick(name, tick_), robot_id(name, robot)
+
+
+def finite(name: str, values: T) -> T:
+    """A tuple of finite numbers."""
+    for value in values:
+        if type(value) is not float or not math.isfinite(value):
+            check(name, False, "expects a finite number", value)
+    return values
 
 
 def flag(name: str, value: Any) -> bool:
@@ -81,7 +94,8 @@ def flag(name: str, value: Any) -> bool:
 
 def ids(name: str, blob: Any) -> Ints:
     """Ids, ascending [m]; the same bytes give the same array."""
-    check(name, type(blob) is bytes and len(blob) % 4 == 0, "expects ids as int32", blob)
+    if type(blob) is not bytes or len(blob) % 4:
+        check(name, False, "expects ids as int32", blob)
     found = _ascending(blob)
     if found is None:
         raise MessageError(name, "ids must ascend from 0")

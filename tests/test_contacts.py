@@ -102,7 +102,7 @@ def test_two_robots_in_one_place_drive_apart() -> None:
     ids = np.arange(2)
     said = Beacons(2, ids, where, no_edges(ids), np.zeros(0), np.zeros(0, dtype=np.bool_))
     state = crew.start(team)
-    state = crew.State(where, state.contacts, state.triples, state.links, state.linked_since)
+    state = crew.State(where, state.contacts, state.witnesses, state.links, state.linked_since)
     _, _, twists = crew.step(team, state, sensed, said)
     # psi_ji = pi + psi_ij: the lower id sees the other along +x and backs off; 50 to 90 m, weight 1/2
     assert np.isfinite(twists).all()

@@ -85,24 +85,27 @@ def test_reverse_mutual_undirected_and_counts_are_what_a_list_gives(pairs: set[t
     assert among.counts.tolist() == [sum(i == robot for i, _ in ordered) for robot in CREW]
 
 
-@given(pairs=pair_sets, levels=st.lists(st.integers(0, 2), min_size=169, max_size=169))
-def test_first_largest_marks_the_largest_and_among_equals_the_lowest_peer(
-    pairs: set[tuple[int, int]], levels: list[int]
+@given(pairs=pair_sets, levels=st.lists(st.integers(0, 2), min_size=169, max_size=169), k=st.integers(1, 3))
+def test_smallest_finds_the_k_smallest_of_each_robot_and_among_equals_the_lowest_peers(
+    pairs: set[tuple[int, int]], levels: list[int], k: int
 ) -> None:
     among, ordered = edges(CREW, pairs), sorted(pairs)
     level = {pair: float(levels[13 * pair[0] + pair[1]]) for pair in ordered}
-    expected = set()
+    expected: set[tuple[int, int]] = set()
     for robot in CREW:
         mine = [pair for pair in ordered if pair[0] == robot]
-        if mine:
-            expected.add(min(mine, key=lambda pair: (-level[pair], pair[1])))
-    found = among.first_largest(np.array([level[pair] for pair in ordered]))
-    assert {pair for pair, marked in zip(ordered, found.tolist(), strict=True) if marked} == expected
+        expected |= set(sorted(mine, key=lambda pair: (level[pair], pair[1]))[:k])
+    found = among.smallest(np.array([level[pair] for pair in ordered]), k)
+    assert {ordered[at] for at in found.tolist()} == expected
+    if k == 1:
+        values = np.array([level[pair] for pair in ordered])
+        assert {ordered[at] for at in among.first_smallest(values).tolist()} == expected
 
 
-def test_first_largest_marks_one_of_values_that_are_all_minus_infinity() -> None:
+def test_smallest_finds_one_of_values_that_are_all_infinite() -> None:
     among = edges([0, 1], [(0, 1), (0, 2), (1, 0)])
-    assert among.first_largest(np.full(3, -np.inf)).tolist() == [True, False, True]
+    assert among.smallest(np.full(3, np.inf), 1).tolist() == [0, 2]
+    assert among.first_smallest(np.full(3, np.inf)).tolist() == [0, 2]
 
 
 @given(pairs=pair_sets)
@@ -118,7 +121,7 @@ def test_a_crew_without_pairs_sums_to_zero_and_finds_nothing() -> None:
     nobody = no_edges(np.array([4, 7]))
     assert nobody.sum(np.zeros(0)).tolist() == [0.0, 0.0]
     assert nobody.find(np.array([5, 6])).tolist() == [-1, -1]
-    assert nobody.first_largest(np.zeros(0)).tolist() == []
+    assert nobody.smallest(np.zeros(0), 1).tolist() == nobody.first_smallest(np.zeros(0)).tolist() == []
 
 
 @pytest.mark.parametrize("largest", [99_999])

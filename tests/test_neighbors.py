@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from agents import neighbors
-from agents.neighbors import Triples
+from agents.neighbors import Witnesses
+from console import inprocess
 from fes.arrays import Bools, Floats
 from tests import layouts, witness
 from tests.layouts import REACH, distance
+from tests.loop import load
 
 Pairs = set[tuple[int, int]]
 
@@ -17,7 +19,7 @@ LAYOUTS = [(n, width, seed) for n in (1, 2, 3, 10, 25) for width in (60.0, 250.0
 def found(rule: str, where: Floats, robots: list[int] | None = None, decoded: Bools | None = None) -> Pairs:
     """The pairs (robot, neighbor) that the code under test chooses."""
     known = layouts.hear(where, range(len(where)) if robots is None else robots, decoded=decoded)
-    return layouts.pairs_of(known.edges, neighbors.RULES[rule](known, Triples(known.edges)))
+    return layouts.pairs_of(known.edges, neighbors.RULES[rule](known, Witnesses(known.edges)))
 
 
 def by_definition(rule: str, where: Floats, heard: Pairs) -> Pairs:
@@ -117,3 +119,11 @@ def test_a_robot_finds_the_same_neighbors_alone_in_its_crew_as_among_ten(rule: s
     alone = [found(rule, where, robots=[i]) for i in range(10)]
     assert set().union(*alone) == together
     assert all(alone[i] == {pair for pair in together if pair[0] == i} for i in range(10))
+
+
+def test_remembering_witnesses_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Robots that move, meet and part: with all triples and with remembered witnesses the same digest."""
+    moving = load("hundred.toml", robots__count=40, robots__spacing=40.0, run__duration=3.0)
+    with_all = inprocess.run(moving, "all")["digest"]
+    monkeypatch.setattr(neighbors, "FEW", 0)
+    assert inprocess.run(moving, "remembered")["digest"] == with_all

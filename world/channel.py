@@ -16,9 +16,8 @@ from fes.edges import Edges
 from fes.sensing import CLOSED, DECODED, LOST, OPENING_TICKS
 from world.proximity import Proximity
 
-_BLOCK = 64  # ticks of numbers drawn at a time: drawing costs per pair, not per number
-_MANY = 4096
-_FEW_BLOCK = 16
+_BLOCK = 128  # ticks of numbers drawn at a time: drawing costs per pair, not per number
+_MOST = 1 << 24  # numbers held at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,27 +36,42 @@ class Radio:
     """Beacons decoded on it [m]."""
 
 
-@dataclass(eq=False)
 class Draws:
     """Uniform numbers for the pairs in range, drawn ahead in blocks of ticks.
 
     A cache, not a state: every number is a function of (seed, tick, sender, receiver).
     """
 
-    key: Ints
-    edges: Edges | None = None
-    first: int = 0
-    numbers: Floats | None = None
+    def __init__(self, key: Ints) -> None:
+        self._key = key
+        self._edges: Edges | None = None
+        self._first = 0
+        self._blocks: Floats = np.zeros((0, 0))
+        """Numbers of the ticks from `_first` on, a column a pair, in the order in which pairs came."""
+        self._columns: Ints = np.zeros(0, dtype=np.int64)
+        """Column of each pair of `_edges`."""
 
     def at(self, tick: int, edges: Edges) -> Floats:
         """The numbers of one tick for (receiver, sender) `edges` [m], in [0, 1)."""
-        if self.numbers is None or edges is not self.edges or not 0 <= tick - self.first < len(self.numbers):
-            count = _BLOCK if len(edges) <= _MANY else _FEW_BLOCK
-            self.edges, self.first = edges, tick - tick % count
-            receivers = edges.ids[edges.rows]
-            self.numbers = draws.uniform_ticks(self.key, self.first, count, edges.peers, receivers)
-        numbers: Floats = self.numbers[tick - self.first]
+        if not 0 <= tick - self._first < len(self._blocks):
+            count = max(4, min(_BLOCK, _MOST // (4 * max(1, len(edges))) * 4))
+            self._first, self._edges = tick - tick % count, None
+            self._blocks = np.zeros((count, 0))
+        if edges is not self._edges:
+            self._take_in(edges)
+        numbers: Floats = self._blocks[tick - self._first].take(self._columns)
         return numbers
+
+    def _take_in(self, edges: Edges) -> None:
+        """Columns for the pairs of `edges`; only those that have none yet are drawn."""
+        at = edges.places_in(self._edges) if self._edges is not None else np.full(len(edges), -1)
+        new = np.flatnonzero(at < 0)
+        columns = self._columns.take(at, mode="clip") if len(self._columns) else at
+        columns[new] = self._blocks.shape[1] + np.arange(len(new))
+        receivers = edges.ids[edges.rows[new]]
+        drawn = draws.uniform_ticks(self._key, self._first, len(self._blocks), edges.peers[new], receivers)
+        self._blocks = np.concatenate([self._blocks, drawn], axis=1)
+        self._edges, self._columns = edges, columns
 
 
 def quiet(edges: Edges) -> Radio:
@@ -75,7 +89,7 @@ def transmit(
         age, sent, decoded = radio.age + 1, radio.sent, radio.decoded
         separation = before.separation.take(before.pair)
     else:
-        at = before.edges.find(edges.keys)
+        at = edges.places_in(before.edges)
         stays = at >= 0
         age = np.where(stays, radio.age.take(at, mode="clip") + 1, 0) if len(before.edges) else 0 * edges.rows
         sent = np.where(stays, radio.sent.take(at, mode="clip"), 0) if len(before.edges) else 0 * edges.rows

@@ -22,6 +22,7 @@ from world.metrics import Tally
 from world.optimum import optimal_separation
 from world.roster import Roster
 from world.scenario import Scenario, agent_config
+from world.simulation import State
 
 ANSWER_TIMEOUT = 10.0
 """A living robot that does not answer a tick for this long [s] is hung: its liveliness token would stay."""
@@ -52,7 +53,8 @@ class Server:
         bus.subscribe(keys.command(run, "*"), self._inbox.put)
         self._roster = Roster(bus, run, len(robots), agent_config(scenario), self.complaints)
         bus.token(keys.world_alive(run))  # last: it says that everything above is in place
-        self._begun = self._told_at = 0.0
+        self._unaccounted: tuple[State, Floats] | None = None
+        self._begun = self._told_at = self._ended = 0.0
         self._told_tick = 0
 
     async def gather(self) -> None:
@@ -65,23 +67,22 @@ class Server:
     async def run(self) -> None:
         """All ticks of the scenario; ends early, with what was reached, if it is cancelled."""
         self._begun = self._told_at = time.perf_counter()
-        while self._tally.ticks < self.scenario.ticks:
-            observations = simulation.observe(self._state)
-            sent = self._publish(observations)
+        while self._state.tick < self.scenario.ticks:
+            sent = self._publish(simulation.observe(self._state))
+            self._account()  # for the last tick, while the robots think about this one
             twists = self._tell_apart(await self._barrier(sent))
-            before = self._state
-            self._state = simulation.step(self._world, before, twists)
-            self._tally.add(before.poses, twists, before.proximity, before.sent > 0, self._links, self._estimates)
-            self._final = before
-            if time.perf_counter() - self._told_at >= reporting.PERIOD:
-                self._tell()
+            self._unaccounted = self._state, twists
+            self._state = simulation.step(self._world, self._state, twists)
             await self._pace()
+        self._account()
+        self._ended = time.perf_counter()
 
     def summarize(self) -> dict[str, Any] | None:
         """The summary of the ticks that were run; None before the first."""
+        self._account()
         if self._tally.ticks == 0:
             return None
-        wall = time.perf_counter() - self._begun
+        wall = (self._ended or time.perf_counter()) - self._begun
         return summary.summarize(
             self.scenario,
             self.name,
@@ -95,6 +96,7 @@ class Server:
 
     def dismiss(self) -> None:
         """Tell every robot and observer that the run is over."""
+        self._account()
         if self._tally.ticks:
             self._tell()
         nothing = np.zeros(0, dtype=np.int64)
@@ -108,6 +110,17 @@ class Server:
                 f"robot {robot} left at tick {self._state.tick}: its agent died, was stopped or lost its connection"
             )
         )
+
+    def _account(self) -> None:
+        """Add the last tick to the tally, and report to observers if it is time."""
+        if self._unaccounted is None:
+            return
+        self._final, twists = self._unaccounted
+        self._unaccounted = None
+        final = self._final
+        self._tally.add(final.poses, twists, final.proximity, final.sent > 0, self._links, self._estimates)
+        if time.perf_counter() - self._told_at >= reporting.PERIOD:
+            self._tell()
 
     def _publish(self, observations: Observations) -> list[bytes]:
         """Put each robot's observation; returns the payloads, to be sent again if need be."""
@@ -191,7 +204,7 @@ class Server:
     async def _pace(self) -> None:
         """With a real-time factor, wait until this tick is due. Falling behind slows time; no tick is skipped."""
         if self._rtf is not None:
-            due = self._begun + self._tally.ticks * self.scenario.run.dt / self._rtf
+            due = self._begun + self._state.tick * self.scenario.run.dt / self._rtf
             ahead = due - time.perf_counter()
             if ahead > 0:
                 await asyncio.sleep(ahead)

@@ -1,0 +1,101 @@
+"""What one robot's process computes in a tick, and what the world's does, measured warm in one process.
+
+The whole way of a tick is walked: observations, beacons and commands are encoded and decoded as they would be
+on the wire, and each robot is a crew of its own.
+"""
+
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from agents import assembly, crew
+from agents.assembly import Assembly
+from fes import messages
+from fes.messages import Observation
+from world import simulation
+from world.metrics import Tally
+from world.optimum import optimal_separation
+from world.scenario import agent_config, load
+
+
+@dataclass
+class Costs:
+    """Median times a tick [s]."""
+
+    read: list[float] = field(default_factory=list)
+    step: list[float] = field(default_factory=list)
+    say: list[float] = field(default_factory=list)
+    world: list[float] = field(default_factory=list)
+
+    @property
+    def robot(self) -> float:
+        """All that a robot's process computes."""
+        return float(np.median(self.read) + np.median(self.step) + np.median(self.say))
+
+    @property
+    def world_tick(self) -> float:
+        """All that the world's process computes."""
+        return float(np.median(self.world))
+
+
+def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
+    """The costs of a scenario's robots, over `ticks` ticks after `skip`."""
+    scenario = load(path)
+    world = simulation.create(scenario)
+    state = simulation.start(world)
+    config, ids = agent_config(scenario), world.ids.tolist()
+    crews = [crew.assemble(config, np.array([robot])) for robot in ids]
+    minds = [crew.start(one) for one in crews]
+    stacks = [Assembly(np.array([robot])) for robot in ids]
+    everybody = Assembly(world.ids)
+    tally = Tally(scenario.run.dt, optimal_separation(scenario.objective, scenario.channel))
+    costs, clock = Costs(), time.perf_counter
+    spoken: dict[int, bytes] = {}
+    for tick in range(skip + ticks):
+        if tick == skip:
+            costs = Costs()
+        begun = clock()
+        observations = simulation.observe(state)
+        rows = zip(ids, observations.poses.tolist(), observations.in_range.spans, strict=True)
+        sensed = [
+            messages.encode_observation(
+                Observation(
+                    tick,
+                    robot,
+                    tuple(pose),
+                    observations.in_range.peers[span],
+                    observations.reception[span],
+                    over=False,
+                )
+            )
+            for robot, pose, span in rows
+        ]
+        world_time = clock() - begun
+        beacons, commands = {}, []
+        for robot in ids:
+            begun = clock()
+            observation = messages.decode_observation(sensed[robot])
+            near = [spoken[peer] for peer in observation.in_range.tolist() if peer in spoken]
+            seen = stacks[robot].observations([observation])
+            heard = stacks[robot].beacons(tick - 1, [messages.decode_beacon(payload) for payload in near])
+            read = clock()
+            minds[robot], said, twists = crew.step(crews[robot], minds[robot], seen, heard)
+            stepped = clock()
+            [(_, beacon, command)] = assembly.payloads(said, twists)
+            costs.say.append(clock() - stepped)
+            costs.step.append(stepped - read)
+            costs.read.append(read - begun)
+            beacons[robot] = beacon
+            commands.append(command)
+        spoken = beacons
+        begun = clock()
+        received = [messages.decode_command(payload) for payload in commands]
+        links = everybody._links.edges(world.ids, [command.links for command in received])
+        estimates = np.concatenate([command.estimates for command in received])
+        turned = np.array([command.twist for command in received])
+        before, state = state, simulation.step(world, state, turned)
+        tally.add(before.poses, turned, before.proximity, before.sent > 0, links, estimates)
+        costs.world.append(world_time + clock() - begun)
+    return costs
