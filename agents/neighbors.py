@@ -70,7 +70,8 @@ def relative_neighborhood(contacts: Contacts, witnesses: Witnesses) -> Bools:
     if witnesses.all is not None:
         pair, witness = witnesses.all
         excluded = np.bincount(pair, _excludes(contacts, reach, pair, witness), minlength=len(known))
-        return np.logical_and(known, excluded == 0.0)
+        chosen: Bools = np.logical_and(known, excluded == 0.0)
+        return chosen
     last = witnesses.last
     remembered = np.flatnonzero(last >= 0)
     still = _excludes(contacts, reach, remembered, last[remembered])
@@ -79,7 +80,8 @@ def relative_neighborhood(contacts: Contacts, witnesses: Witnesses) -> Bools:
     pair, witness = witnesses.of(suspects)
     found = np.flatnonzero(_excludes(contacts, reach, pair, witness))
     last[pair[found]] = witness[found]
-    return np.logical_and(known, last < 0)
+    remaining: Bools = np.logical_and(known, last < 0)
+    return remaining
 
 
 def _excludes(contacts: Contacts, reach: Floats, pair: Ints, witness: Ints) -> Bools:

@@ -4,7 +4,8 @@ World to each robot an observation, robot to its peers a beacon, robot to the wo
 tick follows the last command. Payloads have the sizes of the real ones, and are not looked at.
 With WORK [s], agents (and the world) spin for that long each tick before they answer.
 
-Run as `python -m bench.bare world N TICKS ENDPOINT SIZE WORK` and `python -m bench.bare agent I ENDPOINT SIZE WORK PEER...`.
+Run as `python -m bench.bare world N TICKS ENDPOINT SIZE WORK` and
+`python -m bench.bare agent I ENDPOINT SIZE WORK PEER...`.
 """
 
 import asyncio

@@ -36,7 +36,8 @@ def main() -> None:
     paper = load(CONFIGS / "paper.toml")
     costs = robot.measure(CONFIGS / "paper.toml")
     print(
-        f"crew.step, one robot, about 3 links: {np.median(costs.step) * 1e6:.0f} us    budget <= 250 us with sub-steps"
+        f"crew.step, one robot, about 3 links: {np.median(costs.step) * 1e6:.0f} us"
+        "    budget <= 250 us with sub-steps"
     )
     print(
         f"  beside it, reading: {np.median(costs.read) * 1e6:.0f} us, speaking: {np.median(costs.say) * 1e6:.0f} us"

@@ -77,6 +77,7 @@ def view_command(
     config: Annotated[Path | None, typer.Option("--config", "-c", help="Zenoh configuration file.")] = None,
     cfg: Annotated[list[str] | None, typer.Option(metavar="KEY:VALUE", help="Zenoh setting.")] = None,
     run: Annotated[str, typer.Option(help="Name of the run.")] = keys.DEFAULT_RUN,
+    picture: Annotated[Path | None, typer.Option(help="Write the last frame to this SVG file.")] = None,
     timeout: Annotated[
         float, typer.Option(min=1e-3, max=process.YEAR, help="Give up if no world is there by then [s].")
     ] = 30.0,
@@ -91,6 +92,8 @@ def view_command(
             with view.Screen(screen) as shown:
                 await view.watch(opened, address.run, timeout, shown)
         screen.print(shown.frame())
+        if picture is not None:
+            view.save_picture(picture, shown.frame(), screen.width, screen.height, "fes view")
         return process.SUCCESS
 
     process.leave("fes", show)

@@ -1,5 +1,8 @@
 """The live dashboard: the only place where rich's Live is. A view, which never slows a tick."""
 
+import io
+import re
+from pathlib import Path
 from types import TracebackType
 from typing import Self
 
@@ -9,6 +12,7 @@ from rich.live import Live
 from console import observer
 from console.dashboard import History, render
 from fes.bus import Bus
+from fes.errors import FesError
 from fes.report import Report
 
 IDLE = 0.25
@@ -45,6 +49,17 @@ class Screen:
     def frame(self) -> RenderableType:
         """What is known, as one frame of the terminal's present size."""
         return render(self.history, self._console.width, self._console.height)
+
+
+def save_picture(path: Path, frame: RenderableType, width: int, height: int, title: str) -> None:
+    """Write a frame as an SVG picture; raises FesError."""
+    paper = Console(record=True, file=io.StringIO(), width=width, height=height, force_terminal=True)
+    paper.print(frame)
+    picture = re.sub(r"@font-face\s*\{.*?\}", "", paper.export_svg(title=title), flags=re.DOTALL)  # no web fonts
+    try:
+        path.write_text(picture, encoding="utf-8")
+    except OSError as error:
+        raise FesError(f"cannot write {path}: {error.strerror}") from None
 
 
 async def watch(bus: Bus, run: str, timeout: float, screen: Screen) -> None:
