@@ -143,4 +143,4 @@ def _index(config: AgentConfig) -> Index:
     # Only here, so that a process of a run with another index never loads the channel's formula.
     from agents import oracle
 
-    return oracle.performance_index(config.objective, config.channel)
+    return oracle.index(config.objective, config.channel, config.seeking.index_transform)

@@ -4,6 +4,7 @@ No process of a measured run imports this module.
 """
 
 from collections.abc import Callable
+from typing import Literal
 
 import numpy as np
 
@@ -11,28 +12,42 @@ from fes import outage
 from fes.arrays import Floats
 from fes.config import ChannelConfig, ObjectiveConfig
 
+Index = Callable[[Floats], Floats]
+
 NEARLY_ZERO = 1e-9
 """The smallest separation [m] at which the index is evaluated: an estimate may be thrown below zero."""
 
 
-def performance_index(objective_config: ObjectiveConfig, channel: ChannelConfig) -> Callable[[Floats], Floats]:
-    """J of (33), as a function of separations [m] in an array: S(r) times the reception probability."""
-    shape = objective_config.shape_exponent
-    scale = objective_config.minimum_separation
-    spread_reach = -((scale / objective_config.maximum_separation) ** shape)
+def index(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal["log", "none"]) -> Index:
+    """J of (33), or ln J, as a function of separations [m] in an array.
+
+    J(r) = S(r) p(r) = [1 - exp(-A)] exp(-q A - c r^nu), with A = (r/r_min)^s and q = (r_min/r_x)^s: one
+    exponential less than `fes.objective` times `fes.outage`, since it is evaluated several times a tick.
+    """
+    shape, scale = objective.shape_exponent, objective.minimum_separation
+    reach = -((scale / objective.maximum_separation) ** shape)
     loss, exponent = -outage.exponent_scale(channel), channel.path_loss_exponent
 
-    def index(separation: Floats) -> Floats:
-        # preference() times reception_probability() with one exponential less: eight of these a tick.
+    def exponents(separation: Floats) -> tuple[Floats, Floats]:
+        """1 - exp(-A), and -q A - c r^nu."""
         r = np.maximum(separation, NEARLY_ZERO)
         spread = np.power(r / scale, shape)
         decay = np.power(r, exponent)
         decay *= loss
-        decay += spread_reach * spread
-        np.exp(decay, out=decay)
+        decay += reach * spread
         np.negative(spread, out=spread)
         np.expm1(spread, out=spread)
-        decay *= spread
-        return np.negative(decay, out=decay)
+        return np.negative(spread, out=spread), decay
 
-    return index
+    def plain(separation: Floats) -> Floats:
+        kept, decay = exponents(separation)
+        np.exp(decay, out=decay)
+        decay *= kept
+        return decay
+
+    def log(separation: Floats) -> Floats:
+        kept, decay = exponents(separation)
+        decay += np.log(kept, out=kept)
+        return decay
+
+    return log if transform == "log" else plain

@@ -24,8 +24,9 @@ from fes.edges import Edges
 ESTIMATE, DRIFT, BASELINE = 0, 1, 2
 """Rows of the seeking state [3, l]: r_hat [m], xi [m/s], eta [index]."""
 
-SWEEPS = 2
-"""Picard sweeps a step; two leave an error below 1e-4 of the travel at 2 rad of dither a step."""
+SWEEPS = 3
+"""Picard sweeps a step: at 2 rad of dither a step they leave an error below 1e-5 of the travel from a start in
+[50, 90] m, and below 1e-3 from 25 m, where ln J is steepest."""
 
 MAX_EXTRAPOLATION = 0.1
 """Age [s] up to which a peer's estimate is extrapolated."""

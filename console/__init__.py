@@ -1,9 +1,14 @@
-"""What a person runs: fes run, fes view.
+"""What a person runs: fes run, fes view, fes plot, fes claims.
 
 cli         the commands
 processes   fes run with real processes
 launcher    child processes, never left behind
 inprocess   the same world and crew in one loop, without Zenoh
+history     a run as time series
+figures     the paper's figures, and those of a run
+claims      where the paper's text does not hold, as computations
+study       how the integration error depends on the step
+evidence    the commands fes plot and fes claims
 rundir      run directories
 summary     the summary as a person reads it
 observer    the world's reports, as they come

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from console import inprocess, processes, rundir, summary, view
+from console import evidence, inprocess, processes, rundir, summary, view
 from console.processes import Launch
 from console.rundir import Address
 from fes import bus, keys, process
@@ -19,6 +19,10 @@ from world.scenario import Scenario, load, parse_override
 from world.summary import write, write_scenario
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+
+
+app.command()(evidence.plot)
+app.command(name="claims")(evidence.show_claims)
 
 
 class Backend(StrEnum):

@@ -65,8 +65,11 @@ class SeekingConfig(Table):
     """`oracle`: the index is computed from the channel's formula, as the paper's simulation does (33)."""
     law: Literal["consensus", "paper"] = "consensus"
     """`paper`: (18) as printed. `consensus`: with the sign of its second consensus term reversed."""
-    index_gain: Positive = 44460.0
-    """Gain on the index [1] (k): 1/(a^2 |J''|/2) at r_min 50 makes the gradient time constant 1 s."""
+    index_transform: Literal["log", "none"] = "log"
+    """`log`: the robots climb ln J, whose curvature at the optimum hardly depends on the objective, so that one
+    gain serves all. `none`: J itself, as printed."""
+    index_gain: Positive = 40000.0
+    """Gain on the index [1] (k). For J and r_min 50, 44460 = 1/(a^2 |J''|/2) makes the time constant 1 s."""
     dither_amplitude: Positive = 0.2
     """[m] (a)."""
     dither_frequency: Positive = 100.0

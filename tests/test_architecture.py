@@ -1,7 +1,6 @@
 """The floors of the house: who may import whom, proved from the source and in a fresh interpreter."""
 
 import ast
-import importlib.util
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -69,16 +68,22 @@ def test_a_room_imports_only_what_lies_below_it(room: str) -> None:
     assert "dataclasses" in seen or "numpy" in seen, "the room was not read"
 
 
+def below_console(names: set[str]) -> set[str]:
+    """The modules that can be part of a running agent or world."""
+    return {name for name in names if not name.startswith("console.")}
+
+
 def test_only_the_bus_imports_zenoh() -> None:
     assert importers("zenoh") <= {"fes.bus"}
 
 
 def test_only_the_world_and_the_oracle_know_the_channels_formula() -> None:
-    assert importers("fes.outage") == FORMULA_READERS
+    # A person's figures may show the formula: nothing of the console runs in an agent or a world.
+    assert below_console(importers("fes.outage")) == FORMULA_READERS
 
 
 def test_only_a_crew_imports_the_oracle_and_only_when_it_assembles_one() -> None:
-    assert importers("agents.oracle") == {"agents.crew"}
+    assert below_console(importers("agents.oracle")) == {"agents.crew"}
     for statement in at_import(modules("agents")["agents.crew"]):
         if isinstance(statement, ast.Import | ast.ImportFrom):
             assert "agents.oracle" not in set(imports(statement))
@@ -86,8 +91,6 @@ def test_only_a_crew_imports_the_oracle_and_only_when_it_assembles_one() -> None
 
 @pytest.mark.parametrize("module", ["agents.crew", "agents.process"])
 def test_an_agent_starts_without_the_formula_and_without_what_it_has_no_use_for(module: str) -> None:
-    if importlib.util.find_spec(module) is None:
-        pytest.skip(f"{module} is not written yet")
     code = f"import sys, {module}; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     loaded = set(done.stdout.split())

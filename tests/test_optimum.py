@@ -54,7 +54,7 @@ def test_the_index_at_the_optimum_has_the_settled_value_slope_and_curvature(
     preferred: ObjectiveConfig, value: float, curvature: float, skew: float
 ) -> None:
     best = optimum.optimal_separation(preferred, PAPER)
-    index = oracle.performance_index(preferred, PAPER)
+    index = oracle.index(preferred, PAPER, "none")
     h = 0.05  # m; stencils of fourth order leave about J'''''' h^4 = 1e-13, roundings 1e-16/h^2, 1e-16/h^3
     back, far, near, here, ahead, beyond, forth = index(best + h * np.arange(-3.0, 4.0))
     assert here == pytest.approx(value, abs=5e-7)  # half a digit, as below
@@ -117,7 +117,7 @@ def test_the_oracles_index_is_preference_times_reception(
     preferred: ObjectiveConfig, channel: ChannelConfig, separation: list[float]
 ) -> None:
     r = np.array(separation)
-    found = oracle.performance_index(preferred, channel)(r)
+    found = oracle.index(preferred, channel, "none")(r)
     expected = objective.preference(r, preferred) * outage.reception_probability(r, channel)
     # one exponential of a sum against a product of two: roundings times the exponent, which 1e-300 bounds
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-290)
@@ -127,10 +127,26 @@ def test_the_oracles_index_is_preference_times_reception(
 def test_the_oracles_index_is_equation_33() -> None:
     r = np.linspace(5.0, 200.0, 40)
     expected = [witness.paper_index(value) for value in r.tolist()]
-    np.testing.assert_allclose(oracle.performance_index(NEAR, PAPER)(r), expected, rtol=1e-13)  # roundings
+    np.testing.assert_allclose(oracle.index(NEAR, PAPER, "none")(r), expected, rtol=1e-13)  # roundings
 
 
 def test_an_estimate_thrown_below_zero_has_a_finite_and_vanishing_index() -> None:
-    found = oracle.performance_index(NEAR, PAPER)(np.array([-30.0, 0.0]))
+    found = oracle.index(NEAR, PAPER, "none")(np.array([-30.0, 0.0]))
     assert (found >= 0.0).all()
     assert (found < 1e-40).all()  # (1e-9/50)^4 = 1.6e-43
+
+
+def test_the_log_index_is_the_logarithm_of_the_index() -> None:
+    r = np.linspace(5.0, 200.0, 400)
+    for preferred in (NEAR, ObjectiveConfig(minimum_separation=100.0, shape_exponent=3.0)):
+        expected = np.log(oracle.index(preferred, PAPER, "none")(r))
+        np.testing.assert_allclose(oracle.index(preferred, PAPER, "log")(r), expected, rtol=1e-12)  # roundings
+
+
+def test_the_curvature_of_the_log_index_hardly_depends_on_the_objective() -> None:
+    """(ln J)'' = -1.3327e-3 and -1.1763e-3 at the two optima, where J'' differs by a factor of 2.4."""
+    h = 0.01  # m; central differences of ln J are then exact to 1e-8
+    for preferred, curvature in ((NEAR, -1.3327e-3), (ObjectiveConfig(minimum_separation=100.0), -1.1763e-3)):
+        at = optimum.optimal_separation(preferred, PAPER) + h * np.array([-1.0, 0.0, 1.0])
+        below, here, above = oracle.index(preferred, PAPER, "log")(at)
+        assert (below - 2.0 * here + above) / h**2 == pytest.approx(curvature, rel=1e-4)

@@ -1,0 +1,151 @@
+"""Where the paper's text does not hold: each claim as a computation that prints its numbers.
+
+`fes claims` lists them, `fes claims NAME` runs one. `docs/paper.md` says what they mean.
+"""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from agents import formation, oracle, seeking
+from agents.seeking import Seeker
+from console import history, inprocess
+from fes.arrays import Floats
+from fes.config import ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
+from fes.edges import Edges
+from world import metrics, optimum
+from world.scenario import Scenario, load
+
+CONFIGS = Path(__file__).parent.parent / "configs"
+
+Numbers = dict[str, float]
+
+PAIR = np.array([58.0, 78.0])
+"""Two estimates of one link, 20 m apart [m]."""
+
+
+def printed_law() -> Numbers:
+    """(18) as printed: beta_l r_hat + xi is conserved, and the disagreement freezes at 2/(2 + beta_l)."""
+    config = SeekingConfig(law="paper", index_transform="none", index_gain=1.0)
+    start, end = _pair(config, 10.0)
+    kept = config.low_pass_cutoff * end[seeking.ESTIMATE] + end[seeking.DRIFT]
+    return {
+        "disagreement at the start [m]": 20.0,
+        "disagreement after 10 s [m]": float(np.ptp(end[seeking.ESTIMATE])),
+        "2/(2 + beta_l) of the start [m]": 20.0 * 2.0 / (2.0 + config.low_pass_cutoff),
+        "change of beta_l r_hat + xi": float(np.abs(kept - config.low_pass_cutoff * start[seeking.ESTIMATE]).max()),
+    }
+
+
+def corrected_law() -> Numbers:
+    """(18) with one sign reversed: the disagreement vanishes, with eigenvalues -6 +- 5.29i."""
+    config = SeekingConfig(index_transform="none", index_gain=1.0)
+    _, end = _pair(config, 4.0)
+    low, kappa = config.low_pass_cutoff, config.consensus_gain
+    # d' = e - 2 kappa d, e' = -beta_l e - 2 kappa beta_l d, for d = r_ij - r_ji and e = xi_ij - xi_ji
+    values = np.linalg.eigvals(np.array([[-2.0 * kappa, 1.0], [-2.0 * kappa * low, -low]]))
+    printed = np.linalg.eigvals(np.array([[-2.0 * kappa, 1.0], [2.0 * kappa * low, -low]]))
+    return {
+        "disagreement after 4 s [m]": float(np.ptp(end[seeking.ESTIMATE])),
+        "eigenvalues, real part [1/s]": float(values.real.max()),
+        "eigenvalues, imaginary part [rad/s]": float(values.imag.max()),
+        "printed law, largest eigenvalue [1/s]": float(printed.real.max()),
+        "printed law, smallest eigenvalue [1/s]": float(printed.real.min()),
+    }
+
+
+def time_constant() -> Numbers:
+    """The printed gains: a gradient time constant of half a day."""
+    numbers = {}
+    for nearest in (50.0, 100.0):
+        second = _curvature(ObjectiveConfig(minimum_separation=nearest))
+        numbers[f"1/(a^2 |J''|/2) for r_min {nearest:.0f} [s]"] = 1.0 / (0.2**2 * abs(second) / 2.0)
+    return numbers
+
+
+def two_exponents() -> Numbers:
+    """r* for each reading of nu: only 4 in the index and 3 in the path loss give Fig. 3."""
+    numbers = {}
+    for shape in (2.0, 3.0, 4.0):
+        for nearest in (50.0, 100.0):
+            wish = ObjectiveConfig(minimum_separation=nearest, shape_exponent=shape)
+            best = optimum.optimal_separation(wish, ChannelConfig())
+            numbers[f"r* with shape exponent {shape:.0f}, r_min {nearest:.0f} [m]"] = best
+    return numbers
+
+
+def weights() -> Numbers:
+    """(9) against (1): no weight is left for a_ii, and a_ij is not a_ji, as (12) assumes."""
+    three = Edges(np.array([0]), np.array([0, 0, 0]), np.array([1, 2, 3]))
+    two = Edges(np.array([0]), np.array([0, 0]), np.array([1, 2]))
+    one = Edges(np.array([0]), np.array([0]), np.array([1]))
+    mine = formation.weights(three, np.array([1.0, 5.0, 2.0]))
+    theirs = formation.weights(two, np.array([1.0, 9.0]))
+    return {
+        "sum of weights, three neighbors": float(mine.sum()),
+        "a_ii by (1), three neighbors": 1.0 - float(mine.sum()),
+        "sum of weights, one neighbor": float(formation.weights(one, np.array([3.0])).sum()),
+        "a_ij of a robot with three neighbors": float(mine[0]),
+        "a_ji of its peer with two": float(theirs[0]),
+    }
+
+
+def disk_graph() -> Numbers:
+    """Every robot in range a neighbor: Problem 1 has no solution, and the robots end in a frustrated cluster."""
+    seen = history.follow(_scenario("disk"))
+    a, b = metrics.ends(seen.links[-1])
+    lengths = metrics.separations(seen.poses[-1], a, b)
+    return {
+        "links": float(len(lengths)),
+        "shortest [m]": float(lengths.min()),
+        "longest [m]": float(lengths.max()),
+        "r* [m]": seen.optimal,
+    }
+
+
+def two_parts() -> Numbers:
+    """Two nearest neighbors: the links start in two components; the relative neighborhood graph is connected."""
+    numbers = {}
+    for rule in ("two_nearest", "relative_neighborhood"):
+        summary = inprocess.run(_scenario(rule), "paper")
+        numbers[f"{rule}: links always connected"] = float(summary["links_connected_always"])
+        numbers[f"{rule}: largest error of a link at the end [m]"] = summary["separation_error_max"]
+    return numbers
+
+
+CLAIMS: dict[str, Callable[[], Numbers]] = {
+    "printed-law": printed_law,
+    "corrected-law": corrected_law,
+    "time-constant": time_constant,
+    "two-exponents": two_exponents,
+    "weights": weights,
+    "disk-graph": disk_graph,
+    "two-parts": two_parts,
+}
+
+
+def _pair(config: SeekingConfig, duration: float) -> tuple[Floats, Floats]:
+    """State [3, 2] of the two ends of one link at the start and after `duration` [s]."""
+    index = oracle.index(ObjectiveConfig(), ChannelConfig(), config.index_transform)
+    seeker = Seeker(config, index, 0.02)
+    start = state = seeking.begin(seeker, 0, PAIR)
+    for tick in range(math.ceil(duration / seeker.dt)):
+        heard = seeking.extrapolate(seeker, state, state[seeking.ESTIMATE, ::-1], np.zeros(2))
+        state = seeking.advance(seeker, tick, state, heard)
+    return start, state
+
+
+def _curvature(wish: ObjectiveConfig) -> float:
+    """J'' at r* [1/m^2], by central differences."""
+    h = 0.02
+    at = optimum.optimal_separation(wish, ChannelConfig()) + h * np.array([-1.0, 0.0, 1.0])
+    below, here, above = oracle.index(wish, ChannelConfig(), "none")(at)
+    return float((below - 2.0 * here + above) / h**2)
+
+
+def _scenario(rule: str) -> Scenario:
+    paper = load(CONFIGS / "paper.toml")
+    graph = FormationConfig.model_validate({**paper.formation.model_dump(), "rule": rule})
+    return paper.model_copy(update={"formation": graph})

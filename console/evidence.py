@@ -1,0 +1,89 @@
+"""The commands that show evidence: fes plot and fes claims."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from console import claims, figures, history, study
+from fes import process
+from fes.errors import FesError
+from world.scenario import load
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PAPER = "paper"
+
+
+def plot(
+    target: Annotated[str, typer.Argument(help="`paper` for the paper's figures, or a run directory.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Where to write (default: figures/, or the run directory).")
+    ] = None,
+) -> int:
+    """Draw figures as PNG and SVG: the paper's Figs. 1, 3, 5 and 6, or those of a run."""
+    if target == PAPER:
+        directory, drawn = out or Path("figures"), _paper_figures()
+    else:
+        directory, drawn = out or Path(target), _run_figures(Path(target))
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        for name, figure in drawn.items():
+            for path in figures.save(figure, directory / name):
+                print(path)
+    except OSError as error:
+        raise FesError(f"cannot write figures: {error.strerror}: {error.filename}") from None
+    return process.SUCCESS
+
+
+def show_claims(
+    name: Annotated[str | None, typer.Argument(help="One claim; without it they are all listed and run.")] = None,
+    json_: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
+) -> int:
+    """Compute where the paper's text does not hold (docs/paper.md says what the numbers mean)."""
+    if name is not None and name not in claims.CLAIMS:
+        raise FesError(f"no claim '{name}'; there are {', '.join(claims.CLAIMS)}")
+    found = {key: claims.CLAIMS[key]() for key in ([name] if name else claims.CLAIMS)}
+    if json_:
+        print(json.dumps(found))
+        return process.SUCCESS
+    screen = Console(soft_wrap=True)
+    for key, numbers in found.items():
+        table = Table.grid(padding=(0, 2))
+        for label, value in numbers.items():
+            table.add_row(f"  {label}".replace("[", r"\["), f"{value:.6g}")
+        screen.print(f"[bold]{key}[/]: {str(claims.CLAIMS[key].__doc__).splitlines()[0]}", highlight=False)
+        screen.print(table, highlight=False)
+    return process.SUCCESS
+
+
+def _paper_figures() -> "dict[str, Figure]":
+    seen = history.follow(load(claims.CONFIGS / "paper.toml"))
+    return {
+        "fig1-outage": figures.outage_figure(),
+        "fig3-index": figures.index_figure(),
+        "fig5-formation": figures.formation_figure(seen),
+        "fig6-convergence": figures.convergence_figure(seen),
+        "steps": figures.step_figure(
+            study.seeking_errors(), study.tick_errors(load(claims.CONFIGS / "neighborhood.toml"))
+        ),
+    }
+
+
+def _run_figures(directory: Path) -> "dict[str, Figure]":
+    """The figures of a run, executed again from its scenario; its digest must come out again."""
+    scenario, found = directory / "scenario.toml", directory / "summary.json"
+    if not scenario.is_file() or not found.is_file():
+        raise FesError(f"{directory} is not a run directory: it has no scenario.toml and summary.json")
+    summary = json.loads(found.read_text(encoding="utf-8"))
+    loaded = load(scenario)
+    ticks = int(summary["ticks"])
+    run = loaded.run.model_copy(update={"duration": ticks * loaded.run.dt})
+    seen = history.follow(loaded.model_copy(update={"run": run}))
+    if seen.digest != summary["digest"]:
+        raise FesError(f"{directory} cannot be executed again bit for bit here: another machine or version made it")
+    return {"formation": figures.formation_figure(seen), "convergence": figures.convergence_figure(seen)}
