@@ -5,8 +5,8 @@ assembly    messages into a crew's arrays, and back
 radio       the beacons of the peers in range, and of no others
 crew        pure: the table of contents of a robot
 contacts    who is heard, and where
-neighbors   graph rules, and the weights (9)
-formation   the formation law (6), (7)
+neighbors   graph rules (2)
+formation   the formation law (6), (7) and its weights (9)
 seeking     the seeking law (18), printed and corrected
 collocation one step of (18): filters exactly, the index at a few times at once
 oracle      the paper's shortcut (33): being told the channel

@@ -52,7 +52,8 @@ class Contacts:
     dx: Floats
     dy: Floats
     separation: Floats
-    """Line of sight and its length, from own pose of the same tick as the beacon [m; world frame]."""
+    """Line of sight and its length [m; world frame], from own pose of the previous tick. That is the tick of the
+    beacon too, unless it was lost: then the peer's position is the last one heard."""
 
 
 def nobody(ids: Ints) -> Contacts:
@@ -63,8 +64,9 @@ def nobody(ids: Ints) -> Contacts:
 def update(contacts: Contacts, observations: Observations, own: Floats, beacons: Beacons, timeout: int) -> Contacts:
     """Contacts after the beacons of the previous tick.
 
-    `own` are the robots' poses [n, 3] at that tick: a separation is formed from two poses of one tick, so
-    r_ij = r_ji to the bit. `timeout` [ticks]: a peer unheard for longer is not known any more.
+    `own` are the robots' poses [n, 3] at that tick: where both beacons decoded, a separation is formed from the
+    same two poses on both sides, so r_ij = r_ji to the bit. `timeout` [ticks]: a peer unheard for longer is not
+    known any more.
     """
     if observations.in_range is not contacts.edges:
         contacts = _carry(contacts, observations.in_range)
@@ -78,15 +80,22 @@ def update(contacts: Contacts, observations: Observations, own: Floats, beacons:
         heard = np.where(decoded, beacons.tick, heard)
         x = np.where(decoded, beacons.poses[:, geometry.X].take(lookup.sender), x)
         y = np.where(decoded, beacons.poses[:, geometry.Y].take(lookup.sender), y)
-        if len(beacons.links):
+        told, names = np.full(len(edges), np.nan), linked
+        if len(beacons.links):  # else nobody has a link, and what was heard of one before no longer holds
             told = np.where(linked, beacons.estimates.take(lookup.link, mode="clip"), np.nan)
             names = beacons.named.take(lookup.link, mode="clip") & linked
-            estimates = np.where(decoded, told, estimates)
-            names_us = np.where(decoded, names, names_us)
+        estimates = np.where(decoded, told, estimates)
+        names_us = np.where(decoded, names, names_us)
     dx = x - own[:, geometry.X].take(edges.rows)
     dy = y - own[:, geometry.Y].take(edges.rows)
     known = heard >= observations.tick - timeout
     return Contacts(edges, lookup, heard, x, y, estimates, names_us, known, dx, dy, geometry.separation(dx, dy))
+
+
+def all_here(contacts: Contacts, observations: Observations) -> bool:
+    """Whether every beacon that the world says was decoded had come: the promise of the lockstep."""
+    present = contacts.lookup.present
+    return bool(present.all() or present[observations.reception == DECODED].all())
 
 
 def _look_up(edges: Edges, beacons: Beacons) -> Lookup:

@@ -98,6 +98,10 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
     pull = formation.pull(links.edges, error, _bearing(known, links.contact))
     twists = formation.twist(pull, observations.poses[:, geometry.HEADING], config.dt, config.formation)
 
+    if not np.isfinite(twists).all():
+        robot = int(crew.ids[~np.isfinite(twists).all(axis=1)][0])
+        raise FesError(f"robot {robot} computed a twist that is not finite at tick {tick}: check gains and exponents")
+
     # What to say, and what to seek until the next tick
     said = links.state[seeking.ESTIMATE]
     beacons = Beacons(tick, crew.ids, observations.poses, links.edges, said, named.take(links.contact))

@@ -22,7 +22,7 @@ def index(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal
     """J of (33), or ln J, as a function of separations [m] in an array.
 
     J(r) = S(r) p(r) = [1 - exp(-A)] exp(-q A - c r^nu), with A = (r/r_min)^s and q = (r_min/r_x)^s: one
-    exponential less than `fes.objective` times `fes.outage`, since it is evaluated several times a tick.
+    exponential less than `fes.objective` times `fes.outage`, since it is evaluated at many points a tick.
     """
     shape, scale = objective.shape_exponent, objective.minimum_separation
     reach = -((scale / objective.maximum_separation) ** shape)
@@ -32,9 +32,9 @@ def index(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal
         """1 - exp(-A), and -q A - c r^nu."""
         r = np.maximum(separation, NEARLY_ZERO)
         spread = np.power(r / scale, shape)
-        decay = np.power(r, exponent)
-        decay *= loss
-        decay += reach * spread
+        decay = reach * spread
+        if loss != 0.0:
+            decay += loss * np.power(r, exponent)
         np.negative(spread, out=spread)
         np.expm1(spread, out=spread)
         return np.negative(spread, out=spread), decay

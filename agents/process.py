@@ -8,12 +8,11 @@ import argparse
 import asyncio
 import logging
 import re
-import uuid
 from collections.abc import AsyncIterator, Callable
 
 import numpy as np
 
-from agents import assembly, crew
+from agents import assembly, contacts, crew
 from agents.assembly import Assembly
 from agents.radio import Radio
 from fes import bus, keys, messages, process
@@ -57,7 +56,7 @@ class Agent:
                 await self._world_here.wait()
         except TimeoutError:
             raise Absent(f"no world of run '{self._run}' appeared within {timeout:g} s") from None
-        question = messages.encode_join(self._robots, uuid.uuid4().hex)
+        question = messages.encode_join(self._robots)
         return messages.decode_welcome(await self._bus.ask(keys.welcome(self._run), question, timeout))
 
     async def live(self, welcome: Welcome) -> None:
@@ -71,15 +70,25 @@ class Agent:
             self._bus.subscribe(keys.observation(self._run, robot), self._inbox.put)
         for robot in self._robots:  # last of all: a token says that everything above is in place
             self._bus.token(keys.robot_alive(self._run, robot))
+        self.logger.info("ready")
         tuned = None
         async for received in self._ticks():
             observations = stack.observations(received)
             heard = stack.beacons(observations.tick - 1, self.radio.heard(observations.tick - 1))
             state, said, twists = crew.step(robots, state, observations, heard)
+            if not contacts.all_here(state.contacts, observations):
+                self.complaints.add(
+                    "Beacon: missing", f"nothing, where a beacon should be, at tick {observations.tick}"
+                )
             if observations.in_range is not tuned:
                 tuned = observations.in_range
                 self.radio.tune(set(tuned.peers.tolist()))
             self._publish(list(assembly.payloads(said, twists)))
+
+    @property
+    def overflow(self) -> int:
+        """Messages that found no room to wait."""
+        return self._inbox.dropped
 
     async def _ticks(self) -> AsyncIterator[list[Observation]]:
         """The observations of each tick, one per robot in id order. Ticks that come again are answered again."""
@@ -152,11 +161,10 @@ async def serve(flags: argparse.Namespace) -> int:
         agent = Agent(opened, run, robots)
         try:
             welcome = await agent.join(flags.timeout)
-            agent.logger.info("ready")
             await agent.live(welcome)
             agent.logger.info("the run is over")
         finally:
-            agent.complaints.log_total()
+            agent.complaints.log_total(agent.overflow)
     return process.SUCCESS
 
 

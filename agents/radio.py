@@ -45,9 +45,11 @@ class Radio:
             beacon = self._read(peer, *sample)
             if beacon is not None and beacon.tick == tick:
                 return beacon
-            if beacon is not None and beacon.tick > tick:
+            if beacon is not None and beacon.tick == tick + 1:
                 self._early[peer] = beacon
                 return None
+            if beacon is not None and beacon.tick > tick + 1:
+                self._complaints.add("Beacon: from the future", f"a beacon of robot {peer} from tick {beacon.tick}")
         return None
 
     def _read(self, peer: int, key: str, payload: bytes | None) -> Beacon | None:

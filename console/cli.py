@@ -3,6 +3,7 @@
 import json
 import sys
 from enum import StrEnum
+from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,7 +19,10 @@ from fes.errors import FesError, ScenarioError
 from world.scenario import Scenario, load, parse_override
 from world.summary import write, write_scenario
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+INTERRUPTED = 130
+"""What Typer makes of a KeyboardInterrupt."""
+
+app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
 
 
 app.command()(evidence.plot)
@@ -32,8 +36,18 @@ class Backend(StrEnum):
     INPROCESS = "inprocess"
 
 
+def _version(wanted: bool) -> None:
+    if wanted:
+        print(version("fes"))
+        raise typer.Exit
+
+
 @app.callback()
-def about() -> None:
+def about(
+    version_: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
     """Formation by extremum seeking: robots that find the best separation for their radio together."""
 
 
@@ -77,7 +91,9 @@ def run(
 
 @app.command(name="view")
 def view_command(
-    connect: Annotated[list[str] | None, typer.Option("--connect", "-e", metavar="ENDPOINT")] = None,
+    connect: Annotated[
+        list[str] | None, typer.Option("--connect", "-e", metavar="ENDPOINT", help="Where the world listens.")
+    ] = None,
     config: Annotated[Path | None, typer.Option("--config", "-c", help="Zenoh configuration file.")] = None,
     cfg: Annotated[list[str] | None, typer.Option(metavar="KEY:VALUE", help="Zenoh setting.")] = None,
     run: Annotated[str, typer.Option(help="Name of the run.")] = keys.DEFAULT_RUN,
@@ -88,7 +104,9 @@ def view_command(
 ) -> int:
     """Show a run that goes on in another terminal (by default the latest one started in this folder)."""
     address = Address(connect[0], keys.check_run(run)) if connect else rundir.find(keys.check_run(run))
-    endpoints = Endpoints("client", tuple(connect or (address.endpoint,)), (), config, tuple(cfg or ()), timeout)
+    unasked = frozenset() if connect else frozenset({"connect/endpoints"})
+    where = tuple(connect or (address.endpoint,))
+    endpoints = Endpoints("client", where, (), config, tuple(cfg or ()), timeout, unasked)
     screen = Console()
 
     async def show() -> int:
@@ -111,14 +129,18 @@ def main() -> None:
     except FesError as error:
         process.complain("fes", str(error))
         code = error.exit_code
+    except OSError as error:
+        process.complain("fes", f"{error.strerror}: {error.filename}" if error.filename else str(error))
+        code = process.FAILURE
     except Exception as error:
         # Typer's own complaints about arguments know how to say themselves in one line.
         message = getattr(error, "format_message", None)
         if message is None:
             raise
-        process.complain("fes", message() or "expects a command; see fes --help")
+        process.complain("fes", message().replace("Value error, ", "") or "expects a command; see fes --help")
         code = process.FAILURE
-    except KeyboardInterrupt:
+    if code == INTERRUPTED:
+        process.complain("fes", "stopped by SIGINT")
         code = process.FAILURE
     sys.exit(code if isinstance(code, int) else process.SUCCESS)
 

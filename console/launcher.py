@@ -13,6 +13,9 @@ from typing import IO
 
 from fes.errors import FesError
 
+DISMISSAL = 1.0
+"""Time [s] that agents have to end after their world dismissed them and left."""
+
 GRACE = 3.0
 """Time [s] that children have to end by themselves before they are ended."""
 
@@ -86,7 +89,8 @@ class Family:
         """End every child: the world first, which dismisses the agents; then, after GRACE, by force."""
         if self.world is not None and self.world.process.returncode is None:
             _signal(self.world, signal.SIGTERM)
-            if await _gone(self.children, GRACE):
+            await _gone([self.world], GRACE)
+            if await _gone(self.agents, DISMISSAL):
                 return
         for child in self.agents:
             _signal(child, signal.SIGTERM)
@@ -131,7 +135,8 @@ async def family(directory: Path) -> AsyncIterator[Family]:
     try:
         yield kin
     finally:
-        # Shielded: a second cancellation must not leave anybody behind.
+        # Shielded against a cancellation while it waits. If all of this process ends, so does its end of the
+        # children's standard input, which ends them too.
         await asyncio.shield(kin.stop())
 
 

@@ -1,6 +1,7 @@
 """An observer on the bus: the world's reports, as they come."""
 
 import asyncio
+import contextlib
 from collections import deque
 from collections.abc import AsyncIterator
 
@@ -13,14 +14,20 @@ MAX_WAITING = 64
 """Reports that may wait for a slow observer; older ones are forgotten."""
 
 
-async def reports(bus: Bus, run: str, timeout: float, idle: float) -> AsyncIterator[Report | None]:
-    """The reports of a run until its world leaves; None each time nothing came for `idle` [s].
+RETURN = 3.0
+"""A world that is not seen for this long [s] has left; before, only the connection may have been lost."""
 
-    Raises Absent if no world appears within `timeout` [s].
+
+async def reports(bus: Bus, run: str, timeout: float, idle: float) -> AsyncIterator[Report | None]:
+    """The reports of a run until it is over; None each time nothing came for `idle` [s].
+
+    An observer that was suspended loses its session, and finds the world again when it goes on. Raises Absent if
+    no world appears within `timeout` [s], or if it leaves before the run is over.
     """
     loop = asyncio.get_running_loop()
     waiting: deque[bytes] = deque(maxlen=MAX_WAITING)
-    news, here, left = asyncio.Event(), asyncio.Event(), asyncio.Event()
+    news = asyncio.Event()
+    here, since, latest = False, loop.time(), None
 
     def on_report(key: str, payload: bytes | None) -> None:
         if payload is not None:
@@ -28,26 +35,28 @@ async def reports(bus: Bus, run: str, timeout: float, idle: float) -> AsyncItera
             loop.call_soon_threadsafe(news.set)
 
     def on_world(key: str, alive: bool) -> None:
-        (here if alive else left).set()
+        nonlocal here, since
+        here, since = alive, loop.time()
         news.set()
 
-    deadline = loop.time() + timeout
     bus.subscribe(keys.report(run), on_report)
     bus.watch(keys.world_alive(run), on_world)
     while True:
-        try:
+        with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(idle):
                 await news.wait()
-        except TimeoutError:
-            if not here.is_set() and loop.time() > deadline:
-                raise Absent(f"no world of run '{run}' appeared within {timeout:g} s") from None
-            yield None
-            continue
+        quiet = not news.is_set()
         news.clear()
         while waiting:
             try:
-                yield decode_report(waiting.popleft())
+                latest = decode_report(waiting.popleft())
             except MessageError:
                 continue  # a view shows what it can read
-        if left.is_set():
+            yield latest
+        if not here and latest is not None and latest.tick + 1 >= latest.ticks:
             return
+        if not here and loop.time() - since > (RETURN if latest is not None else timeout):
+            what = f"left after tick {latest.tick}" if latest is not None else f"did not appear within {timeout:g} s"
+            raise Absent(f"the world of run '{run}' {what}")
+        if quiet:
+            yield None

@@ -14,7 +14,7 @@ from console.launcher import Family
 from console.rundir import Address
 from fes import bus, keys, process
 from fes.endpoints import Endpoints
-from fes.errors import FesError
+from fes.errors import FesError, Stopped
 from world.scenario import Scenario
 
 RUN = keys.DEFAULT_RUN
@@ -39,8 +39,14 @@ def run(launch: Launch, scenario: Scenario, directory: Path, console: Console) -
     Every child ends with this call, however it ends. Raises FesError if one of them fails, and Stopped after
     a signal; what was reached until then is in the directory.
     """
-    process.supervise(lambda: _run(launch, scenario, directory, console))
-    return read_summary(directory)
+    try:
+        process.supervise(lambda: _run(launch, scenario, directory, console))
+    except Stopped as stopped:
+        raise Stopped(f"{stopped}; what was reached is in {directory}") from None
+    summary = read_summary(directory)
+    if summary["ticks"] < scenario.ticks:
+        raise FesError(f"the world was stopped after {summary['ticks']} of {scenario.ticks} ticks (see {directory})")
+    return summary
 
 
 async def _run(launch: Launch, scenario: Scenario, directory: Path, console: Console) -> None:
@@ -77,7 +83,7 @@ async def _attend(family: Family, launch: Launch, endpoint: str, console: Consol
         await family.finish()
     finally:
         show.cancel()
-        with contextlib.suppress(asyncio.CancelledError, FesError):
+        with contextlib.suppress(asyncio.CancelledError, Exception):  # what fails in a view is not the run's
             await show
 
 

@@ -57,7 +57,9 @@ def withdraw(directory: Path) -> None:
 def find(run: str) -> Address:
     """Where to look without being told: the latest run of this folder if it goes on, else the default endpoint."""
     with contextlib.suppress(OSError, ValueError, TypeError):
-        return Address(**json.loads((ROOT / LATEST / _ENDPOINT).read_text(encoding="utf-8")))
+        latest = Address(**json.loads((ROOT / LATEST / _ENDPOINT).read_text(encoding="utf-8")))
+        if latest.run == run:
+            return latest
     return Address(DEFAULT_ENDPOINT, run)
 
 

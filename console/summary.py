@@ -25,7 +25,8 @@ def render(summary: dict[str, Any]) -> RenderableType:
     facts.add_column(overflow="fold")
     for name, value in _facts(summary):
         facts.add_row(name, value)
-    edges = Table(title=f"{len(summary['edges'])} links at the end", title_justify="left", box=None)
+    count = len(summary["edges"])
+    edges = Table(title=f"{count} link{'' if count == 1 else 's'} at the end", title_justify="left", box=None)
     for heading in ("link", "separation [m]", "estimate [m]", "estimate back [m]"):
         edges.add_column(escape(heading), justify="right")
     for i, j, *numbers in summary["edges"][:MAX_EDGES]:
@@ -37,7 +38,7 @@ def render(summary: dict[str, Any]) -> RenderableType:
 
 def _facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
     sent = summary["beacons_sent"]
-    rate = f"{summary['ticks_per_s']:.0f} ticks/s, {summary['real_time_factor']:.1f}x real time"
+    rate = f"{summary['ticks_per_s']:.0f} ticks/s, {summary['real_time_factor']:.1f}× real time"
     connectivity = summary["algebraic_connectivity"]
     facts = [
         (
@@ -48,7 +49,7 @@ def _facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("optimal separation", _meters(summary["optimal_separation"], 4) + " m"),
         ("largest separation error", _meters(summary["separation_error_max"], 4) + " m"),
         ("largest estimate error", _meters(summary["estimate_error_max"], 4) + " m"),
-        ("disagreement", _meters(summary["disagreement"], 4) + " m"),
+        ("disagreement", _meters(summary["disagreement"], 6) + " m"),
         ("disk graph connected", "always" if summary["disk_connected_always"] else "not always"),
         ("links connected", "always" if summary["links_connected_always"] else "not always"),
         ("algebraic connectivity", "not computed" if connectivity is None else f"{connectivity:.4f}"),

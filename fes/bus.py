@@ -27,9 +27,12 @@ import zenoh.handlers
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
 from fes.errors import Absent, FesError, Refused, TransportError
 
-MAILBOX = 256
+MAILBOX = 1024
 """Samples that may wait in a mailbox."""
 
+
+REFUSED = b"refused: "
+"""How an answer begins that turns the asker away."""
 
 Handler = Callable[[str, bytes | None], None]
 """Called with the key and the payload of a sample (None for a deletion), in a thread of Zenoh."""
@@ -51,7 +54,7 @@ class Question:
     def refuse(self, reason: str) -> None:
         """Turn it away, with one line that says why."""
         with self._query as query:
-            query.reply_err(reason.encode())
+            query.reply_err(REFUSED + reason.encode())
 
 
 class Mailbox:
@@ -148,11 +151,13 @@ class Bus:
         self._session.get(key, callback, payload=payload, timeout=timeout)
         reply = await future
         if reply is None:
-            raise Absent(f"nobody answered on {key} within {timeout:g} s")
-        if reply.ok is None:
-            error = reply.err
-            raise Refused(error.payload.to_string() if error is not None else "refused")
-        return reply.ok.payload.to_bytes()
+            raise Absent(f"nobody answers on {key}")
+        if reply.ok is not None:
+            return reply.ok.payload.to_bytes()
+        said = reply.err.payload.to_bytes() if reply.err is not None else b""
+        if said.startswith(REFUSED):
+            raise Refused(said.removeprefix(REFUSED).decode(errors="replace"))
+        raise Absent(f"nobody answered on {key} within {timeout:g} s")  # Zenoh's own word for it is an error reply
 
 
 @asynccontextmanager
@@ -194,7 +199,12 @@ async def _open(config: zenoh.Config) -> zenoh.Session:
             loop.call_soon_threadsafe(settle, *outcome)
 
     threading.Thread(target=work, name="zenoh open", daemon=True).start()
-    return await future
+    try:
+        return await future
+    except asyncio.CancelledError:
+        if future.done() and not future.cancelled():
+            future.result().close()  # it opened just when we were told to stop
+        raise
 
 
 def _config(endpoints: Endpoints) -> zenoh.Config:
@@ -203,7 +213,10 @@ def _config(endpoints: Endpoints) -> zenoh.Config:
         config = zenoh.Config.from_file(path) if path is not None else zenoh.Config()
     except zenoh.ZError as error:
         raise TransportError(f"cannot read the Zenoh configuration {path}: {_first_line(str(error))}") from None
+    plain = zenoh.Config()
     for key, value in endpoints.house_rules().items():
+        if path is not None and key in endpoints.by_default and config.get_json(key) != plain.get_json(key):
+            continue
         try:
             config.insert_json5(key, json.dumps(value))
         except zenoh.ZError:

@@ -21,8 +21,10 @@ class Complaints:
         if self.counts[kind] == 1:
             self._logger.warning("dropped %s (further ones of this kind are counted, not shown)", line)
 
-    def log_total(self) -> None:
-        """One line with the counts, if there are any."""
+    def log_total(self, overflow: int = 0) -> None:
+        """One line with the counts, if there are any; `overflow` messages found no room to wait."""
+        if overflow:
+            self.counts["no room"] += overflow
         if self.counts:
             total = ", ".join(f"{kind} x{count}" for kind, count in self.counts.most_common(8))
             self._logger.warning("dropped messages: %s", total)

@@ -8,11 +8,15 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+Exponent = Annotated[float, Field(gt=0, le=20, allow_inf_nan=False)]
+"""No channel or objective needs more, and powers stay finite."""
+
+Cutoff = Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 MAX_SUB_STEP_PHASE = 2.0
-"""Dither phase [rad] that one Runge-Kutta step may span before the integration aliases it."""
+"""Dither phase [rad] that one step of the integration may span before the integration aliases it."""
 
 
 class Table(BaseModel):
@@ -28,11 +32,11 @@ class ChannelConfig(Table):
     """`rayleigh`: beacons decode with the probability of (3). `perfect`: every beacon in range decodes."""
     reference_snr: Positive = 1e7
     """SNR at the reference distance [1] (P0/sigma^2)."""
-    spectral_efficiency: Positive = 2.0
+    spectral_efficiency: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] = 2.0
     """Data rate below which the link is in outage [bit/s/Hz] (delta)."""
-    path_loss_exponent: Positive = 3.0
+    path_loss_exponent: Exponent = 3.0
     """Path-loss exponent [1] (nu of (3))."""
-    reference_distance: Positive = 1.0
+    reference_distance: Annotated[float, Field(ge=1e-6, le=1e6)] = 1.0
     """Distance of the reference SNR [m] (r0)."""
     communication_range: Positive = 150.0
     """Hard cut-off of the radio [m] (r_x)."""
@@ -45,7 +49,7 @@ class ObjectiveConfig(Table):
     """Minimum spacing preferred [m] (r_min)."""
     maximum_separation: Positive = 150.0
     """Spacing of the worst tolerable outage [m] (r_x)."""
-    shape_exponent: Positive = 4.0
+    shape_exponent: Exponent = 4.0
     """Shape exponent of the index [1] (nu of (16); Fig. 3 has 4)."""
 
     @model_validator(mode="after")
@@ -69,16 +73,19 @@ class SeekingConfig(Table):
     """`log`: the robots climb ln J, whose curvature at the optimum hardly depends on the objective, so that one
     gain serves all. `none`: J itself, as printed."""
     index_gain: Positive = 40000.0
-    """Gain on the index [1] (k). For J and r_min 50, 44460 = 1/(a^2 |J''|/2) makes the time constant 1 s."""
+    """Gain on the index [1] (k). For J and r_min 50, 44460 = 1/(a^2 |J''|/2) makes the time constant 1 s. Far above
+    the default, or with a far larger dither, cut `sub_step`: estimates that race over meters in a step are
+    integrated less exactly.
+    """
     dither_amplitude: Positive = 0.2
     """[m] (a)."""
     dither_frequency: Positive = 100.0
     """[rad/s] (beta_0)."""
-    consensus_gain: NonNegative = 4.0
+    consensus_gain: Annotated[float, Field(ge=0, le=1e4)] = 4.0
     """[1/s] (kappa); the paper asks for beta_l^2 / 4."""
-    low_pass_cutoff: Positive = 4.0
+    low_pass_cutoff: Cutoff = 4.0
     """[rad/s] (beta_l)."""
-    washout_cutoff: Positive = 25.0
+    washout_cutoff: Cutoff = 25.0
     """[rad/s] (beta_h)."""
     sub_step: Positive = 0.02
     """Longest step of the integration [s]; a tick is cut into equal steps no longer than this."""
@@ -95,6 +102,9 @@ class SeekingConfig(Table):
                 f"sub_step x dither_frequency must be at most {MAX_SUB_STEP_PHASE} rad, "
                 f"got {self.sub_step * self.dither_frequency:g}"
             )
+        for name in ("low_pass_cutoff", "consensus_gain"):
+            if getattr(self, name) * self.sub_step > 1.0:
+                raise ValueError(f"sub_step x {name} must be at most 1, got {self.sub_step * getattr(self, name):g}")
         return self
 
 
@@ -111,7 +121,7 @@ class FormationConfig(Table):
     """Largest linear speed [m/s]; none by default, as in the paper."""
     angular_limit: Positive | None = None
     """Largest angular speed [rad/s]; none by default, as in the paper."""
-    contact_timeout: Positive = 1.0
+    contact_timeout: Annotated[float, Field(gt=0, le=1e6)] = 1.0
     """A peer unheard for this long [s] is no longer a contact."""
 
 

@@ -1,15 +1,19 @@
 """How a process takes part in the network: endpoints, and the settings of its Zenoh session."""
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 from fes.errors import FesError
+from fes.wire import MAX_PAYLOAD
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 
-MAX_MESSAGE = 1 << 20
+MAX_MESSAGE = MAX_PAYLOAD
 """Bytes; larger messages are dropped by the transport."""
+
+_ENDPOINT = re.compile(r"(tcp|tls|udp|quic|ws)/\S+:\d{1,5}(\?\S*)?|(unixsock-stream|unixpipe|vsock|serial)/\S+")
 
 Mode = Literal["router", "client", "peer"]
 
@@ -26,22 +30,29 @@ class Endpoints:
     """KEY:VALUE pairs, the value in JSON5."""
     timeout: float = 10.0
     """How long to try to connect [s]."""
+    by_default: frozenset[str] = frozenset()
+    """Settings that nobody asked for: where the configuration file has its own, that one holds."""
 
     @property
     def shown(self) -> str:
         """The endpoints as a person reads them."""
         return ", ".join(self.connect or self.listen) or "no endpoint"
 
+    def __post_init__(self) -> None:
+        for endpoint in (*self.connect, *self.listen):
+            if not _ENDPOINT.fullmatch(endpoint):
+                raise FesError(f"not an endpoint like {DEFAULT_ENDPOINT}: {endpoint}")
+
     def house_rules(self) -> dict[str, object]:
         """The session's settings, by Zenoh's key: the lockstep relies on them."""
         retry = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5}
         return {
             "mode": self.mode,
+            "listen/endpoints": list(self.listen),
+            "connect/endpoints": list(self.connect),
             "scouting/multicast/enabled": False,
             "scouting/gossip/enabled": False,
             "scouting/delay": 0,
-            "listen/endpoints": list(self.listen),
-            "connect/endpoints": list(self.connect),
             "connect/timeout_ms": round(1000 * self.timeout),
             "connect/retry": retry,
             "listen/timeout_ms": 0,

@@ -10,6 +10,9 @@ Item = tuple[str, bytes | None]
 LIMIT = 100_000
 """Messages that may wait; what comes beyond is dropped and counted."""
 
+LIMIT_BYTES = 1 << 26
+"""Bytes that may wait."""
+
 
 class Inbox:
     """Messages that wait for the loop. `put` may be called from any thread, all else on the loop."""
@@ -20,13 +23,16 @@ class Inbox:
         self._wanted = 0
         self._waiter: asyncio.Future[None] | None = None
         self._failure: FesError | None = None
+        self._bytes = 0
         self.dropped = 0
 
     def put(self, key: str, payload: bytes | None) -> None:
         """Hand over one message."""
-        if len(self._items) >= LIMIT:
+        size = len(payload) if payload is not None else 0
+        if len(self._items) >= LIMIT or self._bytes + size > LIMIT_BYTES:
             self.dropped += 1
             return
+        self._bytes += size
         self._items.append((key, payload))
         if 0 < self._wanted <= len(self._items):
             self._wanted = 0
@@ -38,7 +44,10 @@ class Inbox:
         self._wake()
 
     async def wait(self, count: int, timeout: float) -> bool:
-        """Wait until `count` messages are here; False if `timeout` [s] passed first."""
+        """Wait until `count` messages are here; False if `timeout` [s] passed first.
+
+        After a failure: True as long as any message is left to be read, then raises it.
+        """
         end = self._loop.time() + timeout
         timer = self._loop.call_later(timeout, self._wake)
         try:
@@ -53,7 +62,7 @@ class Inbox:
             timer.cancel()
             self._wanted = 0
         # What came before a failure is still to be read: a world says that the run is over, then leaves.
-        if len(self._items) >= count:
+        if len(self._items) >= count or (self._items and self._failure is not None):
             return True
         if self._failure is not None:
             raise self._failure
@@ -62,7 +71,9 @@ class Inbox:
     def drain(self) -> list[Item]:
         """All messages that are here, in the order they came."""
         items = self._items
-        return [items.popleft() for _ in range(len(items))]
+        taken = [items.popleft() for _ in range(len(items))]
+        self._bytes = 0  # a bound, not an account: what is being put just now may not be counted
+        return taken
 
     def _wake(self) -> None:
         if self._waiter is not None and not self._waiter.done():

@@ -6,7 +6,7 @@
 | fes/<run>/robot/<i>/alive       | liveliness token         | agent i -> all                      | while up     |
 | fes/<run>/world/welcome         | Join, answered by Welcome | agent -> world -> agent            | once a join  |
 | fes/<run>/robot/<i>/observation | Observation              | world -> agent i                    | each tick    |
-| fes/<run>/robot/<i>/beacon      | Beacon                   | agent i -> peers in range, observers | each tick   |
+| fes/<run>/robot/<i>/beacon      | Beacon                   | agent i -> peers in range           | each tick   |
 | fes/<run>/robot/<i>/command     | Command                  | agent i -> world                    | each tick    |
 | fes/<run>/world/report          | Report                   | world -> observers                  | 10 Hz (wall) |
 

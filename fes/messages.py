@@ -152,17 +152,16 @@ def decode_welcome(payload: bytes) -> Welcome:
         raise MessageError(name, f"configuration: {error.errors()[0]['msg']}") from None
 
 
-def encode_join(robots: tuple[int, ...], token: str) -> bytes:
-    """The payload of an agent's question for a Welcome: the robots it wants to host, and who it is."""
-    return wire.pack(list(robots), token)
+def encode_join(robots: tuple[int, ...]) -> bytes:
+    """The payload of an agent's question for a Welcome: the robots it wants to host."""
+    return wire.pack(list(robots))
 
 
-def decode_join(payload: bytes) -> tuple[tuple[int, ...], str]:
-    """The robots wanted, ascending, and the asker's token."""
+def decode_join(payload: bytes) -> tuple[int, ...]:
+    """The robots wanted, ascending."""
     name = "Join"
-    robots, token = wire.unpack(name, payload, 2)
+    [robots] = wire.unpack(name, payload, 1)
     wire.check(name, isinstance(robots, list) and len(robots) > 0, "expects a list of robots", robots)
-    wire.check(name, isinstance(token, str) and 0 < len(token) <= 64, "expects a token", token)
     wanted = tuple(wire.robot_id(name, robot) for robot in robots)
     wire.check(name, list(wanted) == sorted(set(wanted)), "robot ids must ascend", robots)
-    return wanted, token
+    return wanted

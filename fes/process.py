@@ -15,8 +15,8 @@ from fes import keys
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, Mode
 from fes.errors import FesError, Stopped
 
-SUCCESS, FAILURE, UNMET = 0, 1, 2
-"""Exit codes: success; bad configuration or run-time error; an expectation of the scenario failed."""
+SUCCESS, FAILURE = 0, 1
+"""Exit codes: success; bad configuration or run-time error."""
 
 FORCED = 130
 """Exit code after a second signal."""
@@ -47,6 +47,9 @@ def leave(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_wit
     except FesError as error:
         complain(name, str(error))
         code = error.exit_code
+    except OSError as error:
+        complain(name, f"{error.strerror}: {error.filename}" if error.filename else str(error))
+        code = FAILURE
     with contextlib.suppress(OSError):  # the terminal may be gone
         sys.stdout.flush()
         sys.stderr.flush()
@@ -76,7 +79,6 @@ def interruptible() -> Iterator[None]:
 
 async def _until_stopped(main: Callable[[], Coroutine[None, None, T]], exit_with_stdin: bool) -> T:
     loop = asyncio.get_running_loop()
-    task = asyncio.ensure_future(main())
     told: list[str] = []
 
     def stop(by: str) -> None:
@@ -88,7 +90,11 @@ async def _until_stopped(main: Callable[[], Coroutine[None, None, T]], exit_with
     for number in STOP_SIGNALS:
         loop.add_signal_handler(number, stop, number.name)
     if exit_with_stdin:
-        loop.add_reader(sys.stdin.fileno(), lambda: _at_end_of_stdin(loop, stop))
+        try:
+            loop.add_reader(sys.stdin.fileno(), lambda: _at_end_of_stdin(loop, stop))
+        except (OSError, AttributeError, ValueError):
+            raise FesError("--exit-with-stdin: standard input must be a pipe or a terminal") from None
+    task = asyncio.ensure_future(main())
     try:
         return await task
     except asyncio.CancelledError:
@@ -141,13 +147,34 @@ def add_network_flags(parser: argparse.ArgumentParser) -> None:
 
 
 def world_endpoints(flags: argparse.Namespace) -> Endpoints:
-    """Endpoints of a world: a router that listens, unless the flags say otherwise."""
+    """Endpoints of a world: a router that listens, unless the flags or the configuration file say otherwise."""
     mode: Mode = flags.mode or "router"
     listen = tuple(flags.listen) or ((DEFAULT_ENDPOINT,) if mode == "router" else ())
-    return Endpoints(mode, tuple(flags.connect), listen, flags.config, tuple(flags.cfg))
+    return Endpoints(
+        mode,
+        tuple(flags.connect),
+        listen,
+        flags.config,
+        tuple(flags.cfg),
+        by_default=_unasked(flags.connect, flags.listen),
+    )
 
 
 def agent_endpoints(flags: argparse.Namespace, timeout: float) -> Endpoints:
-    """Endpoints of an agent or an observer: a client of the world's router, unless the flags say otherwise."""
+    """Endpoints of an agent: a client of the world's router, unless flags or configuration file say otherwise."""
     connect = tuple(flags.connect) or (DEFAULT_ENDPOINT,)
-    return Endpoints(flags.mode or "client", connect, tuple(flags.listen), flags.config, tuple(flags.cfg), timeout)
+    return Endpoints(
+        flags.mode or "client",
+        connect,
+        tuple(flags.listen),
+        flags.config,
+        tuple(flags.cfg),
+        timeout,
+        _unasked(flags.connect, flags.listen),
+    )
+
+
+def _unasked(connect: list[str], listen: list[str]) -> frozenset[str]:
+    """The endpoint settings for which no flag was given."""
+    given = {"connect/endpoints": connect, "listen/endpoints": listen}
+    return frozenset(key for key, endpoints in given.items() if not endpoints)

@@ -22,6 +22,9 @@ MAX_PAYLOAD = 1 << 20
 
 T = TypeVar("T", bound=tuple[float, ...])
 
+KEPT = 4096
+"""Longest list of ids [bytes] whose array is kept."""
+
 MAX_TICK = 2**53
 MAX_ID = 2**31 - 1
 
@@ -96,7 +99,7 @@ def ids(name: str, blob: Any) -> Ints:
     """Ids, ascending [m]; the same bytes give the same array."""
     if type(blob) is not bytes or len(blob) % 4:
         check(name, False, "expects ids as int32", blob)
-    found = _ascending(blob)
+    found = _ascending(blob) if len(blob) <= KEPT else _ascending.__wrapped__(blob)
     if found is None:
         raise MessageError(name, "ids must ascend from 0")
     return found

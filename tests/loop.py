@@ -64,7 +64,7 @@ def run(what: Scenario, ticks: int | None = None, split: list[list[int]] | None 
         heard = said[0] if split is None else _together(said)
         for at, part in enumerate(parts):
             own = sensed if split is None else _own(sensed, part.ids)
-            audible = heard if split is None else _among(heard, np.union1d(own.in_range.peers, part.ids))
+            audible = heard if split is None else _among(heard, np.unique(own.in_range.peers))
             minds[at], said[at], twists[part.ids] = crews.step(part, minds[at], own, audible)
         history.poses.append(state.poses)
         history.estimates.append({pair: value for beacons in said for pair, value in _estimates(beacons)})

@@ -65,13 +65,17 @@ def commands(draw: st.DrawFn) -> Command:
 @st.composite
 def welcomes(draw: st.DrawFn) -> Welcome:
     low, high = sorted((draw(positive), draw(positive)))
-    seeking = SeekingConfig(index_gain=draw(positive), sub_step=draw(small), dither_frequency=draw(small))
+    seeking = SeekingConfig(
+        index_gain=draw(positive), sub_step=draw(st.floats(1e-9, 0.2)), dither_frequency=draw(st.floats(1e-9, 9.0))
+    )
     formation = FormationConfig(linear_limit=draw(st.none() | positive), angular_gain=draw(positive))
-    channel = draw(st.none() | st.builds(ChannelConfig, reference_snr=positive, path_loss_exponent=positive))
+    channel = draw(
+        st.none() | st.builds(ChannelConfig, reference_snr=positive, path_loss_exponent=st.floats(0.1, 20.0))
+    )
     config = AgentConfig(
         dt=draw(positive),
         seed=draw(st.integers(0, 2**53 - 1)),
-        objective=ObjectiveConfig(minimum_separation=draw(small), shape_exponent=draw(positive)),
+        objective=ObjectiveConfig(minimum_separation=draw(small), shape_exponent=draw(st.floats(0.1, 20.0))),
         seeking=seeking.model_copy(update={"initial_estimate": (low, high)}),
         formation=formation,
         channel=channel,
@@ -92,17 +96,14 @@ def team_reports(draw: st.DrawFn) -> Report:
     return Report(scenario=draw(st.text()), disk_connected=draw(st.booleans()), **found)
 
 
-joins = st.tuples(
-    st.sets(robots, min_size=1, max_size=9).map(lambda ids: tuple(sorted(ids))),
-    st.text(min_size=1, max_size=64),
-)
+joins = st.sets(robots, min_size=1, max_size=9).map(lambda ids: tuple(sorted(ids)))
 
 CODECS = {
     "Observation": Codec(messages.encode_observation, messages.decode_observation, observations(), 8),
     "Beacon": Codec(messages.encode_beacon, messages.decode_beacon, beacons(), 8),
     "Command": Codec(messages.encode_command, messages.decode_command, commands(), 6),
     "Welcome": Codec(messages.encode_welcome, messages.decode_welcome, welcomes(), 2),
-    "Join": Codec(lambda join: messages.encode_join(*join), messages.decode_join, joins, 2),
+    "Join": Codec(messages.encode_join, messages.decode_join, joins, 1),
     "Report": Codec(reports.encode_report, reports.decode_report, team_reports(), 12),
 }
 scalars = st.none() | st.booleans() | st.integers(-(2**63), 2**64 - 1) | st.floats() | st.text() | st.binary()

@@ -134,8 +134,12 @@ def test_a_question_is_answered_refused_or_left_alone() -> None:
             assert await agent.ask("desk", b"yes?", 5.0) == b"yes"
             with pytest.raises(Refused, match=r"^no, because$"):
                 await agent.ask("desk", b"no?", 5.0)
-            with pytest.raises(Absent, match="nobody answered on nowhere"):
+            with pytest.raises(Absent, match="nobody answers on nowhere"):
                 await agent.ask("nowhere", b"", 0.5)
+            kept: list[Question] = []
+            world.serve("asleep", kept.append)
+            with pytest.raises(Absent, match=r"nobody answered on asleep within 0.3 s"):
+                await agent.ask("asleep", b"", 0.3)
 
     run(main)
 

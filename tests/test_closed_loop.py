@@ -131,3 +131,13 @@ def test_every_link_of_a_robots_first_exchange_begins_with_its_own_draw(name: st
 def test_another_seed_is_another_run() -> None:
     other = loop.run(loop.load("paper.toml", run__seed=2), ticks=200)
     assert not np.array_equal(other.poses[-1], history("paper.toml").poses[199])
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_spreading_changes_no_bit_where_links_come_and_go(seed: int) -> None:
+    """A poor channel and short memory: peers are forgotten and found again, and drop all their links meanwhile."""
+    changes = {"formation__contact_timeout": 0.04, "channel__reference_snr": 2e6, "run__duration": 4.0}
+    poor = loop.load("paper.toml", run__seed=seed, **changes)
+    whole, parts = loop.run(poor), loop.run(poor, split=[[robot] for robot in range(10)])
+    assert np.array_equal(np.array(whole.poses), np.array(parts.poses))
+    assert whole.estimates == parts.estimates

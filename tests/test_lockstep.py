@@ -144,6 +144,29 @@ def test_an_agent_that_leaves_ends_the_run_with_its_name() -> None:
     asyncio.run(main())
 
 
+def test_junk_does_not_keep_a_hung_robot_alive(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The barrier's deadline holds although messages keep coming."""
+    monkeypatch.setattr("world.server.ANSWER_TIMEOUT", 1.0)
+    endless = load("pair.toml", run__duration=1000.0)
+
+    async def main() -> None:
+        async with session.router() as (opened, endpoint), client(endpoint) as silent, client(endpoint) as vandal:
+            server = Server(opened, endless, "test", RUN, None)
+            for robot in (0, 1):
+                silent.token(keys.robot_alive(RUN, robot))  # here, but it never answers
+            await server.gather()
+            running = asyncio.ensure_future(server.run())
+            for _ in range(400):
+                vandal._session.put(keys.command(RUN, 0), b"junk")
+                await asyncio.sleep(0.01)
+                if running.done():
+                    break
+            with pytest.raises(Absent, match=r"^robot 0 did not answer tick 0 for 1 s$"):
+                await asyncio.wait_for(running, 5.0)
+
+    asyncio.run(main())
+
+
 def test_an_agent_whose_world_leaves_says_so() -> None:
     endless = load("pair.toml", run__duration=1000.0)
 

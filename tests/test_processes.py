@@ -137,7 +137,11 @@ def test_a_signal_ends_everybody_and_keeps_what_was_reached(
     asyncio.run(first_report(tmp_path / "out"))
     endless.send_signal(number)
     out, err = endless.communicate(timeout=PATIENCE)
-    assert (endless.returncode, out, err) == (1, "", f"fes: error: stopped by {number.name}\n")
+    assert (endless.returncode, out, err) == (
+        1,
+        "",
+        f"fes: error: stopped by {number.name}; what was reached is in out\n",
+    )
     assert not any(alive(pid) for pid in pids)
     assert json.loads((tmp_path / "out/summary.json").read_text())["ticks"] > 0
 
@@ -158,6 +162,16 @@ def test_a_killed_agent_is_named_and_ends_the_run(tmp_path: Path, endless: "subp
     assert err.startswith("fes: error: fes-agent --id 1 was ended by SIGKILL")
     assert "robot 1 left at tick" in err
     assert err.count("\n") == 1
+    assert not any(alive(pid) for pid in pids)
+
+
+def test_a_run_whose_world_was_told_to_stop_is_no_success(tmp_path: Path, endless: "subprocess.Popen[str]") -> None:
+    pids = started(tmp_path, endless, 2)
+    asyncio.run(first_report(tmp_path / "out"))
+    os.kill(next(pid for pid, line in pids.items() if "world.process" in line), signal.SIGTERM)
+    out, err = endless.communicate(timeout=PATIENCE)
+    assert (endless.returncode, out) == (1, "")
+    assert "the world was stopped after" in err
     assert not any(alive(pid) for pid in pids)
 
 

@@ -99,8 +99,8 @@ def test_even_an_unheard_estimate_errs_by_less_than_a_thousandth_of_its_travel()
     # Far from r* the slope of J varies most: 8.3e-4 from 50 m (measured), 3.0e-4 near r*.
     coarse = integration_error([50.0], ALONE)
     assert coarse <= 1e-3
-    # fourth order: half the step, a sixteenth of the error (here 18.7)
-    assert coarse / integration_error([50.0], ALONE, 0.005) == pytest.approx(16.0, rel=0.25)
+    # at least fourth order: half the step, at most a sixteenth of the error
+    assert coarse / integration_error([50.0], ALONE, 0.005) > 16.0
 
 
 def test_the_settled_estimate_is_off_the_optimum_by_the_bias_of_the_dither() -> None:

@@ -64,7 +64,7 @@ class Draws:
 
     def _take_in(self, edges: Edges) -> None:
         """Columns for the pairs of `edges`; only those that have none yet are drawn."""
-        at = edges.places_in(self._edges) if self._edges is not None else np.full(len(edges), -1)
+        at = edges.places_in(self._edges).copy() if self._edges is not None else np.full(len(edges), -1)
         new = np.flatnonzero(at < 0)
         columns = self._columns.take(at, mode="clip") if len(self._columns) else at
         columns[new] = self._blocks.shape[1] + np.arange(len(new))

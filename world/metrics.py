@@ -50,9 +50,10 @@ class Tally:
     ticks: int = 0
     errors: dict[str, float] = field(default_factory=dict)
     """At the last tick: disagreement (NaN before there are links), estimate_error, separation_error [m]."""
-    disk_always: bool = True
-    links_always: bool = True
     disk_now: bool = False
+    _opened: bool = False
+    _disk_always: bool = True
+    _links_always: bool = True
     _since: dict[str, int | None] = field(default_factory=lambda: dict.fromkeys(LEVELS))
     _reached: dict[str, int] = field(default_factory=dict)
     _hash: "hashlib._Hash" = field(default_factory=hashlib.sha256)
@@ -71,20 +72,31 @@ class Tally:
         """One tick: true poses [n, 3] and twists [n, 2], who is in range, and what robots say they use."""
         self._digest(poses, twists)
         self.disk_now = self._disk.is_connected(near.edges)
-        self.disk_always &= self.disk_now
-        if open_contacts:
-            self.links_always &= self._links.is_connected(links)
+        if open_contacts or len(poses) == 1:
+            self._opened = True
+            self._disk_always &= self.disk_now
+            self._links_always &= self._links.is_connected(links)
         self.errors = link_errors(poses, links, estimates, self.optimal)
         self._levels()
         self.ticks += 1
 
+    @property
+    def disk_always(self) -> bool:
+        """Whether the disk graph was connected from the tick at which contacts first opened; False if none did."""
+        return self._opened and self._disk_always
+
+    @property
+    def links_always(self) -> bool:
+        """The same for the graph of the links in use."""
+        return self._opened and self._links_always
+
     def times(self) -> dict[str, float | None]:
         """For each level the first time [s] from which it held for HOLD, or to the end; None if it never did."""
         found = {name: self._reached.get(name, self._since[name]) for name in LEVELS}
-        return {name: None if tick is None else tick * self.dt for name, tick in found.items()}
+        return {name: None if tick is None else round(tick * self.dt, 9) for name, tick in found.items()}
 
     def digest(self) -> str:
-        """SHA-256 over the ticks so far; see `docs` in the README for its layout."""
+        """SHA-256 over the ticks so far; the README has its layout."""
         return self._hash.hexdigest()
 
     def _digest(self, poses: Floats, twists: Floats) -> None:

@@ -24,7 +24,7 @@ async def serve(flags: argparse.Namespace, scenario: Scenario) -> int:
             await server.run()
         finally:
             server.dismiss()
-            server.complaints.log_total()
+            server.complaints.log_total(server.overflow)
             reached = server.summarize()
             if reached is not None and flags.out is not None:
                 summary.write(flags.out, reached)
@@ -73,7 +73,10 @@ def real_time_factor(text: str) -> float | None:
     """The argument of --rtf: a positive number, or `max` for full speed (None)."""
     if text == "max":
         return None
-    value = float(text)
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
     if not 0.0 < value < float("inf"):
         raise argparse.ArgumentTypeError(f"expects 'max' or a positive number, got '{text}'")
     return value

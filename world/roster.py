@@ -15,7 +15,7 @@ from fes.config import AgentConfig
 from fes.errors import MessageError
 from fes.messages import Welcome
 
-LEASE = 15.0
+LEASE = 5.0
 """A robot that was promised to an agent is free again if no liveliness token follows within this time [s]."""
 
 
@@ -40,7 +40,7 @@ class Roster:
 
     def _on_question(self, question: Question) -> None:
         try:
-            wanted, _ = messages.decode_join(question.payload)
+            wanted = messages.decode_join(question.payload)
         except MessageError as error:
             self._complaints.add(f"{error.schema}: {error.rule}", f"{keys.welcome(self._run)}: {error}")
             question.refuse(str(error))

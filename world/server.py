@@ -28,7 +28,7 @@ ANSWER_TIMEOUT = 10.0
 """A living robot that does not answer a tick for this long [s] is hung: its liveliness token would stay."""
 
 ASK_AGAIN = 0.5
-"""An observation is sent again to robots that did not answer it for this long [s]."""
+"""An observation is sent again to robots that did not answer it for this long [s], then for twice as long, ..."""
 
 
 class Server:
@@ -60,7 +60,8 @@ class Server:
     async def gather(self) -> None:
         """Wait until every robot is here."""
         self.logger.info("waiting for %d robots", len(self._observe))
-        await self._roster.complete.wait()
+        while not self._roster.alive.all():
+            await self._roster.complete.wait()
         self._roster.report_losses_to(self._on_loss)
         self.logger.info("all robots are here: %s starts", self.name)
 
@@ -93,6 +94,11 @@ class Server:
             self._estimates,
             wall,
         )
+
+    @property
+    def overflow(self) -> int:
+        """Messages that found no room to wait."""
+        return self._inbox.dropped
 
     def dismiss(self) -> None:
         """Tell every robot and observer that the run is over."""
@@ -142,24 +148,31 @@ class Server:
     async def _barrier(self, sent: list[bytes]) -> list[Command]:
         """The command of every robot for this tick, in id order; raises Absent for one that does not answer."""
         answers: list[Command | None] = [None] * len(sent)
-        missing, deadline = len(sent), time.monotonic() + ANSWER_TIMEOUT
+        missing, begun, patience = len(sent), time.monotonic(), ASK_AGAIN
+        ask_at = begun + patience
         while missing:
-            enough = await self._inbox.wait(missing, ASK_AGAIN)
+            # Messages are only counted here, so junk may wake us too: time is looked at on every pass.
+            await self._inbox.wait(missing, max(0.0, ask_at - time.monotonic()))
             for key, payload in self._inbox.drain():
                 command = self._read(key, payload)
                 if command is not None and answers[command.robot] is None:
                     answers[command.robot] = command
                     missing -= 1
-            if not enough and missing:
+            if missing and time.monotonic() >= ask_at:
                 silent = [robot for robot, answer in enumerate(answers) if answer is None]
-                if time.monotonic() > deadline:
+                if time.monotonic() - begun >= ANSWER_TIMEOUT:
                     raise Absent(f"robot {silent[0]} did not answer tick {self._state.tick} for {ANSWER_TIMEOUT:g} s")
                 for robot in silent:
                     self._observe[robot](sent[robot])
+                patience *= 2.0
+                ask_at = min(time.monotonic() + patience, begun + ANSWER_TIMEOUT)
         return [answer for answer in answers if answer is not None]
 
     def _read(self, key: str, payload: bytes | None) -> Command | None:
-        """The command in a message if it is one for this tick; anything else is dropped and counted."""
+        """The command in a message if it is one for this tick; anything else is dropped and counted.
+
+        A second answer to the last tick is no fault: its robot was asked again just when it answered.
+        """
         robots = len(self._observe)
         try:
             if payload is None:
@@ -167,6 +180,8 @@ class Server:
             command = messages.decode_command(payload)
             if self._robot_of.get(key) != command.robot:
                 raise MessageError("Command", "came on another robot's key", key)
+            if command.tick == self._state.tick - 1:
+                return None
             if command.tick != self._state.tick:
                 raise MessageError("Command", "is not for this tick", str(command.tick))
             if len(command.links) and command.links[-1] >= robots:
