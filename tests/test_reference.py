@@ -36,6 +36,7 @@ LARGEST = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rule", ["two_nearest", "relative_neighborhood"])
 def test_the_reference_table_holds_over_twenty_seeds(rule: str) -> None:
     summaries = [inprocess.run(load("paper.toml", formation__rule=rule, run__seed=seed), "paper") for seed in SEEDS]
