@@ -7,6 +7,7 @@ crew        pure: the table of contents of a robot
 contacts    who is heard, and where
 neighbors   graph rules (2)
 formation   the formation law (6), (7) and its weights (9)
+reception   measured reception: the channel learnt from beacons counted
 seeking     the seeking law (18), printed and corrected
 collocation one step of (18): filters exactly, the index at a few times at once
 oracle      the paper's shortcut (33): being told the channel

@@ -43,15 +43,24 @@ class Assembly:
             links,
             np.concatenate([message.estimates for message in received]),
             np.concatenate([message.named for message in received]).view(np.bool_),
+            self._statistics([message.statistics for message in received]),
         )
+
+    @staticmethod
+    def _statistics(received: list[Floats]) -> Floats:
+        """Statistics [n, q]; those of a sender with another number of them count as not measured (zeros)."""
+        q = max(len(one) for one in received)
+        return np.array([one if len(one) == q else np.zeros(q) for one in received]).reshape(len(received), q)
 
 
 def payloads(said: Beacons, twists: Floats) -> Iterator[tuple[int, bytes, bytes]]:
     """For each robot its id, and the payloads of its beacon and its command."""
     named = said.named.view(np.uint8)
-    rows = zip(said.ids.tolist(), said.poses.tolist(), twists.tolist(), said.links.spans, strict=True)
-    for robot, pose, twist, span in rows:
+    rows = zip(
+        said.ids.tolist(), said.poses.tolist(), twists.tolist(), said.links.spans, said.statistics, strict=True
+    )
+    for robot, pose, twist, span, statistics in rows:
         links, estimates = said.links.peers[span], said.estimates[span]
-        beacon = Beacon(said.tick, robot, tuple(pose), links, estimates, named[span])
+        beacon = Beacon(said.tick, robot, tuple(pose), links, estimates, named[span], statistics)
         command = Command(said.tick, robot, tuple(twist), links, estimates)
         yield robot, messages.encode_beacon(beacon), messages.encode_command(command)

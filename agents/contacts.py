@@ -47,6 +47,8 @@ class Contacts:
     """The peer's own separation estimate for the link to this robot [m]; NaN if it has no such link."""
     names_us: Bools
     """Whether the peer's graph rule chose this robot."""
+    heard_separation: Floats
+    """Separation at the tick of that beacon [m]."""
     known: Bools
     """Whether the peer was heard within the timeout."""
     dx: Floats
@@ -89,7 +91,9 @@ def update(contacts: Contacts, observations: Observations, own: Floats, beacons:
     dx = x - own[:, geometry.X].take(edges.rows)
     dy = y - own[:, geometry.Y].take(edges.rows)
     known = heard >= observations.tick - timeout
-    return Contacts(edges, lookup, heard, x, y, estimates, names_us, known, dx, dy, geometry.separation(dx, dy))
+    separation = geometry.separation(dx, dy)
+    at_beacon = np.where(decoded, separation, contacts.heard_separation)
+    return Contacts(edges, lookup, heard, x, y, estimates, names_us, at_beacon, known, dx, dy, separation)
 
 
 def all_here(contacts: Contacts, observations: Observations) -> bool:
@@ -113,7 +117,7 @@ def _blank(edges: Edges) -> Contacts:
     no = np.zeros(count, dtype=np.bool_)
     never = np.full(count, NEVER, dtype=np.int64)
     return Contacts(
-        edges, _look_up(edges, silence()), never, zero, zero, np.full(count, np.nan), no, no, zero, zero, zero
+        edges, _look_up(edges, silence()), never, zero, zero, np.full(count, np.nan), no, zero, no, zero, zero, zero
     )
 
 
@@ -131,4 +135,5 @@ def _carry(contacts: Contacts, edges: Edges) -> Contacts:
         y=np.where(stays, contacts.y[at], blank.y),
         estimates=np.where(stays, contacts.estimates[at], blank.estimates),
         names_us=np.where(stays, contacts.names_us[at], blank.names_us),
+        heard_separation=np.where(stays, contacts.heard_separation[at], blank.heard_separation),
     )

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents import contacts, formation, neighbors, seeking
+from agents import contacts, formation, neighbors, reception, seeking
 from agents.contacts import Contacts
 from agents.neighbors import Witnesses
+from agents.reception import Reception
 from agents.seeking import Index, Seeker
 from fes import geometry
 from fes.arrays import Bools, Floats, Ints
@@ -34,6 +35,8 @@ class Crew:
     seeker: Seeker
     contact_timeout: int
     """[ticks]"""
+    statistics: int
+    """Numbers that a beacon carries of what was measured."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +61,7 @@ class State:
     contacts: Contacts
     witnesses: Witnesses
     links: Links
+    reception: Reception
     linked_since: Ints
     """Tick of each robot's first link [n]; a large number before."""
 
@@ -65,7 +69,8 @@ class State:
 def assemble(config: AgentConfig, ids: Ints) -> Crew:
     """The crew of robots `ids` [n], ascending, of a run with `config`."""
     seeker = Seeker(config.seeking, _index(config), config.dt)
-    return Crew(config, ids, seeker, math.ceil(config.formation.contact_timeout / config.dt))
+    statistics = reception.SUMS if config.seeking.index == "measured" else 0
+    return Crew(config, ids, seeker, math.ceil(config.formation.contact_timeout / config.dt), statistics)
 
 
 def start(crew: Crew) -> State:
@@ -73,7 +78,9 @@ def start(crew: Crew) -> State:
     nobody = contacts.nobody(crew.ids)
     links = Links(nobody.known, np.zeros(0, dtype=np.int64), no_edges(crew.ids), np.zeros((3, 0)))
     never = np.full(len(crew.ids), np.iinfo(np.int64).max // 2)
-    return State(np.zeros((len(crew.ids), 3)), nobody, Witnesses(nobody.edges), links, never)
+    return State(
+        np.zeros((len(crew.ids), 3)), nobody, Witnesses(nobody.edges), links, reception.nothing(len(crew.ids)), never
+    )
 
 
 def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -> tuple[State, Beacons, Floats]:
@@ -94,7 +101,7 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
     links, since = _relink(crew, state, tick, known, named | (known.names_us & known.known))
 
     # Where to go
-    error = known.separation.take(links.contact) - links.state[seeking.ESTIMATE]
+    error = known.separation.take(links.contact) - _desired(crew, tick, links)
     pull = formation.pull(links.edges, error, _bearing(known, links.contact))
     twists = formation.twist(pull, observations.poses[:, geometry.HEADING], config.dt, config.formation)
 
@@ -103,13 +110,46 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
         raise FesError(f"robot {robot} computed a twist that is not finite at tick {tick}: check gains and exponents")
 
     # What to say, and what to seek until the next tick
-    said = links.state[seeking.ESTIMATE]
-    beacons = Beacons(tick, crew.ids, observations.poses, links.edges, said, named.take(links.contact))
+    measured = state.reception
+    if config.seeking.index == "measured":
+        measured = _measure(crew, state, tick, known, links, heard)
+    said, statistics = links.state[seeking.ESTIMATE], measured.sums[:, : crew.statistics]
+    named = named.take(links.contact)
+    beacons = Beacons(tick, crew.ids, observations.poses, links.edges, said, named, statistics)
+    links = Links(links.among, links.contact, links.edges, _seek(crew, tick, known, links, measured))
+    return State(observations.poses, known, witnesses, links, measured, since), beacons, twists
+
+
+def _desired(crew: Crew, tick: int, links: Links) -> Floats:
+    """The separations that the robots drive their links to [l] [m]: a physical dither makes them breathe."""
+    estimates: Floats = links.state[seeking.ESTIMATE]
+    if crew.config.seeking.index != "measured":
+        return estimates
+    return estimates + seeking.dither(crew.seeker, np.array([tick * crew.config.dt]))
+
+
+def _measure(crew: Crew, state: State, tick: int, known: Contacts, links: Links, heard: Beacons) -> Reception:
+    """What the robots know of the channel after the beacons of the last tick."""
+    theirs = np.zeros((len(known.edges), reception.SUMS))
+    if heard.statistics.shape[1] == reception.SUMS:
+        theirs = heard.statistics.take(known.lookup.sender, axis=0)
+    mixed = reception.mix(state.reception, known.edges, known.heard == tick - 1, theirs, crew.config.dt)
+    rows, separation, decoded = reception.slots(state.contacts, known, tick, links.among)
+    return reception.learn(mixed, rows, separation, decoded, crew.config.seeking.reference_separation)
+
+
+def _seek(crew: Crew, tick: int, known: Contacts, links: Links, measured: Reception) -> Floats:
+    """The seeking state [3, l] one tick later."""
+    config, seen = crew.config, known.estimates.take(links.contact)
+    if config.seeking.index == "measured":
+        scale, estimates = config.seeking.reference_separation, links.state[seeking.ESTIMATE]
+        speed = reception.drift(measured, links.edges.rows, estimates, config.objective, scale)
+        speed += config.seeking.consensus_gain * np.where(np.isfinite(seen), seen - estimates, 0.0)
+        sought = links.state.copy()
+        sought[seeking.ESTIMATE] = np.clip(estimates + config.dt * speed, *reception.ESTIMATES)
+        return sought
     age = config.dt * (tick - known.heard.take(links.contact)).astype(np.float64)
-    peers = seeking.extrapolate(crew.seeker, links.state, known.estimates.take(links.contact), age)
-    sought = seeking.advance(crew.seeker, tick, links.state, peers)
-    links = Links(links.among, links.contact, links.edges, sought)
-    return State(observations.poses, known, witnesses, links, since), beacons, twists
+    return seeking.advance(crew.seeker, tick, links.state, seeking.extrapolate(crew.seeker, links.state, seen, age))
 
 
 def _relink(crew: Crew, state: State, tick: int, known: Contacts, among: Bools) -> tuple[Links, Ints]:
@@ -142,6 +182,8 @@ def _bearing(known: Contacts, at: Ints) -> Floats:
 
 
 def _index(config: AgentConfig) -> Index:
+    if config.seeking.index == "measured":
+        return np.zeros_like
     if config.channel is None:
         raise FesError("seeking.index = 'oracle' needs the channel, and this agent was not told it")
     # Only here, so that a process of a run with another index never loads the channel's formula.

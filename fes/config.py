@@ -65,8 +65,12 @@ class ObjectiveConfig(Table):
 class SeekingConfig(Table):
     """The seeking law (18)."""
 
-    index: Literal["oracle"] = "oracle"
-    """`oracle`: the index is computed from the channel's formula, as the paper's simulation does (33)."""
+    index: Literal["oracle", "measured"] = "oracle"
+    """`oracle`: the index is computed from the channel's formula, as the paper's simulation does (33). `measured`: it
+    is learnt from the beacons that decode and those that do not; law, gains and filters of (18) are then not used,
+    and the dither is physical: the formation breathes with it."""
+    reference_separation: Positive = 75.0
+    """Separation [m] about which measured reception is fitted (rho_0)."""
     law: Literal["consensus", "paper"] = "consensus"
     """`paper`: (18) as printed. `consensus`: with the sign of its second consensus term reversed."""
     index_transform: Literal["log", "none"] = "log"

@@ -13,6 +13,8 @@ from fes.config import AgentConfig
 from fes.errors import MessageError
 from fes.sensing import DECODED
 
+MAX_STATISTICS = 64
+
 
 class Welcome(NamedTuple):
     """World to agent, once per join: which robots it hosts, and all it may know."""
@@ -48,6 +50,8 @@ class Beacon(NamedTuple):
     """Its separation estimate of each link [l] [m]."""
     named: Bytes
     """1 where its own graph rule chose the link [l]."""
+    statistics: Floats
+    """What it has measured of the channel [q]; empty where nobody measures."""
 
 
 class Command(NamedTuple):
@@ -98,13 +102,14 @@ def encode_beacon(message: Beacon) -> bytes:
         wire.id_bytes(message.links),
         message.estimates.tobytes(),
         message.named.tobytes(),
+        message.statistics.tobytes(),
     )
 
 
 def decode_beacon(payload: bytes) -> Beacon:
     """The Beacon in a payload."""
     name = "Beacon"
-    tick, robot, x, y, heading, links, estimates, named = wire.unpack(name, payload, 8)
+    tick, robot, x, y, heading, links, estimates, named, statistics = wire.unpack(name, payload, 9)
     peers = wire.ids(name, links)
     return Beacon(
         *wire.stamp(name, tick, robot),
@@ -112,6 +117,7 @@ def decode_beacon(payload: bytes) -> Beacon:
         peers,
         wire.numbers(name, estimates, len(peers)),
         wire.codes(name, named, len(peers), 1),
+        wire.some_numbers(name, statistics, MAX_STATISTICS),
     )
 
 

@@ -30,3 +30,19 @@ def log_preference_slope(separation: Floats, objective: ObjectiveConfig) -> Floa
         fall = np.where(spread > 0.0, spread / np.expm1(np.maximum(spread, np.finfo(np.float64).tiny)), 1.0)
         slope: Floats = shape / separation * (fall - reach)
     return slope
+
+
+def log_preference_curvature(separation: Floats, objective: ObjectiveConfig) -> Floats:
+    """(ln S)'' [1/m^2] at `separation` [m], any shape; from (16).
+
+    With A = (r/r_min)^s and f = A/(e^A - 1): r (ln S)' = s (f - (r/r_x)^s), and r f' = s f (1 - A e^A/(e^A - 1)).
+    """
+    shape = objective.shape_exponent
+    spread = np.power(separation / objective.minimum_separation, shape)
+    reach = np.power(separation / objective.maximum_separation, shape)
+    with np.errstate(over="ignore", invalid="ignore"):
+        safe = np.maximum(spread, np.finfo(np.float64).tiny)
+        fall = np.where(spread > 0.0, spread / np.expm1(safe), 1.0)
+        turn = np.where(spread > 0.0, safe / -np.expm1(-safe), 1.0)
+    curvature: Floats = shape / separation**2 * (shape * (fall * (1.0 - turn) - reach) - fall + reach)
+    return curvature

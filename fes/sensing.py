@@ -45,9 +45,13 @@ class Beacons:
     """Its separation estimate for each link [l] [m]."""
     named: Bools
     """Whether its own graph rule chose the link (a link may stand because the other side chose it) [l]."""
+    statistics: Floats
+    """What each sender has measured of the channel [n, q]; q = 0 where nobody measures."""
 
 
 def silence() -> Beacons:
     """The beacons before the first tick: nobody has said anything."""
     nobody = np.zeros(0, dtype=np.int64)
-    return Beacons(-1, nobody, np.zeros((0, 3)), no_edges(nobody), np.zeros(0), np.zeros(0, dtype=np.bool_))
+    return Beacons(
+        -1, nobody, np.zeros((0, 3)), no_edges(nobody), np.zeros(0), np.zeros(0, dtype=np.bool_), np.zeros((0, 0))
+    )

@@ -133,6 +133,13 @@ def numbers(name: str, blob: Any, count: int) -> Floats:
     return found
 
 
+def some_numbers(name: str, blob: Any, most: int) -> Floats:
+    """Finite numbers, at most `most` of them."""
+    if type(blob) is not bytes or len(blob) % 8 or len(blob) > 8 * most:
+        check(name, False, f"expects at most {most} float64", blob)
+    return numbers(name, blob, len(blob) // 8)
+
+
 def codes(name: str, blob: Any, count: int, highest: int) -> Bytes:
     """Small integers from 0 to `highest` [count]."""
     if type(blob) is not bytes or len(blob) != count:

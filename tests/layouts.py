@@ -51,13 +51,18 @@ def hear(where: Floats, robots: Iterable[int], reach: float = REACH, decoded: Bo
     crew = sorted(robots)
     near = in_range(where, crew, reach)
     everybody = np.arange(len(where))
-    nothing = np.zeros(0)
-    said = Beacons(0, everybody, where, no_edges(everybody), nothing, np.zeros(0, dtype=np.bool_))
+    said = silent_beacons(0, everybody, where)
     codes = np.full(len(near), DECODED, dtype=np.uint8)
     if decoded is not None:
         codes[~decoded] = LOST
     own = where[np.array(crew)]
     return contacts.update(contacts.nobody(near.ids), Observations(1, own, near, codes), own, said, 50)
+
+
+def silent_beacons(tick: int, ids: Ints, where: Floats) -> Beacons:
+    """Beacons of robots that have no links and measure nothing."""
+    nothing, no = np.zeros(0), np.zeros(0, dtype=np.bool_)
+    return Beacons(tick, ids, where, no_edges(ids), nothing, no, np.zeros((len(ids), 0)))
 
 
 def pairs_of(among: Edges, chosen: Bools | None = None) -> set[tuple[int, int]]:

@@ -96,7 +96,9 @@ def _together(said: list[Beacons]) -> Beacons:
     links = Edges(ids[order], np.searchsorted(ids[order], robots[by_pair]), peers[by_pair])
     estimates = np.concatenate([part.estimates for part in said])[by_pair]
     named = np.concatenate([part.named for part in said])[by_pair]
-    return Beacons(said[0].tick, ids[order], np.concatenate([p.poses for p in said])[order], links, estimates, named)
+    poses = np.concatenate([part.poses for part in said])[order]
+    statistics = np.concatenate([part.statistics for part in said])[order]
+    return Beacons(said[0].tick, ids[order], poses, links, estimates, named, statistics)
 
 
 def _among(said: Beacons, ids: Ints) -> Beacons:
@@ -106,4 +108,6 @@ def _among(said: Beacons, ids: Ints) -> Beacons:
     robots = said.links.ids[said.links.rows]
     mine = np.isin(robots, kept)
     links = Edges(kept, np.searchsorted(kept, robots[mine]), said.links.peers[mine])
-    return Beacons(said.tick, kept, said.poses[senders], links, said.estimates[mine], said.named[mine])
+    return Beacons(
+        said.tick, kept, said.poses[senders], links, said.estimates[mine], said.named[mine], said.statistics[senders]
+    )

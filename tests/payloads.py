@@ -53,7 +53,15 @@ def observations(draw: st.DrawFn) -> Observation:
 @st.composite
 def beacons(draw: st.DrawFn) -> Beacon:
     pose, near = (draw(finite), draw(finite), draw(finite)), draw(peers)
-    return Beacon(draw(ticks), draw(robots), pose, near, draw(floats(len(near))), draw(codes(len(near), 1)))
+    return Beacon(
+        draw(ticks),
+        draw(robots),
+        pose,
+        near,
+        draw(floats(len(near))),
+        draw(codes(len(near), 1)),
+        draw(floats(draw(st.integers(0, 7)))),
+    )
 
 
 @st.composite
@@ -100,7 +108,7 @@ joins = st.sets(robots, min_size=1, max_size=9).map(lambda ids: tuple(sorted(ids
 
 CODECS = {
     "Observation": Codec(messages.encode_observation, messages.decode_observation, observations(), 8),
-    "Beacon": Codec(messages.encode_beacon, messages.decode_beacon, beacons(), 8),
+    "Beacon": Codec(messages.encode_beacon, messages.decode_beacon, beacons(), 9),
     "Command": Codec(messages.encode_command, messages.decode_command, commands(), 6),
     "Welcome": Codec(messages.encode_welcome, messages.decode_welcome, welcomes(), 2),
     "Join": Codec(messages.encode_join, messages.decode_join, joins, 1),

@@ -32,7 +32,9 @@ def say(crew: set[int], pairs: Pairs, seed: int, tick: int = 7) -> tuple[Beacons
     rng = np.random.default_rng(seed)
     links = layouts.edges(crew, {pair for pair in pairs if pair[0] in crew})
     named = rng.random(len(links)) < 0.5
-    said = Beacons(tick, links.ids, wild(rng, len(crew), 3), links, wild(rng, len(links)), named)
+    said = Beacons(
+        tick, links.ids, wild(rng, len(crew), 3), links, wild(rng, len(links)), named, wild(rng, len(crew), 5)
+    )
     return said, wild(rng, len(crew), 2)
 
 
@@ -52,7 +54,7 @@ def test_beacons_split_into_payloads_and_stacked_again_are_the_same_bits(
     said, twists = say(crew, pairs, seed)
     again = Assembly(said.ids).beacons(7, sent(said, twists))
     assert again.tick == said.tick
-    for name in ("ids", "poses", "estimates", "named"):
+    for name in ("ids", "poses", "estimates", "named", "statistics"):
         assert bits(getattr(again, name)) == bits(getattr(said, name)), name
     for name in ("ids", "rows", "peers"):
         assert bits(getattr(again.links, name)) == bits(getattr(said.links, name)), name

@@ -24,7 +24,7 @@ def float64(*numbers: float) -> bytes:
 # The layouts, packed by hand: version, then the fields; robot 4 at tick 7 with the peers 2 and 9.
 PLAIN: dict[str, list[Any]] = {
     "Observation": [1, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), b"\2\1", False],
-    "Beacon": [1, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), float64(60.0, 70.0), b"\1\0"],
+    "Beacon": [1, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), float64(60.0, 70.0), b"\1\0", float64(1.0)],
     "Command": [1, 7, 4, 1.5, -0.5, int32(2, 9), float64(60.0, 70.0)],
     "Join": [1, [4, 5]],
     "Report": [
@@ -45,6 +45,8 @@ BROKEN: list[tuple[str, int, Any, str]] = [
     *(("Beacon", 7, found, "2 float64") for found in (b"", float64(1.0), float64(1.0) + b"1", [60.0, 70.0])),
     *(("Beacon", 7, float64(1.0, bad), "finite") for bad in (math.nan, math.inf, -math.inf)),
     *(("Command", 6, float64(1.0, bad), "finite") for bad in (math.nan, math.inf)),
+    *(("Beacon", 9, found, "64 float64") for found in (b"1", [1.0], float64(*range(65)))),
+    *(("Beacon", 9, float64(bad), "finite") for bad in (math.nan, math.inf)),
     *(("Beacon", 8, named, "codes") for named in (b"\1", b"\1\2", b"\1\0\0", [1, 0])),
     *(("Observation", 7, codes, "codes") for codes in (b"", b"\1\3", "\1\1")),
     *(("Observation", 8, over, "flag") for over in (0, 1, None, "")),

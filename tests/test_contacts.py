@@ -1,5 +1,6 @@
 """What a robot knows of its peers: from decoded beacons only, and only for a while."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -31,7 +32,7 @@ def hear(
     linked = links or no_edges(IDS)
     estimates = np.array([60.0 + k for k in range(len(linked))])
     named = np.array([k % 2 == 0 for k in range(len(linked))], dtype=np.bool_)
-    said = Beacons(tick - 1, IDS, where, linked, estimates, named)
+    said = Beacons(tick - 1, IDS, where, linked, estimates, named, np.zeros((len(IDS), 0)))
     sensed = Observations(tick, where + 1.0, near, np.array(codes, dtype=np.uint8))
     return contacts.update(before, sensed, where, said, TIMEOUT)
 
@@ -100,9 +101,9 @@ def test_two_robots_in_one_place_drive_apart() -> None:
     where = layouts.poses([(7.0, 7.0), (7.0, 7.0)])
     sensed = Observations(3, where, near, np.full(2, DECODED, dtype=np.uint8))
     ids = np.arange(2)
-    said = Beacons(2, ids, where, no_edges(ids), np.zeros(0), np.zeros(0, dtype=np.bool_))
+    said = Beacons(2, ids, where, no_edges(ids), np.zeros(0), np.zeros(0, dtype=np.bool_), np.zeros((len(ids), 0)))
     state = crew.start(team)
-    state = crew.State(where, state.contacts, state.witnesses, state.links, state.linked_since)
+    state = dataclasses.replace(state, poses=where)
     _, _, twists = crew.step(team, state, sensed, said)
     # psi_ji = pi + psi_ij: the lower id sees the other along +x and backs off; 50 to 90 m, weight 1/2
     assert np.isfinite(twists).all()

@@ -57,6 +57,14 @@ def test_the_digest_does_not_depend_on_zenoh_placement_or_start_order(
     assert not server.complaints.counts
 
 
+def test_a_measured_run_has_the_same_digest_over_zenoh() -> None:
+    measured = load("measured.toml", **SHORT)
+    summary, server, agents = run(measured, [[0, 1, 2], [3], [4, 5, 6, 7, 8, 9]])
+    assert summary["digest"] == inprocess.run(measured, "test")["digest"]
+    assert not server.complaints.counts
+    assert not any(agent.complaints.counts for agent in agents)
+
+
 def test_an_agent_listens_to_the_peers_in_range_and_to_nobody_else() -> None:
     # Three in a row, 100 m apart, range 150 m: the ends must not hear each other, until they come together.
     apart = load("pair.toml", robots__poses=[[0.0, 0.0, 0.0], [100.0, 0.0, 0.0], [200.0, 0.0, 0.0]])
