@@ -46,8 +46,8 @@ class Radio:
             if beacon is not None and beacon.tick == tick:
                 return beacon
             if beacon is not None and beacon.tick == tick + 1:
-                self._early[peer] = beacon
-                return None
+                self._early.setdefault(peer, beacon)
+                continue
             if beacon is not None and beacon.tick > tick + 1:
                 self._complaints.add("Beacon: from the future", f"a beacon of robot {peer} from tick {beacon.tick}")
         return None

@@ -31,10 +31,12 @@ def printed_law() -> Numbers:
     config = SeekingConfig(law="paper", index_transform="none", index_gain=1.0)
     start, end = _pair(config, 10.0)
     kept = config.low_pass_cutoff * end[seeking.ESTIMATE] + end[seeking.DRIFT]
+    _, with_gain = _pair(config.model_copy(update={"index_gain": 44460.0}), 10.0)
     return {
         "disagreement at the start [m]": 20.0,
         "disagreement after 10 s [m]": float(np.ptp(end[seeking.ESTIMATE])),
         "2/(2 + beta_l) of the start [m]": 20.0 * 2.0 / (2.0 + config.low_pass_cutoff),
+        "disagreement after 10 s with an index gain of 44460 [m]": float(np.ptp(with_gain[seeking.ESTIMATE])),
         "change of beta_l r_hat + xi": float(np.abs(kept - config.low_pass_cutoff * start[seeking.ESTIMATE]).max()),
     }
 
@@ -57,8 +59,10 @@ def corrected_law() -> Numbers:
 
 
 def time_constant() -> Numbers:
-    """The printed gains: a gradient time constant of half a day."""
-    numbers = {}
+    """The printed gains: a gradient time constant of half a day; and what a gain of 44460 makes of it."""
+    washout = 100.0**2 / (100.0**2 + 25.0**2)  # what the washout lets through of the dither, in phase
+    slow, fast = sorted(-np.roots([1.0, 4.0, 4.0 * washout]).real)  # s^2 + beta_l s + beta_l (rate of the gradient)
+    numbers = {"slow mode at gain 44460, with washout and low-pass [s]": 1.0 / slow, "its fast mode [s]": 1.0 / fast}
     for nearest in (50.0, 100.0):
         second = _curvature(ObjectiveConfig(minimum_separation=nearest))
         numbers[f"1/(a^2 |J''|/2) for r_min {nearest:.0f} [s]"] = 1.0 / (0.2**2 * abs(second) / 2.0)
@@ -77,7 +81,7 @@ def two_exponents() -> Numbers:
 
 
 def weights() -> Numbers:
-    """(9) against (1): no weight is left for a_ii, and a_ij is not a_ji, as (12) assumes."""
+    """(9) against (1): no weight is left for a_ii, and a_ij is not a_ji, as (12) wants."""
     three = Edges(np.array([0]), np.array([0, 0, 0]), np.array([1, 2, 3]))
     two = Edges(np.array([0]), np.array([0, 0]), np.array([1, 2]))
     one = Edges(np.array([0]), np.array([0]), np.array([1]))
@@ -89,6 +93,22 @@ def weights() -> Numbers:
         "sum of weights, one neighbor": float(formation.weights(one, np.array([3.0])).sum()),
         "a_ij of a robot with three neighbors": float(mine[0]),
         "a_ji of its peer with two": float(theirs[0]),
+    }
+
+
+def theorem_1() -> Numbers:
+    """(12) drops cross terms: a robot that stands still between two equal pulls, whose V (12) says falls."""
+    best = optimum.optimal_separation(ObjectiveConfig(), ChannelConfig())
+    # Both peers are straight ahead, one a meter too far, one a meter too near; they head across, so their v is 0.
+    ahead = np.array([best + 1.0, best - 1.0])
+    pair = Edges(np.array([0]), np.array([0, 0]), np.array([1, 2]))
+    error = ahead - best
+    share = formation.weights(pair, error)
+    speed = float((share * error).sum())  # (6) with mu = 1, all bearings zero
+    return {
+        "speed of the robot by (6) [m/s]": speed,
+        "dV/dt by the chain rule [m^2/s]": 0.0 - 2.0 * speed * float(error.sum()),
+        "dV/dt by (12) [m^2/s]": -2.0 * float((share * error**2).sum()),
     }
 
 
@@ -121,6 +141,7 @@ CLAIMS: dict[str, Callable[[], Numbers]] = {
     "time-constant": time_constant,
     "two-exponents": two_exponents,
     "weights": weights,
+    "theorem-1": theorem_1,
     "disk-graph": disk_graph,
     "two-parts": two_parts,
 }

@@ -3,6 +3,7 @@
 import json
 import sys
 from enum import StrEnum
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
@@ -161,11 +162,12 @@ def _pace(text: str) -> float | None:
 def _in_process(
     scenario: Scenario, name: str, pace: float | None, directory: Path, screen: Console | None
 ) -> dict[str, Any]:
+    keep = partial(write, directory)
     with process.interruptible():
         if screen is None:
-            result = inprocess.run(scenario, name, pace)
+            result = inprocess.run(scenario, name, pace, keep=keep)
         else:
             with view.Screen(screen) as shown:
-                result = inprocess.run(scenario, name, pace, shown.show)
+                result = inprocess.run(scenario, name, pace, shown.show, keep)
     write(directory, result)
     return result

@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from console import claims, figures, history, study
+from console import claims, figures, history, processes, study
 from fes import process
 from fes.errors import FesError
 from world.scenario import load
@@ -76,12 +76,13 @@ def _paper_figures() -> "dict[str, Figure]":
 
 def _run_figures(directory: Path) -> "dict[str, Figure]":
     """The figures of a run, executed again from its scenario; its digest must come out again."""
-    scenario, found = directory / "scenario.toml", directory / "summary.json"
-    if not scenario.is_file() or not found.is_file():
+    scenario = directory / "scenario.toml"
+    if not scenario.is_file() or not (directory / "summary.json").is_file():
         raise FesError(f"{directory} is not a run directory: it has no scenario.toml and summary.json")
-    summary = json.loads(found.read_text(encoding="utf-8"))
-    loaded = load(scenario)
-    ticks = int(summary["ticks"])
+    summary, loaded = processes.read_summary(directory), load(scenario)
+    ticks = summary.get("ticks")
+    if not isinstance(ticks, int) or ticks < 1 or "digest" not in summary:
+        raise FesError(f"{directory / 'summary.json'} is no summary: it lacks ticks or digest")
     run = loaded.run.model_copy(update={"duration": ticks * loaded.run.dt})
     seen = history.follow(loaded.model_copy(update={"run": run}))
     if seen.digest != summary["digest"]:

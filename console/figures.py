@@ -112,7 +112,9 @@ def step_figure(sub_steps: dict[str, list[tuple[float, float]]], ticks: list[tup
         axes[0].legend(frameon=False)
         steps, errors = np.array(ticks).T
         axes[1].loglog(1e3 * steps, errors, "-", marker="o", color=BLUE)
-        axes[1].set(xlabel="tick [ms]", ylabel="distance after 6 s [m]", title="closed loop, no loss")
+        axes[1].set(
+            xlabel="tick [ms]", ylabel="distance after 6 s [m]", title="closed loop, neighborhood.toml, no loss"
+        )
         for look, shown in ((axes[0], [2.5, 5, 10, 20]), (axes[1], [5, 10, 20, 50])):
             look.set_xticks(shown, [f"{tick:g}" for tick in shown])
             look.set_xticks([], minor=True)
@@ -155,7 +157,7 @@ def _figure(width: float, height: float, columns: int = 1) -> Iterator[tuple["Fi
         from matplotlib import rc_context
         from matplotlib.figure import Figure
     except ImportError:
-        raise FesError("figures need matplotlib: pip install 'fes[plot]'") from None
+        raise FesError("figures need matplotlib: install the extra `plot`") from None
     style: Any = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}
     with rc_context(style):
         figure = Figure(figsize=(width, height), layout="constrained")

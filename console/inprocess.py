@@ -9,6 +9,7 @@ import numpy as np
 
 from agents import crew
 from fes.arrays import Floats
+from fes.errors import Stopped
 from fes.report import Report
 from fes.sensing import Beacons, silence
 from world import reporting, simulation, summary
@@ -18,6 +19,7 @@ from world.scenario import Scenario, agent_config
 from world.simulation import State
 
 Watch = Callable[[Report], None]
+Keep = Callable[[dict[str, Any]], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,25 +50,38 @@ def account(tally: Tally, tick: Tick) -> None:
     tally.add(state.poses, tick.twists, state.proximity, state.sent > 0, said.links, said.estimates)
 
 
-def run(scenario: Scenario, name: str, rtf: float | None = None, watch: Watch | None = None) -> dict[str, Any]:
+def run(
+    scenario: Scenario, name: str, rtf: float | None = None, watch: Watch | None = None, keep: Keep | None = None
+) -> dict[str, Any]:
     """Run a scenario to its end, and return its summary.
 
-    `watch` is called with a Report every tenth of a second of wall-clock time. With `rtf` the run is paced to
-    that many simulated seconds a second.
+    `watch` is called with a Report every tenth of a second of wall-clock time, and `keep` with the summary of what
+    was reached if a signal stops the run. With `rtf` the run is paced to that many simulated seconds a second.
     """
     tally = Tally(scenario.run.dt, optimal_separation(scenario.objective, scenario.channel))
     alive = np.ones(scenario.robots.number, dtype=np.uint8)
     begun = told_at = time.perf_counter()
     told = 0
-    for tick in ticks(scenario):
-        account(tally, tick)
-        state, links, estimates = tick.state, tick.said.links, tick.said.estimates
-        now = time.perf_counter()
-        if watch is not None and (now - told_at >= reporting.PERIOD or tally.ticks == scenario.ticks):
-            rate = (tally.ticks - told) / (now - told_at)
-            watch(reporting.build(scenario, name, state, tally, links, estimates, alive, now - begun, rate))
-            told_at, told = now, tally.ticks
-        if rtf is not None:
-            time.sleep(max(0.0, begun + tally.ticks * scenario.run.dt / rtf - time.perf_counter()))
-    wall = time.perf_counter() - begun
-    return summary.summarize(scenario, name, "inprocess", tally, state, links, estimates, wall)
+
+    def reached(tick: Tick) -> dict[str, Any]:
+        wall, said = time.perf_counter() - begun, tick.said
+        return summary.summarize(scenario, name, "inprocess", tally, tick.state, said.links, said.estimates, wall)
+
+    tick = None
+    try:
+        for tick in ticks(scenario):
+            account(tally, tick)
+            state, links, estimates = tick.state, tick.said.links, tick.said.estimates
+            now = time.perf_counter()
+            if watch is not None and (now - told_at >= reporting.PERIOD or tally.ticks == scenario.ticks):
+                rate = (tally.ticks - told) / (now - told_at)
+                watch(reporting.build(scenario, name, state, tally, links, estimates, alive, now - begun, rate))
+                told_at, told = now, tally.ticks
+            if rtf is not None:
+                time.sleep(max(0.0, begun + tally.ticks * scenario.run.dt / rtf - time.perf_counter()))
+    except Stopped:
+        if keep is not None and tick is not None and tally.ticks:
+            keep(reached(tick))
+        raise
+    assert tick is not None  # a scenario has at least one tick
+    return reached(tick)

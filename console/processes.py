@@ -67,10 +67,10 @@ async def _run(launch: Launch, scenario: Scenario, directory: Path, console: Con
 def read_summary(directory: Path) -> dict[str, Any]:
     """The summary in a run directory; raises FesError."""
     try:
-        found: dict[str, Any] = json.loads((directory / "summary.json").read_text(encoding="utf-8"))
+        found = json.loads((directory / "summary.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
         raise FesError(f"{directory} has no summary") from None
-    return found
+    return found if isinstance(found, dict) else {}
 
 
 async def _attend(family: Family, launch: Launch, endpoint: str, console: Console) -> None:

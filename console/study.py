@@ -30,22 +30,19 @@ def seeking_error(sub_step: float, transform: str = "none", starts: Floats = STA
     return float((np.abs(_path(sub_step, transform, starts) - reference).max(axis=0) / travel).max())
 
 
-def tick_error(scenario: Scenario, tick: float) -> float:
-    """Largest distance [m] at HORIZON between robots run with this tick and with REFERENCE_TICK.
+def tick_errors(scenario: Scenario, ticks: tuple[float, ...] = TICKS) -> list[tuple[float, float]]:
+    """(tick [s], largest distance [m] at HORIZON between robots run with this tick and with REFERENCE_TICK).
 
     The channel loses nothing: which beacons are lost depends on the tick, and would hide the error.
     """
-    return float(np.abs(_final(scenario, tick) - _final(scenario, REFERENCE_TICK)).max())
+    reference = _final(scenario, REFERENCE_TICK)
+    away = [_final(scenario, tick) - reference for tick in ticks]
+    return [(tick, float(np.hypot(*error.T).max())) for tick, error in zip(ticks, away, strict=True)]
 
 
 def seeking_errors() -> dict[str, list[tuple[float, float]]]:
     """(sub-step [s], error as a fraction of the travel) for both transforms of the index."""
     return {name: [(step, seeking_error(step, name)) for step in SUB_STEPS] for name in ("none", "log")}
-
-
-def tick_errors(scenario: Scenario) -> list[tuple[float, float]]:
-    """(tick [s], distance [m] at HORIZON)."""
-    return [(tick, tick_error(scenario, tick)) for tick in TICKS]
 
 
 def _path(sub_step: float, transform: str, starts: Floats) -> Floats:
@@ -61,15 +58,9 @@ def _path(sub_step: float, transform: str, starts: Floats) -> Floats:
     return np.array(path)
 
 
-_finals: dict[tuple[int, float], Floats] = {}
-
-
 def _final(scenario: Scenario, tick: float) -> Floats:
     """Positions [n, 2] [m] at HORIZON with this tick."""
-    key = id(scenario), tick
-    if key not in _finals:
-        run = scenario.run.model_copy(update={"dt": tick, "duration": HORIZON + tick})
-        channel = scenario.channel.model_copy(update={"model": "perfect"})
-        seen = history.follow(scenario.model_copy(update={"run": run, "channel": channel}))
-        _finals[key] = seen.poses[round(HORIZON / tick), :, :2]
-    return _finals[key]
+    run = scenario.run.model_copy(update={"dt": tick, "duration": HORIZON + tick})
+    channel = scenario.channel.model_copy(update={"model": "perfect"})
+    seen = history.follow(scenario.model_copy(update={"run": run, "channel": channel}))
+    return seen.poses[round(HORIZON / tick), :, :2]

@@ -202,7 +202,7 @@ async def _open(config: zenoh.Config) -> zenoh.Session:
     try:
         return await future
     except asyncio.CancelledError:
-        if future.done() and not future.cancelled():
+        if future.done() and not future.cancelled() and future.exception() is None:
             future.result().close()  # it opened just when we were told to stop
         raise
 

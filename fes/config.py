@@ -77,9 +77,9 @@ class SeekingConfig(Table):
     """`log`: the robots climb ln J, whose curvature at the optimum hardly depends on the objective, so that one
     gain serves all. `none`: J itself, as printed."""
     index_gain: Positive = 40000.0
-    """Gain on the index [1] (k). For J and r_min 50, 44460 = 1/(a^2 |J''|/2) makes the time constant 1 s. Far above
-    the default, or with a far larger dither, cut `sub_step`: estimates that race over meters in a step are
-    integrated less exactly.
+    """Gain on the index [1] (k). For J and r_min 50, 44460 = 1/(a^2 |J''|/2) makes the averaged gradient's time
+    constant 1 s. Far above the default, or with a far larger dither, cut `sub_step`: estimates that race over meters
+    in a step are integrated less exactly.
     """
     dither_amplitude: Positive = 0.2
     """[m] (a)."""

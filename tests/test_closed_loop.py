@@ -141,3 +141,12 @@ def test_spreading_changes_no_bit_where_links_come_and_go(seed: int) -> None:
     whole, parts = loop.run(poor), loop.run(poor, split=[[robot] for robot in range(10)])
     assert np.array_equal(np.array(whole.poses), np.array(parts.poses))
     assert whole.estimates == parts.estimates
+
+
+def test_a_robot_forgets_a_link_that_its_only_peer_has_dropped_whoever_shares_its_process() -> None:
+    """Alone, a robot hears beacons of which none has a link; together with its peer there is its own."""
+    changes = {"formation__contact_timeout": 0.04, "channel__reference_snr": 2e6, "run__duration": 4.0}
+    for seed in range(12):
+        pair = loop.load("pair.toml", run__seed=seed, **changes)
+        whole, parts = loop.run(pair), loop.run(pair, split=[[0], [1]])
+        assert np.array_equal(np.array(whole.poses), np.array(parts.poses))

@@ -80,6 +80,6 @@ def test_the_default_sub_step_is_far_below_what_matters_and_converges_fast() -> 
 
 def test_the_closed_loop_depends_on_the_tick_to_first_order() -> None:
     closed = load("neighborhood.toml")
-    coarse, fine = study.tick_error(closed, 0.02), study.tick_error(closed, 0.005)
+    (_, coarse), (_, fine) = study.tick_errors(closed, (0.02, 0.005))
     assert 2.0 < coarse / fine < 8.0  # 4, were it exactly first order
     assert coarse < 5.0

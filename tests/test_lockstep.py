@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from agents.process import Agent
+from agents.radio import Radio
 from console import inprocess
 from fes import keys, messages
 from fes.errors import Absent, Refused
-from fes.messages import Command
+from fes.messages import Beacon, Command
 from tests import session
 from tests.loop import load
 from tests.session import RUN, client
@@ -148,6 +149,29 @@ def test_an_agent_that_leaves_ends_the_run_with_its_name() -> None:
                 await asyncio.wait_for(running, 10.0)
             server.dismiss()
             await asyncio.wait_for(stays, 10.0)
+
+    asyncio.run(main())
+
+
+def test_a_beacon_that_does_not_arrive_is_an_error_and_no_other_digest(monkeypatch: pytest.MonkeyPatch) -> None:
+    heard = Radio.heard
+
+    def deaf_at_tick_40(radio: Radio, tick: int) -> list[Beacon]:
+        return [beacon for beacon in heard(radio, tick) if tick != 40]
+
+    monkeypatch.setattr(Radio, "heard", deaf_at_tick_40)
+    near = load("pair.toml", channel__model="perfect", run__duration=1.0)
+
+    async def main() -> None:
+        async with session.router() as (opened, endpoint):
+            server = Server(opened, near, "test", RUN, None)
+            agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
+            await server.gather()
+            with pytest.raises(Absent, match=r"^robot \d left at tick 41: "):
+                await asyncio.wait_for(server.run(), 20.0)
+            for agent in agents:
+                with pytest.raises(Absent, match=r"a beacon that decoded did not arrive at tick 41"):
+                    await asyncio.wait_for(agent, 20.0)
 
     asyncio.run(main())
 
