@@ -19,7 +19,7 @@ from tests.loop import load
 from world.optimum import optimal_separation
 from world.scenario import Scenario
 
-SEEDS = range(12)
+SEEDS = range(8)
 
 CODE = """
 import sys
