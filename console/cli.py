@@ -1,5 +1,6 @@
 """The `fes` command: what a person runs."""
 
+import argparse
 import json
 import sys
 from enum import StrEnum
@@ -148,15 +149,10 @@ def main() -> None:
 
 def _pace(text: str) -> float | None:
     """The argument of --rtf; None for full speed."""
-    if text == "max":
-        return None
     try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0.0 < value < float("inf"):
-        raise ScenarioError("--rtf", f"expects 'max' or a positive number, got '{text}'")
-    return value
+        return process.real_time_factor(text)
+    except argparse.ArgumentTypeError as error:
+        raise ScenarioError("--rtf", str(error)) from None
 
 
 def _in_process(

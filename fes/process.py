@@ -125,6 +125,19 @@ def seconds(text: str) -> float:
     return value
 
 
+def real_time_factor(text: str) -> float | None:
+    """The argument of --rtf: a positive number, or `max` for full speed (None); raises ArgumentTypeError."""
+    if text == "max":
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"expects 'max' or a positive number, got '{text}'")
+    return value
+
+
 class OneLineParser(argparse.ArgumentParser):
     """Argparse, but a bad argument is one line and exit code 1, as every other error."""
 

@@ -38,7 +38,7 @@ def main() -> None:
     parser.add_argument("scenario", metavar="SCENARIO", help="a scenario file, such as configs/paper.toml")
     parser.add_argument("--name", help="name of the scenario in the summary (default: that of its file)")
     add_scenario_flags(parser)
-    parser.add_argument("--rtf", type=real_time_factor, metavar="max|X", help="pace: simulated s per s")
+    parser.add_argument("--rtf", type=process.real_time_factor, metavar="max|X", help="pace: simulated s per s")
     parser.add_argument("--out", type=Path, metavar="DIR", help="where to write scenario.toml and summary.json")
     process.add_network_flags(parser)
     flags = parser.parse_args()
@@ -67,19 +67,6 @@ def overrides(flags: argparse.Namespace) -> dict[str, object]:
     if flags.duration is not None:
         found["run.duration"] = flags.duration
     return found
-
-
-def real_time_factor(text: str) -> float | None:
-    """The argument of --rtf: a positive number, or `max` for full speed (None)."""
-    if text == "max":
-        return None
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0.0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"expects 'max' or a positive number, got '{text}'")
-    return value
 
 
 if __name__ == "__main__":

@@ -1,0 +1,147 @@
+"""Reports to draw, and what a frame of the dashboard shows of them."""
+
+import io
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.segment import Segment
+
+from agents import crew
+from console.dashboard import History, render
+from fes import outage
+from fes.arrays import Floats, Ints
+from fes.report import Report
+from fes.sensing import silence
+from world import optimum, scenario, simulation
+
+SIZES = [(80, 24), (100, 30), (160, 50), (300, 80), (71, 24), (60, 40), (40, 12)]
+TINY = [(160, 8), (200, 3), (80, 1), (20, 30), (20, 5), (3, 2), (1, 1)]
+PAPER = Path(__file__).parents[1] / "configs" / "paper.toml"
+OPTIMUM = 68.11  # m
+
+
+Pairs = Sequence[tuple[float, float]] | Floats
+
+
+def a_report(positions: Pairs, links: Sequence[tuple[int, int]] | Ints = (), **fields: object) -> Report:
+    """A Report of robots at `positions` [n, 2] [m], looking east, with links as pairs of ids."""
+    at = np.asarray(positions, dtype=np.float64).reshape(-1, 2)
+    poses = np.column_stack([at, np.zeros(len(at))])
+    a, b = np.asarray(links, dtype=np.int64).reshape(-1, 2).T
+    separation = np.hypot(*(poses[a, :2] - poses[b, :2]).T)
+    report = Report(
+        scenario="test",
+        tick=10,
+        ticks=100,
+        dt=0.02,
+        optimal_separation=OPTIMUM,
+        elapsed=0.1,
+        ticks_per_s=100.0,
+        alive=np.ones(len(poses), dtype=np.uint8),
+        poses=poses,
+        a=a,
+        b=b,
+        separation=separation,
+        estimate_ab=separation + 1.0,
+        estimate_ba=np.full(len(a), math.nan),
+        outage=1.0 - np.exp(-3e-7 * separation**3),
+        decoded_ratio=np.exp(-3e-7 * separation**3),
+        beacons_sent=1000,
+        beacons_decoded=900,
+        disagreement=2.5,
+        estimate_error_max=math.nan,
+        separation_error_max=float(np.abs(separation - OPTIMUM).max(initial=0.0)),
+        disk_connected=True,
+    )
+    return replace(report, **fields)  # type: ignore[arg-type]
+
+
+def a_swarm(n: int) -> Report:
+    """`n` robots on a square grid, each linked to the next ten."""
+    side = math.ceil(math.sqrt(n))
+    positions = [(50.0 * (k % side), 50.0 * (k // side)) for k in range(n)]
+    return a_report(positions, [(k, other) for k in range(n) for other in range(k + 1, min(n, k + 11))])
+
+
+def a_history(*reports: Report) -> History:
+    history = History()
+    for report in reports:
+        history.add(report)
+    return history
+
+
+def pieces(history: History, width: int, height: int) -> list[list[Segment]]:
+    console = Console(width=width, height=height, file=io.StringIO(), force_terminal=True)
+    return console.render_lines(render(history, width, height), console.options, pad=False)
+
+
+def frame(history: History, width: int = 100, height: int = 30) -> list[str]:
+    """What is printed, line by line."""
+    console = Console(width=width, height=height, file=io.StringIO())
+    console.print(render(history, width, height))
+    assert isinstance(console.file, io.StringIO)
+    return console.file.getvalue().split("\n")[:-1]
+
+
+def team_map(report: Report, width: int = 100, height: int = 30) -> list[str]:
+    """The lines of the map without its title and scale."""
+    lines = frame(a_history(report), width, height)
+    side = lines[2].index("Convergence")
+    return [line[:side] for line in lines[3:-1]]
+
+
+def find(lines: list[str], mark: str) -> tuple[int, int]:
+    """Column and row of the one cell that shows `mark`."""
+    found = [(line.index(mark), row) for row, line in enumerate(lines) if mark in line]
+    assert len(found) == 1, "\n".join(lines)
+    return found[0]
+
+
+def dots(lines: list[str]) -> Floats:
+    """(x, y) of the dots in the lines, decoded from Unicode's numbering of braille dots [k, 2]."""
+    place = [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (0, 3), (1, 3)]
+    return np.array(
+        [
+            (2 * column + x, 4 * row + y)
+            for row, line in enumerate(lines)
+            for column, character in enumerate(line)
+            for bit, (x, y) in enumerate(place)
+            if 0x2800 <= ord(character) <= 0x28FF and (ord(character) - 0x2800) >> bit & 1
+        ]
+    )
+
+
+def bar_heights(rows: list[str]) -> list[int]:
+    return [sum(" ▁▂▃▄▅▆▇█".index(row[column]) for row in rows) for column in range(len(rows[0]))]
+
+
+def play() -> list[Report]:
+    """Reports of the first 3 s of the paper's ten robots."""
+    setup = scenario.load(PAPER, {})
+    world = simulation.create(setup)
+    team = crew.assemble(scenario.agent_config(setup), world.ids)
+    state, robots, said = simulation.start(world), crew.start(team), silence()
+    best = optimum.optimal_separation(setup.objective, setup.channel)
+    reports = []
+    for tick in range(151):
+        robots, said, twists = crew.step(team, robots, simulation.observe(state), said)
+        if tick % 10 == 0:
+            edges, at = said.links, said.links.mutual
+            a, b, ab, ba = (
+                edges.ids[edges.rows[at]],
+                edges.peers[at],
+                said.estimates[at],
+                said.estimates[edges.reverse[at]],
+            )
+            pairs = np.column_stack([a, b])
+            report = a_report(state.poses[:, :2], pairs, poses=state.poses, estimate_ab=ab, estimate_ba=ba)
+            lost = 1.0 - outage.reception_probability(report.separation, setup.channel)
+            wrong = float(np.abs(np.concatenate([ab, ba]) - best).max(initial=0.0))
+            summed = float(np.abs(ab - ba).sum())
+            reports.append(replace(report, tick=tick, outage=lost, disagreement=summed, estimate_error_max=wrong))
+        state = simulation.step(world, state, twists)
+    return reports
