@@ -22,6 +22,8 @@ os.environ.setdefault(
 import zenoh
 import zenoh.handlers
 
+PROBE = b"?"
+
 
 def settings(mode: str, endpoint: str) -> zenoh.Config:
     """The session settings that the project uses too."""
@@ -56,32 +58,45 @@ async def world(n: int, ticks: int, endpoint: str, size: int, work: float) -> fl
     """Ticks per second over `ticks` ticks with `n` agents."""
     loop = asyncio.get_running_loop()
     arrived: list[bytes] = []
-    barrier = loop.create_future()
+    wanted = 0  # commands that must have arrived in all
+    present: set[str] = set()
+    barrier: asyncio.Future[None] = loop.create_future()
 
     def wake() -> None:
         if not barrier.done():
             barrier.set_result(None)
 
     def on_command(sample: zenoh.Sample) -> None:
-        arrived.append(sample.payload.to_bytes())
-        if len(arrived) == n:
+        payload = sample.payload.to_bytes()
+        if payload == PROBE:
+            present.add(str(sample.key_expr))
+            return
+        arrived.append(payload)
+        if len(arrived) >= wanted:
             loop.call_soon_threadsafe(wake)
 
     with zenoh.open(settings("router", endpoint)) as session:
         subscriber = session.declare_subscriber("bare/*/command", zenoh.handlers.Callback(on_command, indirect=False))
         puts = [publisher(session, f"bare/{robot}/observation").put for robot in range(n)]
-        while len(arrived) < n:  # each agent puts one command when it is ready
-            await asyncio.sleep(0.01)
-        await asyncio.sleep(0.1)  # the wake-up of the last of them is over
-        payload = bytes(size)
-        begun = time.perf_counter()
-        for _ in range(ticks):
-            arrived.clear()
+        while len(present) < n:  # a roll-call: what was put before a subscription was in place is lost
+            for put in puts:
+                put(PROBE)
+            await asyncio.sleep(0.05)
+        payload, begun = bytes(size), 0.0
+        for tick in range(ticks + 1):
+            # Two threads may both wake us for one tick, the second late: so what has arrived is looked at again.
+            while len(arrived) < wanted:
+                barrier = loop.create_future()
+                if len(arrived) < wanted:
+                    await barrier
+            if tick == 0:
+                begun = time.perf_counter()
+            if tick == ticks:
+                break
             spin(work)
-            barrier = loop.create_future()
+            wanted += n
             for put in puts:
                 put(payload)
-            await barrier
         rate = ticks / (time.perf_counter() - begun)
         for put in puts:
             put(b"")
@@ -99,12 +114,18 @@ async def agent(robot: int, endpoint: str, size: int, work: float, peers: list[i
         tick.set_result(payload)
 
     def on_observation(sample: zenoh.Sample) -> None:
-        loop.call_soon_threadsafe(wake, sample.payload.to_bytes())
+        payload = sample.payload.to_bytes()
+        if payload == PROBE:
+            command(PROBE)
+        else:
+            loop.call_soon_threadsafe(wake, payload)
 
     def on_beacon(sample: zenoh.Sample) -> None:
         heard.append(sample.payload.to_bytes())
 
     with zenoh.open(settings("client", endpoint)) as session:
+        beacon = publisher(session, f"bare/{robot}/beacon").put
+        command = publisher(session, f"bare/{robot}/command").put
         subscribers = [
             session.declare_subscriber(
                 f"bare/{robot}/observation", zenoh.handlers.Callback(on_observation, indirect=False)
@@ -114,10 +135,7 @@ async def agent(robot: int, endpoint: str, size: int, work: float, peers: list[i
             subscribers.append(
                 session.declare_subscriber(f"bare/{peer}/beacon", zenoh.handlers.Callback(on_beacon, indirect=False))
             )
-        beacon = publisher(session, f"bare/{robot}/beacon").put
-        command = publisher(session, f"bare/{robot}/command").put
         payload = bytes(size)
-        command(payload)
         while await tick:
             tick = loop.create_future()
             heard.clear()
