@@ -1,6 +1,7 @@
 """Child processes: a world and its agents, started together and never left behind."""
 
 import asyncio
+import contextlib
 import os
 import signal
 import socket
@@ -15,6 +16,9 @@ from fes.errors import FesError
 
 DISMISSAL = 1.0
 """Time [s] that agents have to end after their world dismissed them and left."""
+
+SETTLING = 2.0
+"""Time [s] for the others to end after one child failed, before the cause is told."""
 
 GRACE = 3.0
 """Time [s] that children have to end by themselves before they are ended."""
@@ -100,14 +104,18 @@ class Family:
             await _gone(self.children, GRACE)
 
     async def _explain(self, failed: Child) -> str:
-        """Why the run failed: the first child that did, and what the world says of it."""
+        """Why the run failed: a child that was ended by force, or else what the world says of it."""
         assert self.world is not None
-        await _gone([self.world], 2.0)
-        if failed is self.world or not self.world.process.returncode:
-            return failed.verdict()
-        if failed.process.returncode is not None and failed.process.returncode < 0:
-            return f"{failed.verdict()}; the world: {self.world.verdict()}"
-        return self.world.verdict()
+        # Which exit is noticed first is chance, and the others follow at once: so all are looked at.
+        await _gone(self.children, SETTLING)
+        world = self.world.process.returncode
+        if world is not None and world < 0:
+            return self.world.verdict()
+        for child in self.agents:
+            code = child.process.returncode
+            if code is not None and code < 0:
+                return f"{child.verdict()}; the world: {self.world.verdict()}" if world else child.verdict()
+        return self.world.verdict() if world else failed.verdict()
 
     async def _start(self, name: str, module: str, arguments: list[str], log: str) -> Child:
         path = self.directory / f"{log}.log"
@@ -159,8 +167,13 @@ def share(robots: int, per_process: int) -> Iterator[str]:
 
 
 def _signal(child: Child, number: signal.Signals) -> None:
+    """Send a signal, unless the child has ended.
+
+    Not through Popen: it would look whether the child has ended, and take its exit status away from asyncio.
+    """
     if child.process.returncode is None:
-        child.process.send_signal(number)
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(child.process.pid, number)
 
 
 async def _gone(children: list[Child], timeout: float) -> bool:
