@@ -53,8 +53,11 @@ class Assembly:
         return np.array([one if len(one) == q else np.zeros(q) for one in received]).reshape(len(received), q)
 
 
-def payloads(said: Beacons, twists: Floats) -> Iterator[tuple[int, bytes, bytes]]:
-    """For each robot its id, and the payloads of its beacon and its command."""
+def payloads(said: Beacons, twists: Floats, learnt: Floats) -> Iterator[tuple[int, bytes, bytes]]:
+    """For each robot its id, and the payloads of its beacon and its command.
+
+    `learnt` is that of the crew's telemetry: [2, l], or [2, 0] where nobody measures.
+    """
     named = said.named.view(np.uint8)
     rows = zip(
         said.ids.tolist(), said.poses.tolist(), twists.tolist(), said.links.spans, said.statistics, strict=True
@@ -62,5 +65,5 @@ def payloads(said: Beacons, twists: Floats) -> Iterator[tuple[int, bytes, bytes]
     for robot, pose, twist, span, statistics in rows:
         links, estimates = said.links.peers[span], said.estimates[span]
         beacon = Beacon(said.tick, robot, tuple(pose), links, estimates, named[span], statistics)
-        command = Command(said.tick, robot, tuple(twist), links, estimates)
+        command = Command(said.tick, robot, tuple(twist), links, estimates, learnt[:, span].ravel())
         yield robot, messages.encode_beacon(beacon), messages.encode_command(command)

@@ -5,21 +5,23 @@ robot or all of them.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
-from agents import contacts, formation, neighbors, reception, seeking
+from agents import contacts, counting, formation, links, neighbors, reception, seeking
 from agents.contacts import Contacts
+from agents.links import Links
 from agents.neighbors import Witnesses
 from agents.reception import Reception
 from agents.seeking import Index, Seeker
-from fes import geometry
+from fes import draws, geometry, objective
 from fes.arrays import Bools, Floats, Ints
 from fes.config import AgentConfig
-from fes.edges import Edges, no_edges
+from fes.edges import Edges
 from fes.errors import FesError
-from fes.sensing import Beacons, Observations
+from fes.sensing import Beacons, Observations, Telemetry
 
 FIRST_EXCHANGE_TICKS = 2
 """Ticks from a robot's first link until it has heard whether others chose it: its initial graph."""
@@ -37,19 +39,8 @@ class Crew:
     """[ticks]"""
     statistics: int
     """Numbers that a beacon carries of what was measured."""
-
-
-@dataclass(frozen=True, eq=False)
-class Links:
-    """The links that the robots use, and what they seek on each."""
-
-    among: Bools
-    """Which contacts they are [m]."""
-    contact: Ints
-    """Position of each link among the contacts [l]."""
-    edges: Edges
-    state: Floats
-    """Seeking state [3, l]; rows as in `agents.seeking`."""
+    skew: Floats
+    """How far each robot's clock is ahead of the team's [n] [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,18 +60,29 @@ class State:
 def assemble(config: AgentConfig, ids: Ints) -> Crew:
     """The crew of robots `ids` [n], ascending, of a run with `config`."""
     seeker = Seeker(config.seeking, _index(config), config.dt)
-    statistics = reception.SUMS if config.seeking.index == "measured" else 0
-    return Crew(config, ids, seeker, math.ceil(config.formation.contact_timeout / config.dt), statistics)
+    statistics = reception.SUMS if config.seeking.index == "measured" and config.seeking.pooling == "network" else 0
+    timeout = math.ceil(config.formation.contact_timeout / config.dt)
+    ahead = 2.0 * draws.uniform_pairs(draws.key(config.seed, "clock skew"), ids, ids) - 1.0
+    return Crew(config, ids, seeker, timeout, statistics, config.clock_skew * ahead)
 
 
 def start(crew: Crew) -> State:
     """The state of a crew that has sensed and heard nothing yet."""
     nobody = contacts.nobody(crew.ids)
-    links = Links(nobody.known, np.zeros(0, dtype=np.int64), no_edges(crew.ids), np.zeros((3, 0)))
     never = np.full(len(crew.ids), np.iinfo(np.int64).max // 2)
-    return State(
-        np.zeros((len(crew.ids), 3)), nobody, Witnesses(nobody.edges), links, reception.nothing(len(crew.ids)), never
-    )
+    pooled = crew.config.seeking.pooling == "network"
+    known = reception.nothing(reception.POOLED, len(crew.ids)) if pooled else reception.nothing(reception.ALONE, 0)
+    return State(np.zeros((len(crew.ids), 3)), nobody, Witnesses(nobody.edges), links.none(nobody), known, never)
+
+
+def telemetry(crew: Crew, state: State) -> Telemetry:
+    """What the robots said of themselves in their last beacons and have learnt until then."""
+    edges = state.links.edges
+    learnt = np.zeros((2, 0))
+    if crew.config.seeking.index == "measured":
+        learners = _learners(crew, edges)
+        learnt = np.stack([state.reception.level.take(learners), state.reception.exponent.take(learners)])
+    return Telemetry(edges, state.links.said, learnt)
 
 
 def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -> tuple[State, Beacons, Floats]:
@@ -98,11 +100,11 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
 
     # Who is a neighbor
     named = neighbors.RULES[config.formation.rule](known, witnesses)
-    links, since = _relink(crew, state, tick, known, named | (known.names_us & known.known))
+    used, since = _relink(crew, state, tick, known, named | (known.names_us & known.known))
 
     # Where to go
-    error = known.separation.take(links.contact) - _desired(crew, tick, links)
-    pull = formation.pull(links.edges, error, _bearing(known, links.contact))
+    error = known.separation.take(used.contact) - _desired(crew, tick, used)
+    pull = formation.pull(used.edges, error, links.bearing(known, used.contact))
     twists = formation.twist(pull, observations.poses[:, geometry.HEADING], config.dt, config.formation)
 
     if not np.isfinite(twists).all():
@@ -112,30 +114,47 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
     # What to say, and what to seek until the next tick
     measured = state.reception
     if config.seeking.index == "measured":
-        measured = _measure(crew, state, tick, known, links, heard)
-    said, statistics = links.state[seeking.ESTIMATE], measured.sums[:, : crew.statistics]
-    named = named.take(links.contact)
-    beacons = Beacons(tick, crew.ids, observations.poses, links.edges, said, named, statistics)
-    links = Links(links.among, links.contact, links.edges, _seek(crew, tick, known, links, measured))
-    return State(observations.poses, known, witnesses, links, measured, since), beacons, twists
+        measured = _measure(crew, state, tick, known, used, heard)
+    said, statistics = used.state[seeking.ESTIMATE], measured.sums[:, : crew.statistics]
+    named = named.take(used.contact)
+    beacons = Beacons(tick, crew.ids, observations.poses, used.edges, said, named, statistics)
+    used = replace(used, state=_seek(crew, tick, known, used, measured), said=said)
+    return State(observations.poses, known, witnesses, used, measured, since), beacons, twists
 
 
 def _desired(crew: Crew, tick: int, links: Links) -> Floats:
     """The separations that the robots drive their links to [l] [m]: a physical dither makes them breathe."""
     estimates: Floats = links.state[seeking.ESTIMATE]
-    if crew.config.seeking.index != "measured":
+    if crew.config.seeking.index == "oracle":
         return estimates
-    return estimates + seeking.dither(crew.seeker, np.array([tick * crew.config.dt]))
+    return estimates + seeking.dither(crew.seeker, tick * crew.config.dt + _skew(crew, links.edges))
+
+
+def _skew(crew: Crew, edges: Edges) -> Floats:
+    """How far each link's clock is ahead [l] [s], or [1] if all are right."""
+    return crew.skew.take(edges.rows) if crew.config.clock_skew > 0.0 else seeking.ON_TIME
+
+
+def _learners(crew: Crew, edges: Edges) -> Ints:
+    """Who learns of each link: its robot, or itself [l]."""
+    return edges.rows if crew.config.seeking.pooling == "network" else np.arange(len(edges))
 
 
 def _measure(crew: Crew, state: State, tick: int, known: Contacts, links: Links, heard: Beacons) -> Reception:
     """What the robots know of the channel after the beacons of the last tick."""
-    theirs = np.zeros((len(known.edges), reception.SUMS))
-    if heard.statistics.shape[1] == reception.SUMS:
-        theirs = heard.statistics.take(known.lookup.sender, axis=0)
-    mixed = reception.mix(state.reception, known.edges, known.heard == tick - 1, theirs, crew.config.dt)
-    rows, separation, decoded = reception.slots(state.contacts, known, tick, links.among)
-    return reception.learn(mixed, rows, separation, decoded, crew.config.seeking.reference_separation)
+    config, before = crew.config.seeking, state.reception
+    at, separation, decoded = counting.slots(state.contacts, known, tick, links.among)
+    if config.pooling == "network":
+        theirs = np.zeros((len(known.edges), reception.SUMS))
+        if heard.statistics.shape[1] == reception.SUMS:
+            theirs = heard.statistics.take(known.lookup.sender, axis=0)
+        before = reception.mix(before, known.edges, known.heard == tick - 1, theirs)
+        learners = known.edges.rows[at]
+    else:
+        before = reception.carry(before, state.links.edges, links.edges)
+        learners = np.searchsorted(links.contact, at)
+    before = reception.fade(before, crew.config.dt)
+    return reception.learn(before, learners, separation, decoded, config.reference_separation)
 
 
 def _seek(crew: Crew, tick: int, known: Contacts, links: Links, measured: Reception) -> Floats:
@@ -143,13 +162,22 @@ def _seek(crew: Crew, tick: int, known: Contacts, links: Links, measured: Recept
     config, seen = crew.config, known.estimates.take(links.contact)
     if config.seeking.index == "measured":
         scale, estimates = config.seeking.reference_separation, links.state[seeking.ESTIMATE]
-        speed = reception.drift(measured, links.edges.rows, estimates, config.objective, scale)
+        speed = reception.drift(measured, _learners(crew, links.edges), estimates, config.objective, scale)
         speed += config.seeking.consensus_gain * np.where(np.isfinite(seen), seen - estimates, 0.0)
         sought = links.state.copy()
         sought[seeking.ESTIMATE] = np.clip(estimates + config.dt * speed, *reception.ESTIMATES)
         return sought
     age = config.dt * (tick - known.heard.take(links.contact)).astype(np.float64)
-    return seeking.advance(crew.seeker, tick, links.state, seeking.extrapolate(crew.seeker, links.state, seen, age))
+    theirs = seeking.extrapolate(crew.seeker, links.state, seen, age)
+    index = None
+    if config.seeking.index == "sampled":
+        index = _held(counting.sample(known, tick, links.contact, config.objective))
+    return seeking.advance(crew.seeker, tick, links.state, theirs, _skew(crew, links.edges), index)
+
+
+def _held(sample: Floats) -> Index:
+    """An index of which only one sample a tick is known [l]."""
+    return lambda separation: np.broadcast_to(sample, separation.shape).copy()
 
 
 def _relink(crew: Crew, state: State, tick: int, known: Contacts, among: Bools) -> tuple[Links, Ints]:
@@ -161,29 +189,14 @@ def _relink(crew: Crew, state: State, tick: int, known: Contacts, among: Bools) 
     since = np.where(edges.counts > 0, np.minimum(state.linked_since, tick), state.linked_since)
     fresh = tick - since < FIRST_EXCHANGE_TICKS
     sought = seeking.relink(crew.seeker, crew.config.seed, tick, old.edges, old.state, edges, fresh)
-    return Links(among, np.flatnonzero(among), edges, sought), since
-
-
-def _bearing(known: Contacts, at: Ints) -> Floats:
-    """Unit vectors [2, l] of the lines of sight of the contacts at positions `at`.
-
-    The paper needs psi_ji = pi + psi_ij even where two robots coincide: there the lower id looks along +x.
-    """
-    size = known.separation.take(at)
-    bearing = np.empty((2, len(at)))
-    known.dx.take(at, out=bearing[0], mode="clip")
-    known.dy.take(at, out=bearing[1], mode="clip")
-    if np.count_nonzero(size) < len(size):
-        apart, edges = size > 0.0, known.edges
-        bearing[0] = np.where(apart, bearing[0], np.sign(edges.peers - edges.ids[edges.rows]).take(at))
-        size = np.where(apart, size, 1.0)
-    bearing /= size
-    return bearing
+    return Links(among, np.flatnonzero(among), edges, sought, sought[seeking.ESTIMATE]), since
 
 
 def _index(config: AgentConfig) -> Index:
     if config.seeking.index == "measured":
         return np.zeros_like
+    if config.seeking.index == "sampled":  # what a link's baseline begins with
+        return partial(objective.preference, objective=config.objective)
     if config.channel is None:
         raise FesError("seeking.index = 'oracle' needs the channel, and this agent was not told it")
     # Only here, so that a process of a run with another index never loads the channel's formula.

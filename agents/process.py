@@ -82,7 +82,8 @@ class Agent:
             if observations.in_range is not tuned:
                 tuned = observations.in_range
                 self.radio.tune(set(tuned.peers.tolist()))
-            self._publish(list(assembly.payloads(said, twists)))
+            learnt = crew.telemetry(robots, state).learnt
+            self._publish(list(assembly.payloads(said, twists, learnt)))
 
     @property
     def overflow(self) -> int:

@@ -33,6 +33,9 @@ MAX_EXTRAPOLATION = 0.1
 
 Index = Callable[[Floats], Floats]
 
+ON_TIME = np.zeros(1)
+"""The skew of clocks that are all right [s]."""
+
 
 @dataclass(frozen=True)
 class Seeker:
@@ -83,7 +86,8 @@ def begin(seeker: Seeker, tick: int, estimates: Floats) -> Floats:
     """
     state = np.zeros((3, len(estimates)))
     state[ESTIMATE] = estimates
-    state[BASELINE] = _sample(seeker, estimates + dither(seeker, np.array([tick * seeker.dt])))
+    sample = seeker.index(estimates + dither(seeker, np.array([tick * seeker.dt])))
+    state[BASELINE] = sample * seeker.config.index_gain
     return state
 
 
@@ -121,37 +125,42 @@ def extrapolate(seeker: Seeker, state: Floats, heard: Floats, age: Floats) -> Fl
     return now
 
 
-def advance(seeker: Seeker, tick: int, state: Floats, heard: Floats) -> Floats:
+def advance(
+    seeker: Seeker, tick: int, state: Floats, heard: Floats, skew: Floats = ON_TIME, index: Index | None = None
+) -> Floats:
     """State [3, l] one tick later; equation (18).
 
-    `heard` [l] [m] is the peer's estimate for the link, held over the tick; NaN where none was heard, which
-    is s_ij = 0 of (2).
+    `heard` [l] [m] is the peer's estimate for the link, held over the tick; NaN where none was heard, which is
+    s_ij = 0 of (2). `skew` is how far each link's clock is ahead [l] [s]. `index` replaces the seeker's.
     """
     if state.shape[1] == 0:
         return state
+    begin = tick * seeker.dt + skew
+    index = index or seeker.index
     coupled = np.isfinite(heard)
     if np.count_nonzero(coupled) == len(coupled):
-        return _integrate(seeker, tick, state, heard, seeker.coupled)
-    alone = _integrate(seeker, tick, state, np.zeros_like(heard), seeker.alone)
+        return _integrate(seeker, begin, state, heard, seeker.coupled, index)
+    alone = _integrate(seeker, begin, state, np.zeros_like(heard), seeker.alone, index)
     if not coupled.any():
         return alone
-    together = _integrate(seeker, tick, state, np.where(coupled, heard, 0.0), seeker.coupled)
+    together = _integrate(seeker, begin, state, np.where(coupled, heard, 0.0), seeker.coupled, index)
     return np.where(coupled, together, alone)
 
 
-def _integrate(seeker: Seeker, tick: int, state: Floats, peer: Floats, linear: Step) -> Floats:
+def _integrate(seeker: Seeker, begin: Floats, state: Floats, peer: Floats, linear: Step, index: Index) -> Floats:
     """State [3, l] one tick later, by collocation; see `agents.collocation`."""
     n = collocation.NODES
     start = np.empty((3, len(peer)))
     start[2] = peer
     for step in range(seeker.sub_steps):
-        wave = dither(seeker, (tick + step / seeker.sub_steps) * seeker.dt + linear.nodes)[:, None]
+        wave = dither(seeker, begin + (step * seeker.dt / seeker.sub_steps) + linear.nodes[:, None])
         held = linear.washout_start * state[BASELINE]
         start[:2] = state[:2]
         drift = np.add.reduce(linear.path_start * start, axis=1)
         path = drift
         for _ in range(SWEEPS):
-            sample = _sample(seeker, path[:n] + wave)
+            sample = index(path[:n] + wave)
+            sample *= seeker.config.index_gain
             baseline = np.add.reduce(linear.washout_input * sample, axis=1)
             baseline += held
             sample -= baseline[:n]
@@ -162,10 +171,3 @@ def _integrate(seeker: Seeker, tick: int, state: Floats, peer: Floats, linear: S
         state[:2] = path[n:]
         state[BASELINE] = baseline[n]
     return state
-
-
-def _sample(seeker: Seeker, separation: Floats) -> Floats:
-    """The index times its gain, at `separation` [m]."""
-    sample = seeker.index(separation)
-    sample *= seeker.config.index_gain
-    return sample

@@ -8,8 +8,7 @@ from console import inprocess
 from fes.arrays import Floats
 from fes.edges import Edges
 from world import metrics
-from world.metrics import Tally
-from world.optimum import optimal_separation
+from world.account import Account
 from world.scenario import Scenario
 
 
@@ -36,18 +35,18 @@ class History:
 
 def follow(scenario: Scenario) -> History:
     """Run a scenario in process, and keep its history."""
-    optimal = optimal_separation(scenario.objective, scenario.channel)
-    tally = Tally(scenario.run.dt, optimal)
+    sums = Account(scenario)
     poses, links, rows = [], [], []
     for tick in inprocess.ticks(scenario):
-        inprocess.account(tally, tick)
+        sums.add(tick.state, tick.twists, tick.telemetry)
         poses.append(tick.state.poses)
         links.append(tick.said.links)
-        total = float(np.abs(tick.said.estimates - optimal).sum()) if len(tick.said.links) else np.nan
-        rows.append((tally.errors["disagreement"], total, tally.errors["separation_error"]))
+        total = float(np.abs(tick.said.estimates - sums.optimal).sum()) if len(tick.said.links) else np.nan
+        errors = sums.tally.errors
+        rows.append((errors["disagreement"], total, errors["separation_error"]))
     series = np.array(rows).T
     time = scenario.run.dt * np.arange(len(poses), dtype=np.float64)
-    return History(time, np.array(poses), links, series[0], series[1], series[2], optimal, tally.digest())
+    return History(time, np.array(poses), links, series[0], series[1], series[2], sums.optimal, sums.tally.digest())
 
 
 def ends_at(history: History, tick: int) -> Floats:

@@ -11,10 +11,9 @@ from agents import crew
 from fes.arrays import Floats
 from fes.errors import Stopped
 from fes.report import Report
-from fes.sensing import Beacons, silence
+from fes.sensing import Beacons, Telemetry, silence
 from world import reporting, simulation, summary
-from world.metrics import Tally
-from world.optimum import optimal_separation
+from world.account import Account
 from world.scenario import Scenario, agent_config
 from world.simulation import State
 
@@ -30,6 +29,7 @@ class Tick:
     said: Beacons
     twists: Floats
     """[n, 2] [m/s, rad/s]"""
+    telemetry: Telemetry
 
 
 def ticks(scenario: Scenario) -> Iterator[Tick]:
@@ -40,14 +40,8 @@ def ticks(scenario: Scenario) -> Iterator[Tick]:
     minds, said = crew.start(robots), silence()
     for _ in range(scenario.ticks):
         minds, said, twists = crew.step(robots, minds, simulation.observe(state), said)
-        yield Tick(state, said, twists)
+        yield Tick(state, said, twists, crew.telemetry(robots, minds))
         state = simulation.step(world, state, twists)
-
-
-def account(tally: Tally, tick: Tick) -> None:
-    """Add a tick to a tally."""
-    state, said = tick.state, tick.said
-    tally.add(state.poses, tick.twists, state.proximity, state.sent > 0, said.links, said.estimates)
 
 
 def run(
@@ -58,30 +52,25 @@ def run(
     `watch` is called with a Report every tenth of a second of wall-clock time, and `keep` with the summary of what
     was reached if a signal stops the run. With `rtf` the run is paced to that many simulated seconds a second.
     """
-    tally = Tally(scenario.run.dt, optimal_separation(scenario.objective, scenario.channel))
+    sums = Account(scenario)
     alive = np.ones(scenario.robots.number, dtype=np.uint8)
     begun = told_at = time.perf_counter()
     told = 0
 
-    def reached(tick: Tick) -> dict[str, Any]:
-        wall, said = time.perf_counter() - begun, tick.said
-        return summary.summarize(scenario, name, "inprocess", tally, tick.state, said.links, said.estimates, wall)
+    def reached() -> dict[str, Any]:
+        return summary.summarize(sums, name, "inprocess", time.perf_counter() - begun)
 
-    tick = None
     try:
-        for tick in ticks(scenario):
-            account(tally, tick)
-            state, links, estimates = tick.state, tick.said.links, tick.said.estimates
+        for done, tick in enumerate(ticks(scenario), 1):
+            sums.add(tick.state, tick.twists, tick.telemetry)
             now = time.perf_counter()
-            if watch is not None and (now - told_at >= reporting.PERIOD or tally.ticks == scenario.ticks):
-                rate = (tally.ticks - told) / (now - told_at)
-                watch(reporting.build(scenario, name, state, tally, links, estimates, alive, now - begun, rate))
-                told_at, told = now, tally.ticks
+            if watch is not None and (now - told_at >= reporting.PERIOD or done == scenario.ticks):
+                watch(reporting.build(sums, name, alive, now - begun, (done - told) / (now - told_at)))
+                told_at, told = now, done
             if rtf is not None:
-                time.sleep(max(0.0, begun + tally.ticks * scenario.run.dt / rtf - time.perf_counter()))
+                time.sleep(max(0.0, begun + done * scenario.run.dt / rtf - time.perf_counter()))
     except Stopped:
-        if keep is not None and tick is not None and tally.ticks:
-            keep(reached(tick))
+        if keep is not None and sums.tally.ticks:
+            keep(reached())
         raise
-    assert tick is not None  # a scenario has at least one tick
-    return reached(tick)
+    return reached()

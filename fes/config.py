@@ -65,10 +65,14 @@ class ObjectiveConfig(Table):
 class SeekingConfig(Table):
     """The seeking law (18)."""
 
-    index: Literal["oracle", "measured"] = "oracle"
+    index: Literal["oracle", "measured", "sampled"] = "oracle"
     """`oracle`: the index is computed from the channel's formula, as the paper's simulation does (33). `measured`: it
     is learnt from the beacons that decode and those that do not; law, gains and filters of (18) are then not used,
-    and the dither is physical: the formation breathes with it."""
+    and the dither is physical: the formation breathes with it. `sampled`: the paper's (18) fed with what a real radio
+    gives it, J's sample S(r) of a beacon that decoded and 0 of one that did not; also with a physical dither."""
+    pooling: Literal["network", "none"] = "network"
+    """Of the measured index. `network`: robots mix what they have counted, so that all links teach each. `none`: each
+    link learns its own slope, which is better where shadowing makes every link another channel."""
     reference_separation: Positive = 75.0
     """Separation [m] about which measured reception is fitted (rho_0)."""
     law: Literal["consensus", "paper"] = "consensus"
@@ -99,6 +103,8 @@ class SeekingConfig(Table):
     @model_validator(mode="after")
     def _bounds(self) -> Self:
         low, high = self.initial_estimate
+        if self.index == "sampled" and self.index_transform != "none":
+            raise ValueError("index 'sampled' needs index_transform 'none': a lost beacon's sample is 0")
         if low > high:
             raise ValueError(f"initial_estimate must be [low, high], got [{low}, {high}]")
         if self.sub_step * self.dither_frequency > MAX_SUB_STEP_PHASE:
@@ -141,3 +147,5 @@ class AgentConfig(Table):
     formation: FormationConfig
     channel: ChannelConfig | None
     """The true channel, for the oracle index only."""
+    clock_skew: NonNegative = 0.0
+    """How far each robot's own clock may be off the team's [s]; a robot draws its skew from the seed."""

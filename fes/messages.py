@@ -65,6 +65,8 @@ class Command(NamedTuple):
     """As in the beacon [l]."""
     estimates: Floats
     """As in the beacon [l] [m]."""
+    learnt: Floats
+    """What it has learnt of reception: the level on each link, then the exponents [2 l]; empty if it does not measure."""
 
 
 def encode_observation(message: Observation) -> bytes:
@@ -124,20 +126,28 @@ def decode_beacon(payload: bytes) -> Beacon:
 def encode_command(message: Command) -> bytes:
     """The payload of a Command."""
     return wire.pack(
-        message.tick, message.robot, *message.twist, wire.id_bytes(message.links), message.estimates.tobytes()
+        message.tick,
+        message.robot,
+        *message.twist,
+        wire.id_bytes(message.links),
+        message.estimates.tobytes(),
+        message.learnt.tobytes(),
     )
 
 
 def decode_command(payload: bytes) -> Command:
     """The Command in a payload."""
     name = "Command"
-    tick, robot, linear, angular, links, estimates = wire.unpack(name, payload, 6)
+    tick, robot, linear, angular, links, estimates, learnt = wire.unpack(name, payload, 7)
     peers = wire.ids(name, links)
+    beliefs = wire.some_numbers(name, learnt, 2 * len(peers))
+    wire.check(name, len(beliefs) in (0, 2 * len(peers)), "expects two numbers a link, or none", len(beliefs))
     return Command(
         *wire.stamp(name, tick, robot),
         wire.finite(name, (linear, angular)),
         peers,
         wire.numbers(name, estimates, len(peers)),
+        beliefs,
     )
 
 

@@ -11,7 +11,18 @@ import numpy as np
 from fes import wire
 from fes.arrays import Bytes, Floats, Ints
 
-_LINK_ARRAYS = ("separation", "estimate_ab", "estimate_ba", "outage", "decoded_ratio")
+_LINK_ARRAYS = (
+    "separation",
+    "estimate_ab",
+    "estimate_ba",
+    "outage",
+    "sent",
+    "decoded",
+    "longest_gap",
+    "learnt_reception",
+    "learnt_level",
+    "learnt_exponent",
+)
 _NUMBERS = (
     "dt",
     "optimal_separation",
@@ -20,6 +31,11 @@ _NUMBERS = (
     "disagreement",
     "estimate_error_max",
     "separation_error_max",
+    "true_level",
+    "true_exponent",
+    "mean_estimate_error",
+    "changed_at",
+    "tracking_time",
 )
 
 
@@ -55,8 +71,18 @@ class Report:
     """Estimate of robot b [l] [m]."""
     outage: Floats
     """True outage probability of a beacon at this separation [l]."""
-    decoded_ratio: Floats
-    """Beacons decoded of those sent since the contact opened, both ways together [l]."""
+    sent: Floats
+    """Beacons sent since the contact opened, both ways together [l]."""
+    decoded: Floats
+    """Of them, decoded [l]."""
+    longest_gap: Floats
+    """Most beacons lost in a row since the contact opened, of both ways [l]."""
+    learnt_reception: Floats
+    """What the robots believe reception to be at this separation, from what they counted [l]; NaN if they do not."""
+    learnt_level: Floats
+    """alpha of what they have learnt, ln(-ln p) = alpha + nu ln(r / rho_0), mean of both ends [l]."""
+    learnt_exponent: Floats
+    """nu of it [l]."""
     beacons_sent: int
     beacons_decoded: int
     disagreement: float
@@ -65,6 +91,16 @@ class Report:
     """Largest |estimate - r*| [m]."""
     separation_error_max: float
     """Largest |separation - r*| over links [m]."""
+    true_level: float
+    """alpha of the true channel's formula at rho_0."""
+    true_exponent: float
+    """nu of the true channel's formula at rho_0."""
+    mean_estimate_error: float
+    """Mean estimate less r* [m]."""
+    changed_at: float
+    """When the channel last changed, or the start [s]."""
+    tracking_time: float
+    """How long after that the mean estimate came within 1 m of r*, to stay [s]; NaN if it is not there yet."""
     disk_connected: bool
     """Whether the graph of all robots in range is connected."""
 

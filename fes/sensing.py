@@ -49,6 +49,24 @@ class Beacons:
     """What each sender has measured of the channel [n, q]; q = 0 where nobody measures."""
 
 
+@dataclass(frozen=True, eq=False)
+class Telemetry:
+    """What robots say of themselves at one tick, for observers; it moves nothing."""
+
+    links: Edges
+    """The links in use [l]."""
+    estimates: Floats
+    """Separation estimate for each link [l] [m]."""
+    learnt: Floats
+    """What each link's robot has learnt of reception on it: rows level and exponent of
+    ln(-ln p) = level + exponent ln(r / rho_0) [2, l]; [2, 0] where nobody measures."""
+
+
+def untold(ids: Ints) -> Telemetry:
+    """The telemetry of robots `ids` [n] before the first tick."""
+    return Telemetry(no_edges(ids), np.zeros(0), np.zeros((2, 0)))
+
+
 def silence() -> Beacons:
     """The beacons before the first tick: nobody has said anything."""
     nobody = np.zeros(0, dtype=np.int64)

@@ -6,8 +6,8 @@ import sys
 import numpy as np
 import pytest
 
-from agents import contacts, reception
-from agents.reception import SUMS, Reception
+from agents import contacts, counting, reception
+from agents.reception import POOLED, SUMS, Reception
 from console import inprocess
 from fes import objective
 from fes.arrays import Floats
@@ -78,7 +78,7 @@ def test_counting_beacons_finds_the_optimum(name: str, median: float, bias: floa
 def test_the_fit_finds_level_and_slope_of_a_channel_of_its_family() -> None:
     """Samples of p = exp(-c r^nu) at separations about rho_0, without exchange and without aging."""
     rng, c, nu, scale = np.random.default_rng(4), 3e-7, 3.0, 75.0
-    known = reception.nothing(1)
+    known = reception.nothing(POOLED, 1)
     for _ in range(4000):
         r = rng.uniform(60.0, 90.0, 26)
         decoded = rng.random(26) < np.exp(-c * r**nu)
@@ -98,8 +98,8 @@ def test_misses_are_learnt_from_the_gap_at_separations_in_between() -> None:
         before, code = now, 2 if tick in (1, 5) else 1
         sensed = Observations(tick, layouts.poses([(0.0, 0.0)]), near, np.array([code], dtype=np.uint8))
         now = contacts.update(before, sensed, layouts.poses([(0.0, 0.0)]), said, 50)
-        rows, separation, decoded = reception.slots(before, now, tick, np.ones(1, dtype=np.bool_))
-        found.append((rows.tolist(), separation.tolist(), decoded.tolist()))
+        at, separation, decoded = counting.slots(before, now, tick, np.ones(1, dtype=np.bool_))
+        found.append((at.tolist(), separation.tolist(), decoded.tolist()))
     assert found[0] == ([0], [60.0], [True])
     assert found[1:4] == [([], [], [])] * 3
     assert found[4] == ([0] * 4, [64.0, 61.0, 62.0, 63.0], [True, False, False, False])
@@ -108,8 +108,9 @@ def test_misses_are_learnt_from_the_gap_at_separations_in_between() -> None:
 def test_mixing_keeps_what_all_agree_on_and_ages_it() -> None:
     everybody = Edges(np.arange(3), np.array([0, 0, 1, 1, 2, 2]), np.array([1, 2, 0, 2, 0, 1]))
     sums = np.tile(np.arange(1.0, SUMS + 1.0), (3, 1))
-    before = Reception(sums, np.zeros(3), np.ones(3))
-    after = reception.mix(before, everybody, np.ones(6, dtype=np.bool_), sums[everybody.peers], 0.02)
+    before = Reception(POOLED, sums, np.zeros(3), np.ones(3))
+    mixed = reception.mix(before, everybody, np.ones(6, dtype=np.bool_), sums[everybody.peers])
+    after = reception.fade(mixed, 0.02)
     faded = np.array([np.exp(-0.02 / 6.0)] * 3 + [np.exp(-0.02 / 120.0)] * 2)
     np.testing.assert_allclose(after.sums, sums * faded, rtol=1e-14)  # roundings
 

@@ -9,6 +9,7 @@ import numpy as np
 from fes import geometry
 from fes.arrays import Floats, Ints
 from fes.edges import Edges
+from fes.sensing import Telemetry
 from world import graphs
 from world.proximity import Proximity
 
@@ -45,8 +46,6 @@ class Tally:
     """Sums up a run, tick by tick; `add` is called once for each tick, in order."""
 
     dt: float
-    optimal: float
-    """r* [m]."""
     ticks: int = 0
     errors: dict[str, float] = field(default_factory=dict)
     """At the last tick: disagreement (NaN before there are links), estimate_error, separation_error [m]."""
@@ -66,17 +65,21 @@ class Tally:
         twists: Floats,
         near: Proximity,
         open_contacts: bool,
-        links: Edges,
-        estimates: Floats,
+        said: Telemetry,
+        separation: Floats,
+        optimal: float,
     ) -> None:
-        """One tick: true poses [n, 3] and twists [n, 2], who is in range, and what robots say they use."""
+        """One tick: true poses [n, 3] and twists [n, 2], who is in range, and what robots say they use.
+
+        `separation` are the links' own [u] [m], one for each of `said.links.undirected`; `optimal` is r* [m].
+        """
         self._digest(poses, twists)
         self.disk_now = self._disk.is_connected(near.edges)
         if open_contacts or len(poses) == 1:
             self._opened = True
             self._disk_always &= self.disk_now
-            self._links_always &= self._links.is_connected(links)
-        self.errors = link_errors(poses, links, estimates, self.optimal)
+            self._links_always &= self._links.is_connected(said.links)
+        self.errors = link_errors(said, separation, optimal)
         self._levels()
         self.ticks += 1
 
@@ -129,14 +132,14 @@ def separations(poses: Floats, a: Ints, b: Ints) -> Floats:
     return geometry.separation(x.take(a) - x.take(b), y.take(a) - y.take(b))
 
 
-def link_errors(poses: Floats, links: Edges, estimates: Floats, optimal: float) -> dict[str, float]:
+def link_errors(said: Telemetry, separation: Floats, optimal: float) -> dict[str, float]:
     """Disagreement and largest errors [m] over the links in use; NaN where there are none."""
+    links, estimates = said.links, said.estimates
     if len(links) == 0:
         return dict.fromkeys(("disagreement", "estimate_error", "separation_error"), math.nan)
     both = links.mutual
-    a, b = ends(links)
     return {
         "disagreement": float(np.abs(estimates.take(both) - estimates.take(links.reverse.take(both))).sum()),
         "estimate_error": float(np.abs(estimates - optimal).max()),
-        "separation_error": float(np.abs(separations(poses, a, b) - optimal).max()),
+        "separation_error": float(np.abs(separation - optimal).max()),
     }

@@ -1,42 +1,40 @@
 """The report to observers: the truth at one tick, and what robots say of themselves."""
 
+import math
+
 import numpy as np
 
 from fes import outage
 from fes.arrays import Bytes, Floats, Ints
 from fes.edges import Edges
 from fes.report import Report
-from world import metrics
+from world import bursts, metrics
+from world.account import Account
 from world.channel import Radio
-from world.metrics import Tally
-from world.scenario import Scenario
+from world.radio_config import RadioConfig
 from world.simulation import State
 
 PERIOD = 0.1
 """Wall-clock time between two reports [s]."""
 
 
-def build(
-    scenario: Scenario,
-    name: str,
-    state: State,
-    tally: Tally,
-    links: Edges,
-    estimates: Floats,
-    alive: Bytes,
-    elapsed: float,
-    ticks_per_s: float,
-) -> Report:
-    """The report of one tick; `links` and `estimates` [l] are what the robots said at it."""
-    a, b = metrics.ends(links)
+def build(account: Account, name: str, alive: Bytes, elapsed: float, ticks_per_s: float) -> Report:
+    """The report of the last tick of `account`; `elapsed` [s] and `ticks_per_s` [1/s] are wall-clock."""
+    scenario, state, said = account.scenario, account.state, account.telemetry
+    a, b = metrics.ends(said.links)
     low, high = np.minimum(a, b), np.maximum(a, b)
     separation = metrics.separations(state.poses, low, high)
+    ab, ba = _place(said.links, low, high), _place(said.links, high, low)
+    scale = scenario.seeking.reference_separation
+    learnt = [_mean(_pick(row, ab), _pick(row, ba)) for row in said.learnt]
+    level, exponent = learnt if said.learnt.size else [np.full(len(low), np.nan)] * 2
+    true_level, true_exponent = _reception_line(state.channel, scale)
     return Report(
         scenario=name,
         tick=state.tick,
         ticks=scenario.ticks,
         dt=scenario.run.dt,
-        optimal_separation=tally.optimal,
+        optimal_separation=account.optimal,
         elapsed=elapsed,
         ticks_per_s=ticks_per_s,
         alive=alive,
@@ -44,34 +42,68 @@ def build(
         a=low,
         b=high,
         separation=separation,
-        estimate_ab=_estimate(links, estimates, low, high),
-        estimate_ba=_estimate(links, estimates, high, low),
-        outage=outage.outage_probability(separation, scenario.channel),
-        decoded_ratio=_decoded_ratio(state.radio, low, high),
+        estimate_ab=_pick(said.estimates, ab),
+        estimate_ba=_pick(said.estimates, ba),
+        outage=_outage(state, separation, low, high),
+        sent=_both_ways(state.radio, state.radio.sent, low, high),
+        decoded=_both_ways(state.radio, state.radio.decoded, low, high),
+        longest_gap=_both_ways(state.radio, state.radio.longest_gap, low, high, np.maximum),
+        learnt_reception=np.exp(-np.exp(level + exponent * np.log(separation / scale))),
+        learnt_level=level,
+        learnt_exponent=exponent,
+        true_level=true_level,
+        true_exponent=true_exponent,
+        mean_estimate_error=account.tracking.error,
+        changed_at=account.tracking.now.since * scenario.run.dt,
+        tracking_time=account.tracking.time_to_near,
         beacons_sent=state.sent,
         beacons_decoded=state.decoded,
-        disagreement=tally.errors["disagreement"],
-        estimate_error_max=tally.errors["estimate_error"],
-        separation_error_max=tally.errors["separation_error"],
-        disk_connected=tally.disk_now,
+        disagreement=account.tally.errors["disagreement"],
+        estimate_error_max=account.tally.errors["estimate_error"],
+        separation_error_max=account.tally.errors["separation_error"],
+        disk_connected=account.tally.disk_now,
     )
 
 
-def _estimate(links: Edges, estimates: Floats, robot: Ints, peer: Ints) -> Floats:
-    """The estimate of each robot for its link to `peer`, or NaN."""
-    if len(links) == 0:
-        return np.zeros(0)
-    at = links.find(links.key(robot, peer))
-    return np.where(at >= 0, estimates[at], np.nan)
+def _place(links: Edges, robot: Ints, peer: Ints) -> Ints:
+    """Where each robot's link to `peer` stands, or -1."""
+    return links.find(links.key(robot, peer))
 
 
-def _decoded_ratio(radio: Radio, a: Ints, b: Ints) -> Floats:
-    """Beacons decoded of those sent on each contact, both ways together; NaN before the first."""
-    sent, decoded = np.zeros(len(a)), np.zeros(len(a))
-    if len(radio.edges):
-        for receiver, sender in ((a, b), (b, a)):
-            at = radio.edges.find(radio.edges.key(receiver, sender))
-            sent += np.where(at >= 0, radio.sent[at], 0)
-            decoded += np.where(at >= 0, radio.decoded[at], 0)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.where(sent > 0, decoded / sent, np.nan)
+def _pick(values: Floats, at: Ints) -> Floats:
+    """The value at each place; NaN where it is -1."""
+    return np.where(at >= 0, values[at], np.nan) if len(values) else np.full(len(at), np.nan)
+
+
+def _mean(a: Floats, b: Floats) -> Floats:
+    """The mean of two, or the one that is a number."""
+    return np.where(np.isnan(a), b, np.where(np.isnan(b), a, 0.5 * (a + b)))
+
+
+def _both_ways(radio: Radio, of: Ints, a: Ints, b: Ints, add: np.ufunc = np.add) -> Floats:
+    """A number of each contact since it opened, both ways taken together; 0 where there is no contact."""
+    if not len(radio.edges):
+        return np.zeros(len(a))
+    here, there = _place(radio.edges, a, b), _place(radio.edges, b, a)
+    result: Floats = add(np.where(here >= 0, of[here], 0), np.where(there >= 0, of[there], 0)).astype(np.float64)
+    return result
+
+
+def _outage(state: State, separation: Floats, a: Ints, b: Ints) -> Floats:
+    """True outage of each link, both ways averaged: of the last beacon, or after the formula where there was none."""
+    formula = outage.outage_probability(separation, state.channel)
+    lost, edges = 1.0 - (1.0 - formula) * bursts.kept_on_average(state.channel.bursts), state.radio.edges
+    if len(edges) == 0:
+        return lost
+    here, there = _place(edges, a, b), _place(edges, b, a)
+    decoded = 0.5 * (state.radio.probability[here] + state.radio.probability[there])
+    return np.where((here >= 0) & np.isfinite(decoded), 1.0 - decoded, lost)
+
+
+def _reception_line(channel: RadioConfig, scale: float) -> tuple[float, float]:
+    """Level and exponent that an exact fit of the formula has at `scale` [m]: ln(-ln p), and its slope in ln r."""
+    at = np.array([scale])
+    rate = -math.log(max(float(outage.reception_probability(at, channel)[0]), 1e-300))
+    if rate == 0.0:
+        return -math.inf, 0.0
+    return math.log(rate), float(-scale * outage.log_reception_slope(at, channel)[0] / rate)

@@ -11,15 +11,14 @@ from fes import keys, messages, wire
 from fes.arrays import Floats
 from fes.bus import Bus
 from fes.complaints import Complaints
-from fes.edges import Stack, no_edges
+from fes.edges import Stack
 from fes.errors import Absent, MessageError
 from fes.inbox import Inbox
 from fes.messages import Command, Observation
 from fes.report import encode_report
-from fes.sensing import Observations
+from fes.sensing import Observations, Telemetry, untold
 from world import reporting, simulation, summary
-from world.metrics import Tally
-from world.optimum import optimal_separation
+from world.account import Account
 from world.roster import Roster
 from world.scenario import Scenario, agent_config
 from world.simulation import State
@@ -43,9 +42,9 @@ class Server:
         self._rtf = rtf
         self._world = simulation.create(scenario)
         self._state = simulation.start(self._world)
-        self._tally = Tally(scenario.run.dt, optimal_separation(scenario.objective, scenario.channel))
+        self._sums = Account(scenario)
         self._stack = Stack()
-        self._links, self._estimates = no_edges(self._world.ids), np.zeros(0)
+        self._said = untold(self._world.ids)
         self._inbox = Inbox(asyncio.get_running_loop())
         self._observe = [bus.publisher(keys.observation(run, robot), "fes.Observation") for robot in robots]
         self._report = bus.publisher(keys.report(run), "fes.Report", drop=True)
@@ -81,19 +80,10 @@ class Server:
     def summarize(self) -> dict[str, Any] | None:
         """The summary of the ticks that were run; None before the first."""
         self._account()
-        if self._tally.ticks == 0:
+        if self._sums.tally.ticks == 0:
             return None
         wall = (self._ended or time.perf_counter()) - self._begun
-        return summary.summarize(
-            self.scenario,
-            self.name,
-            "processes",
-            self._tally,
-            self._final,
-            self._links,
-            self._estimates,
-            wall,
-        )
+        return summary.summarize(self._sums, self.name, "processes", wall)
 
     @property
     def overflow(self) -> int:
@@ -103,7 +93,7 @@ class Server:
     def dismiss(self) -> None:
         """Tell every robot and observer that the run is over."""
         self._account()
-        if self._tally.ticks:
+        if self._sums.tally.ticks:
             self._tell()
         nothing = np.zeros(0, dtype=np.int64)
         for robot, (put, pose) in enumerate(zip(self._observe, self._state.poses.tolist(), strict=True)):
@@ -121,10 +111,9 @@ class Server:
         """Add the last tick to the tally, and report to observers if it is time."""
         if self._unaccounted is None:
             return
-        self._final, twists = self._unaccounted
+        state, twists = self._unaccounted
         self._unaccounted = None
-        final = self._final
-        self._tally.add(final.poses, twists, final.proximity, final.sent > 0, self._links, self._estimates)
+        self._sums.add(state, twists, self._said)
         if time.perf_counter() - self._told_at >= reporting.PERIOD:
             self._tell()
 
@@ -193,25 +182,20 @@ class Server:
 
     def _tell_apart(self, commands: list[Command]) -> Floats:
         """The twists [n, 2] in the commands; the telemetry beside them is kept for the tally and the report."""
-        self._links = self._stack.edges(self._world.ids, [command.links for command in commands])
-        self._estimates = np.concatenate([command.estimates for command in commands])
+        links = self._stack.edges(self._world.ids, [command.links for command in commands])
+        estimates = np.concatenate([command.estimates for command in commands])
+        learnt = np.zeros((2, 0))
+        if len(estimates) and all(len(command.learnt) == 2 * len(command.links) for command in commands):
+            learnt = np.concatenate([command.learnt.reshape(2, -1) for command in commands], axis=1)
+        self._said = Telemetry(links, estimates, learnt)
         return np.array([command.twist for command in commands])
 
     def _tell(self) -> None:
         now = time.perf_counter()
-        rate = (self._tally.ticks - self._told_tick) / max(now - self._told_at, 1e-9)
-        self._told_at, self._told_tick = now, self._tally.ticks
-        report = reporting.build(
-            self.scenario,
-            self.name,
-            self._final,
-            self._tally,
-            self._links,
-            self._estimates,
-            self._roster.alive,
-            now - self._begun,
-            rate,
-        )
+        ticks = self._sums.tally.ticks
+        rate = (ticks - self._told_tick) / max(now - self._told_at, 1e-9)
+        self._told_at, self._told_tick = now, ticks
+        report = reporting.build(self._sums, self.name, self._roster.alive, now - self._begun, rate)
         payload = encode_report(report)
         if len(payload) <= wire.MAX_PAYLOAD:  # beyond, at about 8,000 robots, there is nothing to watch
             self._report(payload)

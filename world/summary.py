@@ -11,26 +11,16 @@ import tomli_w
 from fes.arrays import Floats
 from fes.edges import Edges
 from world import graphs, metrics
-from world.metrics import Tally
+from world.account import Account
+from world.channel import Radio
 from world.scenario import Scenario
-from world.simulation import State
 
 
-def summarize(
-    scenario: Scenario,
-    name: str,
-    backend: str,
-    tally: Tally,
-    final: State,
-    links: Edges,
-    estimates: Floats,
-    wall: float,
-) -> dict[str, Any]:
-    """The summary of a run; `final` is its last tick, `links` and `estimates` what the robots used at it."""
-    n, optimal = scenario.robots.number, tally.optimal
-    a, b = metrics.ends(links)
-    separation = metrics.separations(final.poses, a, b)
-    edges = _edges(links, separation, estimates)
+def summarize(account: Account, name: str, backend: str, wall: float) -> dict[str, Any]:
+    """The summary of a run up to the last tick of `account`; `wall` is how long it took [s]."""
+    scenario, final, tally, optimal = account.scenario, account.state, account.tally, account.optimal
+    n, links, estimates = scenario.robots.number, account.telemetry.links, account.telemetry.estimates
+    separation = account.separation
     simulated = tally.ticks * scenario.run.dt
     return {
         "scenario": name,
@@ -45,7 +35,7 @@ def summarize(
         "ticks_per_s": tally.ticks / wall if wall > 0 else None,
         "real_time_factor": simulated / wall if wall > 0 else None,
         "optimal_separation": optimal,
-        "edges": edges,
+        "edges": _edges(links, separation, estimates),
         "separation_error_max": _largest(separation - optimal),
         "separation_error_rms": _rms(separation - optimal),
         "disagreement": None if len(links) == 0 else tally.errors["disagreement"],
@@ -53,10 +43,12 @@ def summarize(
         "estimate_error_rms": _rms(estimates - optimal),
         "disk_connected_always": tally.disk_always,
         "links_connected_always": tally.links_always,
-        "algebraic_connectivity": graphs.algebraic_connectivity(n, a, b),
+        "algebraic_connectivity": graphs.algebraic_connectivity(n, *metrics.ends(links)),
         "beacons_sent": final.sent,
         "beacons_decoded": final.decoded,
         "time_to": tally.times(),
+        "tracking": account.tracking.table(),
+        "radio": _contacts(final.radio),
         "digest": tally.digest(),
     }
 
@@ -82,6 +74,15 @@ def _edges(links: Edges, separation: Floats, estimates: Floats) -> list[list[flo
         mine, theirs = float(estimates[at]), float(estimates[other]) if other >= 0 else None
         rows.append([i, j, length, mine, theirs] if i < j else [j, i, length, theirs, mine])
     return sorted(rows, key=lambda row: row[:2])
+
+
+def _contacts(radio: Radio) -> list[list[float | int]]:
+    """[receiver, sender, sent, decoded, mean true outage, longest gap] of each contact since it opened."""
+    edges = radio.edges
+    used = np.flatnonzero(radio.sent > 0)
+    mean = radio.outage_sum[used] / radio.sent[used]
+    columns = (edges.ids[edges.rows[used]], edges.peers[used], radio.sent[used], radio.decoded[used], mean, radio.longest_gap[used])
+    return [list(row) for row in zip(*(column.tolist() for column in columns), strict=True)]
 
 
 def _largest(errors: Floats) -> float | None:

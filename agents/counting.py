@@ -1,0 +1,42 @@
+"""Counting beacons: which of a peer's beacons decoded, which were missed, and at which separations.
+
+A beacon slot is one Bernoulli sample of the channel. That a beacon decoded is known at once; that it was missed is
+learnt from the gap before the next one that decodes, as a receiver learns it from sequence numbers.
+"""
+
+import numpy as np
+
+from agents.contacts import Contacts
+from fes import objective
+from fes.arrays import Bools, Floats, Ints
+from fes.config import ObjectiveConfig
+
+
+def slots(before: Contacts, now: Contacts, tick: int, among: Bools) -> tuple[Ints, Floats, Bools]:
+    """The beacon slots [s] learnt of at this tick: position of the contact, separation [m], decoded or missed.
+
+    `among` [m] says which contacts count. The separation at the time of a miss is interpolated between the decoded
+    beacons on its two sides.
+    """
+    fresh = np.flatnonzero((now.heard == tick - 1) & among)
+    if len(fresh) == 0:
+        return fresh, np.zeros(0), np.zeros(0, dtype=np.bool_)
+    at = now.edges.places_in(before.edges)[fresh] if now.edges is not before.edges else fresh
+    last = np.where(at >= 0, before.heard.take(at, mode="clip"), -1) if len(before.edges) else np.full(len(fresh), -1)
+    missed = np.where(last >= 0, tick - 2 - last, 0)
+    start = before.heard_separation.take(at, mode="clip") if len(before.edges) else np.zeros(len(fresh))
+    end = now.heard_separation[fresh]
+    which = np.repeat(np.arange(len(fresh)), missed)
+    order = np.arange(len(which)) - np.repeat(np.cumsum(missed) - missed, missed) + 1
+    between = start[which] + (end - start)[which] * order / (missed[which] + 1)
+    decoded = np.concatenate([np.ones(len(fresh), dtype=np.bool_), np.zeros(len(which), dtype=np.bool_)])
+    return np.concatenate([fresh, fresh[which]]), np.concatenate([end, between]), decoded
+
+
+def sample(contacts: Contacts, tick: int, at: Ints, wish: ObjectiveConfig) -> Floats:
+    """One sample of J of (16) for each contact of `at` [l]: S(r) if its beacon of the last tick decoded, else 0.
+
+    Its mean is S(r) p(r) at the true separation r: all that (18) can be given by a radio.
+    """
+    heard = contacts.heard.take(at) == tick - 1
+    return np.where(heard, objective.preference(contacts.separation.take(at), wish), 0.0)

@@ -1,0 +1,81 @@
+"""What a run achieved, added up tick by tick from the truth and from what the robots say of themselves."""
+
+import math
+
+import numpy as np
+
+from fes import objective
+from fes.arrays import Floats
+from fes.edges import Edges
+from fes.sensing import Telemetry
+from world import metrics
+from world.breathing import Breathing
+from world.channel import Radio
+from world.metrics import Tally
+from world.optimum import optimal_separation
+from world.radio_config import RadioConfig
+from world.scenario import Scenario
+from world.simulation import State
+from world.tracking import, Tracking
+
+
+class Account:
+    """Sums up a run; `add` is called once for each tick, in order."""
+
+    state: State
+    """At the last tick."""
+    telemetry: Telemetry
+    """At the last tick."""
+    separation: Floats
+    """At the last tick, of each of `telemetry.links.undirected` [u] [m]; averaged over a dither period if the
+    formation breathes and the link has stood for one."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.scenario = scenario
+        self.tally = Tally(scenario.run.dt)
+        self.tracking = Tracking(scenario.run.dt)
+        self.optimal = math.nan
+        """r* of the channel at the last tick [m]."""
+        self._breathing = Breathing(dither_period(scenario))
+        self._channel: RadioConfig | None = None
+
+    def add(self, state: State, twists: Floats, telemetry: Telemetry) -> None:
+        """Add a tick: the state, the twists [n, 2] of the robots in it, and what they said."""
+        changed = state.channel is not self._channel
+        if changed:
+            self._channel = state.channel
+            self.optimal = optimal_separation(self.scenario.objective, state.channel)
+        self.state, self.telemetry = state, telemetry
+        links, estimates = telemetry.links, telemetry.estimates
+        now = metrics.separations(state.poses, *metrics.ends(links))
+        self._breathing.add(links, now)
+        mean = self._breathing.mean
+        self.tally.add(
+            state.poses, twists, state.proximity, state.sent > 0, telemetry, mean, self.optimal
+        )
+        self.separation = np.where(np.isfinite(mean), mean, now)
+        error = rms = index = math.nan
+        if len(links):
+            error = float(estimates.sum()) / len(links) - self.optimal
+        if len(links) and self.tracking.settled(state.tick, changed):
+            rms = math.sqrt(float(np.mean((mean - self.optimal) ** 2)))
+            wish = objective.preference(now, self.scenario.objective)
+            index = float(np.mean(wish * link_reception(state.radio, links)))
+        apart = self.tally.errors["disagreement"]
+        self.tracking.add(state.tick, self.optimal, changed, error, apart, rms, index)
+
+
+def link_reception(radio: Radio, links: Edges) -> Floats:
+    """The true reception probability of each of `links.undirected` [u], mean of both ways; NaN out of contact."""
+    if not len(radio.edges):
+        return np.full(len(links.undirected), np.nan)
+    at = links.places_in(radio.edges)[links.undirected]
+    both = 0.5 * (radio.probability.take(at) + radio.probability.take(radio.edges.reverse.take(at)))
+    return np.where(at >= 0, both, np.nan)
+
+
+def dither_period(scenario: Scenario) -> int:
+    """Ticks over which separations are averaged: the period of a physical dither, else 1."""
+    if scenario.seeking.index == "oracle":
+        return 1
+    return max(1, round(2.0 * math.pi / scenario.seeking.dither_frequency / scenario.run.dt))

@@ -1,0 +1,71 @@
+"""Separations averaged over a period of the dither.
+
+With a physical dither the formation breathes, and lags what it is told; what it settles at is the average over a
+period.
+"""
+
+from collections import deque
+
+import numpy as np
+
+from fes.arrays import Floats, Ints
+from fes.edges import Edges, no_edges
+
+MOST_BLOCKS = 20
+"""A period is summed up in at most so many blocks, so that its average is renewed as often."""
+
+
+class Breathing:
+    """The average of each link's separation over the latest whole period; `add` is called at each tick."""
+
+    def __init__(self, period: int) -> None:
+        """`period` [ticks], at least 1; 1 keeps the separations as they are."""
+        self._period = period
+        blocks = next(count for count in range(min(MOST_BLOCKS, period), 0, -1) if period % count == 0)
+        self._length = period // blocks
+        self._sums: deque[Floats] = deque(maxlen=blocks)
+        self._links: Edges = no_edges(np.zeros(0, dtype=np.int64))
+        self._now: Floats = np.zeros(0)
+        self._ticks = 0
+        self.mean: Floats = np.zeros(0)
+        """[u] [m]; NaN for a link that did not stand for a whole period."""
+
+    def add(self, links: Edges, separation: Floats) -> None:
+        """One more tick: the links in use, and the separations at `links.undirected` [u] [m]."""
+        if self._period == 1:
+            self.mean = separation
+            return
+        if links is not self._links:
+            self._carry(links)
+        self._now = self._now + separation
+        self._ticks += 1
+        if self._ticks == self._length:
+            self._sums.append(self._now)
+            self._now, self._ticks = np.zeros(len(separation)), 0
+            if len(self._sums) == self._sums.maxlen:
+                self.mean = np.add.reduce(list(self._sums), axis=0) / self._period
+
+    def _carry(self, links: Edges) -> None:
+        """Links that stay keep their sums; those of new ones are not numbers until a period has passed."""
+        old, self._links = self._links, links
+        at = _places(links, old)
+        begun = self._ticks > 0 or len(self._sums) > 0
+
+        def kept(sums: Floats, otherwise: float) -> Floats:
+            found = np.full(len(at), otherwise)
+            found[at >= 0] = sums[at[at >= 0]]
+            return found
+
+        for place, sums in enumerate(self._sums):
+            self._sums[place] = kept(sums, np.nan)
+        self._now = kept(self._now, np.nan if begun else 0.0)
+        self.mean = kept(self.mean if len(self.mean) else np.full(len(old.undirected), np.nan), np.nan)
+
+
+def _places(links: Edges, old: Edges) -> Ints:
+    """Position in `old.undirected` of each link in `links.undirected`, or -1, whichever way round it stood."""
+    rank = np.full(len(old) + 1, -1)  # the last stays -1, for links that were not there
+    rank[old.undirected] = np.arange(len(old.undirected))
+    here = links.undirected
+    forth, back = old.find(links.keys[here]), old.find(links.reverse_keys[here])
+    return np.maximum(rank[forth], rank[back])
