@@ -6,7 +6,7 @@ from fes import outage
 from fes.arrays import Bytes, Floats, Ints
 from fes.edges import Edges
 from fes.report import Report
-from world import metrics
+from world import bursts, metrics
 from world.channel import Radio
 from world.metrics import Tally
 from world.scenario import Scenario
@@ -46,7 +46,7 @@ def build(
         separation=separation,
         estimate_ab=_estimate(links, estimates, low, high),
         estimate_ba=_estimate(links, estimates, high, low),
-        outage=outage.outage_probability(separation, scenario.channel),
+        outage=_outage(state, separation, low, high),
         decoded_ratio=_decoded_ratio(state.radio, low, high),
         beacons_sent=state.sent,
         beacons_decoded=state.decoded,
@@ -63,6 +63,17 @@ def _estimate(links: Edges, estimates: Floats, robot: Ints, peer: Ints) -> Float
         return np.zeros(0)
     at = links.find(links.key(robot, peer))
     return np.where(at >= 0, estimates[at], np.nan)
+
+
+def _outage(state: State, separation: Floats, a: Ints, b: Ints) -> Floats:
+    """True outage of each link, both ways averaged: of the last beacon, or after the formula where there was none."""
+    formula = outage.outage_probability(separation, state.channel)
+    lost, edges = 1.0 - (1.0 - formula) * bursts.kept_on_average(state.channel.bursts), state.radio.edges
+    if len(edges) == 0:
+        return lost
+    here, there = edges.find(edges.key(a, b)), edges.find(edges.key(b, a))
+    decoded = 0.5 * (state.radio.probability[here] + state.radio.probability[there])
+    return np.where((here >= 0) & np.isfinite(decoded), 1.0 - decoded, lost)
 
 
 def _decoded_ratio(radio: Radio, a: Ints, b: Ints) -> Floats:
