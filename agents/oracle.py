@@ -22,19 +22,24 @@ def index(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal
     """J of (33), or ln J, as a function of separations [m] in an array.
 
     J(r) = S(r) p(r) = [1 - exp(-A)] exp(-q A - c r^nu), with A = (r/r_min)^s and q = (r_min/r_x)^s: one
-    exponential less than `fes.objective` times `fes.outage`, since it is evaluated at many points a tick.
+    exponential less than `fes.objective` times `fes.outage`, since it is evaluated at many points a tick. Of a
+    logistic channel ln p = -ln(1 + e^z) stands for -c r^nu.
     """
     shape, scale = objective.shape_exponent, objective.minimum_separation
     reach = -((scale / objective.maximum_separation) ** shape)
-    loss, exponent = -outage.exponent_scale(channel), channel.path_loss_exponent
+    logistic = channel.model == "logistic"
+    loss = 0.0 if logistic else -outage.exponent_scale(channel)
+    exponent = channel.path_loss_exponent
 
     def exponents(separation: Floats) -> tuple[Floats, Floats]:
-        """1 - exp(-A), and -q A - c r^nu."""
+        """1 - exp(-A), and -q A + ln p."""
         r = np.maximum(separation, NEARLY_ZERO)
         spread = np.power(r / scale, shape)
         decay = reach * spread
         if loss != 0.0:
             decay += loss * np.power(r, exponent)
+        if logistic:
+            decay -= np.logaddexp(0.0, outage.logistic_excess(r, channel))
         np.negative(spread, out=spread)
         np.expm1(spread, out=spread)
         return np.negative(spread, out=spread), decay

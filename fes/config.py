@@ -26,10 +26,11 @@ class Table(BaseModel):
 
 
 class ChannelConfig(Table):
-    """The radio channel; the truth of the world, and told to an agent only for the oracle index."""
+    """The formula of the radio channel; the truth of the world, and told to an agent only for the oracle index."""
 
-    model: Literal["rayleigh", "perfect"] = "rayleigh"
-    """`rayleigh`: beacons decode with the probability of (3). `perfect`: every beacon in range decodes."""
+    model: Literal["rayleigh", "logistic", "perfect"] = "rayleigh"
+    """`rayleigh`: beacons decode with the probability of (3). `logistic`: with 1 / (1 + exp((r - midpoint) / width)),
+    which no exponent of (3) gives. `perfect`: every beacon in range decodes."""
     reference_snr: Positive = 1e7
     """SNR at the reference distance [1] (P0/sigma^2)."""
     spectral_efficiency: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] = 2.0
@@ -38,6 +39,10 @@ class ChannelConfig(Table):
     """Path-loss exponent [1] (nu of (3))."""
     reference_distance: Annotated[float, Field(ge=1e-6, le=1e6)] = 1.0
     """Distance of the reference SNR [m] (r0)."""
+    logistic_midpoint: Positive = 100.0
+    """Separation at which the logistic channel decodes half of the beacons [m]."""
+    logistic_width: Annotated[float, Field(ge=1e-3, le=1e6)] = 12.0
+    """How gently its reception falls with separation [m]; a quarter of 1/width a meter at the midpoint."""
     communication_range: Positive = 150.0
     """Hard cut-off of the radio [m] (r_x)."""
 

@@ -1,4 +1,4 @@
-"""Outage of a single-antenna link under Rayleigh fading: equations (3) and (4) in closed form.
+"""Reception and outage of a single-antenna link in closed form: equations (3) and (4), and two that are not Rayleigh.
 
 This is the formula that the paper's robots are said not to know. The world may use it; of the agents' modules
 only `agents.oracle` may import it. `tests/test_architecture.py` holds them to it.
@@ -15,32 +15,66 @@ from fes.config import ChannelConfig
 def exponent_scale(channel: ChannelConfig) -> float:
     """c [m^-nu] of the reception probability exp(-c r^nu), from (3): (2^delta - 1) / SNR / r0^nu.
 
-    A perfect channel has c = 0.
+    A perfect channel has c = 0. Raises ValueError for a logistic one, which has none.
     """
+    if channel.model == "logistic":
+        raise ValueError("a logistic channel is not of the form exp(-c r^nu)")
     if channel.model == "perfect":
         return 0.0
     threshold = math.exp2(channel.spectral_efficiency) - 1.0
     return float(threshold / channel.reference_snr / channel.reference_distance**channel.path_loss_exponent)
 
 
+def logistic_excess(separation: Floats, channel: ChannelConfig) -> Floats:
+    """z [1] of the logistic reception probability 1 / (1 + e^z): `separation` [m], any shape, past the midpoint."""
+    excess: Floats = (separation - channel.logistic_midpoint) / channel.logistic_width
+    return excess
+
+
 def reception_probability(separation: Floats, channel: ChannelConfig) -> Floats:
-    """Probability that a beacon decodes at `separation` [m], any shape: 1 - outage, after (3)."""
+    """Probability that a beacon decodes at `separation` [m], any shape: 1 - outage, after (3) if Rayleigh."""
+    if channel.model == "logistic":
+        return _logistic(-logistic_excess(separation, channel))
     return np.exp(-exponent_scale(channel) * np.power(separation, channel.path_loss_exponent))
 
 
 def outage_probability(separation: Floats, channel: ChannelConfig) -> Floats:
-    """Outage P[C < delta] at `separation` [m], any shape; equation (3)."""
+    """Outage at `separation` [m], any shape; P[C < delta] of (3) if Rayleigh."""
+    if channel.model == "logistic":
+        return _logistic(logistic_excess(separation, channel))
     return -np.expm1(-exponent_scale(channel) * np.power(separation, channel.path_loss_exponent))
 
 
-def range_at_outage(outage: float, channel: ChannelConfig) -> float:
-    """The separation [m] at which the outage is `outage` in (0, 1); equation (4) solved for r.
+def log_reception_slope(separation: Floats, channel: ChannelConfig) -> Floats:
+    """(ln p)' [1/m] of the reception probability p at `separation` [m], any shape.
 
-    Raises ValueError for an outage outside (0, 1), and for a perfect channel, which never reaches it.
+    -nu c r^(nu - 1) for (3), -(1 - p)/width for the logistic channel.
+    """
+    if channel.model == "logistic":
+        return -outage_probability(separation, channel) / channel.logistic_width
+    exponent = channel.path_loss_exponent
+    return -(exponent * exponent_scale(channel) * np.power(separation, exponent - 1.0))
+
+
+def range_at_outage(outage: float, channel: ChannelConfig) -> float:
+    """The separation [m] at which the outage is `outage` in (0, 1); for Rayleigh equation (4) solved for r.
+
+    Raises ValueError for an outage outside (0, 1), and where no positive separation has it: for a perfect channel
+    any, for a logistic one those below its outage at 0.
     """
     if not 0.0 < outage < 1.0:
         raise ValueError(f"outage must lie in (0, 1): {outage}")
+    if channel.model == "logistic":
+        found = channel.logistic_midpoint + channel.logistic_width * (math.log(outage) - math.log1p(-outage))
+        if found <= 0.0:
+            raise ValueError(f"this logistic channel has a larger outage at every separation: {outage}")
+        return found
     scale = exponent_scale(channel)
     if scale == 0.0:
         raise ValueError("a perfect channel reaches no outage at any separation")
     return float((-math.log1p(-outage) / scale) ** (1.0 / channel.path_loss_exponent))
+
+
+def _logistic(z: Floats) -> Floats:
+    """1 / (1 + e^-z), to relative precision at both ends and without overflow."""
+    return np.exp(-np.logaddexp(0.0, -z))

@@ -54,7 +54,7 @@ def test_jitter_moves_a_robot_by_no_more_than_it_says() -> None:
 
 def test_an_agent_is_told_the_channel_for_the_oracle_only() -> None:
     loaded = scenario.load(PAIR)
-    assert scenario.agent_config(loaded).channel == loaded.channel
+    assert scenario.agent_config(loaded).channel == loaded.channel.formula
     measured = loaded.model_copy(update={"seeking": loaded.seeking.model_copy(update={"index": "measured"})})
     assert scenario.agent_config(measured).channel is None
 

@@ -5,9 +5,13 @@ server      the lockstep: observations out, commands in, one barrier a tick
 roster      who hosts which robot, and who is alive
 reporting   the report to observers
 scenario    the typed scenario, from TOML
+radio_config  its table [channel]: the formula, shadowing, bursts, jammers
 kinematics  the unicycle (5) on its exact arc
 proximity   which pairs of robots are within communication range
 channel     which beacons decode
+shadowing   correlated in space, reciprocal
+bursts      losses in a row
+chance      the radio's uniform numbers
 simulation  step(state, twists) -> state
 optimum     r*, the separation that maximizes the index (16)
 graphs      connectivity of a graph, lambda_2

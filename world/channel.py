@@ -1,28 +1,43 @@
 """The radio: whose beacon decodes at whom.
 
 A beacon is put on the air by every robot at every tick. Between two robots in range it decodes with the
-reception probability (3) at their separation of that tick, independently for each tick and direction
-(Rayleigh block fading). A contact opens two ticks after the robots came in range.
+reception probability of their channel at that tick, independently for each tick and direction (block fading) but
+for the bursts. A contact opens two ticks after the robots came in range.
 """
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fes import draws, outage
+from fes import draws, geometry, outage
 from fes.arrays import Bytes, Floats, Ints
-from fes.config import ChannelConfig
 from fes.edges import Edges
-from fes.sensing import CLOSED, DECODED, LOST, OPENING_TICKS
+from fes.sensing import CLOSED, OPENING_TICKS
+from world import bursts, shadowing
+from world.chance import Draws
 from world.proximity import Proximity
+from world.radio_config import JammerConfig, RadioConfig, ShadowingConfig
 
-_BLOCK = 128  # ticks of numbers drawn at a time: drawing costs per pair, not per number
-_MOST = 1 << 24  # numbers held at most
+_FARTHEST = 100.0  # powers of ten by which shadowing moves an effective separation at most: numbers stay finite
+
+
+@dataclass(frozen=True, eq=False)
+class Medium:
+    """What the radio of a run rests on: all of it a function of the seed, whatever the channel is."""
+
+    dt: float
+    """Tick length [s]."""
+    fading: Draws
+    bursts: Draws
+    waves: shadowing.Modes
 
 
 @dataclass(frozen=True, eq=False)
 class Radio:
-    """What the radio did at one tick, over the pairs in range [m]."""
+    """What the radio did at one tick, over the pairs in range [m], and the ledger of each contact."""
 
     edges: Edges
     """(receiver, sender)"""
@@ -34,71 +49,117 @@ class Radio:
     """Beacons sent on each contact since it opened [m]."""
     decoded: Ints
     """Beacons decoded on it [m]."""
+    probability: Floats
+    """True reception probability of the previous tick's beacon, shadowing and jammers included, bursts as their
+    average over the stationary law; NaN before the first [m]."""
+    outage_sum: Floats
+    """Sum of 1 - probability over the beacons sent: the number that is lost on average [m]."""
+    gap: Ints
+    """Beacons lost in a row by now [m]."""
+    longest_gap: Ints
+    """The largest `gap` since the contact opened [m]."""
+    burst: Bytes
+    """GOOD, BAD or UNKNOWN, for the previous tick's beacon; it stands still while the channel has no bursts [m]."""
 
 
-class Draws:
-    """Uniform numbers for the pairs in range, drawn ahead in blocks of ticks.
+_FRESH: dict[str, Any] = {
+    "age": np.int64(0),
+    "reception": np.uint8(CLOSED),
+    "sent": np.int64(0),
+    "decoded": np.int64(0),
+    "probability": np.float64(math.nan),
+    "outage_sum": np.float64(0.0),
+    "gap": np.int64(0),
+    "longest_gap": np.int64(0),
+    "burst": np.uint8(bursts.UNKNOWN),
+}
+"""The ledger of a pair that has just come in range."""
 
-    A cache, not a state: every number is a function of (seed, tick, sender, receiver).
-    """
 
-    def __init__(self, key: Ints) -> None:
-        self._key = key
-        self._edges: Edges | None = None
-        self._first = 0
-        self._blocks: Floats = np.zeros((0, 0))
-        """Numbers of the ticks from `_first` on, a column a pair, in the order in which pairs came."""
-        self._columns: Ints = np.zeros(0, dtype=np.int64)
-        """Column of each pair of `_edges`."""
-
-    def at(self, tick: int, edges: Edges) -> Floats:
-        """The numbers of one tick for (receiver, sender) `edges` [m], in [0, 1)."""
-        if not 0 <= tick - self._first < len(self._blocks):
-            count = max(4, min(_BLOCK, _MOST // (4 * max(1, len(edges))) * 4))
-            self._first, self._edges = tick - tick % count, None
-            self._blocks = np.zeros((count, 0))
-        if edges is not self._edges:
-            self._take_in(edges)
-        numbers: Floats = self._blocks[tick - self._first].take(self._columns)
-        return numbers
-
-    def _take_in(self, edges: Edges) -> None:
-        """Columns for the pairs of `edges`; only those that have none yet are drawn."""
-        at = edges.places_in(self._edges).copy() if self._edges is not None else np.full(len(edges), -1)
-        new = np.flatnonzero(at < 0)
-        columns = self._columns.take(at, mode="clip") if len(self._columns) else at
-        columns[new] = self._blocks.shape[1] + np.arange(len(new))
-        receivers = edges.ids[edges.rows[new]]
-        drawn = draws.uniform_ticks(self._key, self._first, len(self._blocks), edges.peers[new], receivers)
-        self._blocks = np.concatenate([self._blocks, drawn], axis=1)
-        self._edges, self._columns = edges, columns
+def medium(seed: int, dt: float) -> Medium:
+    """The medium of a run with ticks of `dt` [s]."""
+    fading, states = (Draws(draws.key(seed, stream)) for stream in ("channel", "bursts"))
+    return Medium(dt, fading, states, shadowing.modes(seed))
 
 
 def quiet(edges: Edges) -> Radio:
     """The radio before the first tick: nothing was sent."""
-    nothing = np.zeros(len(edges), dtype=np.int64)
-    return Radio(edges, nothing, nothing.astype(np.uint8), nothing, nothing)
+    return Radio(edges, **{name: np.full(len(edges), value) for name, value in _FRESH.items()})
 
 
 def transmit(
-    radio: Radio, tick: int, before: Proximity, after: Proximity, config: ChannelConfig, numbers: Draws
+    medium: Medium, config: RadioConfig, radio: Radio, tick: int, poses: Floats, before: Proximity, after: Proximity
 ) -> Radio:
-    """The radio at tick + 1: what became of the beacons of `tick`, sent at the separations of `before`."""
-    edges = after.edges
-    if edges is before.edges:
-        age, sent, decoded = radio.age + 1, radio.sent, radio.decoded
-        separation = before.separation.take(before.pair)
-    else:
-        at = edges.places_in(before.edges)
-        stays = at >= 0
-        age = np.where(stays, radio.age.take(at, mode="clip") + 1, 0) if len(before.edges) else 0 * edges.rows
-        sent = np.where(stays, radio.sent.take(at, mode="clip"), 0) if len(before.edges) else 0 * edges.rows
-        decoded = np.where(stays, radio.decoded.take(at, mode="clip"), 0) if len(before.edges) else sent
-        separation = np.zeros(len(edges))
-        separation[stays] = before.separation[before.pair[at[stays]]]
+    """The radio at tick + 1: what became of the beacons of `tick`, sent from `poses` [n, 3] among `before`."""
+    edges, age = before.edges, radio.age + 1
     is_open = age >= OPENING_TICKS
+    probability = reception_probability(medium, config, poses, before)
+    average, burst = probability, radio.burst
+    if config.bursts is not None:
+        burst = bursts.step(burst, config.bursts, medium.dt, medium.bursts.at(tick, edges))
+        average = probability * bursts.kept_on_average(config.bursts)
+        probability = probability * bursts.kept(burst, config.bursts)
     heard = is_open
-    if config.model != "perfect":
-        heard = is_open & (numbers.at(tick, edges) < outage.reception_probability(separation, config))
-    reception = np.where(heard, DECODED, np.where(is_open, LOST, CLOSED)).astype(np.uint8)
-    return Radio(edges, age, reception, sent + is_open, decoded + heard)
+    if not config.is_certain:
+        heard = is_open & (medium.fading.at(tick, edges) < probability)
+    gap = (radio.gap + 1) * (is_open ^ heard)
+    now = Radio(
+        edges,
+        age,
+        np.add(is_open, heard, dtype=np.uint8),  # CLOSED, LOST and DECODED count the two
+        radio.sent + is_open,
+        radio.decoded + heard,
+        average,
+        radio.outage_sum + (1.0 - average) * is_open,
+        gap,
+        np.maximum(radio.longest_gap, gap),
+        burst,
+    )
+    return now if after.edges is edges else _carry(now, after.edges)
+
+
+def reception_probability(medium: Medium, config: RadioConfig, poses: Floats, near: Proximity) -> Floats:
+    """Probability [m] that a beacon decodes on each edge of `near` at `poses` [n, 3], bursts aside."""
+    separation = near.separation
+    if config.shadowing is not None and config.model != "perfect":
+        separation = _effective(medium, config, config.shadowing, poses, near)
+    probability = outage.reception_probability(separation.take(near.pair), config)
+    if config.jammers:
+        probability *= _left_by(config.jammers, poses).take(near.edges.rows)
+    return probability
+
+
+def _effective(
+    medium: Medium, config: RadioConfig, shadows: ShadowingConfig, poses: Floats, near: Proximity
+) -> Floats:
+    """The separation [p] [m] at which the candidates in range would have the SNR that shadowing leaves them.
+
+    A gain of g dB is a separation times 10^(-g/(10 nu)), exactly so in (3).
+    """
+    at = np.flatnonzero(near.mask)
+    separation = near.separation.copy()
+    apart = separation.take(at)
+    gain = shadowing.gain(medium.waves, shadows, poses, near.candidates.a.take(at), near.candidates.b.take(at), apart)
+    power = np.clip(gain / (-10.0 * config.path_loss_exponent), -_FARTHEST, _FARTHEST)
+    separation[at] = apart * np.power(10.0, power)
+    return separation
+
+
+def _left_by(jammers: list[JammerConfig], poses: Floats) -> Floats:
+    """What the jammers leave of the reception probability of each robot [n]."""
+    left = np.ones(len(poses))
+    for jammer in jammers:
+        away = geometry.separation(poses[:, geometry.X] - jammer.x, poses[:, geometry.Y] - jammer.y)
+        left[away <= jammer.radius] *= jammer.reception_factor
+    return left
+
+
+def _carry(radio: Radio, edges: Edges) -> Radio:
+    """The ledger of the pairs `edges`: of those that stay, and a fresh one for those that are new."""
+    if len(radio.edges) == 0:
+        return quiet(edges)
+    at = edges.places_in(radio.edges)
+    ledger: dict[str, NDArray[Any]] = {
+        name: np.where(at >= 0, getattr(radio, name).take(at, mode="clip"), value) for name, value in _FRESH.items()
+    }
+    return replace(radio, edges=edges, **ledger)

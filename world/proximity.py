@@ -30,6 +30,8 @@ class Candidates:
     b: Ints
     positions: Floats | None
     """Where the robots were when the list was made [n, 2]; None if it holds for ever."""
+    reach: float
+    """The communication range that it was made for [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +80,8 @@ def _edges(ids: Ints, a: Ints, b: Ints) -> Edges:
 def _holds(candidates: Candidates, poses: Floats, reach: float) -> bool:
     if candidates.positions is None:
         return True
+    if candidates.reach != reach:
+        return False
     moved = poses[:, :2] - candidates.positions
     return bool((geometry.separation(moved[:, 0], moved[:, 1]) <= 0.5 * MARGIN * reach).all())
 
@@ -86,7 +90,7 @@ def _find(poses: Floats, reach: float) -> Candidates:
     n = len(poses)
     if n <= SMALL:
         a, b = np.triu_indices(n, 1)
-        return Candidates(a, b, None)
+        return Candidates(a, b, None, reach)
     side = (1.0 + MARGIN) * reach
     cells = np.floor(poses[:, :2] / side).astype(np.int64)
     cells -= cells.min(axis=0) - 1
@@ -102,7 +106,7 @@ def _find(poses: Floats, reach: float) -> Candidates:
     left, right = left[near <= side], right[near <= side]
     a, b = np.minimum(left, right), np.maximum(left, right)
     sort = np.argsort(a * n + b)
-    return Candidates(a[sort], b[sort], poses[:, :2].copy())
+    return Candidates(a[sort], b[sort], poses[:, :2].copy(), reach)
 
 
 def _between(order: Ints, ordered: Ints, cell: Ints, own: bool) -> tuple[Ints, Ints]:

@@ -4,7 +4,7 @@ import difflib
 import math
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
@@ -13,7 +13,6 @@ from fes import draws
 from fes.arrays import Floats
 from fes.config import (
     AgentConfig,
-    ChannelConfig,
     FormationConfig,
     NonNegative,
     ObjectiveConfig,
@@ -22,6 +21,7 @@ from fes.config import (
     Table,
 )
 from fes.errors import ScenarioError
+from world.radio_config import RadioConfig
 
 MAX_ROBOTS = 100_000
 MAX_TICKS = 1e9
@@ -80,10 +80,15 @@ class Scenario(Table):
     schema_version: int = Field(alias="schema", ge=1, le=1)
     run: RunConfig = RunConfig()
     robots: RobotsConfig
-    channel: ChannelConfig = ChannelConfig()
+    channel: RadioConfig = RadioConfig()
     objective: ObjectiveConfig = ObjectiveConfig()
     seeking: SeekingConfig = SeekingConfig()
     formation: FormationConfig = FormationConfig()
+
+    @model_validator(mode="after")
+    def _short_ticks(self) -> Self:
+        self.channel.check(self.run.dt)
+        return self
 
     @property
     def ticks(self) -> int:
@@ -141,7 +146,7 @@ def agent_config(scenario: Scenario) -> AgentConfig:
         objective=scenario.objective,
         seeking=scenario.seeking,
         formation=scenario.formation,
-        channel=scenario.channel if scenario.seeking.index == "oracle" else None,
+        channel=scenario.channel.formula if scenario.seeking.index == "oracle" else None,
     )
 
 
@@ -188,6 +193,8 @@ def _fields(model: type[Table], prefix: str) -> list[str]:
     for name, field in model.model_fields.items():
         dotted = f"{prefix}{field.alias or name}"
         names.append(dotted)
-        if isinstance(field.annotation, type) and issubclass(field.annotation, Table):
-            names += _fields(field.annotation, f"{dotted}.")
+        # a table, an optional one, or a list of them
+        for kind in (field.annotation, *get_args(field.annotation)):
+            if isinstance(kind, type) and issubclass(kind, Table):
+                names += _fields(kind, f"{dotted}.")
     return names

@@ -4,12 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fes import draws
 from fes.arrays import Floats, Ints
 from fes.sensing import DECODED, Observations
 from world import channel, kinematics, proximity
-from world.channel import Draws, Radio
+from world.channel import Medium, Radio
 from world.proximity import Proximity
+from world.radio_config import RadioConfig
 from world.scenario import Scenario, initial_poses
 
 
@@ -20,7 +20,7 @@ class World:
     scenario: Scenario
     ids: Ints
     """Robot ids, 0 to n - 1 [n]."""
-    draws: Draws
+    medium: Medium
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +30,8 @@ class State:
     tick: int
     poses: Floats
     """[n, 3] [m, m, rad; world frame]"""
+    channel: RadioConfig
+    """The channel in force from this tick on: `replace` it, and its `communication_range` shows a tick later."""
     proximity: Proximity
     radio: Radio
     sent: int
@@ -41,22 +43,21 @@ class State:
 def create(scenario: Scenario) -> World:
     """The world of a scenario."""
     ids = np.arange(scenario.robots.number)
-    return World(scenario, ids, Draws(draws.key(scenario.run.seed, "channel")))
+    return World(scenario, ids, channel.medium(scenario.run.seed, scenario.run.dt))
 
 
 def start(world: World) -> State:
     """The state at tick 0."""
-    poses = initial_poses(world.scenario)
-    near = proximity.measure(world.ids, poses, world.scenario.channel.communication_range, None)
-    return State(0, poses, near, channel.quiet(near.edges), 0, 0)
+    poses, radio = initial_poses(world.scenario), world.scenario.channel
+    near = proximity.measure(world.ids, poses, radio.communication_range, None)
+    return State(0, poses, radio, near, channel.quiet(near.edges), 0, 0)
 
 
 def step(world: World, state: State, twists: Floats) -> State:
     """The state one tick later, the robots holding `twists` [n, 2] [m/s, rad/s]."""
-    config = world.scenario.channel
     poses = kinematics.move(state.poses, twists, world.scenario.run.dt)
-    near = proximity.measure(world.ids, poses, config.communication_range, state.proximity)
-    radio = channel.transmit(state.radio, state.tick, state.proximity, near, config, world.draws)
+    near = proximity.measure(world.ids, poses, state.channel.communication_range, state.proximity)
+    radio = channel.transmit(world.medium, state.channel, state.radio, state.tick, state.poses, state.proximity, near)
     return replace(
         state,
         tick=state.tick + 1,

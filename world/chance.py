@@ -1,0 +1,48 @@
+"""Uniform numbers for the pairs in range, drawn ahead."""
+
+import numpy as np
+
+from fes import draws
+from fes.arrays import Floats, Ints
+from fes.edges import Edges
+
+_BLOCK = 128  # ticks of numbers drawn at a time: drawing costs per pair, not per number
+_MOST = 1 << 24  # numbers held at most
+
+
+class Draws:
+    """Uniform numbers for the pairs in range, drawn ahead in blocks of ticks.
+
+    A cache, not a state: every number is a function of (seed, tick, sender, receiver).
+    """
+
+    def __init__(self, key: Ints) -> None:
+        self._key = key
+        self._edges: Edges | None = None
+        self._first = 0
+        self._blocks: Floats = np.zeros((0, 0))
+        """Numbers of the ticks from `_first` on, a column a pair, in the order in which pairs came."""
+        self._columns: Ints = np.zeros(0, dtype=np.int64)
+        """Column of each pair of `_edges`."""
+
+    def at(self, tick: int, edges: Edges) -> Floats:
+        """The numbers of one tick for (receiver, sender) `edges` [m], in [0, 1)."""
+        if not 0 <= tick - self._first < len(self._blocks):
+            count = max(4, min(_BLOCK, _MOST // (4 * max(1, len(edges))) * 4))
+            self._first, self._edges = tick - tick % count, None
+            self._blocks = np.zeros((count, 0))
+        if edges is not self._edges:
+            self._take_in(edges)
+        numbers: Floats = self._blocks[tick - self._first].take(self._columns)
+        return numbers
+
+    def _take_in(self, edges: Edges) -> None:
+        """Columns for the pairs of `edges`; only those that have none yet are drawn."""
+        at = edges.places_in(self._edges).copy() if self._edges is not None else np.full(len(edges), -1)
+        new = np.flatnonzero(at < 0)
+        columns = self._columns.take(at, mode="clip") if len(self._columns) else at
+        columns[new] = self._blocks.shape[1] + np.arange(len(new))
+        receivers = edges.ids[edges.rows[new]]
+        drawn = draws.uniform_ticks(self._key, self._first, len(self._blocks), edges.peers[new], receivers)
+        self._blocks = np.concatenate([self._blocks, drawn], axis=1)
+        self._edges, self._columns = edges, columns
