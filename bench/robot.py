@@ -14,9 +14,9 @@ from agents import assembly, crew
 from agents.assembly import Assembly
 from fes import messages
 from fes.messages import Observation
+from fes.sensing import Telemetry
 from world import simulation
-from world.metrics import Tally
-from world.optimum import optimal_separation
+from world.account import Account
 from world.scenario import agent_config, load
 
 
@@ -50,7 +50,7 @@ def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
     minds = [crew.start(one) for one in crews]
     stacks = [Assembly(np.array([robot])) for robot in ids]
     everybody = Assembly(world.ids)
-    tally = Tally(scenario.run.dt, optimal_separation(scenario.objective, scenario.channel))
+    sums = Account(scenario)
     costs, clock = Costs(), time.perf_counter
     spoken: dict[int, bytes] = {}
     for tick in range(skip + ticks):
@@ -83,7 +83,8 @@ def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
             read = clock()
             minds[robot], said, twists = crew.step(crews[robot], minds[robot], seen, heard)
             stepped = clock()
-            [(_, beacon, command)] = assembly.payloads(said, twists)
+            learnt = crew.telemetry(crews[robot], minds[robot]).learnt
+            [(_, beacon, command)] = assembly.payloads(said, twists, learnt)
             costs.say.append(clock() - stepped)
             costs.step.append(stepped - read)
             costs.read.append(read - begun)
@@ -96,6 +97,6 @@ def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
         estimates = np.concatenate([command.estimates for command in received])
         turned = np.array([command.twist for command in received])
         before, state = state, simulation.step(world, state, turned)
-        tally.add(before.poses, turned, before.proximity, before.sent > 0, links, estimates)
+        sums.add(before, turned, Telemetry(links, estimates, np.zeros((2, 0))))
         costs.world.append(world_time + clock() - begun)
     return costs

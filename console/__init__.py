@@ -1,4 +1,4 @@
-"""What a person runs: fes run, fes view, fes plot, fes claims.
+"""What a person runs: fes run, view, set, plot, claims.
 
 cli         the commands
 processes   fes run with real processes
@@ -8,6 +8,7 @@ history     a run as time series
 figures     the paper's figures, and those of a run
 claims      where the paper's text does not hold, as computations
 study       how the integration error depends on the step
+setting     the command fes set
 evidence    the commands fes plot and fes claims
 rundir      run directories
 summary     the summary as a person reads it

@@ -12,11 +12,9 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from console import evidence, inprocess, processes, rundir, summary, view
+from console import evidence, inprocess, processes, rundir, setting, summary, view
 from console.processes import Launch
-from console.rundir import Address
 from fes import bus, keys, process
-from fes.endpoints import Endpoints
 from fes.errors import FesError, ScenarioError
 from world.scenario import Scenario, load, parse_override
 from world.summary import write, write_scenario
@@ -29,6 +27,7 @@ app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_
 
 app.command()(evidence.plot)
 app.command(name="claims")(evidence.show_claims)
+app.command(name="set")(setting.set_command)
 
 
 class Backend(StrEnum):
@@ -105,16 +104,13 @@ def view_command(
     ] = 30.0,
 ) -> int:
     """Show a run that goes on in another terminal (by default the latest one started in this folder)."""
-    address = Address(connect[0], keys.check_run(run)) if connect else rundir.find(keys.check_run(run))
-    unasked = frozenset() if connect else frozenset({"connect/endpoints"})
-    where = tuple(connect or (address.endpoint,))
-    endpoints = Endpoints("client", where, (), config, tuple(cfg or ()), timeout, unasked)
+    endpoints = rundir.reach(connect, config, cfg, run, timeout)
     screen = Console()
 
     async def show() -> int:
         async with bus.opened(endpoints) as opened:
             with view.Screen(screen) as shown:
-                await view.watch(opened, address.run, timeout, shown)
+                await view.watch(opened, run, timeout, shown)
         screen.print(shown.frame())
         if picture is not None:
             view.save_picture(picture, shown.frame(), screen.width, screen.height, "fes view")

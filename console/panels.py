@@ -172,7 +172,7 @@ def _cell(report: Report, at: int, column: str) -> str:
         case "outage":
             return _percent(float(report.outage[at]))
         case _:
-            return _percent(float(report.decoded_ratio[at]))
+            return _percent(float(report.decoded[at] / report.sent[at]) if report.sent[at] else math.nan)
 
 
 def _percent(part: float) -> str:

@@ -6,7 +6,8 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from fes.endpoints import DEFAULT_ENDPOINT
+from fes import keys
+from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
 from fes.errors import FesError
 
 ROOT = Path("runs")
@@ -61,6 +62,15 @@ def find(run: str) -> Address:
         if latest.run == run:
             return latest
     return Address(DEFAULT_ENDPOINT, run)
+
+
+def reach(
+    connect: list[str] | None, config: Path | None, cfg: list[str] | None, run: str, timeout: float
+) -> Endpoints:
+    """The way to a run that goes on: the endpoints given, else the latest run started in this folder."""
+    where = tuple(connect or (find(keys.check_run(run)).endpoint,))
+    unasked = frozenset() if connect else frozenset({"connect/endpoints"})
+    return Endpoints("client", where, (), config, tuple(cfg or ()), timeout, unasked)
 
 
 def _point_at(directory: Path) -> None:

@@ -9,6 +9,7 @@
 | fes/<run>/robot/<i>/beacon      | Beacon                   | agent i -> peers in range           | each tick   |
 | fes/<run>/robot/<i>/command     | Command                  | agent i -> world                    | each tick    |
 | fes/<run>/world/report          | Report                   | world -> observers                  | 10 Hz (wall) |
+| fes/<run>/world/set             | Change, answered by Effect | person -> world -> person         | when asked   |
 
 One robot owns one prefix, so access rules are one pattern a robot.
 """
@@ -42,6 +43,11 @@ def welcome(run: str) -> str:
 def report(run: str) -> str:
     """Where observers look."""
     return f"fes/{run}/world/report"
+
+
+def change(run: str) -> str:
+    """Where a person asks the world to change its channel."""
+    return f"fes/{run}/world/set"
 
 
 def robot_alive(run: str, robot: int | str) -> str:

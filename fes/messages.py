@@ -66,7 +66,7 @@ class Command(NamedTuple):
     estimates: Floats
     """As in the beacon [l] [m]."""
     learnt: Floats
-    """What it has learnt of reception: the level on each link, then the exponents [2 l]; empty if it does not measure."""
+    """What it has learnt of reception: levels, then exponents of its links [2 l]; empty if it does not measure."""
 
 
 def encode_observation(message: Observation) -> bytes:

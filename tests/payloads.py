@@ -67,7 +67,8 @@ def beacons(draw: st.DrawFn) -> Beacon:
 @st.composite
 def commands(draw: st.DrawFn) -> Command:
     near = draw(peers)
-    return Command(draw(ticks), draw(robots), (draw(finite), draw(finite)), near, draw(floats(len(near))))
+    learnt = draw(floats(draw(st.sampled_from([0, 2 * len(near)]))))
+    return Command(draw(ticks), draw(robots), (draw(finite), draw(finite)), near, draw(floats(len(near))), learnt)
 
 
 @st.composite
@@ -109,7 +110,7 @@ joins = st.sets(robots, min_size=1, max_size=9).map(lambda ids: tuple(sorted(ids
 CODECS = {
     "Observation": Codec(messages.encode_observation, messages.decode_observation, observations(), 8),
     "Beacon": Codec(messages.encode_beacon, messages.decode_beacon, beacons(), 9),
-    "Command": Codec(messages.encode_command, messages.decode_command, commands(), 6),
+    "Command": Codec(messages.encode_command, messages.decode_command, commands(), 7),
     "Welcome": Codec(messages.encode_welcome, messages.decode_welcome, welcomes(), 2),
     "Join": Codec(messages.encode_join, messages.decode_join, joins, 1),
     "Report": Codec(reports.encode_report, reports.decode_report, team_reports(), 12),

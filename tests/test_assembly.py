@@ -40,7 +40,7 @@ def say(crew: set[int], pairs: Pairs, seed: int, tick: int = 7) -> tuple[Beacons
 
 def sent(said: Beacons, twists: Floats) -> list[Beacon]:
     """The crew's beacons, each decoded from its payload."""
-    return [messages.decode_beacon(beacon) for _, beacon, _ in payloads(said, twists)]
+    return [messages.decode_beacon(beacon) for _, beacon, _ in payloads(said, twists, np.zeros((2, 0)))]
 
 
 def bits(array: Floats | Ints | Bytes) -> tuple[str, tuple[int, ...], bytes]:
@@ -64,9 +64,10 @@ def test_beacons_split_into_payloads_and_stacked_again_are_the_same_bits(
 def test_each_command_holds_its_own_robots_twist_and_telemetry(crew: set[int], pairs: Pairs, seed: int) -> None:
     said, twists = say(crew, pairs, seed)
     estimates = dict(zip(sorted(layouts.pairs_of(said.links)), said.estimates.tolist(), strict=True))
-    for at, (robot, _, payload) in enumerate(payloads(said, twists)):
+    for at, (robot, _, payload) in enumerate(payloads(said, twists, np.stack([said.estimates, -said.estimates]))):
         command = messages.decode_command(payload)
         assert (command.robot, command.tick, robot) == (sorted(crew)[at], 7, sorted(crew)[at])
+        assert bits(command.learnt) == bits(np.concatenate([command.estimates, -command.estimates]))
         assert np.array(command.twist).tobytes() == twists[at].tobytes()
         peers = sorted(peer for own, peer in pairs if own == robot)
         assert command.links.tolist() == peers

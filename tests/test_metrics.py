@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from console import inprocess
 from fes.arrays import Floats
 from fes.edges import Edges
+from fes.sensing import Telemetry
 from tests import layouts, loop
 from world import metrics, proximity, simulation
 from world.metrics import Tally
@@ -48,14 +49,16 @@ def add(
     """One tick of the tally, all robots' ids being 0 to n - 1."""
     near = proximity.measure(np.arange(len(where)), where, layouts.REACH, None)
     held = np.zeros((len(where), 2)) if twists is None else twists
-    tally.add(where, held, near, open_contacts, links, np.array(estimates))
+    said = Telemetry(links, np.array(estimates), np.zeros((2, 0)))
+    separation = metrics.separations(where, *metrics.ends(links))
+    tally.add(where, held, near, open_contacts, said, separation, OPTIMUM)
 
 
 def times(
     separations: Sequence[float] = (), estimates: Sequence[tuple[float, float]] = ()
 ) -> dict[str, float | None]:
     """time_to of two robots with these separation errors and pairs of estimate errors [m], tick by tick."""
-    tally, links = Tally(DT, OPTIMUM), layouts.edges([0, 1], BOTH)
+    tally, links = Tally(DT), layouts.edges([0, 1], BOTH)
     for error in separations:
         add(tally, layouts.poses([(0.0, 0.0), (OPTIMUM + error, 0.0)]), links, [OPTIMUM] * 2)
     for mine, theirs in estimates:
@@ -70,7 +73,7 @@ def test_the_digest_is_the_contracts_sum_over_ticks_and_robots() -> None:
         -0.0 * ticks[5][0],
         np.asfortranarray(ticks[5][1]),
     )  # signs of zero and memory order are no matter
-    tally, nothing = Tally(DT, OPTIMUM), layouts.edges(range(4), [])
+    tally, nothing = Tally(DT), layouts.edges(range(4), [])
     for poses, twists in ticks:
         add(tally, poses, nothing, [], twists)
     assert tally.digest() == contract_digest(ticks)
@@ -136,7 +139,7 @@ def test_errors_and_disagreement_of_three_robots_are_those_computed_by_hand(
     where = layouts.poses([(0.0, 0.0), (60.0, 0.0), (60.0, 32.0)])  # 0-1: 60 m, 1-2: 32 m, 0-2: 68 m
     said = {(0, 1): 67.0, (1, 0): 69.5, (0, 2): 68.25, (2, 0): 67.0, one_sided: 75.0}
     links = layouts.edges(range(3), said)
-    tally = Tally(DT, OPTIMUM)
+    tally = Tally(DT)
     add(tally, where, links, [said[pair] for pair in sorted(said)])
     assert tally.errors == {
         "disagreement": 2.5 + 1.25,  # a link without an answer disagrees with nobody
@@ -146,7 +149,7 @@ def test_errors_and_disagreement_of_three_robots_are_those_computed_by_hand(
 
 
 def test_without_links_there_is_no_error_and_no_level_is_reached() -> None:
-    tally = Tally(DT, OPTIMUM)
+    tally = Tally(DT)
     for _ in range(30):
         add(tally, layouts.poses([(0.0, 0.0), (OPTIMUM, 0.0)]), layouts.edges([0, 1], []), [])
     assert all(math.isnan(error) for error in tally.errors.values())
@@ -160,7 +163,7 @@ def test_without_links_there_is_no_error_and_no_level_is_reached() -> None:
 )
 def test_links_count_as_connected_from_the_first_tick_with_open_contacts(story: str, always: bool) -> None:
     # `-`: no contact is open, no links; `o`: open, all linked, on one side; `x`: open, robot 2 is alone
-    where, tally = layouts.poses([(0.0, 0.0), (60.0, 0.0), (120.0, 0.0)]), Tally(DT, OPTIMUM)
+    where, tally = layouts.poses([(0.0, 0.0), (60.0, 0.0), (120.0, 0.0)]), Tally(DT)
     for mark in story:
         pairs = {"-": [], "o": [(0, 1), (2, 1)], "x": BOTH}[mark]
         links = layouts.edges(range(3), pairs)
@@ -171,7 +174,7 @@ def test_links_count_as_connected_from_the_first_tick_with_open_contacts(story: 
 
 def test_the_disk_graph_is_connected_always_only_if_at_every_tick() -> None:
     near, far = layouts.poses([(0.0, 0.0), (149.0, 0.0)]), layouts.poses([(0.0, 0.0), (151.0, 0.0)])
-    tally, nothing = Tally(DT, OPTIMUM), layouts.edges([0, 1], [])
+    tally, nothing = Tally(DT), layouts.edges([0, 1], [])
     seen = []
     for where in (near, near, far, near):
         add(tally, where, nothing, [])

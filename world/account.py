@@ -16,7 +16,7 @@ from world.optimum import optimal_separation
 from world.radio_config import RadioConfig
 from world.scenario import Scenario
 from world.simulation import State
-from world.tracking import, Tracking
+from world.tracking import Tracking
 
 
 class Account:
@@ -50,9 +50,7 @@ class Account:
         now = metrics.separations(state.poses, *metrics.ends(links))
         self._breathing.add(links, now)
         mean = self._breathing.mean
-        self.tally.add(
-            state.poses, twists, state.proximity, state.sent > 0, telemetry, mean, self.optimal
-        )
+        self.tally.add(state.poses, twists, state.proximity, state.sent > 0, telemetry, mean, self.optimal)
         self.separation = np.where(np.isfinite(mean), mean, now)
         error = rms = index = math.nan
         if len(links):

@@ -68,4 +68,5 @@ def _places(links: Edges, old: Edges) -> Ints:
     rank[old.undirected] = np.arange(len(old.undirected))
     here = links.undirected
     forth, back = old.find(links.keys[here]), old.find(links.reverse_keys[here])
-    return np.maximum(rank[forth], rank[back])
+    places: Ints = np.maximum(rank[forth], rank[back])
+    return places

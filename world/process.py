@@ -28,6 +28,8 @@ async def serve(flags: argparse.Namespace, scenario: Scenario) -> int:
             reached = server.summarize()
             if reached is not None and flags.out is not None:
                 summary.write(flags.out, reached)
+            if server.scenario is not scenario and flags.out is not None:
+                summary.write_scenario(flags.out, server.scenario)  # with what was set meanwhile
         server.logger.info("the run is over after %d ticks", scenario.ticks)
     return process.SUCCESS
 

@@ -21,6 +21,7 @@ from fes.config import (
     Table,
 )
 from fes.errors import ScenarioError
+from world.events import EventConfig, changed, schedule
 from world.radio_config import RadioConfig
 
 MAX_ROBOTS = 100_000
@@ -84,11 +85,24 @@ class Scenario(Table):
     objective: ObjectiveConfig = ObjectiveConfig()
     seeking: SeekingConfig = SeekingConfig()
     formation: FormationConfig = FormationConfig()
+    event: list[EventConfig] = Field(default=[])
+    """What changes while the run goes on."""
 
     @model_validator(mode="after")
-    def _short_ticks(self) -> Self:
+    def _channel_at_all_times(self) -> Self:
         self.channel.check(self.run.dt)
+        channel = self.channel
+        for settings in self.changes.values():
+            try:
+                channel = changed(channel, settings, self.run.dt)
+            except ScenarioError as error:
+                raise ValueError(f"event: set {error}") from None
         return self
+
+    @property
+    def changes(self) -> dict[int, dict[str, Any]]:
+        """Tick -> what is set from it on, in order."""
+        return schedule(self.event, self.run.dt)
 
     @property
     def ticks(self) -> int:
@@ -138,6 +152,12 @@ def parse_override(text: str) -> tuple[str, Any]:
     return dotted.strip(), parsed["value"]
 
 
+def with_event(scenario: Scenario, tick: int, path: str, value: Any) -> Scenario:
+    """The scenario with one more event: what was set while it ran, so that it can be run again."""
+    event = EventConfig.model_validate({"at": tick * scenario.run.dt, "set": {path: value}})
+    return scenario.model_copy(update={"event": [*scenario.event, event]})
+
+
 def agent_config(scenario: Scenario) -> AgentConfig:
     """What the scenario lets an agent know."""
     return AgentConfig(
@@ -184,7 +204,8 @@ def _first_rule(error: ValidationError, tables: dict[str, Any]) -> str:
         return f"unknown field '{field}'" + (f"; did you mean '{near[0]}'?" if near else "")
     message = first["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     if first["type"] in ("missing", "value_error"):
-        return f"{field}: {message}" if first["type"] == "value_error" else f"{field}: is required"
+        said = message if field == "scenario" else f"{field}: {message}"
+        return said if first["type"] == "value_error" else f"{field}: is required"
     return f"{field}: {message}, got {first['input']!r}"
 
 

@@ -3,24 +3,27 @@
 import asyncio
 import logging
 import time
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from fes import keys, messages, wire
 from fes.arrays import Floats
-from fes.bus import Bus
+from fes.bus import Bus, Question
+from fes.change import Effect, decode_change, encode_effect
 from fes.complaints import Complaints
 from fes.edges import Stack
-from fes.errors import Absent, MessageError
+from fes.errors import Absent, MessageError, ScenarioError
 from fes.inbox import Inbox
 from fes.messages import Command, Observation
 from fes.report import encode_report
 from fes.sensing import Observations, Telemetry, untold
-from world import reporting, simulation, summary
+from world import events, reporting, simulation, summary
 from world.account import Account
+from world.optimum import optimal_separation
 from world.roster import Roster
-from world.scenario import Scenario, agent_config
+from world.scenario import Scenario, agent_config, with_event
 from world.simulation import State
 
 ANSWER_TIMEOUT = 10.0
@@ -51,6 +54,7 @@ class Server:
         self._robot_of = {keys.command(run, robot): robot for robot in robots}
         bus.subscribe(keys.command(run, "*"), self._inbox.put)
         self._roster = Roster(bus, run, len(robots), agent_config(scenario), self.complaints)
+        bus.serve(keys.change(run), self._on_change)
         bus.token(keys.world_alive(run))  # last: it says that everything above is in place
         self._unaccounted: tuple[State, Floats] | None = None
         self._begun = self._told_at = self._ended = 0.0
@@ -99,6 +103,25 @@ class Server:
         for robot, (put, pose) in enumerate(zip(self._observe, self._state.poses.tolist(), strict=True)):
             farewell = Observation(self._state.tick, robot, tuple(pose), nothing, nothing.astype(np.uint8), over=True)
             put(messages.encode_observation(farewell))
+
+    def _on_change(self, question: Question) -> None:
+        """Somebody wants the channel to be another one; it is from the tick that goes on, beacons of it included."""
+        try:
+            change = decode_change(question.payload)
+            changed = events.changed(self._state.channel, {change.path: change.value}, self.scenario.run.dt)
+        except (MessageError, ScenarioError) as error:
+            question.refuse(str(error))
+            return
+        tick = self._state.tick
+        if tick >= self.scenario.ticks:
+            question.refuse("the run is over")
+            return
+        self._state = replace(self._state, channel=changed)
+        value = events.effective(changed, change.path)
+        self.scenario = with_event(self.scenario, tick, change.path, value)
+        optimal = optimal_separation(self.scenario.objective, changed)
+        self.logger.info("tick %d: %s = %s, r* = %.3f m", tick, change.path, value, optimal)
+        question.answer(encode_effect(Effect(change.path, value, tick, optimal)), "fes.Effect")
 
     def _on_loss(self, robot: int) -> None:
         self._inbox.fail(

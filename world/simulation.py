@@ -1,12 +1,13 @@
 """Ground truth as pure functions: `step(world, state, twists) -> state`, and what the robots sense of it."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from fes.arrays import Floats, Ints
 from fes.sensing import DECODED, Observations
-from world import channel, kinematics, proximity
+from world import channel, events, kinematics, proximity
 from world.channel import Medium, Radio
 from world.proximity import Proximity
 from world.radio_config import RadioConfig
@@ -21,6 +22,8 @@ class World:
     ids: Ints
     """Robot ids, 0 to n - 1 [n]."""
     medium: Medium
+    changes: dict[int, dict[str, Any]]
+    """Tick -> what is set of the channel from it on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,14 +46,14 @@ class State:
 def create(scenario: Scenario) -> World:
     """The world of a scenario."""
     ids = np.arange(scenario.robots.number)
-    return World(scenario, ids, channel.medium(scenario.run.seed, scenario.run.dt))
+    return World(scenario, ids, channel.medium(scenario.run.seed, scenario.run.dt), scenario.changes)
 
 
 def start(world: World) -> State:
     """The state at tick 0."""
     poses, radio = initial_poses(world.scenario), world.scenario.channel
     near = proximity.measure(world.ids, poses, radio.communication_range, None)
-    return State(0, poses, radio, near, channel.quiet(near.edges), 0, 0)
+    return _changed(world, State(0, poses, radio, near, channel.quiet(near.edges), 0, 0))
 
 
 def step(world: World, state: State, twists: Floats) -> State:
@@ -58,7 +61,7 @@ def step(world: World, state: State, twists: Floats) -> State:
     poses = kinematics.move(state.poses, twists, world.scenario.run.dt)
     near = proximity.measure(world.ids, poses, state.channel.communication_range, state.proximity)
     radio = channel.transmit(world.medium, state.channel, state.radio, state.tick, state.poses, state.proximity, near)
-    return replace(
+    after = replace(
         state,
         tick=state.tick + 1,
         poses=poses,
@@ -67,8 +70,17 @@ def step(world: World, state: State, twists: Floats) -> State:
         sent=state.sent + int(np.count_nonzero(radio.reception)),
         decoded=state.decoded + int(np.count_nonzero(radio.reception == DECODED)),
     )
+    return _changed(world, after)
 
 
 def observe(state: State) -> Observations:
     """What the robots sense: nothing that a real robot could not sense or receive."""
     return Observations(state.tick, state.poses, state.radio.edges, state.radio.reception)
+
+
+def _changed(world: World, state: State) -> State:
+    """The state with what is to be set at its tick."""
+    settings = world.changes.get(state.tick)
+    if settings is None:
+        return state
+    return replace(state, channel=events.changed(state.channel, settings, world.scenario.run.dt))

@@ -81,7 +81,14 @@ def _contacts(radio: Radio) -> list[list[float | int]]:
     edges = radio.edges
     used = np.flatnonzero(radio.sent > 0)
     mean = radio.outage_sum[used] / radio.sent[used]
-    columns = (edges.ids[edges.rows[used]], edges.peers[used], radio.sent[used], radio.decoded[used], mean, radio.longest_gap[used])
+    columns = (
+        edges.ids[edges.rows[used]],
+        edges.peers[used],
+        radio.sent[used],
+        radio.decoded[used],
+        mean,
+        radio.longest_gap[used],
+    )
     return [list(row) for row in zip(*(column.tolist() for column in columns), strict=True)]
 
 

@@ -62,7 +62,14 @@ class Tracking:
         return not changed and bool(self.stretches) and tick - self.now.since >= SETTLED / self._dt
 
     def add(
-        self, tick: int, optimal: float, changed: bool, error: float, disagreement: float, separation: float, index: float
+        self,
+        tick: int,
+        optimal: float,
+        changed: bool,
+        error: float,
+        disagreement: float,
+        separation: float,
+        index: float,
     ) -> None:
         """One more tick; what does not exist yet is NaN.
 

@@ -1,0 +1,47 @@
+"""fes set: change the channel of a run that goes on."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from console import rundir
+from fes import bus, change, keys, process
+from fes.change import Change
+from fes.errors import Absent
+from world.scenario import parse_override
+
+
+def set_command(
+    what: Annotated[list[str], typer.Argument(metavar="A.B=C...", help="Such as channel.reference_snr=5e6.")],
+    connect: Annotated[
+        list[str] | None, typer.Option("--connect", "-e", metavar="ENDPOINT", help="Where the world listens.")
+    ] = None,
+    config: Annotated[Path | None, typer.Option("--config", "-c", help="Zenoh configuration file.")] = None,
+    cfg: Annotated[list[str] | None, typer.Option(metavar="KEY:VALUE", help="Zenoh setting.")] = None,
+    run: Annotated[str, typer.Option(help="Name of the run.")] = keys.DEFAULT_RUN,
+    timeout: Annotated[
+        float, typer.Option(min=1e-3, max=process.YEAR, help="Give up if no world answers by then [s].")
+    ] = 5.0,
+) -> int:
+    """Change the channel of a run that goes on (by default the latest one started in this folder)."""
+    changes = [Change(*parse_override(text)) for text in what]
+    endpoints = rundir.reach(connect, config, cfg, run, timeout)
+
+    async def ask() -> int:
+        async with bus.opened(endpoints) as opened:
+            for one in changes:
+                try:
+                    answer = await opened.ask(keys.change(run), change.encode_change(one), timeout)
+                except Absent:
+                    raise Absent(f"no world of run '{run}' answers at {endpoints.shown}") from None
+                effect = change.decode_effect(answer)
+                print(
+                    f"{effect.path} = {json.dumps(effect.value)} from tick {effect.tick} on; "
+                    f"r* = {effect.optimal_separation:.3f} m"
+                )
+        return process.SUCCESS
+
+    process.leave("fes", ask)
+    return process.SUCCESS

@@ -1,0 +1,66 @@
+"""Change: a person to the world, while a run goes on. Effect: what came of it."""
+
+import json
+from typing import Any, NamedTuple
+
+from fes import wire
+
+LONGEST = 4096
+"""Longest value [characters of JSON]."""
+
+
+class Change(NamedTuple):
+    """What is to be set."""
+
+    path: str
+    """Field of the channel, by its dotted path."""
+    value: Any
+    """As in a scenario: a number, a string, a list or a table."""
+
+
+class Effect(NamedTuple):
+    """What holds now."""
+
+    path: str
+    value: Any
+    """The effective value of the field."""
+    tick: int
+    """It holds from this tick on."""
+    optimal_separation: float
+    """r* of the channel as it is now [m]."""
+
+
+def encode_change(message: Change) -> bytes:
+    """The payload of a Change."""
+    return wire.pack(message.path, json.dumps(message.value))
+
+
+def decode_change(payload: bytes) -> Change:
+    """The Change in a payload; raises MessageError."""
+    path, value = wire.unpack("Change", payload, 2)
+    return Change(_path("Change", path), _value("Change", value))
+
+
+def encode_effect(message: Effect) -> bytes:
+    """The payload of an Effect."""
+    return wire.pack(message.path, json.dumps(message.value), message.tick, message.optimal_separation)
+
+
+def decode_effect(payload: bytes) -> Effect:
+    """The Effect in a payload; raises MessageError."""
+    path, value, tick, optimal = wire.unpack("Effect", payload, 4)
+    wire.finite("Effect", (optimal,))
+    return Effect(_path("Effect", path), _value("Effect", value), wire.tick("Effect", tick), optimal)
+
+
+def _path(name: str, path: Any) -> str:
+    wire.check(name, type(path) is str and 0 < len(path) <= LONGEST and path.isprintable(), "expects a field", path)
+    return str(path)
+
+
+def _value(name: str, text: Any) -> Any:
+    wire.check(name, type(text) is str and len(text) <= LONGEST, "expects a value as JSON", text)
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError):
+        wire.check(name, False, "expects a value as JSON", text)
