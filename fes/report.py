@@ -54,7 +54,7 @@ class Report:
     estimate_ba: Floats
     """Estimate of robot b [l] [m]."""
     outage: Floats
-    """True outage probability of a beacon at this separation [l]."""
+    """True outage probability of a beacon, both ways averaged [l]."""
     decoded_ratio: Floats
     """Beacons decoded of those sent since the contact opened, both ways together [l]."""
     beacons_sent: int

@@ -79,6 +79,25 @@ def test_the_correlation_of_short_links_is_that_of_a_field_made_reciprocal() -> 
     assert_mean(drawn[:, :, 0] * drawn[:, :, 1], expected)
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_the_places_of_one_seed_have_the_law_of_all_seeds(seed: int) -> None:
+    rng, n = np.random.default_rng(seed), 4000
+    poses = np.zeros((3 * n, 3))  # links of 200 m, one end of which then goes 20 m
+    poses[:n, :2] = rng.uniform(-1e6, 1e6, (n, 2))
+    poses[n : 2 * n, :2], poses[2 * n :, :2] = poses[:n, :2] + (200.0, 0.0), poses[:n, :2] + (200.0, 20.0)
+    a = np.arange(n)
+    apart = np.full(n, 200.0)
+    waves = shadowing.modes(seed)
+    here, there = (shadowing.gain(waves, UNIT, poses, a, a + far, apart) for far in (n, 2 * n))
+    # over places cov = sum of cos(k d)/K, of variance (1 - exp(-2 d/d0))/(2 K), beside that of n samples
+    sampling = 2.0 / n
+    assert here.mean() == pytest.approx(0.0, abs=4.0 * math.sqrt(sampling))
+    assert (here**2).mean() == pytest.approx(1.0, abs=4.0 * math.sqrt(sampling))
+    waves_of_one_seed = (1.0 - math.exp(-2.0)) / (2.0 * shadowing.MODES)
+    expected = pytest.approx(math.exp(-1.0), abs=4.0 * math.sqrt(sampling + waves_of_one_seed))
+    assert (here * there).mean() == expected
+
+
 def test_the_decorrelation_distance_is_where_the_correlation_is_1_over_e() -> None:
     far = ShadowingConfig(deviation=1.0, decorrelation_distance=60.0)
     drawn = samples([((0.0, 0.0), (400.0, 0.0)), ((0.0, 60.0), (400.0, 0.0))], far)
