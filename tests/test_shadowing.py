@@ -38,6 +38,34 @@ def assert_mean(values: Floats, expected: float) -> None:
     assert abs(each.mean() - expected) < 4.0 * each.std() / math.sqrt(len(each))
 
 
+def test_the_wave_vectors_are_bivariate_cauchy() -> None:
+    vectors = np.concatenate([shadowing.modes(seed).vectors for seed in range(20)], axis=1)
+    # z/|u|, with z normal in the plane and u normal: numpy's draws against ours, at one in a thousand
+    rng = np.random.default_rng(2)
+    drawn = rng.normal(size=(2, 200_000)) / abs(rng.normal(size=200_000))
+    ranks = np.searchsorted(np.sort(np.hypot(*drawn)), np.hypot(*vectors)) / 200_000
+    assert witness.uniform_p_value(ranks) > 1e-3
+    assert witness.uniform_p_value(np.arctan2(vectors[1], vectors[0]) / (2.0 * math.pi) + 0.5) > 1e-3
+
+
+def test_the_gain_is_the_sum_of_its_waves_written_out() -> None:
+    waves, a, b = shadowing.modes(5), (31.0, -8.0), (55.0, 14.0)
+    k = [complex(x, y) / 20.0 for x, y in waves.vectors.T.tolist()]
+    q = [*k[1:], k[0]]
+
+    def f(one: complex, other: complex) -> float:
+        angles = zip(k, q, waves.phase.tolist(), strict=True)
+        return sum(math.cos((u.conjugate() * one + v.conjugate() * other).real + phi) for u, v, phi in angles)
+
+    apart = math.hypot(a[0] - b[0], a[1] - b[1])
+    summed = math.sqrt(2.0 / shadowing.MODES) * (f(complex(*a), complex(*b)) + f(complex(*b), complex(*a)))
+    expected = summed / math.sqrt(2.0 * (1.0 + math.exp(-2.0 * apart / 20.0)))
+    poses = np.array([[*a, 0.3], [*b, -2.0]])
+    found = shadowing.gain(waves, UNIT, poses, np.array([0]), np.array([1]), np.array([apart]))
+    # angles of up to 1e4 rad are rounded to 1e-12, and 256 of them add up as their root
+    assert float(found[0]) == pytest.approx(expected, abs=1e-11)
+
+
 def test_the_gain_has_mean_zero_and_unit_variance_at_any_separation() -> None:
     apart = (0.0, 1.0, 10.0, 40.0, 150.0)
     drawn = samples([((0.0, 0.0), (r, 0.0)) for r in apart])
