@@ -196,7 +196,8 @@ def _override(tables: dict[str, Any], dotted: str, value: Any) -> None:
 
 def _first_rule(error: ValidationError, tables: dict[str, Any]) -> str:
     """The first broken rule in one line: field, rule, offending value; for an unknown field the nearest one."""
-    first = error.errors(include_url=False)[0]
+    # an unknown field goes first: it may be the missing one, misspelt
+    first = min(error.errors(include_url=False), key=lambda found: found["type"] != "extra_forbidden")
     field = ".".join(str(part) for part in first["loc"]).replace("\n", "\\n") or "scenario"
     if first["type"] == "extra_forbidden":
         known = _fields(Scenario, "")
