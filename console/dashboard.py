@@ -129,7 +129,7 @@ def _narrow(history: History, report: Report, width: int, height: int) -> list[L
     """The map above the other panels, if there is room for it."""
     lines, body = header(report, width), height - 2
     chart = 1 + reception.BESIDES + _CHART[0] if reception.is_measured(report) else 0
-    spare = body - 5 - chart - 3 - (2 + len(report.a))  # what the other panels leave at their full height
+    spare = body - 4 - chart - 3 - (2 + len(report.a))  # what the other panels leave at their full height
     tall = min(max(spare, 2 * body // 5), width // 2) if body >= 14 else 0
     if tall:
         lines += [title("Map", legend(width - 6), width), *team_map(report, width, tall - 1)]
@@ -143,7 +143,8 @@ def _column(history: History, report: Report, width: int, height: int, may_grow:
     connectivity = panels.connectivity(report)
     tied = 1 + len(connectivity) if height >= 10 + len(connectivity) else 0
     table = 2 + max(1, len(report.a)) if height >= 8 else 0
-    tracking = [panels.tracking(report, width)] if height >= 12 else []
+    is_due = bool(learnt) or report.changed_at > 0.0 or height - tied - table >= 2 + len(SERIES)
+    tracking = [panels.tracking(report, width)] if is_due and height >= 12 else []
     left = height - tied - min(table, (height - tied) // 2 + 1)
     rows = max(1, min(_MAX_BARS, (left - 1 - len(tracking)) // len(SERIES) - 1)) if may_grow else 1
     columns = panels.sparkline_width(width, rows)

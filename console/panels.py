@@ -70,7 +70,7 @@ def tracking(report: Report, width: int) -> Line:
     passed = number(report.tick * report.dt - report.changed_at, ",.1f")
     if math.isfinite(report.tracking_time):
         took = f"{report.tracking_time:,.1f} s"
-        words = [f"within 1 m of r* after {took}", f"within 1 m after {took}"]
+        words = [f"within 1 m of r* after {took}", f"within 1 m after {took}", f"< 1 m after {took}"]
     elif abs(error) < 1.0:
         words = [f"within 1 m of r*, not held yet, {passed} s so far", f"not held yet, {passed} s"]
     else:

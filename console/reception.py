@@ -18,7 +18,7 @@ _PALETTE = ("", "magenta", "cyan", "bold")
 _TRUE, _LEARNT, _COUNTED = 1, 2, 3
 _AXIS = 5
 _EVERY = 3  # of the true curve's dots one is shown
-_MOST = 1e9  # m; as on the map
+_LEAST, _MOST = 1e-3, 1e9  # m; separations beyond are not drawn
 _FLAT = 50.0  # beyond, exp(-exp(x)) is 0 or 1
 
 
@@ -40,7 +40,7 @@ def panel(report: Report, width: int, height: int) -> list[Line]:
         _fact("level", report.learnt_level, report.true_level),
         _fact("exponent", report.learnt_exponent, report.true_exponent),
     ]
-    known = np.isfinite(report.separation) & (report.separation > 0.0) & (report.separation < _MOST)
+    known = (report.separation > _LEAST) & (report.separation < _MOST)  # false for NaN
     if width - _AXIS < 1 or height <= BESIDES or not known.any():
         return facts
     return [*_chart(report, known, width - _AXIS, height - BESIDES), *facts]
@@ -92,7 +92,7 @@ def _chart(report: Report, known: Bools, width: int, height: int) -> list[Line]:
         )
     here = np.isfinite(share)
     x = (separation[here] - west) / (east - west) * (width * DOTS_X - 1)
-    for column, row in zip(*(place.tolist() for place in canvas.cell(x, up(share[here]))), strict=True):
+    for column, row in set(zip(*(place.tolist() for place in canvas.cell(x, up(share[here]))), strict=True)):
         canvas.write(column, row, "•", _COUNTED)
     marks = [f"{north:.0%}", *[""] * (height - 2), f"{south:.0%}"][:height]
     chart = [[styled(f"{mark:>{_AXIS - 1}} ", "dim"), *row] for mark, row in zip(marks, canvas.render(), strict=True)]
@@ -110,7 +110,7 @@ def _axis(west: float, east: float, optimal: float, width: int) -> str:
 
 def _curve(level: float, exponent: float, ratio: Floats) -> Floats:
     """Reception p at ln(r / rho_0) of `ratio` [k]; NaN where the line is not known."""
-    with np.errstate(invalid="ignore"):
+    with np.errstate(all="ignore"):
         reached: Floats = np.exp(-np.exp(np.clip(level + exponent * ratio, -_FLAT, _FLAT)))
     return reached
 
@@ -130,7 +130,7 @@ def _reception_range(parts: Floats) -> tuple[float, float]:
 
 def _fact(name: str, values: Floats, truth: float) -> Line:
     known = values[np.isfinite(values)]
-    spread = float(np.ptp(known)) if len(known) else math.nan
+    spread = float(known.max()) - float(known.min()) if len(known) else math.nan
     learnt = f"{number(_median(values), '.3f')} (spread {number(spread, '.3f')}), true {number(truth, '.3f')}"
     return [styled(f"{name:<9}", "dim"), styled(learnt)]
 
