@@ -86,7 +86,8 @@ def _fit(report: Report, width: int) -> tuple[list[tuple[str, int, int]], int]:
 
 def _worst_first(report: Report) -> Ints:
     """Links by |separation - r*|, rounded as it is shown, so that rows that look equal keep their order."""
-    error = np.round(np.abs(report.separation - report.optimal_separation), 2)
+    with np.errstate(all="ignore"):
+        error = np.round(np.abs(report.separation - report.optimal_separation), 2)
     order: Ints = np.lexsort((report.b, report.a, -np.where(np.isfinite(error), error, -1.0)))
     return order
 

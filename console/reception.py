@@ -64,8 +64,7 @@ def reference_separation(report: Report) -> float:
         predictor = np.log(-np.log(report.learnt_reception))
         log_ratio = (predictor - report.learnt_level) / report.learnt_exponent
         scale = report.separation * np.exp(-log_ratio)
-    known = scale[np.isfinite(scale) & (scale > 0.0)]
-    return float(np.median(known)) if len(known) else math.nan
+    return _median(scale[scale > 0.0])
 
 
 def _chart(report: Report, known: Bools, width: int, height: int) -> list[Line]:
@@ -137,4 +136,5 @@ def _fact(name: str, values: Floats, truth: float) -> Line:
 
 def _median(values: Floats) -> float:
     known = values[np.isfinite(values)]
-    return float(np.median(known)) if len(known) else math.nan
+    with np.errstate(over="ignore"):
+        return float(np.median(known)) if len(known) else math.nan
