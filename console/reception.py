@@ -71,31 +71,44 @@ def _chart(report: Report, known: Bools, width: int, height: int) -> list[Line]:
     """`height` lines of `width` cells beside an axis of reception, and one for the axis of separation."""
     separation, share = report.separation[known], np.clip(counted(report)[known], 0.0, 1.0)
     west, east = separation_range(separation)
-    across = west + (east - west) * np.arange(width * DOTS_X) / (width * DOTS_X - 1)
-    ratio = np.log(np.maximum(across, 1e-9) / reference_separation(report))
-    learnt = _curve(_median(report.learnt_level), _median(report.learnt_exponent), ratio)
-    true = _curve(report.true_level, report.true_exponent, ratio)
+    across = np.arange(width * DOTS_X, dtype=np.float64)
+    learnt, true = _curves(report, west + (east - west) * across / across[-1])
     south, north = _reception_range(np.concatenate([learnt, true, share]))
+
     canvas = Canvas(width, height, _PALETTE)
+    per_part, per_meter = (height * DOTS_Y - 1) / (north - south), across[-1] / (east - west)
+    _draw_curve(canvas, across, (true - south) * per_part, _EVERY, _TRUE)
+    _draw_curve(canvas, across, (learnt - south) * per_part, 1, _LEARNT)
+    _draw_marks(canvas, (separation - west) * per_meter, (share - south) * per_part)
 
-    def up(part: Floats) -> Floats:
-        return (part - south) / (north - south) * (height * DOTS_Y - 1)
-
-    dots = np.arange(width * DOTS_X, dtype=np.float64)
-    if np.isfinite(true).all():
-        canvas.points(dots[::_EVERY], up(true)[::_EVERY], np.full(len(dots[::_EVERY]), _TRUE))
-    if np.isfinite(learnt).all():
-        line = np.column_stack([dots, up(learnt)])
-        canvas.lines(
-            line[:-1], line[1:], np.full(len(line) - 1, _LEARNT), np.ones((len(line) - 1, 2), dtype=np.int64)
-        )
-    here = np.isfinite(share)
-    x = (separation[here] - west) / (east - west) * (width * DOTS_X - 1)
-    for column, row in set(zip(*(place.tolist() for place in canvas.cell(x, up(share[here]))), strict=True)):
-        canvas.write(column, row, "•", _COUNTED)
     marks = [f"{north:.0%}", *[""] * (height - 2), f"{south:.0%}"][:height]
     chart = [[styled(f"{mark:>{_AXIS - 1}} ", "dim"), *row] for mark, row in zip(marks, canvas.render(), strict=True)]
     return [*chart, [styled(" " * _AXIS + _axis(west, east, report.optimal_separation, width), "dim")]]
+
+
+def _curves(report: Report, separation: Floats) -> tuple[Floats, Floats]:
+    """Reception at each `separation` [k] [m]: as learnt, of the links' median, and true; NaN where not known."""
+    ratio = np.log(np.maximum(separation, _LEAST) / reference_separation(report))
+    learnt = _median(report.learnt_level), _median(report.learnt_exponent)
+    return _reception(*learnt, ratio), _reception(report.true_level, report.true_exponent, ratio)
+
+
+def _draw_curve(canvas: Canvas, x: Floats, y: Floats, every: int, ink: int) -> None:
+    """Every so many dots of a curve, if it is known; all of them without gaps."""
+    if not np.isfinite(y).all():
+        return
+    if every > 1:
+        canvas.points(x[::every], y[::every], np.full(len(x[::every]), ink))
+        return
+    line = np.column_stack([x, y])
+    solid = np.ones((len(line) - 1, 2), dtype=np.int64)
+    canvas.lines(line[:-1], line[1:], np.full(len(solid), ink), solid)
+
+
+def _draw_marks(canvas: Canvas, x: Floats, y: Floats) -> None:
+    known = np.isfinite(y)
+    for column, row in set(zip(*(place.tolist() for place in canvas.cell(x[known], y[known])), strict=True)):
+        canvas.write(column, row, "•", _COUNTED)
 
 
 def _axis(west: float, east: float, optimal: float, width: int) -> str:
@@ -107,7 +120,7 @@ def _axis(west: float, east: float, optimal: float, width: int) -> str:
     return f"{axis[:at]}r*{axis[at + 2 :]}" if at > len(left) and at + 2 < width - len(right) else axis
 
 
-def _curve(level: float, exponent: float, ratio: Floats) -> Floats:
+def _reception(level: float, exponent: float, ratio: Floats) -> Floats:
     """Reception p at ln(r / rho_0) of `ratio` [k]; NaN where the line is not known."""
     with np.errstate(all="ignore"):
         reached: Floats = np.exp(-np.exp(np.clip(level + exponent * ratio, -_FLAT, _FLAT)))
