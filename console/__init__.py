@@ -17,7 +17,9 @@ view        the live dashboard: the only place where rich's Live is
 dashboard   one frame, from the reports so far
 header      its first lines
 teammap     its map
-panels      its links, convergence and connectivity
+panels      its convergence and connectivity
+links       its table of links
+reception   its chart of what measuring robots learn
 canvas      braille dots
 text        numbers as people read them
 """
