@@ -32,12 +32,13 @@ class Method:
     long_memory: float
     """Of the slope [s]."""
     slope_prior: tuple[float, float]
-    """S1z and S11 that stand for a slope before anything was measured."""
+    """S1z and S11 that stand for a slope before anything was measured: little, for their ratio is where estimates are
+    pulled to. Ten times as much biases them by 0.2 m on a channel whose slope is 5.5 instead of 2.5."""
     slopes: tuple[float, float]
     """Bounds of the slope nu."""
 
 
-POOLED = Method(6.0, 120.0, (0.25, 0.1), (0.5, 8.0))
+POOLED = Method(6.0, 120.0, (0.025, 0.01), (0.5, 8.0))
 """Many links teach one learner."""
 
 ALONE = Method(6.0, 60.0, (0.25, 0.1), (0.5, 8.0))

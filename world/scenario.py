@@ -39,6 +39,8 @@ class RunConfig(Table):
     """[s]; a whole number of ticks is run."""
     seed: int = Field(default=0, ge=0, lt=2**63)
     clock: Literal["lockstep"] = "lockstep"
+    clock_skew: Annotated[float, Field(ge=0, le=10)] = 0.0
+    """How far robots' own clocks may be off the team's [s]: each has a skew of its own, seeded, in +- this."""
 
     @model_validator(mode="after")
     def _countable(self) -> Self:
@@ -167,6 +169,7 @@ def agent_config(scenario: Scenario) -> AgentConfig:
         seeking=scenario.seeking,
         formation=scenario.formation,
         channel=scenario.channel.formula if scenario.seeking.index == "oracle" else None,
+        clock_skew=scenario.run.clock_skew,
     )
 
 
