@@ -44,10 +44,21 @@ def ticks(scenario: Scenario) -> Iterator[Tick]:
         state = simulation.step(world, state, twists)
 
 
+def open_tally(scenario: Scenario) -> Tally:
+    """The tally of a run that has not begun."""
+    return Tally(scenario.run.dt, optimal_separation(scenario.objective, scenario.channel))
+
+
 def account(tally: Tally, tick: Tick) -> None:
     """Add a tick to a tally."""
     state, said = tick.state, tick.said
     tally.add(state.poses, tick.twists, state.proximity, state.sent > 0, said.links, said.estimates)
+
+
+def conclude(scenario: Scenario, name: str, tally: Tally, tick: Tick, wall: float) -> dict[str, Any]:
+    """The summary of a run whose last tick is `tick`, after `wall` [s] of wall-clock time."""
+    said = tick.said
+    return summary.summarize(scenario, name, "inprocess", tally, tick.state, said.links, said.estimates, wall)
 
 
 def run(
@@ -58,15 +69,10 @@ def run(
     `watch` is called with a Report every tenth of a second of wall-clock time, and `keep` with the summary of what
     was reached if a signal stops the run. With `rtf` the run is paced to that many simulated seconds a second.
     """
-    tally = Tally(scenario.run.dt, optimal_separation(scenario.objective, scenario.channel))
+    tally = open_tally(scenario)
     alive = np.ones(scenario.robots.number, dtype=np.uint8)
     begun = told_at = time.perf_counter()
     told = 0
-
-    def reached(tick: Tick) -> dict[str, Any]:
-        wall, said = time.perf_counter() - begun, tick.said
-        return summary.summarize(scenario, name, "inprocess", tally, tick.state, said.links, said.estimates, wall)
-
     tick = None
     try:
         for tick in ticks(scenario):
@@ -81,7 +87,7 @@ def run(
                 time.sleep(max(0.0, begun + tally.ticks * scenario.run.dt / rtf - time.perf_counter()))
     except Stopped:
         if keep is not None and tick is not None and tally.ticks:
-            keep(reached(tick))
+            keep(conclude(scenario, name, tally, tick, time.perf_counter() - begun))
         raise
     assert tick is not None  # a scenario has at least one tick
-    return reached(tick)
+    return conclude(scenario, name, tally, tick, time.perf_counter() - begun)
