@@ -1,4 +1,4 @@
-"""What a person runs: fes run, fes view, fes plot, fes claims.
+"""What a person runs: fes run, fes view, fes sweep, fes plot, fes claims.
 
 cli         the commands
 processes   fes run with real processes
@@ -10,6 +10,7 @@ claims      where the paper's text does not hold, as computations
 study       how the integration error depends on the step
 evidence    the commands fes plot and fes claims
 rundir      run directories
+sweep       fes sweep: many runs, compared
 summary     the summary as a person reads it
 observer    the world's reports, as they come
 view        the live dashboard: the only place where rich's Live is

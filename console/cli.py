@@ -15,6 +15,7 @@ from rich.console import Console
 from console import evidence, inprocess, processes, rundir, summary, view
 from console.processes import Launch
 from console.rundir import Address
+from console.sweep import command
 from fes import bus, keys, process
 from fes.endpoints import Endpoints
 from fes.errors import FesError, ScenarioError
@@ -29,6 +30,7 @@ app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_
 
 app.command()(evidence.plot)
 app.command(name="claims")(evidence.show_claims)
+app.command()(command.sweep)
 
 
 class Backend(StrEnum):

@@ -58,9 +58,7 @@ def ticks(scenarios: Sequence[Scenario]) -> Iterator[list[Tick]]:
         minds, said, twists = crew.step(robots, minds, sensing.observations(states), said)
         found = [Tick(*of_run) for of_run in zip(states, saying.beacons(said), places.rows(twists), strict=True)]
         yield found
-        states = [
-            simulation.step(world, tick.state, tick.twists) for world, tick in zip(worlds, found, strict=True)
-        ]
+        states = [simulation.step(world, tick.state, tick.twists) for world, tick in zip(worlds, found, strict=True)]
 
 
 @dataclass(frozen=True, eq=False)
