@@ -6,6 +6,7 @@ Dask is imported when a scheduler is named: it comes with the extra `cluster`.
 import contextlib
 import hashlib
 import logging
+import re
 from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import CancelledError
 from functools import partial
@@ -26,6 +27,8 @@ PATIENCE = 10.0
 @contextlib.contextmanager
 def connected(address: str) -> Iterator[Workers]:
     """The workers of the scheduler at `address`; raises FesError if there is none."""
+    if not re.fullmatch(r"(tcp|tls|ucx|ws|wss)://[^\s/]+:\d{1,5}", address):
+        raise FesError(f"--scheduler expects an address such as tcp://10.0.0.1:8786, got '{address}'")
     try:
         import distributed
     except ImportError:
@@ -33,7 +36,7 @@ def connected(address: str) -> Iterator[Workers]:
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it would tell is raised here, in one line
     try:
         client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
-    except (OSError, ValueError, TypeError) as error:
+    except OSError as error:
         raise FesError(f"no Dask scheduler answers at {address}: {_line(error)}") from None
     with client:
         try:
@@ -49,7 +52,7 @@ def _carry_out(client: "Client", batches: Sequence[Batch]) -> Generator[list[Don
     here = version("fes")
     futures = [client.submit(_at_worker, here, batch, key=_key(batch), retries=0, pure=False) for batch in batches]
     try:
-        for future in as_completed(futures):
+        for future in as_completed(futures, loop=client.loop):
             yield future.result()
     except FesError:
         raise

@@ -45,9 +45,9 @@ def sweep(
         figures.require()
     directory = out or ledger.default_directory(planned)
     with process.interruptible(), contextlib.ExitStack() as stack:
+        workers = stack.enter_context(_workers(scheduler, jobs))
         book = stack.enter_context(ledger.opened(directory, planned))
         try:
-            workers = stack.enter_context(_workers(scheduler, jobs))
             _work_off(planned, book, workers)
         except Stopped as stopped:
             done = sum(run.key in book.done for run in planned.runs)
@@ -126,10 +126,8 @@ def _cell(planned: Design, one: Spread) -> Row:
 
 
 def _contrast(planned: Design, one: Difference) -> Row:
-    """The two cells by their title, with the axis along which they differ."""
-    found = asdict(one)
-    return found | {
-        "axis": planned.axes[one.axis],
-        "base": planned.title(one.base),
-        "other": planned.title(one.other),
-    }
+    """A row of differences.csv: along which axis, between which values, at which values of the other axes."""
+    base, other = (dict(zip(planned.axes, planned.cells[cell].values, strict=True)) for cell in (one.base, one.other))
+    axis = planned.axes[one.axis]
+    found = asdict(one) | {"axis": axis, "base": base[axis], "other": other[axis]}
+    return found | {f"at {held}": value if held != axis else None for held, value in base.items()}

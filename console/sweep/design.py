@@ -70,6 +70,11 @@ class Design:
         """A cell's values, as a person reads them."""
         return ", ".join(map(str, self.cells[cell].values)) or self.name
 
+    def contrast(self, axis: int, base: int, other: int) -> tuple[str, str]:
+        """How two cells differ along an axis, and at which values of the other axes."""
+        before, after = self.cells[base].values, self.cells[other].values
+        return f"{after[axis]} - {before[axis]}", ", ".join(map(str, (*after[:axis], *after[axis + 1 :])))
+
 
 def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design:
     """The design that the arguments of fes sweep ask for; every cell's scenario is checked.

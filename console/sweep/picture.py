@@ -34,7 +34,7 @@ def sweep_figure(design: Design, rows: list[Row], differences: list[Difference])
     names = [name for name in comparison.outcomes(design, rows) if name.startswith("time_to.")]
     names = [name for name in names if np.isfinite(comparison.values(design, rows, name)).any()] or names[:1]
     cells = range(min(len(design.cells), MOST_CELLS))
-    contrasts = list(dict.fromkeys((one.base, one.other) for one in differences if one.other in cells))
+    contrasts = list(dict.fromkeys((one.axis, one.base, one.other) for one in differences if one.other in cells))
     below = 0.9 + 0.28 * len(contrasts) if contrasts else 0.0
     height = 2.6 + 0.22 * -(-len(cells) // 3) + below
     ratios = (2.4, below) if contrasts else (1.0,)
@@ -44,7 +44,7 @@ def sweep_figure(design: Design, rows: list[Row], differences: list[Difference])
             _shares(grid[0, column], design, comparison.values(design, rows, name)[list(cells)])
             grid[0, column].set(title=name.removeprefix("time_to."), xlabel="time [s]")
             if contrasts:
-                found = {(one.base, one.other): one for one in differences if one.outcome == name}
+                found = {(one.axis, one.base, one.other): one for one in differences if one.outcome == name}
                 _intervals(grid[1, column], [found[pair] for pair in contrasts])
                 grid[1, column].set_yticks(range(len(contrasts)), _titles(design, contrasts, column == 0))
             grid[0, column].tick_params(labelleft=column == 0)
@@ -61,8 +61,8 @@ def _shares(axes: "Axes", design: Design, times: Any) -> None:
         there = np.sort(found[np.isfinite(found)])
         share = np.arange(len(there) + 1) / len(found)
         axes.step(
-            np.append(there, 1.05 * latest),
-            np.append(share[1:], share[-1]),
+            np.concatenate(([0.0], there, [1.05 * latest])),
+            np.append(share, share[-1]),
             where="post",
             color=color,
             linestyle=dashes,
@@ -80,10 +80,11 @@ def _intervals(axes: "Axes", found: list[Difference]) -> None:
         if np.isfinite(one.low):
             axes.plot([one.low, one.high], [at, at], "-", color=color, linewidth=2.0, solid_capstyle="butt")
         axes.plot(one.mean, at, "o", color=figures.INK, markersize=4)
-    axes.set(ylim=(len(found) - 0.5, -0.5), xlabel="difference [s]")
+    axes.set(ylim=(len(found) - 0.5, -0.5), xlabel="paired difference [s]")
     axes.margins(x=0.15)
     axes.grid(alpha=0.3, axis="x")
 
 
-def _titles(design: Design, contrasts: list[tuple[int, int]], shown: bool) -> list[str]:
-    return [f"{design.title(other)}\n- {design.title(base)}" if shown else "" for base, other in contrasts]
+def _titles(design: Design, contrasts: list[tuple[int, int, int]], shown: bool) -> list[str]:
+    titles = (design.contrast(*contrast) for contrast in contrasts)
+    return [f"{what}\n({at})" if at else what for what, at in titles] if shown else [""] * len(contrasts)

@@ -1,7 +1,6 @@
 """What a sweep found, as a person reads it."""
 
 import math
-from collections.abc import Iterable
 
 from rich.console import Group, RenderableType
 from rich.markup import escape
@@ -12,7 +11,7 @@ from console.sweep.comparison import Difference, Spread
 from console.sweep.design import Design
 from console.text import UNKNOWN
 
-MOST_ROWS = 30
+MOST_ROWS = 36
 """Of a table on the screen; the files have all."""
 
 SHOWN = ("time_to.", "separation_error_max")
@@ -20,8 +19,9 @@ SHOWN = ("time_to.", "separation_error_max")
 
 
 def render(design: Design, spreads: list[Spread], differences: list[Difference]) -> RenderableType:
-    """Medians by cell, and paired differences between cells."""
-    names = [name for name in dict.fromkeys(one.outcome for one in spreads) if name.startswith(SHOWN)]
+    """Each cell by itself, and the paired differences between cells."""
+    found = dict.fromkeys(one.outcome for one in spreads)
+    names = [name for shown in SHOWN for name in found if name.startswith(shown)]
     parts: list[RenderableType] = [_cells(design, names, spreads)]
     if differences:
         parts += ["", _differences(design, names, differences)]
@@ -29,39 +29,40 @@ def render(design: Design, spreads: list[Spread], differences: list[Difference])
 
 
 def _cells(design: Design, names: list[str], spreads: list[Spread]) -> Table:
-    seeds = len(design.seeds)
-    title = f"median over {seeds} seed{'' if seeds == 1 else 's'} (where fewer reached it: how many)"
-    table = _table(title, list(design.axes) or ["scenario"], names)
-    by_cell = {(one.cell, one.outcome): one for one in spreads}
-    for at, cell in enumerate(design.cells[:MOST_ROWS]):
-        told = [_median(by_cell[at, name]) for name in names]
-        table.add_row(*map(_plain, cell.values or (design.name,)), *told)
-    return _cut(table, len(design.cells), "cells.csv")
+    table = _table(", ".join(design.axes) or "outcome", "reached", "median", "mean", "largest")
+    rows = [one for name in names for one in spreads if one.outcome == name]
+    for at, one in enumerate(rows[:MOST_ROWS]):
+        if at == 0 or rows[at - 1].outcome != one.outcome:
+            table.add_row(_name(one.outcome))
+        numbers = map(_number, (one.median, one.mean, one.largest))
+        table.add_row(_plain(f"  {design.title(one.cell)}"), f"{one.reached}/{one.runs}", *numbers)
+    return _cut(table, len(rows), "cells.csv")
 
 
 def _differences(design: Design, names: list[str], differences: list[Difference]) -> Table:
-    percent = f"{100 * comparison.CONFIDENCE:g}"
-    table = _table(
-        f"mean paired difference, with its {percent} % confidence interval (where fewer pairs: how many)",
-        ["compared"],
-        names,
-    )
-    contrasts = dict.fromkeys((one.base, one.other) for one in differences)
-    by_contrast = {(one.base, one.other, one.outcome): one for one in differences}
-    for base, other in list(contrasts)[:MOST_ROWS]:
-        told = [_mean(by_contrast[base, other, name], len(design.seeds)) for name in names]
-        table.add_row(_plain(f"{design.title(other)} - {design.title(base)}"), *told)
-    return _cut(table, len(contrasts), "differences.csv")
+    table = _table("paired difference", "pairs", "mean", f"{100 * comparison.CONFIDENCE:g} % interval")
+    rows = [one for name in names for one in differences if one.outcome == name]
+    for at, one in enumerate(rows[:MOST_ROWS]):
+        if at == 0 or rows[at - 1].outcome != one.outcome:
+            table.add_row(_name(one.outcome))
+        bounds = f"{_number(one.low, '+')} to {_number(one.high, '+')}" if math.isfinite(one.low) else UNKNOWN
+        difference, at_others = design.contrast(one.axis, one.base, one.other)
+        what = f"  {difference} ({at_others})" if at_others else f"  {difference}"
+        table.add_row(_plain(what), str(one.pairs), _number(one.mean, "+"), bounds)
+    return _cut(table, len(rows), "differences.csv")
 
 
-def _table(title: str, first: Iterable[str], names: list[str]) -> Table:
-    table = Table(title=title, title_justify="left", box=None, padding=(0, 2, 0, 0))
-    for name in first:
-        table.add_column(_plain(name), overflow="fold")
-    for name in names:
-        unit = "s" if name.startswith("time_to.") else "m"
-        table.add_column(_plain(f"{name.removeprefix('time_to.')} [{unit}]"), justify="right")
+def _table(what: str, *numbers: str) -> Table:
+    table = Table(box=None, padding=(0, 2, 0, 0))
+    table.add_column(_plain(what), overflow="fold")
+    for name in numbers:
+        table.add_column(_plain(name), justify="right", no_wrap=True)
     return table
+
+
+def _name(outcome: str) -> str:
+    unit = "s" if outcome.startswith("time_to.") else "m"
+    return f"[bold]{_plain(f'{outcome} [{unit}]')}[/]"
 
 
 def _cut(table: Table, rows: int, file: str) -> Table:
@@ -70,21 +71,10 @@ def _cut(table: Table, rows: int, file: str) -> Table:
     return table
 
 
-def _median(one: Spread) -> str:
-    return _number(one.median) + (f" ({one.reached})" if one.reached < one.runs else "")
-
-
-def _mean(one: Difference, seeds: int) -> str:
-    half = 0.5 * (one.high - one.low)
-    told = _number(one.mean, "+") + (f" ± {_number(half)}" if math.isfinite(half) else "")
-    return told + (f" ({one.pairs})" if one.pairs < seeds else "")
-
-
 def _number(value: float, sign: str = "") -> str:
     if not math.isfinite(value):
         return UNKNOWN
-    digits = 2 if abs(value) >= 0.1 or value == 0.0 else 4
-    return f"{value:{sign}.{digits}f}"
+    return f"{value:{sign}.3g}"
 
 
 def _plain(value: object) -> str:
