@@ -135,10 +135,10 @@ def parse_seeds(text: str) -> list[int]:
         seeds = range(int(first), int(end)) if colon else [int(part) for part in text.split(",")]
     except ValueError:
         seeds = []
+    if len(seeds[: MAX_RUNS + 1]) > MAX_RUNS:
+        raise ScenarioError("--seeds", f"are at most {MAX_RUNS}, got '{text}'")
     if not seeds or min(seeds) < 0 or max(seeds) >= 2**63:
         raise ScenarioError("--seeds", f"expects A:B with 0 <= A < B, or a list such as 1,2,5, got '{text}'")
-    if len(seeds) > MAX_RUNS:
-        raise ScenarioError("--seeds", f"are at most {MAX_RUNS}, got '{text}'")
     if len(set(seeds)) < len(seeds):
         raise ScenarioError("--seeds", f"expects each seed once, got '{text}'")
     return list(seeds)

@@ -5,6 +5,8 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from console import inprocess
 from console.sweep import stack
 from console.sweep.design import Run, Value
@@ -70,10 +72,11 @@ def batches(name: str, runs: Sequence[Run], workers: int) -> list[Batch]:
 
 def carry_out(batch: Batch) -> list[Done]:
     """Run a batch. An error in one run is that run's: then each is run by itself."""
-    try:
-        summaries = stack.run(batch.scenarios, batch.name)
-    except FesError:
-        return [_alone(batch.name, key, one) for key, one in zip(batch.keys, batch.scenarios, strict=True)]
+    with np.errstate(all="ignore"):  # a number that is not finite ends a run with an error, or is in its row
+        try:
+            summaries = stack.run(batch.scenarios, batch.name)
+        except FesError:
+            return [_alone(batch.name, key, one) for key, one in zip(batch.keys, batch.scenarios, strict=True)]
     return [Done(key, scalars(found)) for key, found in zip(batch.keys, summaries, strict=True)]
 
 
