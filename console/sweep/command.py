@@ -50,6 +50,7 @@ def sweep(
         try:
             _work_off(planned, book, workers)
         except Stopped as stopped:
+            book.read_again()
             done = sum(run.key in book.done for run in planned.runs)
             raise Stopped(
                 f"{stopped}: {done} of {len(planned.runs)} runs are done, and the same command does the rest"

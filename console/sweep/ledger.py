@@ -21,6 +21,13 @@ from fes.errors import FesError
 HEADER = "sweep.json"
 LINES = "runs.jsonl"
 
+_DIFFERS = {
+    "scenario": "another scenario",
+    "axes": "other axes",
+    "fes": "another version of fes",
+    "cells": "another scenario",
+}
+
 
 @dataclass(eq=False)
 class Ledger:
@@ -37,6 +44,11 @@ class Ledger:
         self._file.flush()
         os.fsync(self._file.fileno())
         self.done |= fresh
+
+    def read_again(self) -> None:
+        """Know what is on the disk: a signal may have come while it was written."""
+        self._file.flush()
+        self.done = _read(self._file, Path(self._file.name))
 
 
 def default_directory(design: Design) -> Path:
@@ -87,10 +99,10 @@ def _claim(directory: Path, design: Design) -> None:
         found = None
     if not isinstance(found, dict):
         raise FesError(f"--out {directory}: {HEADER} cannot be read")
-    for name, what in (("scenario", "scenario"), ("axes", "axes"), ("fes", "version of fes"), ("cells", "scenario")):
+    for name, what in _DIFFERS.items():
         if found.get(name) != wanted[name]:
-            told = "" if name == "cells" else f": {json.dumps(found.get(name))}"
-            raise FesError(f"--out {directory}: it holds a sweep of another {what}{told}")
+            told = json.dumps(found.get(name))
+            raise FesError(f"--out {directory}: it holds a sweep of {what}; {HEADER} has {name} = {told}")
 
 
 def _lock(file: IO[bytes], directory: Path) -> None:
