@@ -67,8 +67,8 @@ def test_a_big_team_is_not_stacked() -> None:
 
 
 def test_a_run_that_fails_takes_no_other_with_it() -> None:
-    # Estimates begin in [50, 90] m, a single link weighs 1/2: at 8e306 /s an error of 20 m still gives a twist that is
-    # finite, 8e307 m/s, and one of 55 m does not, 2e308 m/s.
+    # Estimates begin in [50, 90] m, and a single link weighs 1/2: at 8e306 /s an error of up to 20 m gives a twist
+    # that is finite, 8e307 m/s at most, and one of at least 55 m does not, 2e308 m/s.
     scenarios = [
         load(
             "pair.toml",

@@ -33,7 +33,8 @@ def connected(address: str) -> Iterator[Workers]:
         import distributed
     except ImportError:
         raise FesError("--scheduler needs dask.distributed: install the extra `cluster`") from None
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it would tell is raised here, in one line
+    for name in ("distributed", "distributed.client"):  # what they would tell is raised here, in one line
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
     except OSError as error:
