@@ -62,8 +62,13 @@ def assemble(config: AgentConfig, ids: Ints) -> Crew:
     seeker = Seeker(config.seeking, _index(config), config.dt)
     statistics = reception.SUMS if config.seeking.index == "measured" and config.seeking.pooling == "network" else 0
     timeout = math.ceil(config.formation.contact_timeout / config.dt)
+    return Crew(config, ids, seeker, timeout, statistics, skew(config, ids))
+
+
+def skew(config: AgentConfig, ids: Ints) -> Floats:
+    """How far the clock of each robot is ahead of the team's [n] [s]: a function of (seed, robot)."""
     ahead = 2.0 * draws.uniform_pairs(draws.key(config.seed, "clock skew"), ids, ids) - 1.0
-    return Crew(config, ids, seeker, timeout, statistics, config.clock_skew * ahead)
+    return config.clock_skew * ahead
 
 
 def start(crew: Crew) -> State:

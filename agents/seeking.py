@@ -32,6 +32,13 @@ MAX_EXTRAPOLATION = 0.1
 """Age [s] up to which a peer's estimate is extrapolated."""
 
 Index = Callable[[Floats], Floats]
+Numbers = Callable[[int, Edges], Floats]
+
+
+def pair_numbers(seed: int, links: Edges) -> Floats:
+    """A uniform number in [0, 1) for each link [l]: a function of (seed, i, j)."""
+    return draws.uniform_pairs(draws.key(seed, "first estimate"), links.ids[links.rows], links.peers)
+
 
 ON_TIME = np.zeros(1)
 """The skew of clocks that are all right [s]."""
@@ -45,6 +52,8 @@ class Seeker:
     index: Index
     dt: float
     """Tick length [s]."""
+    numbers: Numbers = pair_numbers
+    """What the first estimates are drawn with; several runs in one crew have a seed each."""
 
     @cached_property
     def sub_steps(self) -> int:
@@ -75,8 +84,7 @@ def dither(seeker: Seeker, time: Floats) -> Floats:
 def first_estimates(seeker: Seeker, seed: int, links: Edges) -> Floats:
     """r_hat_ij(0) [l] [m], uniform in the configured interval; a function of (seed, i, j)."""
     low, high = seeker.config.initial_estimate
-    numbers = draws.uniform_pairs(draws.key(seed, "first estimate"), links.ids[links.rows], links.peers)
-    return low + (high - low) * numbers
+    return low + (high - low) * seeker.numbers(seed, links)
 
 
 def begin(seeker: Seeker, tick: int, estimates: Floats) -> Floats:

@@ -14,6 +14,7 @@ from rich.console import Console
 
 from console import evidence, inprocess, processes, rundir, setting, summary, view
 from console.processes import Launch
+from console.sweep import command
 from fes import bus, keys, process
 from fes.errors import FesError, ScenarioError
 from world.scenario import Scenario, load, parse_override
@@ -28,6 +29,7 @@ app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_
 app.command()(evidence.plot)
 app.command(name="claims")(evidence.show_claims)
 app.command(name="set")(setting.set_command)
+app.command()(command.sweep)
 
 
 class Backend(StrEnum):

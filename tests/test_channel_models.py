@@ -9,11 +9,11 @@ import pytest
 
 from fes.config import ChannelConfig
 from fes.errors import ScenarioError
-from fes.sensing import CLOSED, DECODED, LOST
+from fes.sensing import CLOSED, DECODED, LOST, Telemetry
 from tests import layouts
 from tests.radios import EVERYTHING, Pair, ledger, stand, started, team
 from world import reporting, scenario, simulation, summary
-from world.metrics import Tally
+from world.account import Account
 from world.radio_config import RadioConfig
 from world.scenario import Scenario
 from world.simulation import State
@@ -62,10 +62,9 @@ def test_a_robot_is_jammed_where_it_is_at_the_tick_of_the_beacon() -> None:
 def report_outage(state: State, what: Scenario, pairs: list[Pair]) -> list[float]:
     """The outage that a report shows of links (a, b), a < b, that both sides use."""
     links = layouts.edges(range(len(state.poses)), [*pairs, *((b, a) for a, b in pairs)])
-    estimates, tally = np.full(len(links), 70.0), Tally(0.02, 68.0)
-    tally.add(state.poses, np.zeros((len(state.poses), 2)), state.proximity, True, links, estimates)
-    alive = np.ones(len(state.poses), dtype=np.uint8)
-    report = reporting.build(what, "test", state, tally, links, estimates, alive, 1.0, 1.0)
+    sums, said = Account(what), Telemetry(links, np.full(len(links), 70.0), np.zeros((2, 0)))
+    sums.add(state, np.zeros((len(state.poses), 2)), said)
+    report = reporting.build(sums, "test", np.ones(len(state.poses), dtype=np.uint8), 1.0, 1.0)
     assert list(zip(report.a.tolist(), report.b.tolist(), strict=True)) == pairs
     return [float(outage) for outage in report.outage]
 
