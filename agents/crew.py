@@ -132,7 +132,10 @@ def _desired(crew: Crew, tick: int, links: Links) -> Floats:
     estimates: Floats = links.state[seeking.ESTIMATE]
     if crew.config.seeking.index == "oracle":
         return estimates
-    return estimates + seeking.dither(crew.seeker, tick * crew.config.dt + _skew(crew, links.edges))
+    time = tick * crew.config.dt + _skew(crew, links.edges)
+    if crew.config.seeking.index == "measured" and crew.config.seeking.pooling == "none":
+        time = time + seeking.stagger(crew.seeker, crew.config.seed, links.edges)
+    return estimates + seeking.dither(crew.seeker, time)
 
 
 def _skew(crew: Crew, edges: Edges) -> Floats:

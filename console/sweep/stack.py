@@ -79,9 +79,9 @@ class _Places:
 def _assemble(scenarios: Sequence[Scenario], places: _Places) -> Crew:
     seeds = [agent_config(scenario).seed for scenario in scenarios]
 
-    def numbers(_: int, links: Edges) -> Floats:
+    def numbers(_: int, stream: str, links: Edges) -> Floats:
         runs = zip(seeds, _parts(links, places), strict=True)
-        return np.concatenate([seeking.pair_numbers(seed, part) for seed, part in runs])
+        return np.concatenate([seeking.pair_numbers(seed, stream, part) for seed, part in runs])
 
     together = crew.assemble(agent_config(scenarios[0]), np.arange(places.first[-1]))
     skew = np.concatenate(
