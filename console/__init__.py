@@ -7,6 +7,7 @@ inprocess   the same world and crew in one loop, without Zenoh
 history     a run as time series
 figures     the paper's figures, and those of a run
 claims      where the paper's text does not hold, as computations
+learning    how robots that count beacons find the optimum, over seeds
 study       how the integration error depends on the step
 setting     the command fes set
 evidence    the commands fes plot and fes claims

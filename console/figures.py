@@ -13,6 +13,7 @@ import numpy as np
 
 from console import history
 from console.history import History
+from console.learning import CHANGE, Learning
 from fes import objective, outage
 from fes.config import ChannelConfig, ObjectiveConfig
 from fes.errors import FesError
@@ -129,6 +130,27 @@ def step_figure(sub_steps: dict[str, list[tuple[float, float]]], ticks: list[tup
         axes[1].set_yticks([], minor=True)
         for look in axes:
             look.grid(alpha=0.3)
+    return figure
+
+
+def learning_figure(seen: Learning) -> "Figure":
+    """Mean estimates of robots that count beacons, beside the lower bound and beside (18) fed with samples."""
+    with sheet(7.6, 3.4, columns=2) as (figure, axes):
+        jump = int(np.searchsorted(seen.time, CHANGE))
+        spans = (slice(0, jump), slice(jump, None))
+        titles = ("from the start", "after the signal-to-noise ratio halved")
+        for look, span, title in zip(axes, spans, titles, strict=True):
+            time = seen.time[span] - seen.time[span][0]
+            look.fill_between(time, -seen.bound[span], seen.bound[span], color="#cccccc", label="lower bound (1 σ)")
+            for at, run in enumerate(seen.fed):
+                look.plot(time, run[span], ":", color=ORANGE, label=None if at else "(18), given samples")
+            for at, run in enumerate(seen.counted):
+                look.plot(time, run[span], color=BLUE, linewidth=0.6, label=None if at else "counting beacons")
+            look.axhline(0.0, color=INK, linewidth=0.8)
+            look.set(title=title, xlabel="time [s]", xlim=(0.0, 45.0), ylim=(-10.0, 14.0))
+            look.grid(alpha=0.3)
+        axes[0].set(ylabel=r"mean estimate $-\; r^*$ [m]")
+        axes[0].legend(frameon=False, loc="upper right")
     return figure
 
 

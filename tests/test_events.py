@@ -66,12 +66,15 @@ def test_what_is_set_has_its_effective_value(settings: dict[str, Any], path: str
     ("settings", "rule"),
     [
         ({"formation.rule": "disk"}, "only channel.* can be changed while a run goes on"),
-        ({"channel.reference_srn": 1.0}, "channel.reference_srn: the channel has no such field"),
+        (
+            {"channel.reference_srn": 1.0},
+            "unknown field 'channel.reference_srn'; did you mean 'channel.reference_snr'?",
+        ),
         ({"channel.reference_snr": -1.0}, "channel.reference_snr: must be greater than 0, got -1.0"),
         ({"channel.reference_snr": "much"}, "must be a valid number, got 'much'"),
         ({"channel.reference_snr.much": 1.0}, "goes through 'reference_snr', which is not a table"),
         ({"channel.bursts": {"bad_share": 0.5, "mean_length": 0.001}}, "mean_length must be at least run.dt"),
-        ({"channel.": 1.0}, "no such field"),
+        ({"channel.": 1.0}, "unknown field 'channel'"),
     ],
 )
 def test_what_cannot_be_set_is_refused_in_one_line_when_it_is_asked_and_when_it_is_scheduled(
