@@ -33,6 +33,9 @@ POINTS = {"A": 68.0, "B": 105.0, "C": 150.0}
 MARGIN = 25.0
 """Around the robots of a formation figure [m]."""
 
+THIN = 10
+"""Of so many ticks one is drawn where there are many lines."""
+
 FLOOR = 1e-6
 """Smallest value of a logarithmic axis [m]."""
 
@@ -143,9 +146,17 @@ def learning_figure(seen: Learning) -> "Figure":
             time = seen.time[span] - seen.time[span][0]
             look.fill_between(time, -seen.bound[span], seen.bound[span], color="#cccccc", label="lower bound (1 σ)")
             for at, run in enumerate(seen.fed):
-                look.plot(time, run[span], ":", color=ORANGE, label=None if at else "(18), given samples")
+                look.plot(
+                    time[::THIN], run[span][::THIN], ":", color=ORANGE, label=None if at else "(18), given samples"
+                )
             for at, run in enumerate(seen.counted):
-                look.plot(time, run[span], color=BLUE, linewidth=0.6, label=None if at else "counting beacons")
+                look.plot(
+                    time[::THIN],
+                    run[span][::THIN],
+                    color=BLUE,
+                    linewidth=0.6,
+                    label=None if at else "counting beacons",
+                )
             look.axhline(0.0, color=INK, linewidth=0.8)
             look.set(title=title, xlabel="time [s]", xlim=(0.0, 45.0), ylim=(-10.0, 14.0))
             look.grid(alpha=0.3)
