@@ -145,18 +145,11 @@ def learning_figure(seen: Learning) -> "Figure":
         for look, span, title in zip(axes, spans, titles, strict=True):
             time = seen.time[span] - seen.time[span][0]
             look.fill_between(time, -seen.bound[span], seen.bound[span], color="#cccccc", label="lower bound (1 σ)")
-            for at, run in enumerate(seen.fed):
-                look.plot(
-                    time[::THIN], run[span][::THIN], ":", color=ORANGE, label=None if at else "(18), given samples"
-                )
-            for at, run in enumerate(seen.counted):
-                look.plot(
-                    time[::THIN],
-                    run[span][::THIN],
-                    color=BLUE,
-                    linewidth=0.6,
-                    label=None if at else "counting beacons",
-                )
+            time = time[::THIN]
+            for at, run in enumerate(seen.fed[:, span]):
+                look.plot(time, run[::THIN], ":", color=ORANGE, label=None if at else "(18), given samples")
+            for at, run in enumerate(seen.counted[:, span]):
+                look.plot(time, run[::THIN], color=BLUE, linewidth=0.6, label=None if at else "counting beacons")
             look.axhline(0.0, color=INK, linewidth=0.8)
             look.set(title=title, xlabel="time [s]", xlim=(0.0, 45.0), ylim=(-10.0, 14.0))
             look.grid(alpha=0.3)
