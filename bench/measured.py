@@ -104,10 +104,18 @@ def main() -> None:
     parser.add_argument("--only", default="", help="rows whose title contains this")
     flags = parser.parse_args()
     print("| " + " | ".join(COLUMNS) + " |\n" + "|---" * len(COLUMNS) + "|")
+    indices = {}
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         for row in ROWS:
             if flags.only in row.title:
-                print(line(row, list(pool.map(partial(outcome, row), range(flags.seeds)))), flush=True)
+                found = list(pool.map(partial(outcome, row), range(flags.seeds)))
+                print(line(row, found), flush=True)
+                indices[row.title] = np.array([one["index"] for one in found], dtype=np.float64)
+    shadowed = [title for title in indices if "shadowing" in title]
+    for other in shadowed[:-1]:
+        more = indices[shadowed[-1]] - indices[other]
+        error = more.std() / math.sqrt(len(more))
+        print(f"mean J, {shadowed[-1]}, less that of '{other}' on the same seeds: {more.mean():+.4f} ± {error:.4f}")
 
 
 if __name__ == "__main__":
