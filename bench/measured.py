@@ -82,7 +82,7 @@ def line(row: Row, found: list[dict[str, Any]]) -> str:
 
     times = np.where(np.isnan(column("time_to_1m")), math.inf, column("time_to_1m"))
     bias, index = column("bias"), column("index")
-    error = 1.0 / math.sqrt(len(found))
+    error = 1.0 / math.sqrt(max(1, len(found) - 1))
     reached = int(np.isfinite(times).sum())
     cells = (
         row.title,
@@ -114,7 +114,7 @@ def main() -> None:
     shadowed = [title for title in indices if "shadowing" in title]
     for other in shadowed[:-1]:
         more = indices[shadowed[-1]] - indices[other]
-        error = more.std() / math.sqrt(len(more))
+        error = more.std() / math.sqrt(max(1, len(more) - 1))
         print(f"mean J, {shadowed[-1]}, less that of '{other}' on the same seeds: {more.mean():+.4f} ± {error:.4f}")
 
 

@@ -1,11 +1,11 @@
 """What changes while a run goes on: scheduled by the scenario, or set from another terminal."""
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Annotated, Any
 
 from pydantic import Field, ValidationError
 
-from fes.config import NonNegative, Table
+from fes.config import Table
 from fes.errors import ScenarioError
 from world.radio_config import RadioConfig
 from world.rules import first_rule
@@ -17,7 +17,7 @@ PREFIX = "channel."
 class EventConfig(Table):
     """One change at one time."""
 
-    at: NonNegative
+    at: Annotated[float, Field(ge=0, le=1e9)]
     """[s]; it acts from the tick nearest to it on."""
     settings: dict[str, Any] = Field(alias="set", min_length=1)
     """Field of the channel, by its dotted path -> its new value."""
@@ -27,6 +27,8 @@ def changed(channel: RadioConfig, settings: dict[str, Any], dt: float) -> RadioC
     """The channel with `settings`, by dotted path; raises ScenarioError in one line."""
     tables = channel.model_dump()
     for path, value in settings.items():
+        if value is None:
+            raise ScenarioError(path, "cannot be nothing: a deviation or a loss of 0 takes shadowing or bursts away")
         if not path.startswith(PREFIX):
             raise ScenarioError(path, f"only {PREFIX}* can be changed while a run goes on")
         *parents, field = path.removeprefix(PREFIX).split(".")
@@ -61,5 +63,8 @@ def schedule(events: Iterable[EventConfig], dt: float) -> dict[int, dict[str, An
     """Tick -> what is set from it on; of two events of one tick the later one in the file wins."""
     found: dict[int, dict[str, Any]] = {}
     for event in events:
-        found.setdefault(round(event.at / dt), {}).update(event.settings)
+        here = found.setdefault(round(event.at / dt), {})
+        for path, value in event.settings.items():
+            here.pop(path, None)  # what is set again comes last
+            here[path] = value
     return dict(sorted(found.items()))

@@ -102,8 +102,9 @@ def _outage(state: State, separation: Floats, a: Ints, b: Ints) -> Floats:
 
 def _reception_line(channel: RadioConfig, scale: float) -> tuple[float, float]:
     """Level and exponent that an exact fit of the formula has at `scale` [m]: ln(-ln p), and its slope in ln r."""
+    if channel.model != "logistic":
+        rate = outage.exponent_scale(channel) * scale**channel.path_loss_exponent
+        return math.log(rate) if rate > 0.0 else -math.inf, channel.path_loss_exponent
     at = np.array([scale])
-    rate = -math.log(max(float(outage.reception_probability(at, channel)[0]), 1e-300))
-    if rate == 0.0:
-        return -math.inf, 0.0
+    rate = float(np.logaddexp(0.0, outage.logistic_excess(at, channel))[0])  # -ln p
     return math.log(rate), float(-scale * outage.log_reception_slope(at, channel)[0] / rate)
