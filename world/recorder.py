@@ -1,7 +1,7 @@
 """The log of a run, run.mcap: everything that was said, tick by tick, and what viewers show of it.
 
 The order is canonical: of a tick first Observations, Beacons and Commands, each with the payloads of all robots in id
-order, then what was set, then, ten times a simulated second, the Report and what viewers show; docs/log.md has it all.
+order, then what was set, then, ten times a simulated second, the Report and what viewers show: see docs/log.md.
 A chunk never divides a tick and is handed to the system when it is closed, so that whatever becomes of this process,
 the file can be read up to its last chunk.
 """
