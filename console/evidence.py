@@ -80,15 +80,13 @@ def _paper_figures() -> "dict[str, Figure]":
 
 def _run_figures(target: Path) -> "dict[str, Figure]":
     """The figures of a run: from its log, or from its directory if it was not recorded."""
-    path = logs.find(target)
+    path = logs.find(target) if target.exists() else None
     seen = _again(target) if path is None else _recorded(logs.load(path))
     return {"formation": figures.formation_figure(seen), "convergence": figures.convergence_figure(seen)}
 
 
 def _recorded(log: Log) -> History:
     """The run in a log."""
-    if next(log.ticks(), None) is None:
-        raise FesError(f"{log.path}: there is no tick in it")
     if log.complaint is not None:
         process.complain("fes", log.complaint)
     return history.recorded(log)

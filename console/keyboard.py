@@ -1,5 +1,6 @@
 """Keys of a terminal, as they are pressed."""
 
+import contextlib
 import os
 import select
 import termios
@@ -26,7 +27,8 @@ class Keyboard:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        termios.tcsetattr(self._terminal, termios.TCSADRAIN, self._before)
+        with contextlib.suppress(termios.error):  # the terminal may be gone
+            termios.tcsetattr(self._terminal, termios.TCSADRAIN, self._before)
 
     def pressed(self, timeout: float) -> list[str]:
         """The keys pressed, waiting for one up to `timeout` [s]; END when there is no terminal any more."""

@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import zstandard
-from mcap.exceptions import EndOfFile, InvalidMagic, McapError
+from mcap.exceptions import EndOfFile, McapError
 from mcap.reader import make_reader
 from mcap.records import Channel, Chunk, DataEnd, McapRecord, Message
 from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
+from mcap.writer import MCAP0_MAGIC
 
 from fes.errors import FesError
 from fes.report import Report, decode_report
@@ -46,7 +47,7 @@ class Log:
     backend: str
     scenario: Scenario
     summary: dict[str, Any] | None
-    """Of what was reached; None if the run was over before its first tick, or the log has no end."""
+    """Of what was reached; None if the log has no end."""
     ended: str | None
     """How the run ended; None if the log has no end."""
 
@@ -78,7 +79,7 @@ def find(target: Path) -> Path | None:
 
 
 def load(target: Path) -> Log:
-    """A log: a file, or that of a run directory; raises FesError in one line."""
+    """A log with a tick at least: a file, or that of a run directory; raises FesError in one line."""
     path = find(target)
     if path is None:
         raise FesError(f"{target} has no {NAME}: the run was not recorded")
@@ -89,9 +90,12 @@ def load(target: Path) -> Log:
     try:
         scenario = parse(tomllib.loads(told["scenario"]), str(path))
         summary = json.loads(ended["summary"]) if ended and "summary" in ended else None
-        return Log(path, told["name"], told["backend"], scenario, summary, ended["ended"] if ended else None)
+        log = Log(path, told["name"], told["backend"], scenario, summary, ended["ended"] if ended else None)
     except (KeyError, TypeError, ValueError) as error:
         raise FesError(f"{path}: what it says of its run cannot be read: {error}") from None
+    if next(log.ticks(), None) is None:
+        raise FesError(log.complaint or f"{path}: the run was over before its first tick")
+    return log
 
 
 def _scenario(path: Path) -> dict[str, Any]:
@@ -148,6 +152,9 @@ def _messages(path: Path) -> Iterator[tuple[str, Message]]:
 def _records(path: Path) -> Iterator[McapRecord]:
     try:
         with path.open("rb") as file:
+            if file.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
+                raise FesError(f"{path} is not a log: it is not an MCAP file")
+            file.seek(0)
             for record in StreamReader(file, emit_chunks=True, validate_crcs=True).records:
                 if isinstance(record, DataEnd):
                     return
@@ -159,8 +166,6 @@ def _records(path: Path) -> Iterator[McapRecord]:
                 except _BROKEN as error:
                     raise FesError(f"{path} is damaged: {error}") from None
                 yield from inside
-    except InvalidMagic:
-        raise FesError(f"{path} is not a log: it is not an MCAP file") from None
     except (EndOfFile, struct.error):
         return  # it was cut here: only whole records have been read
     except _BROKEN as error:

@@ -21,7 +21,7 @@ SEEK = 5.0
 """[s]"""
 
 SPEEDS = (2.0**-6, 2.0**10)
-KEYS = "space plays and pauses, arrows seek 5 s, . steps, + and - change the speed, q quits"
+KEYS = "space: play, pause  ←→: 5 s  .: step  +-: speed  q: quit"
 
 _FRAME, _IDLE = 0.05, 0.25
 _PATIENCE = 0.1  # s; so long may a frame go through ticks before it is drawn
@@ -54,9 +54,9 @@ class Player:
             self.playing = not self.playing
         elif key == ".":
             self.playing = False
-            self._seek((self.tick + self._stride) * self.dt)
+            self._seek((self._due() + self._stride) * self.dt)
         elif key in (LEFT, RIGHT):
-            self._seek(self.tick * self.dt + (SEEK if key == RIGHT else -SEEK))
+            self._seek(self._wanted + (SEEK if key == RIGHT else -SEEK))
         elif key in ("+", "-"):
             low, high = SPEEDS
             self.speed = min(max(self.speed * (2.0 if key == "+" else 0.5), low), high)
@@ -65,21 +65,26 @@ class Player:
         """Go on after `elapsed` [s; wall clock]; what takes long goes on at the next call."""
         due = self._due()
         if self.playing and self.tick >= due:  # a player that is behind catches up first
-            self._wanted = min(self._wanted + elapsed * self.speed, self.ticks * self.dt)
+            self._wanted += elapsed * self.speed
             due = self._due()
         until = time.monotonic() + _PATIENCE
         while self.tick < due and time.monotonic() < until:
             self._show_next()
+        if self.tick >= self._last:
+            self.playing = False
+
+    @property
+    def _last(self) -> int:
+        """The last tick that can be shown, as far as is known."""
+        return (len(self._kept) - 1) * self._stride if self._ended else self.ticks - 1
 
     def _due(self) -> int:
-        last = (len(self._kept) - 1) * self._stride if self._ended else self.ticks - 1
-        if self._wanted > last * self.dt:
-            self._wanted = last * self.dt
-        due = min(int(self._wanted / self.dt + 1e-6), last)
+        self._wanted = min(self._wanted, self._last * self.dt)
+        due = int(self._wanted / self.dt + 1e-6)
         return due - due % self._stride
 
     def _seek(self, at: float) -> None:
-        self._wanted = min(max(at, 0.0), (self.ticks - 1) * self.dt)
+        self._wanted = max(at, 0.0)
         if self._due() < self.tick:
             seen = self._kept[: self._due() // self._stride + 1]
             self.history, self.tick = History(), -1
@@ -128,8 +133,8 @@ def play(log: Log, console: Console, speed: float) -> None:
 def frame(player: Player, width: int, height: int) -> RenderableType:
     """The dashboard, and a line that says where one is and what the keys do."""
     where = f"{max(player.tick, 0) * player.dt:.2f} of {player.ticks * player.dt:g} s"
-    state = f"{'playing' if player.playing else 'paused'} at {player.speed:g}x"
-    line = Text(f"{where}, {state}; {KEYS}", style="reverse", no_wrap=True, overflow="ellipsis")
+    state = f"{'▶' if player.playing else '⏸'} {player.speed:g}x"
+    line = Text(f"{where} {state}  {KEYS}", style="reverse", no_wrap=True, overflow="ellipsis")
     line.truncate(max(1, width - 1), overflow="ellipsis", pad=True)
     return Group(render(player.history, width, height - 1), line)
 
