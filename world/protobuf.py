@@ -2,13 +2,18 @@
 
 It is the encoding that every viewer of a log reads without being told how; of Foxglove's schemas Rerun reads no
 other. A value of a message is a mapping from its fields to values, what is left out is not encoded; of a message that
-has only numbers it is a tuple of them all. Enumerations are `enum`, by their number, and integers are not negative.
+has only numbers it is a tuple of them all; and what is encoded already is bytes. Enumerations are `enum`, by their
+number, and integers are not negative.
 """
 
 import re
 import struct
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
+
+import numpy as np
+
+from fes.arrays import Floats
 
 _SCALARS = {
     "double": 1,
@@ -74,17 +79,28 @@ class Message:
         """With its package."""
         self.fields = {field.name: field for field in fields}
         self._flat: struct.Struct | None = None
+        self._tags: list[int] = []
         if fields and all(field.kind == "double" and not field.repeated and field.number < 16 for field in fields):
             self._flat = struct.Struct("<" + "Bd" * len(fields))
             self._tags = [field.tag[0] for field in fields]
 
-    def encode(self, value: Mapping[str, Any] | tuple[float, ...]) -> bytes:
+    def encode(self, value: Mapping[str, Any] | tuple[float, ...] | bytes) -> bytes:
         """The bytes of a value."""
+        if isinstance(value, bytes):
+            return value
         if isinstance(value, tuple):
             assert self._flat is not None, f"{self.name} has fields that are not numbers"
             return self._flat.pack(*[part for pair in zip(self._tags, value, strict=True) for part in pair])
         fields = self.fields
         return b"".join([fields[name].encode(one) for name, one in value.items()])
+
+    def encode_rows(self, rows: Floats) -> list[bytes]:
+        """The bytes of many values of a message that has only numbers, one a row [k, fields]."""
+        found = np.empty((*rows.shape, 9), dtype=np.uint8)
+        found[..., 0] = self._tags
+        found[..., 1:] = rows.astype("<f8", order="C").view(np.uint8).reshape(*rows.shape, 8)
+        whole, size = found.tobytes(), 9 * rows.shape[1]
+        return [whole[at : at + size] for at in range(0, len(whole), size)]
 
     def describe(self) -> bytes:
         """The binary FileDescriptorSet of the type and of all that it is made of."""

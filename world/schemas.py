@@ -17,6 +17,8 @@ _TIME = parse(
     """,
 )
 
+TIMESTAMP = _TIME["Timestamp"]
+
 FOXGLOVE = parse(
     "foxglove",
     """
