@@ -10,7 +10,7 @@ from console import inprocess
 from world.recorder import NAME, Recorder
 from world.scenario import load
 
-ROUNDS = 5
+ROUNDS = 8
 DURATION = 10.0
 """[s]; simulated, each time"""
 

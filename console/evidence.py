@@ -87,8 +87,9 @@ def _run_figures(target: Path) -> "dict[str, Figure]":
 
 def _recorded(log: Log) -> History:
     """The run in a log."""
-    if log.complaint is not None:
-        process.complain("fes", log.complaint)
+    complaint = log.complaint
+    if complaint is not None:
+        process.complain("fes", complaint)
     return history.recorded(log)
 
 

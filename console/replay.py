@@ -44,8 +44,9 @@ def replay(
         _print(screen, json_, result, f"the world{' and all robots' if all_ else ''}, executed again", ticks)
     else:
         player.play(log, screen, speed)
-    if log.complaint is not None:
-        raise FesError(log.complaint)
+    complaint = log.complaint
+    if complaint is not None:
+        raise FesError(complaint)
     return process.SUCCESS
 
 
