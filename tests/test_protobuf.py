@@ -10,6 +10,7 @@ from mcap.reader import make_reader
 from tests import recordings
 from tests.loop import load
 from world import protobuf, schemas
+from world.descriptors import describe
 from world.protobuf import Message
 
 READ = [
@@ -33,9 +34,10 @@ def message_class(name: str, described: bytes) -> Any:
 
 @pytest.mark.parametrize("kind", READ, ids=lambda kind: kind.name)
 def test_the_library_understands_the_schemas(kind: Message) -> None:
-    described = message_class(kind.name, kind.describe()).DESCRIPTOR
+    described = message_class(kind.name, describe(kind)).DESCRIPTOR
     expected = [(field.name, field.number) for field in kind.fields.values()]
     assert [(field.name, field.number) for field in described.fields] == expected
+    assert [enum.name for enum in described.enum_types] == list(kind.enums)
 
 
 @pytest.mark.parametrize("name", schemas.FOXGLOVE)
@@ -45,7 +47,13 @@ def test_fields_are_those_of_foxgloves_schemas(name: str) -> None:
     kinds = {14: "enum", 11: "message", 1: "double", 8: "bool", 9: "string", 12: "bytes", 7: "fixed32"}
     expected = [(field.name, field.number, kinds[field.type]) for field in theirs.fields]
     ours = schemas.FOXGLOVE[name].fields.values()
-    assert [(field.name, field.number, "message" if field.message else field.kind) for field in ours] == expected
+    assert [(field.name, field.number, kind_of(field)) for field in ours] == expected
+    enums = {enum.name: [(value.name, value.number) for value in enum.values] for enum in theirs.enum_types}
+    assert schemas.FOXGLOVE[name].enums == enums
+
+
+def kind_of(field: protobuf.Field) -> str:
+    return "message" if field.message else "enum" if field.enum else field.kind
 
 
 def test_the_library_reads_every_message_of_a_log_to_its_last_byte(tmp_path: Path) -> None:

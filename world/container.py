@@ -11,6 +11,7 @@ from typing import Any
 from mcap.writer import CompressionType, Writer
 
 from fes.errors import FesError
+from world.descriptors import describe
 from world.protobuf import Message
 
 PROFILE = "fes"
@@ -77,7 +78,7 @@ class Container:
         else:
             name, encoding, kind = schema["title"], "json", "jsonschema"
         if name not in self._schemas:
-            described = schema.describe() if isinstance(schema, Message) else json.dumps(schema).encode()
+            described = describe(schema) if isinstance(schema, Message) else json.dumps(schema).encode()
             self._schemas[name] = self._writer.register_schema(name, kind, described)
         return self._writer.register_channel(topic, encoding, self._schemas[name])
 

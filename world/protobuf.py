@@ -1,9 +1,9 @@
-"""Protocol Buffers, as much as a log needs: message types in their own notation, described and encoded.
+"""Protocol Buffers, as much as a log needs: message types in their own notation, encoded and read.
 
 It is the encoding that every viewer of a log reads without being told how; of Foxglove's schemas Rerun reads no
 other. A value of a message is a mapping from its fields to values, what is left out is not encoded; of a message that
-has only numbers it is a tuple of them all; and what is encoded already is bytes. Enumerations are `enum`, by their
-number, and integers are not negative.
+has only numbers it is a tuple of them all; and what is encoded already is bytes. A value of an enumeration is its
+number; integers are not negative.
 """
 
 import re
@@ -15,7 +15,7 @@ import numpy as np
 
 from fes.arrays import Floats
 
-_SCALARS = {
+SCALARS = {
     "double": 1,
     "int64": 3,
     "uint64": 4,
@@ -25,25 +25,29 @@ _SCALARS = {
     "string": 9,
     "bytes": 12,
     "uint32": 13,
-    "enum": 5,
 }
-"""Type -> its number in a descriptor; an enumeration is described as int32, whose bytes are the same."""
-
-_MESSAGE, _OPTIONAL, _REPEATED = 11, 1, 3
+"""Type -> its number in a descriptor."""
 
 _VARINT, _FIXED64, _LENGTH, _FIXED32 = 0, 1, 2, 5
 
+_ENUMS = re.compile(r"enum (\w+) \{([^{}]*)\}")
+_MESSAGES = re.compile(r"message (\w+) \{((?:[^{}]|\{[^{}]*\})*)\}")
+_FIELDS = re.compile(r"(repeated )?([\w.]+) (\w+) = (\d+);")
+_VALUES = re.compile(r"(\w+) = (\d+);")
+
 Types = dict[str, "Message"]
+Enums = dict[str, list[tuple[str, int]]]
+"""Names and numbers of each enumeration of a message type."""
 
 
 class Field:
     """One field of a message type."""
 
-    def __init__(self, name: str, kind: str, number: int, repeated: bool, types: Types) -> None:
-        self.name, self.kind, self.number, self.repeated = name, kind, number, repeated
+    def __init__(self, name: str, kind: str, number: int, repeated: bool, types: Types, enum: bool) -> None:
+        self.name, self.kind, self.number, self.repeated, self.enum = name, kind, number, repeated, enum
         self._types = types
         wire = {"double": _FIXED64, "fixed32": _FIXED32, "string": _LENGTH, "bytes": _LENGTH}
-        self.tag = varint(number << 3 | (wire.get(kind, _VARINT) if kind in _SCALARS else _LENGTH))
+        self.tag = varint(number << 3 | (wire.get(kind, _VARINT) if kind in SCALARS or enum else _LENGTH))
         self._one = self._encoder()
 
     @property
@@ -66,7 +70,7 @@ class Field:
             return lambda text: _counted(text.encode())
         if self.kind == "bytes":
             return _counted
-        if self.kind in _SCALARS:
+        if self.kind in SCALARS or self.enum:
             return varint
         return lambda value: _counted(self._types[self.kind].encode(value))
 
@@ -74,9 +78,10 @@ class Field:
 class Message:
     """A message type."""
 
-    def __init__(self, name: str, fields: list[Field]) -> None:
+    def __init__(self, name: str, fields: list[Field], enums: Enums) -> None:
         self.name = name
         """With its package."""
+        self.enums = enums
         self.fields = {field.name: field for field in fields}
         self._flat: struct.Struct | None = None
         self._tags: list[int] = []
@@ -102,14 +107,6 @@ class Message:
         whole, size = found.tobytes(), 9 * rows.shape[1]
         return [whole[at : at + size] for at in range(0, len(whole), size)]
 
-    def describe(self) -> bytes:
-        """The binary FileDescriptorSet of the type and of all that it is made of."""
-        packages: dict[str, list[Message]] = {}
-        for message in _parts(self, {}):
-            packages.setdefault(message.name.rpartition(".")[0], []).append(message)
-        described = [_file(package, packages) for package in sorted(packages, key=lambda package: "." not in package)]
-        return _DESCRIPTORS["FileDescriptorSet"].encode({"file": described})
-
 
 def parse(package: str, text: str, known: Types | None = None) -> Types:
     """The message types of a package, by their names without it, written as in a .proto file.
@@ -120,12 +117,16 @@ def parse(package: str, text: str, known: Types | None = None) -> Types:
     """
     types = dict(known or {})
     found: Types = {}
-    for name, body in re.findall(r"message (\w+) \{(.*?)\}", re.sub(r"//.*", "", text), re.DOTALL):
+    for name, body in _MESSAGES.findall(re.sub(r"//.*", "", text)):
+        enums = {
+            enum: [(one, int(number)) for one, number in _VALUES.findall(values)]
+            for enum, values in _ENUMS.findall(body)
+        }
         fields = [
-            Field(field, kind, int(number), bool(repeated), types)
-            for repeated, kind, field, number in re.findall(r"(repeated )?([\w.]+) (\w+) = (\d+);", body)
+            Field(field, kind, int(number), bool(repeated), types, kind in enums)
+            for repeated, kind, field, number in _FIELDS.findall(_ENUMS.sub("", body))
         ]
-        found[name] = types[name] = Message(f"{package}.{name}" if package else name, fields)
+        found[name] = types[name] = Message(f"{package}.{name}" if package else name, fields, enums)
     return found
 
 
@@ -182,60 +183,3 @@ def _varint_at(payload: bytes, at: int) -> tuple[int, int]:
 
 def _counted(content: bytes) -> bytes:
     return varint(len(content)) + content
-
-
-def _parts(message: Message, seen: Types) -> list[Message]:
-    """The message and every other that it is made of, each once."""
-    if message.name not in seen:
-        seen[message.name] = message
-        for field in message.fields.values():
-            if field.message is not None:
-                _parts(field.message, seen)
-    return list(seen.values())
-
-
-def _file(package: str, packages: dict[str, list[Message]]) -> dict[str, Any]:
-    """The descriptor of a package; packages with a dot in their name are others' and stand alone."""
-    others = [] if "." in package else [other for other in packages if "." in other]
-    return {
-        "name": _file_name(package),
-        "package": package,
-        "dependency": [_file_name(other) for other in others],
-        "message_type": [
-            {"name": message.name.rpartition(".")[2], "field": [_field(field) for field in message.fields.values()]}
-            for message in packages[package]
-        ],
-        "syntax": "proto3",
-    }
-
-
-def _file_name(package: str) -> str:
-    return package.replace(".", "/") + ".proto"
-
-
-def _field(field: Field) -> dict[str, Any]:
-    described = {
-        "name": field.name,
-        "number": field.number,
-        "label": _REPEATED if field.repeated else _OPTIONAL,
-        "type": _SCALARS.get(field.kind, _MESSAGE),
-    }
-    if field.message is not None:
-        described["type_name"] = f".{field.message.name}"
-    return described
-
-
-_DESCRIPTORS = parse(
-    "",
-    """
-    message FileDescriptorSet { repeated FileDescriptorProto file = 1; }
-    message FileDescriptorProto {
-      string name = 1; string package = 2; repeated string dependency = 3; repeated DescriptorProto message_type = 4;
-      string syntax = 12;
-    }
-    message DescriptorProto { string name = 1; repeated FieldDescriptorProto field = 2; }
-    message FieldDescriptorProto {
-      string name = 1; int32 number = 3; int32 label = 4; int32 type = 5; string type_name = 6;
-    }
-    """,
-)

@@ -36,11 +36,16 @@ FOXGLOVE = parse(
     }
 
     message Log {
-      Timestamp timestamp = 1; enum level = 2; string message = 3; string name = 4; string file = 5; fixed32 line = 6;
+      enum Level { UNKNOWN = 0; DEBUG = 1; INFO = 2; WARNING = 3; ERROR = 4; FATAL = 5; }
+      Timestamp timestamp = 1; Level level = 2; string message = 3; string name = 4; string file = 5;
+      fixed32 line = 6;
     }
 
     message SceneUpdate { repeated SceneEntityDeletion deletions = 1; repeated SceneEntity entities = 2; }
-    message SceneEntityDeletion { Timestamp timestamp = 1; enum type = 2; string id = 3; }
+    message SceneEntityDeletion {
+      enum Type { MATCHING_ID = 0; ALL = 1; }
+      Timestamp timestamp = 1; Type type = 2; string id = 3;
+    }
     message SceneEntity {
       Timestamp timestamp = 1; string frame_id = 2; string id = 3; Duration lifetime = 4; bool frame_locked = 5;
       repeated KeyValuePair metadata = 6; repeated ArrowPrimitive arrows = 7; repeated CubePrimitive cubes = 8;
@@ -58,7 +63,8 @@ FOXGLOVE = parse(
       Pose pose = 1; Vector3 size = 2; double bottom_scale = 3; double top_scale = 4; Color color = 5;
     }
     message LinePrimitive {
-      enum type = 1; Pose pose = 2; double thickness = 3; bool scale_invariant = 4; repeated Point3 points = 5;
+      enum Type { LINE_STRIP = 0; LINE_LOOP = 1; LINE_LIST = 2; }
+      Type type = 1; Pose pose = 2; double thickness = 3; bool scale_invariant = 4; repeated Point3 points = 5;
       Color color = 6; repeated Color colors = 7; repeated fixed32 indices = 8;
     }
     message TriangleListPrimitive {
