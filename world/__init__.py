@@ -10,7 +10,7 @@ container   its file: topics, schemas, chunks
 schemas     its message types
 views       what viewers show of it
 protobuf    how its messages are encoded
-descriptors how its message types are described
+descriptors  how its message types are described
 ears        the beacons, for the log
 scenario    the typed scenario, from TOML
 radio_config  its table [channel]: the formula, shadowing, bursts, jammers
