@@ -62,8 +62,13 @@ def assemble(config: AgentConfig, ids: Ints) -> Crew:
     seeker = Seeker(config.seeking, _index(config), config.dt)
     statistics = reception.SUMS if config.seeking.index == "measured" and config.seeking.pooling == "network" else 0
     timeout = math.ceil(config.formation.contact_timeout / config.dt)
+    return Crew(config, ids, seeker, timeout, statistics, skew(config, ids))
+
+
+def skew(config: AgentConfig, ids: Ints) -> Floats:
+    """How far the clock of each robot is ahead of the team's [n] [s]: a function of (seed, robot)."""
     ahead = 2.0 * draws.uniform_pairs(draws.key(config.seed, "clock skew"), ids, ids) - 1.0
-    return Crew(config, ids, seeker, timeout, statistics, config.clock_skew * ahead)
+    return config.clock_skew * ahead
 
 
 def start(crew: Crew) -> State:
@@ -127,7 +132,10 @@ def _desired(crew: Crew, tick: int, links: Links) -> Floats:
     estimates: Floats = links.state[seeking.ESTIMATE]
     if crew.config.seeking.index == "oracle":
         return estimates
-    return estimates + seeking.dither(crew.seeker, tick * crew.config.dt + _skew(crew, links.edges))
+    time = tick * crew.config.dt + _skew(crew, links.edges)
+    if crew.config.seeking.index == "measured" and crew.config.seeking.pooling == "none":
+        time = time + seeking.stagger(crew.seeker, crew.config.seed, links.edges)
+    return estimates + seeking.dither(crew.seeker, time)
 
 
 def _skew(crew: Crew, edges: Edges) -> Floats:

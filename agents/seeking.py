@@ -32,6 +32,19 @@ MAX_EXTRAPOLATION = 0.1
 """Age [s] up to which a peer's estimate is extrapolated."""
 
 Index = Callable[[Floats], Floats]
+Numbers = Callable[[int, str, Edges], Floats]
+
+FIRST_ESTIMATE, STAGGER = "first estimate", "stagger"
+"""Streams of numbers for links; those of the latter are the same at both ends of a link."""
+
+
+def pair_numbers(seed: int, stream: str, links: Edges) -> Floats:
+    """A uniform number in [0, 1) for each link [l]: a function of (seed, stream, i, j)."""
+    robots, peers = links.ids[links.rows], links.peers
+    if stream == STAGGER:
+        robots, peers = np.minimum(robots, peers), np.maximum(robots, peers)
+    return draws.uniform_pairs(draws.key(seed, stream), robots, peers)
+
 
 ON_TIME = np.zeros(1)
 """The skew of clocks that are all right [s]."""
@@ -45,6 +58,8 @@ class Seeker:
     index: Index
     dt: float
     """Tick length [s]."""
+    numbers: Numbers = pair_numbers
+    """What draws a number for each link; several runs in one crew have a seed each."""
 
     @cached_property
     def sub_steps(self) -> int:
@@ -72,11 +87,24 @@ def dither(seeker: Seeker, time: Floats) -> Floats:
     return seeker.config.dither_amplitude * np.sin(seeker.config.dither_frequency * time)
 
 
+def stagger(seeker: Seeker, seed: int, links: Edges) -> Floats:
+    """How far the dither of each link is ahead of the common one [l] [s], the same at both ends.
+
+    With one phase for all, the formation breathes as a whole: far from its middle robots are carried over many times
+    the amplitude, and where shadowing makes the channel a matter of place, a link would learn how reception changes
+    with where it is instead of with its length.
+    """
+    found: Floats | None = links.__dict__.get("stagger")
+    if found is None:
+        number = seeker.numbers(seed, STAGGER, links)
+        found = links.__dict__["stagger"] = 2.0 * math.pi / seeker.config.dither_frequency * number
+    return found
+
+
 def first_estimates(seeker: Seeker, seed: int, links: Edges) -> Floats:
     """r_hat_ij(0) [l] [m], uniform in the configured interval; a function of (seed, i, j)."""
     low, high = seeker.config.initial_estimate
-    numbers = draws.uniform_pairs(draws.key(seed, "first estimate"), links.ids[links.rows], links.peers)
-    return low + (high - low) * numbers
+    return low + (high - low) * seeker.numbers(seed, FIRST_ESTIMATE, links)
 
 
 def begin(seeker: Seeker, tick: int, estimates: Floats) -> Floats:

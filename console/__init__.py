@@ -1,4 +1,4 @@
-"""What a person runs: fes run, view, replay, compare, set, plot, claims.
+"""What a person runs: fes run, view, set, replay, compare, sweep, plot, claims.
 
 cli         the commands
 processes   fes run with real processes
@@ -7,6 +7,7 @@ inprocess   the same world and crew in one loop, without Zenoh
 history     a run as time series
 figures     the paper's figures, and those of a run
 claims      where the paper's text does not hold, as computations
+learning    how robots that count beacons find the optimum, over seeds
 study       how the integration error depends on the step
 setting     the command fes set
 evidence    the commands fes plot and fes claims
@@ -18,13 +19,16 @@ difference  where two ticks differ
 compare     the command fes compare
 player      the dashboard of a log: play, pause, step, seek
 keyboard    keys of a terminal
+sweep       fes sweep: many runs, compared
 summary     the summary as a person reads it
 observer    the world's reports, as they come
 view        the live dashboard: the only place where rich's Live is
 dashboard   one frame, from the reports so far
 header      its first lines
 teammap     its map
-panels      its links, convergence and connectivity
+panels      its convergence and connectivity
+links       its table of links
+reception   its chart of what measuring robots learn
 canvas      braille dots
 text        numbers as people read them
 """

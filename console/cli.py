@@ -14,6 +14,7 @@ from rich.console import Console
 
 from console import compare, evidence, inprocess, processes, replay, rundir, setting, summary, view
 from console.processes import Launch
+from console.sweep import command
 from fes import bus, keys, process
 from fes.errors import FesError, ScenarioError
 from world.recorder import NAME, Recorder
@@ -31,6 +32,7 @@ app.command(name="claims")(evidence.show_claims)
 app.command(name="set")(setting.set_command)
 app.command()(replay.replay)
 app.command()(compare.compare)
+app.command()(command.sweep)
 
 
 class Backend(StrEnum):

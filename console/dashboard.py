@@ -7,13 +7,13 @@ import numpy as np
 from rich.console import RenderableType
 from rich.segment import Segment, SegmentLines
 
-from console import panels
+from console import links, panels, reception
 from console.canvas import Line
 from console.header import header
 from console.panels import SERIES
 from console.teammap import legend, team_map
 from console.text import styled
-from fes.arrays import Bools, Floats
+from fes.arrays import Bools, Floats, Ints
 from fes.report import Report
 
 CAPACITY = 1024
@@ -21,9 +21,11 @@ CAPACITY = 1024
 
 _TWO_COLUMNS = 72  # narrower than this, the panels stand one below the other
 _GAP = 2
-_SIDE = (48, 68)  # most width of the panels beside the map: what they may take, and what they may grow to
+_SIDE = (49, 68)  # most width of the panels beside the map: what they may take, and what they may grow to
 _LEAST_LINKS = 4  # lines of the links' panel: with fewer, not even one would show
 _MAX_BARS = 6
+_CHART = (4, 14)  # lines of the chart of reception
+_LEAST_COLUMN = 20  # lines from which on the panels have room for it
 
 
 class History:
@@ -47,6 +49,9 @@ class History:
         new = np.array([getattr(report, field) for field in SERIES])
         self._worst[:, at] = np.fmax(self._worst[:, at], np.where(np.isfinite(new), new, np.nan))
         self._seen[at] = True
+        changed = report.changed_at / report.dt if report.dt > 0.0 else 0.0
+        if 0.0 < changed <= report.tick:
+            self._changed[round(changed) // self.stride] = True
 
     @property
     def ticks(self) -> tuple[int, int]:
@@ -65,20 +70,30 @@ class History:
         held: Floats = worst[:, np.searchsorted(filled, np.arange(columns), side="right") - 1]
         return held
 
+    def changes(self, columns: int) -> Ints:
+        """In which of `columns` equal parts of the run so far the channel changed [k]."""
+        seen, changed = np.flatnonzero(self._seen), np.flatnonzero(self._changed)
+        if len(seen) == 0:
+            return changed
+        inside = changed[(changed > seen[0]) & (changed <= seen[-1])]
+        return np.unique((inside - seen[0]) * columns // (seen[-1] - seen[0] + 1))
+
     def _clear(self) -> None:
         self.stride = 1
         """Ticks a bin."""
         self._worst: Floats = np.full((len(SERIES), CAPACITY), np.nan)
         self._seen: Bools = np.zeros(CAPACITY, dtype=np.bool_)
+        self._changed: Bools = np.zeros(CAPACITY, dtype=np.bool_)
 
     def _coarsen(self) -> None:
         half = CAPACITY // 2
-        worst, seen = self._worst, self._seen
+        worst, seen, changed = self._worst, self._seen, self._changed
         stride = 2 * self.stride
         self._clear()
         self.stride = stride
         self._worst[:, :half] = np.fmax(worst[:, 0::2], worst[:, 1::2])
         self._seen[:half] = seen[0::2] | seen[1::2]
+        self._changed[:half] = changed[0::2] | changed[1::2]
 
 
 def render(history: History, width: int, height: int) -> RenderableType:
@@ -101,7 +116,8 @@ def _waiting(width: int, height: int) -> list[Line]:
 
 def _wide(history: History, report: Report, width: int, height: int) -> list[Line]:
     """The map on the left, the other panels on the right."""
-    side = max(min(panels.links_width(report), _SIDE[0]), min(int(0.43 * width), _SIDE[1]))
+    most = max(_SIDE[1], links.full_width(report))
+    side = max(min(links.needed_width(report), _SIDE[0]), min(int(0.43 * width), most))
     left, body = width - side - _GAP, height - 2
     team = [title("Map", legend(left - 6), left), *team_map(report, left, body - 1)]
     right = _column(history, report, side, body, may_grow=True)
@@ -112,7 +128,8 @@ def _wide(history: History, report: Report, width: int, height: int) -> list[Lin
 def _narrow(history: History, report: Report, width: int, height: int) -> list[Line]:
     """The map above the other panels, if there is room for it."""
     lines, body = header(report, width), height - 2
-    spare = body - 4 - 3 - (2 + len(report.a))  # what the other panels leave at their full height
+    chart = 1 + reception.BESIDES + _CHART[0] if reception.is_measured(report) else 0
+    spare = body - 4 - chart - 3 - (2 + len(report.a))  # what the other panels leave at their full height
     tall = min(max(spare, 2 * body // 5), width // 2) if body >= 14 else 0
     if tall:
         lines += [title("Map", legend(width - 6), width), *team_map(report, width, tall - 1)]
@@ -120,23 +137,36 @@ def _narrow(history: History, report: Report, width: int, height: int) -> list[L
 
 
 def _column(history: History, report: Report, width: int, height: int, may_grow: bool) -> list[Line]:
-    """Convergence, links and connectivity in `height` lines; without room, the last goes first."""
+    """Convergence, reception, links and connectivity in `height` lines; reception goes first, then the last."""
+    learnt = _reception(report, width, height)
+    height -= len(learnt)
     connectivity = panels.connectivity(report)
     tied = 1 + len(connectivity) if height >= 10 + len(connectivity) else 0
     table = 2 + max(1, len(report.a)) if height >= 8 else 0
+    is_due = bool(learnt) or report.changed_at > 0.0 or height - tied - table >= 2 + len(SERIES)
+    tracking = [panels.tracking(report, width)] if is_due and height >= 12 else []
     left = height - tied - min(table, (height - tied) // 2 + 1)
-    rows = max(1, min(_MAX_BARS, (left - 1) // len(SERIES) - 1)) if may_grow else 1
-    series = history.series(panels.sparkline_width(width, rows))
+    rows = max(1, min(_MAX_BARS, (left - 1 - len(tracking)) // len(SERIES) - 1)) if may_grow else 1
+    columns = panels.sparkline_width(width, rows)
     first, last = (tick * report.dt for tick in history.ticks)
-    lines = [title("Convergence", [styled(f"log scale, {first:.4g} to {last:.4g} s")], width)]
-    lines += panels.convergence(report, series, width, rows)
-    room = height - len(lines) - tied
+    lines = [title("Convergence", [styled(f"log scale, {first:.4g} to {last:.4g} s")], width), *tracking]
+    lines += panels.convergence(report, history.series(columns), history.changes(columns), width, rows)
+    lines += learnt
+    room = height + len(learnt) - len(lines) - tied
     if room >= min(table, _LEAST_LINKS) > 0:
         note = [styled(f"{len(report.a):,}, in m, worst error first")]
-        lines += [title("Links", note, width), *panels.links(report, width, room - 1)]
+        lines += [title("Links", note, width), *links.links(report, width, room - 1)]
     if tied:
         lines += [title("Connectivity", [], width), *connectivity]
     return lines
+
+
+def _reception(report: Report, width: int, height: int) -> list[Line]:
+    """What is learnt, of a column of `height` lines, if anything is."""
+    if height < _LEAST_COLUMN or not reception.is_measured(report):
+        return []
+    chart = min(max(height // 5, _CHART[0]), _CHART[1])
+    return [title("Reception", reception.LEGEND, width), *reception.panel(report, width, chart + reception.BESIDES)]
 
 
 def title(name: str, note: Line, width: int) -> Line:

@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from console import claims, figures, history, processes, study
+from console import claims, figures, history, learning, processes, study
 from console import log as logs
 from console.history import History
 from console.log import Log
@@ -19,18 +19,21 @@ from world.scenario import load
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PAPER = "paper"
+PAPER, MEASURED = "paper", "measured"
 
 
 def plot(
-    target: Annotated[str, typer.Argument(help="`paper` for the paper's figures, a run directory or a log.")],
+    target: Annotated[str, typer.Argument(help="`paper`, `measured`, a run directory or a log.")],
     out: Annotated[
         Path | None, typer.Option(help="Where to write (default: figures/, or the run directory).")
     ] = None,
 ) -> int:
-    """Draw figures as PNG and SVG: the paper's Figs. 1, 3, 5 and 6, or those of a run."""
+    """Draw figures as PNG and SVG: the paper's Figs. 1, 3, 5 and 6; how beacons are counted; or those of a run."""
     if target == PAPER:
         directory, drawn = out or Path("figures"), _paper_figures()
+    elif target == MEASURED:
+        seen = learning.learn(claims.CONFIGS)
+        directory, drawn = out or Path("figures"), {"measured": figures.learning_figure(seen)}
     else:
         where = Path(target)
         directory, drawn = out or (where.parent if where.is_file() else where), _run_figures(where)

@@ -5,6 +5,7 @@ Matplotlib is imported when a figure is drawn: it comes with the extra `plot`.
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ import numpy as np
 
 from console import history
 from console.history import History
+from console.learning import CHANGE, Learning
 from fes import objective, outage
 from fes.config import ChannelConfig, ObjectiveConfig
 from fes.errors import FesError
@@ -31,15 +33,24 @@ POINTS = {"A": 68.0, "B": 105.0, "C": 150.0}
 MARGIN = 25.0
 """Around the robots of a formation figure [m]."""
 
+THIN = 10
+"""Of so many ticks one is drawn where there are many lines."""
+
 FLOOR = 1e-6
 """Smallest value of a logarithmic axis [m]."""
+
+
+def require() -> None:
+    """Raise FesError if no figure can be drawn here."""
+    if find_spec("matplotlib") is None:
+        raise FesError("figures need matplotlib: install the extra `plot`")
 
 
 def outage_figure() -> "Figure":
     """The paper's Fig. 1: outage probability against separation, with its points A, B and C."""
     channel = ChannelConfig()
     r = np.linspace(0.0, 250.0, 501)
-    with _figure(5.2, 3.4) as (figure, axes):
+    with sheet(5.2, 3.4) as (figure, axes):
         axes.plot(r, outage.outage_probability(r, channel), color=BLUE)
         for name, at in POINTS.items():
             lost = float(outage.outage_probability(np.array([at]), channel)[0])
@@ -53,7 +64,7 @@ def index_figure() -> "Figure":
     """The paper's Fig. 3: the performance index for both minimum separations, with the optima."""
     channel = ChannelConfig()
     r = np.linspace(0.1, 250.0, 1000)
-    with _figure(5.2, 3.4) as (figure, axes):
+    with sheet(5.2, 3.4) as (figure, axes):
         for nearest, color, offset in ((50.0, BLUE, (8, 2)), (100.0, ORANGE, (-40, -64))):
             wish = ObjectiveConfig(minimum_separation=nearest)
             best = optimal_separation(wish, channel)
@@ -73,7 +84,7 @@ def formation_figure(run: History) -> "Figure":
     low, high = run.poses[..., :2].min(axis=(0, 1)) - MARGIN, run.poses[..., :2].max(axis=(0, 1)) + MARGIN
     looks = sorted({first, min(last, first + last // 12), last})
     height = max(2.2, 0.6 + 3.6 * float((high[1] - low[1]) / (high[0] - low[0])))
-    with _figure(3.8 * len(looks), min(height, 5.0), columns=len(looks)) as (figure, axes):
+    with sheet(3.8 * len(looks), min(height, 5.0), columns=len(looks)) as (figure, axes):
         for tick, look in zip(looks, np.atleast_1d(axes), strict=True):
             tail = run.poses[: tick + 1]
             look.plot(tail[:, :, 0], tail[:, :, 1], "-", color="#999999", linewidth=0.8)
@@ -92,7 +103,7 @@ def convergence_figure(run: History) -> "Figure":
         (r"(b) $\sum|\hat r_{ij}-r^*|$ [m]", run.estimate_error),
         (r"(c) max $|r_{ij}-r^*|$ [m]", run.separation_error),
     )
-    with _figure(10.8, 3.2, columns=3) as (figure, axes):
+    with sheet(10.8, 3.2, columns=3) as (figure, axes):
         for look, (title, values) in zip(axes, series, strict=True):
             look.semilogy(run.time, np.maximum(values, FLOOR), color=BLUE, linewidth=1.2)
             look.axhline(1.0, color=INK, linewidth=0.8, linestyle=":")
@@ -103,7 +114,7 @@ def convergence_figure(run: History) -> "Figure":
 
 def step_figure(sub_steps: dict[str, list[tuple[float, float]]], ticks: list[tuple[float, float]]) -> "Figure":
     """Integration errors: of the seeking law against its sub-step, of the closed loop against the tick."""
-    with _figure(7.2, 3.2, columns=2) as (figure, axes):
+    with sheet(7.2, 3.2, columns=2) as (figure, axes):
         for (transform, rows), color in zip(sub_steps.items(), (BLUE, ORANGE), strict=True):
             steps, errors = np.array(rows).T
             label = "J" if transform == "none" else "ln J"
@@ -122,6 +133,28 @@ def step_figure(sub_steps: dict[str, list[tuple[float, float]]], ticks: list[tup
         axes[1].set_yticks([], minor=True)
         for look in axes:
             look.grid(alpha=0.3)
+    return figure
+
+
+def learning_figure(seen: Learning) -> "Figure":
+    """Mean estimates of robots that count beacons, beside the lower bound and beside (18) fed with samples."""
+    with sheet(7.6, 3.4, columns=2) as (figure, axes):
+        jump = int(np.searchsorted(seen.time, CHANGE))
+        spans = (slice(0, jump), slice(jump, None))
+        titles = ("from the start", "after the signal-to-noise ratio halved")
+        for look, span, title in zip(axes, spans, titles, strict=True):
+            time = seen.time[span] - seen.time[span][0]
+            look.fill_between(time, -seen.bound[span], seen.bound[span], color="#cccccc", label="lower bound (1 σ)")
+            time = time[::THIN]
+            for at, run in enumerate(seen.fed[:, span]):
+                look.plot(time, run[::THIN], ":", color=ORANGE, label=None if at else "(18), given samples")
+            for at, run in enumerate(seen.counted[:, span]):
+                look.plot(time, run[::THIN], color=BLUE, linewidth=0.6, label=None if at else "counting beacons")
+            look.axhline(0.0, color=INK, linewidth=0.8)
+            look.set(title=title, xlabel="time [s]", xlim=(0.0, 45.0), ylim=(-10.0, 14.0))
+            look.grid(alpha=0.3)
+        axes[0].set(ylabel=r"mean estimate $-\; r^*$ [m]")
+        axes[0].legend(frameon=False, loc="upper right")
     return figure
 
 
@@ -151,14 +184,15 @@ def _robots(axes: "Axes", poses: Any) -> None:
 
 
 @contextmanager
-def _figure(width: float, height: float, columns: int = 1) -> Iterator[tuple["Figure", Any]]:
-    """A new figure of one row [inches], in the house's style."""
-    try:
-        from matplotlib import rc_context
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise FesError("figures need matplotlib: install the extra `plot`") from None
+def sheet(
+    width: float, height: float, columns: int = 1, rows: tuple[float, ...] = (1.0,)
+) -> Iterator[tuple["Figure", Any]]:
+    """A new figure [inches] in the house's style, with its axes; `rows` are the ratios of their heights."""
+    require()
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
     style: Any = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}
     with rc_context(style):
         figure = Figure(figsize=(width, height), layout="constrained")
-        yield figure, figure.subplots(1, columns)
+        yield figure, figure.subplots(len(rows), columns, height_ratios=rows)

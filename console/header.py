@@ -6,7 +6,7 @@ import numpy as np
 from rich.cells import cell_len
 
 from console.canvas import Line
-from console.text import number, printable, styled
+from console.text import count, number, printable, styled
 from fes.report import Report
 
 _GAP = 3
@@ -38,7 +38,11 @@ def _facts(report: Report, width: int) -> Line:
     ratio = f"{decoded / sent:.1%}" if sent > 0 else number(float("nan"), "")
     living = (f"{alive}/{n}", "" if alive == n else "bold red")
     optimum = ("r*", f"{number(report.optimal_separation, '.2f')} m", "")
-    team, short = [("robots alive", *living), optimum], [("alive", *living), optimum]
+    if report.changed_at > 0.0:
+        since = ("r*", f"{optimum[1]} since {number(report.changed_at, ',.1f')} s", "")
+    else:
+        since = optimum
+    team, short = [("robots alive", *living), since], [("alive", *living), since]
     pace = [
         ("ticks/s", number(report.ticks_per_s, ",.0f"), ""),
         ("real time", f"×{number(report.ticks_per_s * report.dt, ',.3g')}", ""),
@@ -46,9 +50,10 @@ def _facts(report: Report, width: int) -> Line:
     choices = [
         [*team, *pace, ("beacons decoded/sent", f"{decoded:,}/{sent:,}, {ratio}", "")],
         [*team, *pace, ("decoded/sent", f"{decoded:,}/{sent:,}", "")],
-        [*short, *pace, ("decoded", f"{_short(decoded)}/{_short(sent)}", "")],
+        [*short, *pace, ("decoded", f"{count(decoded)}/{count(sent)}", "")],
         [*short, *pace],
         short,
+        [short[0], optimum],
     ]
     facts = next((facts for facts in choices if _extent(facts) <= width), short[:1])
     line: Line = []
@@ -59,14 +64,3 @@ def _facts(report: Report, width: int) -> Line:
 
 def _extent(facts: Sequence[tuple[str, str, str]]) -> int:
     return sum(len(label) + 1 + len(value) + _GAP for label, value, _ in facts) - _GAP
-
-
-def _short(count: int) -> str:
-    """A count in at most five characters or so.
-
-    >>> _short(9_999), _short(123_456), _short(12_345_678)
-    ('9,999', '123k', '12.3M')
-    """
-    if count < 10_000:
-        return f"{count:,}"
-    return f"{count / 1e3:.3g}k" if count < 999_500 else f"{count / 1e6:.3g}M"

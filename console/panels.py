@@ -6,8 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from console.canvas import Line
-from console.teammap import OUTAGE_STYLES, outage_class
-from console.text import length, number, styled
+from console.text import UNKNOWN, length, number, styled
 from fes.arrays import Floats, Ints
 from fes.report import Report
 from world import graphs
@@ -28,41 +27,6 @@ _AXIS = 8
 _DECADES = 8  # a log scale goes at most so far below its largest value
 _BARS = " ▁▂▃▄▅▆▇█"
 
-# Heading, width, and rank when there is no room: the lowest goes first
-_COLUMNS = (
-    ("separation", 10, 5),
-    ("error", 7, 1),
-    ("estimates", 13, 4),
-    ("outage", 6, 3),
-    ("decoded", 7, 2),
-)
-
-
-def links(report: Report, width: int, height: int) -> list[Line]:
-    """The links in use, worst separation first, as many as fit."""
-    if len(report.a) == 0:
-        return [[styled("no links", "dim")]]
-    first = _first_column(report)
-    columns, gap = _fit(width - first)
-    heading = "link".ljust(first) + "".join(f"{name:>{gap + size}}" for name, size, _ in columns)
-    order = _worst_first(report)
-    rows = len(order) if len(order) < height else max(0, height - 2)
-    lines = [[styled(heading, "dim")]]
-    for at in order[:rows].tolist():
-        style = OUTAGE_STYLES[int(outage_class(report.outage[at : at + 1])[0])]
-        line = [styled(_link(report, at).ljust(first))]
-        for name, size, _ in columns:
-            line.append(styled(f"{_cell(report, at, name):>{gap + size}}", style if name == "outage" else ""))
-        lines.append(line)
-    if rows < len(order):
-        lines.append([styled(f"… and {len(order) - rows:,} more", "dim")])
-    return lines
-
-
-def links_width(report: Report) -> int:
-    """Width of the links with all that matters in columns one cell apart."""
-    return _first_column(report) + sum(size + 1 for name, size, _ in _COLUMNS if name != "error")
-
 
 def connectivity(report: Report) -> list[Line]:
     """Whether the links, and the robots in range, hold the team together."""
@@ -80,24 +44,40 @@ def connectivity(report: Report) -> list[Line]:
     return lines
 
 
-def convergence(report: Report, series: Floats, width: int, rows: int) -> list[Line]:
+def convergence(report: Report, series: Floats, changes: Ints, width: int, rows: int) -> list[Line]:
     """A sparkline each of `series` [3, k] [m] on a log scale, `rows` high, under its label if that is > 1.
 
-    `series` has as many columns as `sparkline_width` says.
+    `series` has as many columns as `sparkline_width` says; `changes` are those in which the channel changed.
     """
     lines: list[Line] = []
     for values, (field, label) in zip(series, SERIES.items(), strict=True):
         now = f"{length(getattr(report, field)):>{_VALUE}}"
         low, high = log_range(values)
-        bars = bar_rows(values, low, high, rows)
+        bars = [_marked(bar, changes) for bar in bar_rows(values, low, high, rows)]
         if rows == 1:
-            lines.append([styled(f"{label:<{_LABEL}} ", "dim"), styled(bars[0], "cyan"), styled(now)])
+            lines.append([styled(f"{label:<{_LABEL}} ", "dim"), *bars[0], styled(now)])
             continue
         lines.append([styled(f"{label:<{max(0, width - _VALUE)}}", "dim"), styled(now)])
         axis = [length(10.0**high), *[""] * (rows - 2), _power(low)]
         for mark, bar in zip(axis, bars, strict=True):
-            lines.append([styled(f"{mark:>{_AXIS - 1}} ", "dim"), styled(bar, "cyan")])
+            lines.append([styled(f"{mark:>{_AXIS - 1}} ", "dim"), *bar])
     return lines
+
+
+def tracking(report: Report, width: int) -> Line:
+    """How far the mean estimate is from r*, and how long it took, or takes, to come near; in as many words as fit."""
+    error = report.mean_estimate_error
+    passed = number(report.tick * report.dt - report.changed_at, ",.1f")
+    if math.isfinite(report.tracking_time):
+        took = f"{report.tracking_time:,.1f} s"
+        words = [f"within 1 m of r* after {took}", f"within 1 m after {took}", f"< 1 m after {took}"]
+    elif abs(error) < 1.0:
+        words = [f"within 1 m of r*, not held yet, {passed} s so far", f"not held yet, {passed} s"]
+    else:
+        words = [f"not within 1 m of r* yet, {passed} s so far", f"not within 1 m, {passed} s"]
+    here, label = f"{number(error, '+,.2f')} m" if math.isfinite(error) else UNKNOWN, f"{'mean estimate':<{_LABEL}} "
+    says = next((text for text in words if len(label) + len(here) + 2 + len(text) <= width), "")
+    return [styled(label, "dim"), styled(here), styled(f", {says}" if says else "")]
 
 
 def sparkline_width(width: int, rows: int) -> int:
@@ -133,50 +113,17 @@ def bar_rows(values: Floats, low: float, high: float, rows: int) -> list[str]:
     return ["".join(_BARS[step] for step in row) for row in filled]
 
 
+def _marked(bar: str, changes: Ints) -> Line:
+    """A row of bars with a mark in the columns of `changes`, unless they are so many that they would hide it."""
+    line, first = [], 0
+    for column in changes.tolist() if len(changes) <= len(bar) // 4 else []:
+        line += [styled(bar[first:column], "cyan"), styled("│", "yellow")]
+        first = column + 1
+    return [*line, styled(bar[first:], "cyan")]
+
+
 def _power(exponent: float) -> str:
     return length(10.0**exponent).replace(".00", "").replace(".0", "")
-
-
-def _first_column(report: Report) -> int:
-    return max(len("link"), len(f"{report.a.max(initial=0)}–{report.b.max(initial=0)}"))
-
-
-def _link(report: Report, at: int) -> str:
-    return f"{report.a[at]}–{report.b[at]}"
-
-
-def _fit(width: int) -> tuple[list[tuple[str, int, int]], int]:
-    """The columns that fit in `width`, and the gap before each."""
-    columns = list(_COLUMNS)
-    while len(columns) > 1 and sum(size + 1 for _, size, _ in columns) > width:
-        columns.remove(min(columns, key=lambda column: column[2]))
-    return columns, max(1, min(3, (width - sum(size for _, size, _ in columns)) // len(columns)))
-
-
-def _worst_first(report: Report) -> Ints:
-    """Links by |separation - r*|, rounded as it is shown, so that rows that look equal keep their order."""
-    error = np.round(np.abs(report.separation - report.optimal_separation), 2)
-    order: Ints = np.lexsort((report.b, report.a, -np.where(np.isfinite(error), error, -1.0)))
-    return order
-
-
-def _cell(report: Report, at: int, column: str) -> str:
-    separation = float(report.separation[at])
-    match column:
-        case "separation":
-            return number(separation, ".2f")
-        case "error":
-            return number(separation - report.optimal_separation, "+.2f")
-        case "estimates":
-            return f"{number(report.estimate_ab[at], '.2f'):>6} {number(report.estimate_ba[at], '.2f'):>6}"
-        case "outage":
-            return _percent(float(report.outage[at]))
-        case _:
-            return _percent(float(report.decoded[at] / report.sent[at]) if report.sent[at] else math.nan)
-
-
-def _percent(part: float) -> str:
-    return number(part, ".1%")
 
 
 @lru_cache(maxsize=8)

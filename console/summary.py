@@ -1,11 +1,14 @@
 """The summary as a person reads it."""
 
+from collections.abc import Iterable
 from typing import Any
 
 from rich.console import Group, RenderableType
 from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
+
+from console.text import UNKNOWN, percent
 
 _TIMES = {
     "disagreement_1m": "disagreement < 1 m",
@@ -16,6 +19,19 @@ _TIMES = {
 }
 
 MAX_EDGES = 30
+MAX_CONTACTS = 5
+
+_TRACKING = (
+    ("at", "from", "{:,.2f} s"),
+    ("optimal_separation", "r*", "{:.3f}"),
+    ("time_to_1m", "1 m after", "{:,.2f} s"),
+    ("bias", "bias", "{:+.3f}"),
+    ("rmse", "rmse", "{:.3f}"),
+    ("separation_rmse", "separation rmse", "{:.3f}"),
+    ("disagreement_max", "disagreement", "{:.3g}"),
+    ("index", "J", "{:.4f}"),
+)
+"""Columns: the key of a row of the summary's tracking, heading and format."""
 
 
 def render(summary: dict[str, Any]) -> RenderableType:
@@ -25,15 +41,57 @@ def render(summary: dict[str, Any]) -> RenderableType:
     facts.add_column(overflow="fold")
     for name, value in _facts(summary):
         facts.add_row(name, value)
-    count = len(summary["edges"])
-    edges = Table(title=f"{count} link{'' if count == 1 else 's'} at the end", title_justify="left", box=None)
-    for heading in ("link", "separation [m]", "estimate [m]", "estimate back [m]"):
-        edges.add_column(escape(heading), justify="right")
-    for i, j, *numbers in summary["edges"][:MAX_EDGES]:
-        edges.add_row(f"{i}–{j}", *(_meters(value, 3) for value in numbers))
-    rest = len(summary["edges"]) - MAX_EDGES
     digest = Text.assemble(("digest", "bold"), f" {summary['digest']}")
-    return Group(facts, digest, "", edges, *([f"… and {rest} more in summary.json"] if rest > 0 else []))
+    tables = [*_tracking(summary["tracking"]), *_edges(summary["edges"]), *_radio(summary)]
+    return Group(facts, digest, *tables)
+
+
+def _tracking(rows: list[dict[str, Any]]) -> list[RenderableType]:
+    """How the mean estimate followed r*; columns that have no number yet are left out."""
+    columns = [column for column in _TRACKING if any(row[column[0]] is not None for row in rows)]
+    table = _table([heading for _, heading, _ in columns])
+    for row in rows:
+        table.add_row(*(UNKNOWN if row[key] is None else form.format(row[key]) for key, _, form in columns))
+    return [*_title("The mean estimate, in m, from the start and from each change of the channel"), table]
+
+
+def _edges(edges: list[list[Any]]) -> list[RenderableType]:
+    table = _table(["link", "separation [m]", "estimate [m]", "estimate back [m]"])
+    for i, j, *numbers in edges[:MAX_EDGES]:
+        table.add_row(f"{i}–{j}", *(_meters(value, 3) for value in numbers))
+    rest = [f"… and {len(edges) - MAX_EDGES} more in summary.json"] if len(edges) > MAX_EDGES else []
+    return [*_title(f"{len(edges)} link{'' if len(edges) == 1 else 's'} at the end"), table, *rest]
+
+
+def _radio(summary: dict[str, Any]) -> list[RenderableType]:
+    """What the contacts in use as links lost: those that lost most, and all together; none if nothing was lost."""
+    used = {(i, j) for i, j, *_ in summary["edges"]}
+    contacts = [row for row in summary["radio"] if (min(row[:2]), max(row[:2])) in used]
+    if all(sent == decoded for _, _, sent, decoded, _, _ in contacts):
+        return []
+    worst = sorted(contacts, key=lambda row: row[3] / row[2])[:MAX_CONTACTS]
+    table = _table(["receiver ← sender", "sent", "decoded", "lost", "true outage", "longest gap"])
+    for receiver, sender, *numbers in worst:
+        table.add_row(f"{receiver} ← {sender}", *_beacons(*numbers))
+    sent, decoded = (sum(row[column] for row in contacts) for column in (2, 3))
+    outage = sum(row[2] * row[4] for row in contacts) / sent
+    table.add_row("all", *_beacons(sent, decoded, outage, max(row[5] for row in contacts)), style="bold")
+    return [*_title(f"Beacons over these links: the worst {len(worst)} of {len(contacts)} ways"), table]
+
+
+def _title(text: str) -> list[RenderableType]:
+    return ["", Text(text, style="italic")]
+
+
+def _table(headings: Iterable[str]) -> Table:
+    table = Table(box=None)
+    for heading in headings:
+        table.add_column(escape(heading), justify="right")
+    return table
+
+
+def _beacons(sent: int, decoded: int, outage: float, longest_gap: int) -> list[str]:
+    return [f"{sent:,}", f"{decoded:,}", percent(1.0 - decoded / sent), percent(outage), f"{longest_gap:,}"]
 
 
 def _facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
@@ -63,4 +121,4 @@ def _facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def _meters(value: float | None, digits: int) -> str:
-    return "–" if value is None else f"{value:.{digits}f}"
+    return UNKNOWN if value is None else f"{value:.{digits}f}"

@@ -41,6 +41,26 @@ def length(value: float) -> str:
     return f"{value:.0e} m" if value else "0 m"
 
 
+def count(value: float) -> str:
+    """A count, if it is one, in at most five characters or so.
+
+    >>> count(9_999), count(123_456), count(12_345_678), count(math.nan)
+    ('9,999', '123k', '12.3M', '–')
+    """
+    if not math.isfinite(value) or value < 10_000:
+        return number(value, ",.0f")
+    return f"{value / 1e3:.3g}k" if value < 999_500 else f"{value / 1e6:.3g}M"
+
+
+def percent(part: float) -> str:
+    """A share in at most five characters.
+
+    >>> percent(0.6712), percent(0.9996), percent(math.nan)
+    ('67.1%', '100%', '–')
+    """
+    return number(part, ".1%").replace("100.0%", "100%")
+
+
 def printable(text: str) -> str:
     """`text` without characters that would move the cursor.
 

@@ -70,7 +70,7 @@ class Report:
     estimate_ba: Floats
     """Estimate of robot b [l] [m]."""
     outage: Floats
-    """True outage probability of a beacon at this separation [l]."""
+    """True outage probability of a beacon, both ways averaged [l]."""
     sent: Floats
     """Beacons sent since the contact opened, both ways together [l]."""
     decoded: Floats

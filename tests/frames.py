@@ -77,6 +77,13 @@ def a_swarm(n: int) -> Report:
     return a_report(positions, [(k, other) for k in range(n) for other in range(k + 1, min(n, k + 11))])
 
 
+def measured(report: Report, level: float, exponent: float) -> Report:
+    """The report, of robots that believe reception to be p = exp(-exp(level) (r / 75 m)^exponent) on all links."""
+    links = np.ones(len(report.a))
+    learnt = np.exp(-math.exp(level) * (report.separation / 75.0) ** exponent)
+    return replace(report, learnt_reception=learnt, learnt_level=level * links, learnt_exponent=exponent * links)
+
+
 def a_history(*reports: Report) -> History:
     history = History()
     for report in reports:

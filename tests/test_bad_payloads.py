@@ -25,11 +25,11 @@ def float64(*numbers: float) -> bytes:
 PLAIN: dict[str, list[Any]] = {
     "Observation": [1, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), b"\2\1", False],
     "Beacon": [1, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), float64(60.0, 70.0), b"\1\0", float64(1.0)],
-    "Command": [1, 7, 4, 1.5, -0.5, int32(2, 9), float64(60.0, 70.0)],
+    "Command": [1, 7, 4, 1.5, -0.5, int32(2, 9), float64(60.0, 70.0), float64(-2.0, -2.1, 3.0, 3.1)],
     "Join": [1, [4, 5]],
     "Report": [
-        *(1, "pair", 7, 9, [0.02, 68.0, 1.0, 50.0, math.nan, math.inf, 3.0], b"\1\0"),
-        *(float64(*range(6)), int32(0), int32(1), [float64(math.nan)] * 5, 8, 6, True),
+        *(1, "pair", 7, 9, [0.02, 68.0, 1.0, 50.0, *[math.nan, math.inf] * 4], b"\1\0"),
+        *(float64(*range(6)), int32(0), int32(1), [float64(math.nan)] * 10, 8, 6, True),
     ],
 }
 BIG = b"\0" * (wire.MAX_PAYLOAD + 1)
@@ -45,6 +45,9 @@ BROKEN: list[tuple[str, int, Any, str]] = [
     *(("Beacon", 7, found, "2 float64") for found in (b"", float64(1.0), float64(1.0) + b"1", [60.0, 70.0])),
     *(("Beacon", 7, float64(1.0, bad), "finite") for bad in (math.nan, math.inf, -math.inf)),
     *(("Command", 6, float64(1.0, bad), "finite") for bad in (math.nan, math.inf)),
+    *(("Command", 7, found, "two numbers a link") for found in (float64(1.0), float64(1.0, 2.0, 3.0))),
+    *(("Command", 7, found, "4 float64") for found in (b"1", float64(1, 2, 3, 4, 5), [1.0] * 4)),
+    *(("Command", 7, float64(1.0, 2.0, 3.0, bad), "finite") for bad in (math.nan, math.inf)),
     *(("Beacon", 9, found, "64 float64") for found in (b"1", [1.0], float64(*range(65)))),
     *(("Beacon", 9, float64(bad), "finite") for bad in (math.nan, math.inf)),
     *(("Beacon", 8, named, "codes") for named in (b"\1", b"\1\2", b"\1\0\0", [1, 0])),
@@ -57,8 +60,8 @@ BROKEN: list[tuple[str, int, Any, str]] = [
     *(("Report", 6, poses, "float64") for poses in (float64(1.0), b"")),
     *(("Report", 6, float64(1, 2, 3, 4, 5, bad), "finite") for bad in (math.nan, math.inf)),
     ("Report", 8, int32(1, 2), "two ends"),
-    ("Report", 9, [float64(1.0)] * 4, "link arrays"),
-    ("Report", 9, [float64(1.0, 2.0)] * 5, "1 float64"),
+    ("Report", 9, [float64(1.0)] * 9, "link arrays"),
+    ("Report", 9, [float64(1.0, 2.0)] * 10, "1 float64"),
     ("Report", 12, 1, "flag"),
 ]
 

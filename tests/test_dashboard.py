@@ -2,7 +2,8 @@
 
 import math
 import re
-from dataclasses import replace
+from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from console import panels
 from console.dashboard import CAPACITY, History
 from fes.report import Report
 from tests import frames
-from tests.frames import SIZES, TINY, a_history, a_report, a_swarm, bar_heights, frame
+from tests.frames import SIZES, TINY, a_history, a_report, a_swarm, bar_heights, frame, measured
 
 
 @pytest.fixture(scope="module")
@@ -24,6 +25,14 @@ def played() -> list[Report]:
 @pytest.mark.parametrize("robots", [None, 0, 1, 2, 10, 100, 1000])
 def test_a_frame_has_exactly_the_size_asked_for(robots: int | None, width: int, height: int) -> None:
     history = History() if robots is None else a_history(a_swarm(robots))
+    lines = frame(history, width, height)
+    assert [cell_len(line) for line in lines] == [width] * height
+
+
+@pytest.mark.parametrize(("width", "height"), SIZES + TINY)
+@pytest.mark.parametrize("robots", [2, 10, 200])
+def test_so_has_a_frame_of_a_measured_run(robots: int, width: int, height: int) -> None:
+    history = a_history(replace(measured(a_swarm(robots), -2.0, 3.0), changed_at=0.1))
     lines = frame(history, width, height)
     assert [cell_len(line) for line in lines] == [width] * height
 
@@ -41,6 +50,22 @@ def test_numbers_that_do_not_exist_are_drawn_as_such() -> None:
         assert len(frame(a_history(report, report), width, height)) == height
     row = next(line for line in frame(a_history(report)) if "0–1" in line)
     assert row.split("0–1")[1].split()[0] == "–"
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 0.0, 5e-324, -1e308, 1e308])
+@pytest.mark.parametrize("spared", ["learnt_level", "learnt_reception", "separation", "nothing"])
+def test_a_report_of_nothing_but_extreme_numbers_is_drawn(value: float, spared: str) -> None:
+    start = measured(a_report([(0.0, 0.0), (60.0, 0.0), (60.0, 50.0)], [(0, 1), (1, 2)]), -2.0, 3.0)
+    extreme: dict[str, Any] = {}
+    for field in fields(Report):
+        kept = getattr(start, field.name)
+        if isinstance(kept, float):
+            extreme[field.name] = value
+        elif isinstance(kept, np.ndarray) and kept.dtype == np.float64 and field.name != spared:
+            extreme[field.name] = np.full(kept.shape, value)
+    history = a_history(start, replace(start, **extreme))
+    for width, height in SIZES:
+        assert [cell_len(line) for line in frame(history, width, height)] == [width] * height
 
 
 def test_no_links_are_said_to_be_none() -> None:

@@ -66,4 +66,12 @@ def test_an_agents_seed_is_not_the_worlds() -> None:
 
 
 def test_an_agent_is_told_no_position_and_no_duration() -> None:
-    assert set(AgentConfig.model_fields) == {"dt", "seed", "objective", "seeking", "formation", "channel"}
+    assert set(AgentConfig.model_fields) == {
+        "dt",
+        "seed",
+        "objective",
+        "seeking",
+        "formation",
+        "channel",
+        "clock_skew",
+    }

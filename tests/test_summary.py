@@ -39,8 +39,10 @@ CONTRACT = {
     "beacons_decoded": int,
     "time_to": dict,
     "digest": str,
+    "tracking": list,
+    "radio": list,
 }
-"""The keys of design.md, section 5, and what they hold in a run that has links."""
+"""The keys of design.md, section 5, and what they hold in a run that has links; tracking and radio are ours."""
 
 TIMES = {"disagreement_1m", "estimate_1m", "estimate_0_1m", "separation_1m", "separation_0_1m"}
 ERRORS = ("separation_error", "estimate_error")

@@ -56,7 +56,8 @@ class Account:
         if len(links):
             error = float(estimates.sum()) / len(links) - self.optimal
         if len(links) and self.tracking.settled(state.tick, changed):
-            rms = math.sqrt(float(np.mean((mean - self.optimal) ** 2)))
+            old = mean[np.isfinite(mean)]  # links that have stood for a period
+            rms = math.sqrt(float(np.mean((old - self.optimal) ** 2))) if len(old) else math.nan
             wish = objective.preference(now, self.scenario.objective)
             index = float(np.mean(wish * link_reception(state.radio, links)))
         apart = self.tally.errors["disagreement"]

@@ -8,6 +8,7 @@ from pydantic import Field, ValidationError
 from fes.config import NonNegative, Table
 from fes.errors import ScenarioError
 from world.radio_config import RadioConfig
+from world.rules import first_rule
 
 PREFIX = "channel."
 """What can be changed: the rest is what the robots were told when they joined."""
@@ -41,14 +42,10 @@ def changed(channel: RadioConfig, settings: dict[str, Any], dt: float) -> RadioC
         result = RadioConfig.model_validate(tables)
         result.check(dt)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        field = PREFIX + ".".join(str(part) for part in first["loc"])
-        if first["type"] == "extra_forbidden":
-            raise ScenarioError(field, "the channel has no such field") from None
-        message = first["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
-        raise ScenarioError(field, f"{message}, got {first['input']!r}") from None
+        rule = first_rule(error, RadioConfig, "channel", PREFIX)
+        raise ScenarioError("the channel", rule) from None
     except ValueError as error:
-        raise ScenarioError(next(iter(settings)), str(error)) from None
+        raise ScenarioError("the channel", str(error)) from None
     return result
 
 

@@ -1,10 +1,9 @@
 """The scenario: one TOML file, typed, frozen and complete, with the names that `--set` overrides use."""
 
-import difflib
 import math
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, get_args
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
@@ -23,6 +22,7 @@ from fes.config import (
 from fes.errors import ScenarioError
 from world.events import EventConfig, changed, schedule
 from world.radio_config import RadioConfig
+from world.rules import first_rule
 
 MAX_ROBOTS = 100_000
 MAX_TICKS = 1e9
@@ -39,6 +39,8 @@ class RunConfig(Table):
     """[s]; a whole number of ticks is run."""
     seed: int = Field(default=0, ge=0, lt=2**63)
     clock: Literal["lockstep"] = "lockstep"
+    clock_skew: Annotated[float, Field(ge=0, le=10)] = 0.0
+    """How far robots' own clocks may be off the team's [s]: each has a skew of its own, seeded, in +- this."""
 
     @model_validator(mode="after")
     def _countable(self) -> Self:
@@ -131,7 +133,7 @@ def parse(tables: dict[str, Any], where: str) -> Scenario:
     try:
         return Scenario.model_validate(tables)
     except ValidationError as error:
-        raise ScenarioError(where, _first_rule(error, tables)) from None
+        raise ScenarioError(where, first_rule(error, Scenario, "scenario")) from None
 
 
 def parse_override(text: str) -> tuple[str, Any]:
@@ -154,7 +156,7 @@ def parse_override(text: str) -> tuple[str, Any]:
 
 def with_event(scenario: Scenario, tick: int, path: str, value: Any) -> Scenario:
     """The scenario with one more event: what was set while it ran, so that it can be run again."""
-    event = EventConfig.model_validate({"at": tick * scenario.run.dt, "set": {path: value}})
+    event = EventConfig.model_validate({"at": round(tick * scenario.run.dt, 9), "set": {path: value}})
     return scenario.model_copy(update={"event": [*scenario.event, event]})
 
 
@@ -167,6 +169,7 @@ def agent_config(scenario: Scenario) -> AgentConfig:
         seeking=scenario.seeking,
         formation=scenario.formation,
         channel=scenario.channel.formula if scenario.seeking.index == "oracle" else None,
+        clock_skew=scenario.run.clock_skew,
     )
 
 
@@ -192,30 +195,3 @@ def _override(tables: dict[str, Any], dotted: str, value: Any) -> None:
         if not isinstance(tables, dict):
             raise ScenarioError("--set", f"'{dotted}' goes through '{part}', which is not a table")
     tables[field] = value
-
-
-def _first_rule(error: ValidationError, tables: dict[str, Any]) -> str:
-    """The first broken rule in one line: field, rule, offending value; for an unknown field the nearest one."""
-    first = error.errors(include_url=False)[0]
-    field = ".".join(str(part) for part in first["loc"]).replace("\n", "\\n") or "scenario"
-    if first["type"] == "extra_forbidden":
-        known = _fields(Scenario, "")
-        near = difflib.get_close_matches(field, known, n=1, cutoff=0.4)
-        return f"unknown field '{field}'" + (f"; did you mean '{near[0]}'?" if near else "")
-    message = first["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
-    if first["type"] in ("missing", "value_error"):
-        said = message if field == "scenario" else f"{field}: {message}"
-        return said if first["type"] == "value_error" else f"{field}: is required"
-    return f"{field}: {message}, got {first['input']!r}"
-
-
-def _fields(model: type[Table], prefix: str) -> list[str]:
-    names = []
-    for name, field in model.model_fields.items():
-        dotted = f"{prefix}{field.alias or name}"
-        names.append(dotted)
-        # a table, an optional one, or a list of them
-        for kind in (field.annotation, *get_args(field.annotation)):
-            if isinstance(kind, type) and issubclass(kind, Table):
-                names += _fields(kind, f"{dotted}.")
-    return names

@@ -47,9 +47,9 @@ def summarize(account: Account, name: str, backend: str, wall: float) -> dict[st
         "beacons_sent": final.sent,
         "beacons_decoded": final.decoded,
         "time_to": tally.times(),
+        "digest": tally.digest(),
         "tracking": account.tracking.table(),
         "radio": _contacts(final.radio),
-        "digest": tally.digest(),
     }
 
 

@@ -1,0 +1,114 @@
+"""Counting beacons over seeds: the table of docs/measured.md. `python -m bench.measured` takes some minutes."""
+
+import argparse
+import math
+import os
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from console import inprocess
+from world.scenario import load
+
+CONFIGS = Path(__file__).parents[1] / "configs"
+
+SHADOWING = {"channel.shadowing": {"deviation": 8.0, "decorrelation_distance": 20.0}, "run.duration": 180.0}
+TOLD = {"seeking.index": "oracle", "seeking.dither_amplitude": 0.2, "seeking.dither_frequency": 100.0}
+SAMPLED = TOLD | {
+    "seeking.index": "sampled",
+    "seeking.index_transform": "none",
+    "seeking.index_gain": 44460.0,
+    "run.duration": 300.0,
+}
+PRINTED = {"seeking.law": "paper"}
+
+COLUMNS = (
+    "scenario",
+    "time to 1 m, median / max [s]",
+    "bias [m]",
+    "rmse [m]",
+    "separation rmse [m]",
+    "largest disagreement [m]",
+    "mean J",
+    "links always connected",
+)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the table."""
+
+    title: str
+    scenario: str = "measured.toml"
+    changes: dict[str, Any] = field(default_factory=dict)
+    stretch: int = 0
+    """Which stretch of the run: 0 from the start, 1 after the first change."""
+
+
+ROWS = [
+    Row("measured"),
+    Row("coverage, r_min 100", "measured-coverage.toml"),
+    Row("after the SNR halved", "measured-jump.toml", stretch=1),
+    Row("logistic reception", changes={"channel.model": "logistic"}),
+    Row("clocks up to 50 ms off", changes={"run.clock_skew": 0.05}),
+    Row("(18) fed with samples, k = 1", changes=SAMPLED | PRINTED | {"seeking.index_gain": 1.0}),
+    Row("(18) fed with samples, k = 44460", changes=SAMPLED | PRINTED),
+    Row("the same, its sign corrected", changes=SAMPLED),
+    Row("8 dB shadowing: told the formula", changes=SHADOWING | TOLD),
+    Row("8 dB shadowing: pooled", changes=SHADOWING),
+    Row("8 dB shadowing: each link alone", changes=SHADOWING | {"seeking.pooling": "none"}),
+]
+
+
+def outcome(row: Row, seed: int) -> dict[str, Any]:
+    """What one run achieved in the row's stretch."""
+    summary = inprocess.run(load(CONFIGS / row.scenario, {**row.changes, "run.seed": seed}), row.title)
+    return {**summary["tracking"][row.stretch], "connected": summary["links_connected_always"]}
+
+
+def line(row: Row, found: list[dict[str, Any]]) -> str:
+    """The row as Markdown."""
+
+    def column(name: str) -> "np.ndarray[Any, np.dtype[np.float64]]":
+        return np.array([math.nan if one[name] is None else one[name] for one in found], dtype=np.float64)
+
+    def rms(name: str) -> str:
+        values = column(name)
+        return f"{math.sqrt(float(np.mean(values**2))):.3f}" if np.isfinite(values).all() else "-"
+
+    times = np.where(np.isnan(column("time_to_1m")), math.inf, column("time_to_1m"))
+    bias, index = column("bias"), column("index")
+    error = 1.0 / math.sqrt(len(found))
+    reached = int(np.isfinite(times).sum())
+    cells = (
+        row.title,
+        f"{np.median(times):.1f} / {times.max():.1f}" if reached == len(found) else f"{reached} of {len(found)}",
+        f"{bias.mean():+.3f} ± {bias.std() * error:.3f}",
+        rms("rmse"),
+        rms("separation_rmse"),
+        f"{column('disagreement_max').max():.3f}",
+        f"{index.mean():.4f} ± {index.std() * error:.4f}",
+        f"{sum(one['connected'] for one in found)} of {len(found)}",
+    )
+    return "| " + " | ".join(cells) + " |"
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--only", default="", help="rows whose title contains this")
+    flags = parser.parse_args()
+    print("| " + " | ".join(COLUMNS) + " |\n" + "|---" * len(COLUMNS) + "|")
+    with ProcessPoolExecutor(os.cpu_count()) as pool:
+        for row in ROWS:
+            if flags.only in row.title:
+                print(line(row, list(pool.map(partial(outcome, row), range(flags.seeds)))), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,79 @@
+"""Workers of a Dask cluster: the same batches, on as many machines as its scheduler knows.
+
+Dask is imported when a scheduler is named: it comes with the extra `cluster`.
+"""
+
+import contextlib
+import hashlib
+import logging
+import re
+from collections.abc import Generator, Iterator, Sequence
+from concurrent.futures import CancelledError
+from functools import partial
+from importlib.metadata import version
+from typing import TYPE_CHECKING
+
+from console.sweep import work
+from console.sweep.work import Batch, Done, Workers
+from fes.errors import FesError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+PATIENCE = 10.0
+"""Time [s] that a scheduler has to answer, and then to have a worker."""
+
+
+@contextlib.contextmanager
+def connected(address: str) -> Iterator[Workers]:
+    """The workers of the scheduler at `address`; raises FesError if there is none."""
+    if not re.fullmatch(r"(tcp|tls|ucx|ws|wss)://[^\s/]+:\d{1,5}", address):
+        raise FesError(f"--scheduler expects an address such as tcp://10.0.0.1:8786, got '{address}'")
+    try:
+        import distributed
+    except ImportError:
+        raise FesError("--scheduler needs dask.distributed: install the extra `cluster`") from None
+    for name in ("distributed", "distributed.client"):  # what they would tell is raised here, in one line
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    try:
+        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
+    except OSError as error:
+        raise FesError(f"no Dask scheduler answers at {address}: {_line(error)}") from None
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=PATIENCE)
+        except TimeoutError:
+            raise FesError(f"the Dask scheduler at {address} has no workers") from None
+        yield Workers(sum(client.nthreads().values()), partial(_carry_out, client))
+
+
+def _carry_out(client: "Client", batches: Sequence[Batch]) -> Generator[list[Done], None, None]:
+    from distributed import as_completed
+
+    here = version("fes")
+    futures = [client.submit(_at_worker, here, batch, key=_key(batch), retries=0, pure=False) for batch in batches]
+    try:
+        for future in as_completed(futures, loop=client.loop):
+            yield future.result()
+    except FesError:
+        raise
+    except (Exception, CancelledError) as error:
+        raise FesError(f"the Dask cluster failed: {_line(error)}; the same command resumes the sweep") from None
+    finally:
+        with contextlib.suppress(Exception, CancelledError):
+            client.cancel(futures)
+
+
+def _at_worker(wanted: str, batch: Batch) -> list[Done]:
+    """On a worker: carry out a batch, unless another version of fes would."""
+    if version("fes") != wanted:
+        raise FesError(f"a Dask worker has fes {version('fes')}, and the sweep is of fes {wanted}")
+    return work.carry_out(batch)
+
+
+def _key(batch: Batch) -> str:
+    return f"fes-sweep-{hashlib.sha256(''.join(batch.keys).encode()).hexdigest()}"
+
+
+def _line(error: BaseException) -> str:
+    return " ".join(f"{type(error).__name__}: {error}".split())

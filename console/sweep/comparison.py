@@ -1,0 +1,150 @@
+"""What the rows say: each cell by itself, and cells against each other on the same seeds.
+
+A run that never reached a level has no time for it. It is counted, never given a number: a cell's mean is over the
+runs that have one, and a difference over the seeds at which both cells have one.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from console.sweep.design import Design
+from console.sweep.table import ERROR, SEED, Row
+from fes.arrays import Floats
+
+CONFIDENCE = 0.95
+
+SETTINGS = frozenset({"robots", "ticks", "dt", "simulated_s", "optimal_separation"})
+"""Numbers of the summary that the scenario gives."""
+
+
+@dataclass(frozen=True)
+class Spread:
+    """An outcome over the runs of one cell."""
+
+    cell: int
+    outcome: str
+    runs: int
+    reached: int
+    """Runs that have a value."""
+    mean: float
+    median: float
+    largest: float
+
+
+@dataclass(frozen=True)
+class Difference:
+    """An outcome in one cell minus the same in another, at the same seeds."""
+
+    axis: int
+    base: int
+    """The cell at the axis's first value."""
+    other: int
+    outcome: str
+    pairs: int
+    """Seeds at which both have a value."""
+    only_base: int
+    only_other: int
+    """Seeds at which only one has."""
+    mean: float
+    low: float
+    high: float
+    """Bounds of the mean's confidence interval, NaN for fewer than two pairs."""
+
+
+def outcomes(design: Design, rows: list[Row]) -> list[str]:
+    """The columns that are numbers and come out of a run."""
+    given = {*design.axes, SEED, ERROR, *SETTINGS}
+    columns = [name for name in (rows[0] if rows else {}) if name not in given]
+    return [name for name in columns if not any(isinstance(row[name], str) for row in rows)]
+
+
+def values(design: Design, rows: list[Row], outcome: str) -> Floats:
+    """An outcome by cell and seed [cells, seeds]; NaN where a run has none."""
+    numbers: list[Any] = [math.nan if row[outcome] is None else row[outcome] for row in rows]
+    found = np.array(numbers, dtype=np.float64).reshape(len(design.cells), len(design.seeds))
+    return np.where(np.isfinite(found), found, np.nan)
+
+
+def spreads(design: Design, rows: list[Row]) -> Iterator[Spread]:
+    """Every outcome in every cell."""
+    for outcome in outcomes(design, rows):
+        for cell, numbers in enumerate(values(design, rows, outcome)):
+            there = numbers[np.isfinite(numbers)]
+            some = len(there) > 0
+            mean, median, largest = (
+                (float(there.mean()), float(np.median(there)), float(there.max())) if some else (math.nan,) * 3
+            )
+            yield Spread(cell, outcome, len(numbers), len(there), mean, median, largest)
+
+
+def differences(design: Design, rows: list[Row]) -> Iterator[Difference]:
+    """Every outcome, for each axis at each of its values but the first, against the first, the other axes held."""
+    for axis, base, other in _contrasts(design):
+        for outcome in outcomes(design, rows):
+            by_cell = values(design, rows, outcome)
+            yield difference(axis, base, other, outcome, by_cell[base], by_cell[other])
+
+
+def difference(axis: int, base: int, other: int, outcome: str, before: Floats, after: Floats) -> Difference:
+    """The paired difference after - before [seeds]."""
+    has, had = np.isfinite(after), np.isfinite(before)
+    paired = (after - before)[has & had]
+    mean, low, high = interval(paired)
+    only_base, only_other = (int(np.count_nonzero(one)) for one in (had & ~has, has & ~had))
+    return Difference(axis, base, other, outcome, len(paired), only_base, only_other, mean, low, high)
+
+
+def interval(sample: Floats) -> tuple[float, float, float]:
+    """Mean of a sample with the bounds of its confidence interval, by Student's t.
+
+    >>> interval(np.array([1.0, 3.0]))[0]
+    2.0
+    """
+    n = len(sample)
+    mean = float(sample.mean()) if n else math.nan
+    if n < 2:
+        return mean, math.nan, math.nan
+    half = student_t(n - 1) * float(sample.std(ddof=1)) / math.sqrt(n)
+    return mean, mean - half, mean + half
+
+
+@cache
+def student_t(freedom: int, confidence: float = CONFIDENCE) -> float:
+    """The t that |T| stays below with probability `confidence`, for `freedom` degrees of freedom.
+
+    By bisection of the finite series for integer degrees: Abramowitz & Stegun 26.7.3 and 26.7.4.
+    """
+    low, high = 0.0, 0.5 * math.pi
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if _within(middle, freedom) < confidence else (low, middle)
+    return math.sqrt(freedom) * math.tan(0.5 * (low + high))
+
+
+def _within(angle: float, freedom: int) -> float:
+    """P(|T| < sqrt(freedom) tan(angle))."""
+    square = math.cos(angle) ** 2
+    odd = freedom % 2
+    term = math.cos(angle) if odd else 1.0
+    total = term if freedom > 1 else 0.0
+    for k in range(3 if odd else 2, freedom - 1, 2):
+        term *= square * (k - 1) / k
+        total += term
+    total *= math.sin(angle)
+    return (angle + total) * 2.0 / math.pi if odd else total
+
+
+def _contrasts(design: Design) -> Iterator[tuple[int, int, int]]:
+    """(axis, base cell, other cell)."""
+    at = {cell.values: number for number, cell in enumerate(design.cells)}
+    for axis in range(len(design.axes)):
+        first = design.values(axis)[0]
+        for number, cell in enumerate(design.cells):
+            base = at[(*cell.values[:axis], first, *cell.values[axis + 1 :])]
+            if base != number:
+                yield axis, base, number

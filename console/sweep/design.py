@@ -1,0 +1,180 @@
+"""The design of an experiment: the cells of a full factorial of axes, each run with the same seeds.
+
+The channel's draws depend on (seed, stream, tick, pair) only, so runs with one seed face the same radio in every
+cell: common random numbers, without anybody's doing.
+"""
+
+import hashlib
+import itertools
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from fes.errors import ScenarioError
+from world.scenario import Scenario, load, parse_override
+
+SEED = "run.seed"
+MAX_RUNS = 1_000_000
+
+_BRACKETS = {"[": 1, "{": 1, "]": -1, "}": -1}
+
+Value = str | int | float | bool | None
+
+
+@dataclass(frozen=True, eq=False)
+class Cell:
+    """One combination of the axes' values."""
+
+    values: tuple[Value, ...]
+    """As they came to stand in the scenario, one for each axis; a list as its JSON."""
+    scenario: Scenario
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One row of the table."""
+
+    cell: int
+    seed: int
+    scenario: Scenario
+
+    @cached_property
+    def key(self) -> str:
+        """The run's name among all others: SHA-256 of the scenario as it is run, every default included."""
+        return digest(self.scenario)
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """All that is to be run."""
+
+    name: str
+    axes: tuple[str, ...]
+    cells: list[Cell]
+    seeds: list[int]
+
+    @cached_property
+    def runs(self) -> list[Run]:
+        """Cell by cell in the order of the axes, in each by seed."""
+        return [
+            Run(at, seed, seeded(cell.scenario, seed)) for at, cell in enumerate(self.cells) for seed in self.seeds
+        ]
+
+    def values(self, axis: int) -> list[Value]:
+        """The values of an axis, in their order."""
+        return list(dict.fromkeys(cell.values[axis] for cell in self.cells))
+
+    def title(self, cell: int) -> str:
+        """A cell's values, as a person reads them."""
+        return ", ".join(map(str, self.cells[cell].values)) or self.name
+
+    def contrast(self, axis: int, base: int, other: int) -> tuple[str, str]:
+        """How two cells differ along an axis, and at which values of the other axes."""
+        before, after = self.cells[base].values, self.cells[other].values
+        return f"{after[axis]} - {before[axis]}", ", ".join(map(str, (*after[:axis], *after[axis + 1 :])))
+
+
+def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design:
+    """The design that the arguments of fes sweep ask for; every cell's scenario is checked.
+
+    Raises ScenarioError.
+    """
+    fixed = dict(map(parse_override, settings))
+    fields: dict[str, list[Any]] = {}
+    for text in axes:
+        field, values = parse_axis(text)
+        if field in fields:
+            raise ScenarioError("--axis", f"expects each field once, got '{field}' again")
+        if field in fixed:
+            raise ScenarioError("--axis", f"'{field}' is given by --set, and cannot be an axis too")
+        fields[field] = values
+    if SEED in fields or SEED in fixed:
+        raise ScenarioError("--seeds", f"is where seeds are given, not '{SEED}'")
+    numbers = parse_seeds(seeds)
+    count = len(numbers)
+    for values in fields.values():
+        count *= len(values)
+    if count > MAX_RUNS:
+        raise ScenarioError("fes sweep", f"makes at most {MAX_RUNS} runs, got {count}")
+    cells = []
+    for combination in itertools.product(*fields.values()):
+        scenario = load(path, {**fixed, **dict(zip(fields, combination, strict=True))})
+        cells.append(Cell(tuple(_value(scenario, field) for field in fields), scenario))
+    design = Design(path.stem, tuple(fields), cells, numbers)
+    for at, (field, values) in enumerate(fields.items()):
+        if len(design.values(at)) < len(values):
+            raise ScenarioError("--axis", f"expects each value of '{field}' once, got {', '.join(map(str, values))}")
+    return design
+
+
+def parse_axis(text: str) -> tuple[str, list[Any]]:
+    """An `--axis` argument `a.b=v1,v2` as its path and its TOML values; bare words are strings.
+
+    >>> parse_axis("formation.rule=disk,two_nearest")
+    ('formation.rule', ['disk', 'two_nearest'])
+    >>> parse_axis("seeking.initial_estimate=[50.0, 90.0],[60.0, 60.0]")
+    ('seeking.initial_estimate', [[50.0, 90.0], [60.0, 60.0]])
+    """
+    field, equals, raw = text.partition("=")
+    pieces = _split(raw)
+    if not equals or not field.strip() or not all(piece.strip() for piece in pieces):
+        raise ScenarioError("--axis", f"expects table.field=value,value, got '{text}'")
+    return field.strip(), [parse_override(f"{field}={piece.strip()}")[1] for piece in pieces]
+
+
+def parse_seeds(text: str) -> list[int]:
+    """The argument of --seeds: `A:B`, which is A to B - 1, or a list.
+
+    >>> parse_seeds("2:5"), parse_seeds("7,1")
+    ([2, 3, 4], [7, 1])
+    """
+    first, colon, end = text.partition(":")
+    try:
+        seeds = range(int(first), int(end)) if colon else [int(part) for part in text.split(",")]
+    except ValueError:
+        seeds = []
+    if len(seeds[: MAX_RUNS + 1]) > MAX_RUNS:
+        raise ScenarioError("--seeds", f"are at most {MAX_RUNS}, got '{text}'")
+    if not seeds or min(seeds) < 0 or max(seeds) >= 2**63:
+        raise ScenarioError("--seeds", f"expects A:B with 0 <= A < B, or a list such as 1,2,5, got '{text}'")
+    if len(set(seeds)) < len(seeds):
+        raise ScenarioError("--seeds", f"expects each seed once, got '{text}'")
+    return list(seeds)
+
+
+def seeded(scenario: Scenario, seed: int) -> Scenario:
+    """The same scenario with another seed."""
+    return scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": seed})})
+
+
+def digest(scenario: Scenario) -> str:
+    """SHA-256 of a scenario as it is run."""
+    tables = scenario.model_dump(mode="json", by_alias=True)
+    return hashlib.sha256(json.dumps(tables, sort_keys=True).encode()).hexdigest()
+
+
+def _split(raw: str) -> list[str]:
+    """The pieces between the commas that stand in no bracket and in no string."""
+    pieces, depth, quote = [""], 0, ""
+    for letter in raw:
+        if quote:
+            quote = "" if letter == quote else quote
+        elif letter in "\"'":
+            quote = letter
+        depth += 0 if quote else _BRACKETS.get(letter, 0)
+        if letter == "," and depth == 0 and not quote:
+            pieces.append("")
+        else:
+            pieces[-1] += letter
+    return pieces
+
+
+def _value(scenario: Scenario, field: str) -> Value:
+    value: Any = scenario.model_dump(mode="json", by_alias=True)
+    for part in field.split("."):
+        value = value[part]
+    if isinstance(value, dict):
+        raise ScenarioError("--axis", f"expects a field, and '{field}' is a table")
+    return json.dumps(value) if isinstance(value, list) else value

@@ -1,0 +1,128 @@
+"""What is done, kept through every interruption: one line a run, appended when the run has ended.
+
+A line that a kill tore off is dropped, and its run is run again; a run has one line, by its key.
+"""
+
+import contextlib
+import fcntl
+import hashlib
+import json
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import IO, Any
+
+from console.sweep.design import Design, digest, seeded
+from console.sweep.work import Done
+from fes.errors import FesError
+
+HEADER = "sweep.json"
+LINES = "runs.jsonl"
+
+_DIFFERS = {
+    "scenario": "another scenario",
+    "axes": "other axes",
+    "fes": "another version of fes",
+    "cells": "another scenario",
+}
+
+
+@dataclass(eq=False)
+class Ledger:
+    """An open ledger."""
+
+    done: dict[str, Done]
+    """By run key."""
+    _file: IO[bytes]
+
+    def add(self, ended: Sequence[Done]) -> None:
+        """Keep what these runs came to; it is on the disk when this returns."""
+        fresh = {one.key: one for one in ended if one.key not in self.done}
+        self._file.write(b"".join(json.dumps(asdict(one)).encode() + b"\n" for one in fresh.values()))
+        self._file.flush()
+        os.fsync(self._file.fileno())
+        self.done |= fresh
+
+    def read_again(self) -> None:
+        """Know what is on the disk: a signal may have come while it was written."""
+        self._file.flush()
+        self.done = _read(self._file, Path(self._file.name))
+
+
+def default_directory(design: Design) -> Path:
+    """Where the same command finds its sweep again."""
+    return Path("sweeps") / f"{design.name}-{_identity(design)['cells'][:8]}"
+
+
+@contextlib.contextmanager
+def opened(directory: Path, design: Design) -> Iterator[Ledger]:
+    """The ledger of a design in a directory, a new one or one to go on with; raises FesError if it is another's."""
+    with contextlib.ExitStack() as stack:
+        try:
+            directory.mkdir(parents=True, exist_ok=True)
+            _claim(directory, design)
+            file = stack.enter_context((directory / LINES).open("a+b"))
+            _lock(file, directory)
+            done = _read(file, directory / LINES)
+        except OSError as error:
+            raise FesError(f"cannot keep a sweep: {error.strerror}: {error.filename}") from None
+        yield Ledger(done, file)
+
+
+def _identity(design: Design) -> dict[str, Any]:
+    """What one directory may hold the runs of; more seeds are the same sweep."""
+    cells = "".join(digest(seeded(cell.scenario, 0)) for cell in design.cells)
+    axes = {field: design.values(at) for at, field in enumerate(design.axes)}
+    return {
+        "scenario": design.name,
+        "axes": axes,
+        "cells": hashlib.sha256(cells.encode()).hexdigest(),
+        "fes": version("fes"),
+    }
+
+
+def _claim(directory: Path, design: Design) -> None:
+    """Write the directory's header, or find that it is this design's."""
+    path, wanted = directory / HEADER, _identity(design)
+    if not path.exists():
+        if any(directory.iterdir()):
+            raise FesError(f"--out {directory}: the directory is not empty, and no sweep's")
+        temporary = directory / f".{HEADER}"
+        temporary.write_text(json.dumps(wanted, indent=1) + "\n", encoding="utf-8")
+        os.replace(temporary, path)
+        return
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError:
+        found = None
+    if not isinstance(found, dict):
+        raise FesError(f"--out {directory}: {HEADER} cannot be read")
+    for name, what in _DIFFERS.items():
+        if found.get(name) != wanted[name]:
+            told = json.dumps(found.get(name))
+            raise FesError(f"--out {directory}: it holds a sweep of {what}; {HEADER} has {name} = {told}")
+
+
+def _lock(file: IO[bytes], directory: Path) -> None:
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise FesError(f"--out {directory}: another fes sweep is at work there") from None
+
+
+def _read(file: IO[bytes], path: Path) -> dict[str, Done]:
+    """The runs that have ended; what stands after the last whole line is cut off."""
+    file.seek(0)
+    content = file.read()
+    whole = content[: content.rfind(b"\n") + 1]
+    file.truncate(len(whole))
+    done: dict[str, Done] = {}
+    for number, line in enumerate(whole.splitlines(), 1):
+        try:
+            one = Done(**json.loads(line))
+        except (ValueError, TypeError):
+            raise FesError(f"{path}: line {number} is not a run") from None
+        done.setdefault(one.key, one)
+    return done
