@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from agents import crew
+from agents import assembly, crew
 from fes.arrays import Floats
 from fes.errors import Stopped
 from fes.report import Report
 from fes.sensing import Beacons, Telemetry, silence
-from world import reporting, simulation, summary
+from world import reporting, simulation, summary, wording
 from world.account import Account
+from world.recorder import Recorder, Said
 from world.scenario import Scenario, agent_config
 from world.simulation import State
 
@@ -44,13 +45,26 @@ def ticks(scenario: Scenario) -> Iterator[Tick]:
         state = simulation.step(world, state, twists)
 
 
+def said(tick: Tick) -> Said:
+    """What would have crossed the bus at a tick, to the byte."""
+    spoken = list(assembly.payloads(tick.said, tick.twists, tick.telemetry.learnt))
+    sensed = wording.observations(simulation.observe(tick.state))
+    return Said(sensed, [beacon for _, beacon, _ in spoken], [command for _, _, command in spoken])
+
+
 def run(
-    scenario: Scenario, name: str, rtf: float | None = None, watch: Watch | None = None, keep: Keep | None = None
+    scenario: Scenario,
+    name: str,
+    rtf: float | None = None,
+    watch: Watch | None = None,
+    keep: Keep | None = None,
+    recorder: Recorder | None = None,
 ) -> dict[str, Any]:
     """Run a scenario to its end, and return its summary.
 
     `watch` is called with a Report every tenth of a second of wall-clock time, and `keep` with the summary of what
-    was reached if a signal stops the run. With `rtf` the run is paced to that many simulated seconds a second.
+    was reached, at the end or when a signal stops the run. With `rtf` the run is paced to that many simulated seconds
+    a second. `recorder` gets every tick.
     """
     sums = Account(scenario)
     alive = np.ones(scenario.robots.number, dtype=np.uint8)
@@ -64,6 +78,8 @@ def run(
         for done, tick in enumerate(ticks(scenario), 1):
             sums.add(tick.state, tick.twists, tick.telemetry)
             now = time.perf_counter()
+            if recorder is not None:
+                recorder.add(sums, tick.twists, said(tick), alive, now - begun)
             if watch is not None and (now - told_at >= reporting.PERIOD or done == scenario.ticks):
                 watch(reporting.build(sums, name, alive, now - begun, (done - told) / (now - told_at)))
                 told_at, told = now, done
@@ -73,4 +89,7 @@ def run(
         if keep is not None and sums.tally.ticks:
             keep(reached())
         raise
-    return reached()
+    result = reached()
+    if keep is not None:
+        keep(result)
+    return result

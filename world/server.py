@@ -13,18 +13,20 @@ from fes.arrays import Floats
 from fes.bus import Bus, Question
 from fes.change import Effect, decode_change, encode_effect
 from fes.complaints import Complaints
-from fes.edges import Stack
 from fes.errors import Absent, MessageError, ScenarioError
 from fes.inbox import Inbox
 from fes.messages import Command, Observation
 from fes.report import encode_report
-from fes.sensing import Observations, Telemetry, untold
-from world import events, reporting, simulation, summary
+from fes.sensing import Observations, untold
+from world import events, reporting, simulation, summary, wording
 from world.account import Account
+from world.ears import Ears
 from world.optimum import optimal_separation
+from world.recorder import Recorder, Said
 from world.roster import Roster
 from world.scenario import Scenario, agent_config, with_event
 from world.simulation import State
+from world.wording import Told
 
 ANSWER_TIMEOUT = 10.0
 """A living robot that does not answer a tick for this long [s] is hung: its liveliness token would stay."""
@@ -36,7 +38,15 @@ ASK_AGAIN = 0.5
 class Server:
     """One run of one scenario."""
 
-    def __init__(self, bus: Bus, scenario: Scenario, name: str, run: str, rtf: float | None) -> None:
+    def __init__(
+        self,
+        bus: Bus,
+        scenario: Scenario,
+        name: str,
+        run: str,
+        rtf: float | None,
+        recorder: Recorder | None = None,
+    ) -> None:
         self.scenario = scenario
         self.name = name
         self.logger = logging.getLogger("world")
@@ -46,8 +56,10 @@ class Server:
         self._world = simulation.create(scenario)
         self._state = simulation.start(self._world)
         self._sums = Account(scenario)
-        self._stack = Stack()
+        self._told = Told(self._world.ids)
         self._said = untold(self._world.ids)
+        self._recorder = recorder
+        self._ears = Ears(bus, run, len(robots), self.complaints) if recorder is not None else None
         self._inbox = Inbox(asyncio.get_running_loop())
         self._observe = [bus.publisher(keys.observation(run, robot), "fes.Observation") for robot in robots]
         self._report = bus.publisher(keys.report(run), "fes.Report", drop=True)
@@ -56,7 +68,7 @@ class Server:
         self._roster = Roster(bus, run, len(robots), agent_config(scenario), self.complaints)
         bus.serve(keys.change(run), self._on_change)
         bus.token(keys.world_alive(run))  # last: it says that everything above is in place
-        self._unaccounted: tuple[State, Floats] | None = None
+        self._unaccounted: tuple[State, Floats, list[bytes], list[bytes]] | None = None
         self._begun = self._told_at = self._ended = 0.0
         self._told_tick = 0
 
@@ -74,8 +86,9 @@ class Server:
         while self._state.tick < self.scenario.ticks:
             sent = self._publish(simulation.observe(self._state))
             self._account()  # for the last tick, while the robots think about this one
-            twists = self._tell_apart(await self._barrier(sent))
-            self._unaccounted = self._state, twists
+            answers = await self._barrier(sent)
+            twists, self._said = self._told.read([command for command, _ in answers])
+            self._unaccounted = self._state, twists, sent, [payload for _, payload in answers]
             self._state = simulation.step(self._world, self._state, twists)
             await self._pace()
         self._account()
@@ -119,6 +132,8 @@ class Server:
         self._state = replace(self._state, channel=changed)
         value = events.effective(changed, change.path)
         self.scenario = with_event(self.scenario, tick, change.path, value)
+        if self._recorder is not None:
+            self._recorder.change(tick, change.path, value)
         optimal = optimal_separation(self.scenario.objective, changed)
         self.logger.info("tick %d: %s = %s, r* = %.3f m", tick, change.path, value, optimal)
         question.answer(encode_effect(Effect(change.path, value, tick, optimal)), "fes.Effect")
@@ -134,32 +149,25 @@ class Server:
         """Add the last tick to the tally, and report to observers if it is time."""
         if self._unaccounted is None:
             return
-        state, twists = self._unaccounted
+        state, twists, sent, answers = self._unaccounted
         self._unaccounted = None
         self._sums.add(state, twists, self._said)
+        if self._recorder is not None and self._ears is not None:
+            said = Said(sent, self._ears.heard(state.tick), answers)
+            self._recorder.add(self._sums, twists, said, self._roster.alive, time.perf_counter() - self._begun)
         if time.perf_counter() - self._told_at >= reporting.PERIOD:
             self._tell()
 
     def _publish(self, observations: Observations) -> list[bytes]:
         """Put each robot's observation; returns the payloads, to be sent again if need be."""
-        spans, sent = observations.in_range.spans, []
-        for robot, (pose, span) in enumerate(zip(observations.poses.tolist(), spans, strict=True)):
-            message = Observation(
-                observations.tick,
-                robot,
-                tuple(pose),
-                observations.in_range.peers[span],
-                observations.reception[span],
-                over=False,
-            )
-            payload = messages.encode_observation(message)
-            self._observe[robot](payload)
-            sent.append(payload)
+        sent = wording.observations(observations)
+        for put, payload in zip(self._observe, sent, strict=True):
+            put(payload)
         return sent
 
-    async def _barrier(self, sent: list[bytes]) -> list[Command]:
-        """The command of every robot for this tick, in id order; raises Absent for one that does not answer."""
-        answers: list[Command | None] = [None] * len(sent)
+    async def _barrier(self, sent: list[bytes]) -> list[tuple[Command, bytes]]:
+        """Every robot's command for this tick and its payload, in id order; raises Absent if one does not answer."""
+        answers: list[tuple[Command, bytes] | None] = [None] * len(sent)
         missing, begun, patience = len(sent), time.monotonic(), ASK_AGAIN
         ask_at = begun + patience
         while missing:
@@ -167,8 +175,8 @@ class Server:
             await self._inbox.wait(missing, max(0.0, ask_at - time.monotonic()))
             for key, payload in self._inbox.drain():
                 command = self._read(key, payload)
-                if command is not None and answers[command.robot] is None:
-                    answers[command.robot] = command
+                if command is not None and payload is not None and answers[command.robot] is None:
+                    answers[command.robot] = command, payload
                     missing -= 1
             if missing and time.monotonic() >= ask_at:
                 silent = [robot for robot, answer in enumerate(answers) if answer is None]
@@ -202,16 +210,6 @@ class Server:
             self.complaints.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
             return None
         return command
-
-    def _tell_apart(self, commands: list[Command]) -> Floats:
-        """The twists [n, 2] in the commands; the telemetry beside them is kept for the tally and the report."""
-        links = self._stack.edges(self._world.ids, [command.links for command in commands])
-        estimates = np.concatenate([command.estimates for command in commands])
-        learnt = np.zeros((2, 0))
-        if len(estimates) and all(len(command.learnt) == 2 * len(command.links) for command in commands):
-            learnt = np.concatenate([command.learnt.reshape(2, -1) for command in commands], axis=1)
-        self._said = Telemetry(links, estimates, learnt)
-        return np.array([command.twist for command in commands])
 
     def _tell(self) -> None:
         now = time.perf_counter()
