@@ -3,6 +3,7 @@
 import argparse
 import math
 import os
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
@@ -11,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from console import inprocess
+from console.sweep import stack
 from world.scenario import load
 
 CONFIGS = Path(__file__).parents[1] / "configs"
@@ -25,6 +26,9 @@ SAMPLED = TOLD | {
     "run.duration": 300.0,
 }
 PRINTED = {"seeking.law": "paper"}
+
+PARTS = 4
+"""The runs of a row are stacked into so many array programs."""
 
 COLUMNS = (
     "scenario",
@@ -64,10 +68,11 @@ ROWS = [
 ]
 
 
-def outcome(row: Row, seed: int) -> dict[str, Any]:
-    """What one run achieved in the row's stretch."""
-    summary = inprocess.run(load(CONFIGS / row.scenario, {**row.changes, "run.seed": seed}), row.title)
-    return {**summary["tracking"][row.stretch], "connected": summary["links_connected_always"]}
+def outcomes(row: Row, seeds: Sequence[int]) -> list[dict[str, Any]]:
+    """What the runs of these seeds achieved in the row's stretch."""
+    scenarios = [load(CONFIGS / row.scenario, {**row.changes, "run.seed": int(seed)}) for seed in seeds]
+    summaries = stack.run(scenarios, row.title)
+    return [{**one["tracking"][row.stretch], "connected": one["links_connected_always"]} for one in summaries]
 
 
 def line(row: Row, found: list[dict[str, Any]]) -> str:
@@ -108,7 +113,8 @@ def main() -> None:
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         for row in ROWS:
             if flags.only in row.title:
-                found = list(pool.map(partial(outcome, row), range(flags.seeds)))
+                parts = pool.map(partial(outcomes, row), np.array_split(np.arange(flags.seeds), PARTS))
+                found = [one for part in parts for one in part]
                 print(line(row, found), flush=True)
                 indices[row.title] = np.array([one["index"] for one in found], dtype=np.float64)
     shadowed = [title for title in indices if "shadowing" in title]

@@ -90,7 +90,7 @@ def test_clocks_that_are_fifty_milliseconds_off_do_no_harm() -> None:
 
 def test_teams_that_want_to_be_twice_as_far_apart_find_their_optimum_too() -> None:
     """A world scaled by two: every length, and the reference SNR by 2^3."""
-    doubled = {
+    doubled: dict[str, Any] = {
         "objective__minimum_separation": 100.0,
         "objective__maximum_separation": 300.0,
         "channel__communication_range": 300.0,
