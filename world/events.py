@@ -30,7 +30,7 @@ def changed(channel: RadioConfig, settings: dict[str, Any], dt: float) -> RadioC
         if value is None:
             raise ScenarioError(path, "cannot be nothing: a deviation or a loss of 0 takes shadowing or bursts away")
         if not path.startswith(PREFIX):
-            raise ScenarioError(path, f"only {PREFIX}* can be changed while a run goes on")
+            raise ScenarioError(path, f"only fields like '{PREFIX}reference_snr' can be changed while a run goes on")
         *parents, field = path.removeprefix(PREFIX).split(".")
         table = tables
         for parent in parents:

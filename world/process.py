@@ -6,6 +6,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: no thread po
 
 import argparse
 from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from pathlib import Path
 
 from fes import bus, keys, process
@@ -22,13 +23,15 @@ async def serve(flags: argparse.Namespace, scenario: Scenario) -> int:
     async with bus.opened(process.world_endpoints(flags)) as opened:
         with _recorder(flags, scenario, name) as recorder:
             server = Server(opened, scenario, name, run, flags.rtf, recorder)
+            if flags.out is not None:
+                server.keep = partial(summary.write_scenario, flags.out)
             try:
                 await server.gather()
                 await server.run()
             finally:
                 server.dismiss()
                 server.complaints.log_total(server.overflow)
-                _keep(flags.out, server, scenario, recorder)
+                _keep(flags.out, server, recorder)
         server.logger.info("the run is over after %d ticks", scenario.ticks)
     return process.SUCCESS
 
@@ -40,15 +43,13 @@ def _recorder(flags: argparse.Namespace, scenario: Scenario, name: str) -> Abstr
     return Recorder(flags.out / NAME, scenario, name, "processes")
 
 
-def _keep(out: Path | None, server: Server, scenario: Scenario, recorder: Recorder | None) -> None:
-    """Keep what was reached: the summary, and the scenario with what was set meanwhile."""
+def _keep(out: Path | None, server: Server, recorder: Recorder | None) -> None:
+    """Keep what was reached: the summary."""
     reached = server.summarize()
     if recorder is not None:
         recorder.conclude(reached)
     if reached is not None and out is not None:
         summary.write(out, reached)
-    if server.scenario is not scenario and out is not None:
-        summary.write_scenario(out, server.scenario)
 
 
 def main() -> None:

@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -53,6 +54,8 @@ class Server:
         self.complaints = Complaints(self.logger)
         robots = range(scenario.robots.number)
         self._rtf = rtf
+        self.keep: Callable[[Scenario], None] = lambda scenario: None
+        """Called with the scenario whenever a person has changed it."""
         self._world = simulation.create(scenario)
         self._state = simulation.start(self._world)
         self._sums = Account(scenario)
@@ -132,6 +135,7 @@ class Server:
         self._state = replace(self._state, channel=changed)
         value = events.effective(changed, change.path)
         self.scenario = with_event(self.scenario, tick, change.path, value)
+        self.keep(self.scenario)
         if self._recorder is not None:
             self._recorder.change(tick, change.path, value)
         optimal = optimal_separation(self.scenario.objective, changed)
