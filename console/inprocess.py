@@ -11,7 +11,7 @@ from agents import crew
 from fes.arrays import Floats
 from fes.errors import Stopped
 from fes.report import Report
-from fes.sensing import Beacons, Telemetry, silence
+from fes.sensing import Beacons, Telemetry, of_those, silence
 from world import reporting, simulation, summary
 from world.account import Account
 from world.scenario import Scenario, agent_config
@@ -38,9 +38,14 @@ def ticks(scenario: Scenario) -> Iterator[Tick]:
     state = simulation.start(world)
     robots = crew.assemble(agent_config(scenario), world.ids)
     minds, said = crew.start(robots), silence()
+    present = state.present
     for _ in range(scenario.ticks):
+        if state.present is not present:
+            minds = crew.forget(robots, minds, state.present & ~present)
+            present = state.present
         minds, said, twists = crew.step(robots, minds, simulation.observe(state), said)
-        yield Tick(state, said, twists, crew.telemetry(robots, minds))
+        twists, told = simulation.held(state, twists), crew.telemetry(robots, minds)
+        yield Tick(state, said, twists, told if present.all() else of_those(told, present))
         state = simulation.step(world, state, twists)
 
 

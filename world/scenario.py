@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
 from fes import draws
-from fes.arrays import Floats
+from fes.arrays import Bools, Floats
 from fes.config import (
     AgentConfig,
     FormationConfig,
@@ -20,7 +20,7 @@ from fes.config import (
     Table,
 )
 from fes.errors import ScenarioError
-from world.events import EventConfig, changed, schedule
+from world.events import EventConfig, attendance, changed, schedule
 from world.radio_config import RadioConfig
 from world.rules import first_rule
 
@@ -99,12 +99,21 @@ class Scenario(Table):
                 channel = changed(channel, settings, self.run.dt)
             except ScenarioError as error:
                 raise ValueError(f"event: set {error}") from None
+        try:
+            attendance(self.event, self.robots.number, self.run.dt)
+        except ScenarioError as error:
+            raise ValueError(str(error)) from None
         return self
 
     @property
     def changes(self) -> dict[int, dict[str, Any]]:
         """Tick -> what is set from it on, in order."""
         return schedule(self.event, self.run.dt)
+
+    @property
+    def attendance(self) -> dict[int, Bools]:
+        """Tick -> which robots are present from it on [n], in order."""
+        return attendance(self.event, self.robots.number, self.run.dt)
 
     @property
     def ticks(self) -> int:
