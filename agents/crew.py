@@ -142,7 +142,9 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
     measured = state.reception
     if config.seeking.index == "measured":
         measured = _measure(crew, state, tick, known, used, heard)
-    said, statistics = used.state[seeking.ESTIMATE], measured.sums[:, : crew.statistics]
+    said, statistics = used.state[seeking.ESTIMATE], np.zeros((len(crew.ids), 0))
+    if crew.statistics:
+        statistics = measured.sums
     named = named.take(used.contact)
     beacons = Beacons(tick, crew.ids, observations.poses, used.edges, said, named, statistics)
     used = replace(used, state=_seek(crew, tick, known, used, measured), said=said)

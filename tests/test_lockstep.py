@@ -58,8 +58,20 @@ def test_the_digest_does_not_depend_on_zenoh_placement_or_start_order(
     assert not server.complaints.counts
 
 
-def test_a_measured_run_has_the_same_digest_over_zenoh() -> None:
-    measured = load("measured.toml", **SHORT)
+HARD = {"model": "logistic", "shadowing": {"deviation": 6.0}, "bursts": {"bad_share": 0.1, "mean_length": 0.2}}
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"seeking__pooling": "none", "run__clock_skew": 0.05, "channel": HARD},
+        {"seeking__index": "sampled", "seeking__index_transform": "none"},
+    ],
+    ids=["pooled", "alone", "sampled"],
+)
+def test_a_measured_run_has_the_same_digest_over_zenoh(changes: dict[str, Any]) -> None:
+    measured = load("measured.toml", **SHORT, **changes)
     summary, server, agents = run(measured, [[0, 1, 2], [3], [4, 5, 6, 7, 8, 9]])
     assert summary["digest"] == inprocess.run(measured, "test")["digest"]
     assert not server.complaints.counts
