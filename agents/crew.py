@@ -77,8 +77,9 @@ def start(crew: Crew) -> State:
     """The state of a crew that has sensed and heard nothing yet."""
     nobody = contacts.nobody(crew.ids)
     never = np.full(len(crew.ids), np.iinfo(np.int64).max // 2)
-    pooled = crew.config.seeking.pooling == "network"
-    known = reception.nothing(reception.POOLED, len(crew.ids)) if pooled else reception.nothing(reception.ALONE, 0)
+    known = reception.nothing(reception.POOLED, len(crew.ids))
+    if not _pooled(crew):
+        known = reception.nothing(reception.ALONE, 0)
     none = links.none(nobody)
     return State(np.zeros((len(crew.ids), 3)), nobody, Witnesses(nobody.edges), none, known, never, never)
 
@@ -168,8 +169,8 @@ def _skew(crew: Crew, edges: Edges) -> Floats:
 
 
 def _pooled(crew: Crew) -> bool:
-    """Whether robots learn, and not links."""
-    return crew.config.seeking.pooling == "network"
+    """Whether robots learn (or nobody does), and not links."""
+    return crew.config.seeking.pooling == "network" or crew.config.seeking.index != "measured"
 
 
 def _learners(crew: Crew, edges: Edges) -> Ints:

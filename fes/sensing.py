@@ -65,7 +65,8 @@ class Telemetry:
 def of_those(said: Telemetry, present: Bools) -> Telemetry:
     """The telemetry of the robots that are `present` [n]."""
     among = present[said.links.rows]
-    return Telemetry(said.links.select(among), said.estimates[among], said.learnt[:, among[: said.learnt.shape[1]]])
+    learnt = said.learnt[:, among] if said.learnt.size else said.learnt
+    return Telemetry(said.links.select(among), said.estimates[among], learnt)
 
 
 def untold(ids: Ints) -> Telemetry:

@@ -51,9 +51,8 @@ class State:
 def create(scenario: Scenario) -> World:
     """The world of a scenario."""
     ids = np.arange(scenario.robots.number)
-    return World(
-        scenario, ids, channel.medium(scenario.run.seed, scenario.run.dt), scenario.changes, scenario.attendance
-    )
+    medium = channel.medium(scenario.run.seed, scenario.run.dt)
+    return World(scenario, ids, medium, scenario.changes, scenario.attendance)
 
 
 def start(world: World) -> State:
