@@ -15,7 +15,8 @@ from tests.test_metrics import contract_digest
 from world import simulation
 from world.scenario import Scenario, agent_config
 
-GONE: list[dict[str, Any]] = [{"at": 4.0, "kill": [4, 6]}, {"at": 8.0, "restart": [4]}, {"at": 9.0, "restart": [6]}]
+GONE: list[dict[str, Any]] = [{"at": 1.0, "kill": [4, 6]}, {"at": 2.4, "restart": [4]}, {"at": 2.6, "restart": [6]}]
+BRIEF = {"run__duration": 4, "formation__contact_timeout": 0.5}
 
 
 def with_new_processes(what: Scenario) -> str:
@@ -47,15 +48,17 @@ def _again(beacons: Any, tick: int) -> Any:
     return type(beacons)(tick, *[getattr(beacons, name) for name in list(beacons.__dataclass_fields__)[1:]])
 
 
-@pytest.mark.parametrize("name", ["paper.toml", "measured.toml"])
-@pytest.mark.parametrize("pooling", ["network", "none"])
+@pytest.mark.parametrize(
+    ("name", "pooling"), [("paper.toml", "none"), ("measured.toml", "network"), ("measured.toml", "none")]
+)
 def test_a_robot_that_comes_back_does_what_a_new_process_does(name: str, pooling: str) -> None:
-    what = load(name, run__duration=14, event=GONE, seeking__pooling=pooling)
+    what = load(name, event=GONE, seeking__pooling=pooling, **BRIEF)
     assert inprocess.run(what, name)["digest"] == with_new_processes(what)
 
 
 def test_a_dead_robot_stands_still_and_is_silent_and_contacts_open_anew_when_it_is_back() -> None:
-    what = load("neighborhood.toml", run__duration=12, event=GONE)
+    gone = [{"at": 4.0, "kill": [4]}, {"at": 8.0, "restart": [4]}]
+    what = load("neighborhood.toml", run__duration=9.5, event=gone)
     poses, codes = [], []
     for tick in inprocess.ticks(what):
         radio = tick.state.radio
