@@ -16,15 +16,18 @@ def slots(before: Contacts, now: Contacts, tick: int, among: Bools) -> tuple[Int
     """The beacon slots [s] learnt of at this tick: position of the contact, separation [m], decoded or missed.
 
     `among` [m] says which contacts count. The separation at the time of a miss is interpolated between the decoded
-    beacons on its two sides.
+    beacons on its two sides. The first beacon that decodes on a contact is no sample: those missed before it are
+    unknown, so it would always be a success.
     """
-    fresh = np.flatnonzero((now.heard == tick - 1) & among)
+    at = now.edges.places_in(before.edges) if now.edges is not before.edges else np.arange(len(now.edges))
+    if len(before.edges) == 0:
+        at = np.full(len(now.edges), -1)
+    last = np.where(at >= 0, before.heard.take(at, mode="clip"), -1) if len(before.edges) else at
+    fresh = np.flatnonzero((now.heard == tick - 1) & among & (last >= 0))
     if len(fresh) == 0:
         return fresh, np.zeros(0), np.zeros(0, dtype=np.bool_)
-    at = now.edges.places_in(before.edges)[fresh] if now.edges is not before.edges else fresh
-    last = np.where(at >= 0, before.heard.take(at, mode="clip"), -1) if len(before.edges) else np.full(len(fresh), -1)
-    missed = np.where(last >= 0, tick - 2 - last, 0)
-    start = before.heard_separation.take(at, mode="clip") if len(before.edges) else np.zeros(len(fresh))
+    missed = tick - 2 - last[fresh]
+    start = before.heard_separation[at[fresh]]
     end = now.heard_separation[fresh]
     which = np.repeat(np.arange(len(fresh)), missed)
     order = np.arange(len(which)) - np.repeat(np.cumsum(missed) - missed, missed) + 1

@@ -203,7 +203,7 @@ def _seek(crew: Crew, tick: int, known: Contacts, links: Links, measured: Recept
         speed = reception.drift(measured, _learners(crew, links.edges), estimates, config.objective, scale)
         speed += config.seeking.consensus_gain * np.where(np.isfinite(seen), seen - estimates, 0.0)
         sought = links.state.copy()
-        sought[seeking.ESTIMATE] = np.clip(estimates + config.dt * speed, *reception.ESTIMATES)
+        sought[seeking.ESTIMATE] = reception.bounded(estimates + config.dt * speed, config.objective)
         return sought
     age = config.dt * (tick - known.heard.take(links.contact)).astype(np.float64)
     theirs = seeking.extrapolate(crew.seeker, links.state, seen, age)

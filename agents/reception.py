@@ -33,7 +33,7 @@ class Method:
     """Of the slope [s]."""
     slope_prior: tuple[float, float]
     """S1z and S11 that stand for a slope before anything was measured: little, for their ratio is where estimates are
-    pulled to. Ten times as much biases them by 0.2 m on a channel whose slope is 5.5 instead of 2.5."""
+    pulled to. Ten times as much biases them by 0.2 m on a channel whose slope is 5.4 instead of 2.5."""
     slopes: tuple[float, float]
     """Bounds of the slope nu."""
     gain: float
@@ -51,7 +51,10 @@ MIXING = 0.1
 """Share of each heard robot's sums that is mixed in each tick."""
 
 LOW, HIGH = -6.0, 1.5
-"""Bounds of the linear predictor ln(-ln p): reception between 0.2 % and 1.1 %."""
+"""Bounds of the linear predictor ln(-ln p): reception between 99.8 % and 1.1 %."""
+
+NEAREST = 0.1
+"""Part of rho_0 below which a separation counts as this: the line is not meant for there."""
 
 LEAST_WEIGHT = 2.0
 """Weight from which on the short memory's means are good enough to correct the slope."""
@@ -59,11 +62,12 @@ LEAST_WEIGHT = 2.0
 LEVEL_PRIOR = (float(np.log(-np.log(0.9))), 0.1 / 2.25)
 """A reception of 0.9 at rho_0, with the weight that it has."""
 
-SPEED, LEAST_CURVATURE = 5.0, 2e-4
-"""Bound on an estimate's speed [m/s]; curvature that it never falls below [1/m^2]."""
+SPEED, LEAST_CURVATURE, ESTIMATES = 5.0, 2e-4, (20.0, 145.0)
+"""Bounds on an estimate's speed [m/s], on the curvature [1/m^2] and on an estimate [m], for a team that spreads up to
+FARTHEST; others scale them."""
 
-ESTIMATES = (20.0, 145.0)
-"""Bounds of an estimate [m]."""
+FARTHEST = 150.0
+"""[m]"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +114,7 @@ def mix(reception: Reception, edges: Edges, heard: Bools, theirs: Floats) -> Rec
     """The sums of robots after a tick's exchange: mixed with `theirs` [m, SUMS] of the peers heard.
 
     It comes before the tick's own samples are added: hearing a peer is correlated with its beacon having decoded,
-    and mixing afterwards would bias the estimates by a third of a meter.
+    and sums mixed afterwards carry that (an rmse of 0.32 m instead of 0.27 over the same ten seeds).
     """
     count = edges.sum(heard.astype(np.float64))
     share = np.minimum(MIXING, 1.0 / (1.0 + count))
@@ -124,7 +128,7 @@ def mix(reception: Reception, edges: Edges, heard: Bools, theirs: Floats) -> Rec
 def learn(reception: Reception, rows: Ints, separation: Floats, decoded: Bools, scale: float) -> Reception:
     """The sums and the fit after beacon slots [s] of learners `rows`, at `separation` [m]; rho_0 is `scale` [m]."""
     n = len(reception.level)
-    u = np.log(separation / scale)
+    u = np.log(np.maximum(separation / scale, NEAREST))
     predictor = np.clip(reception.level[rows] + reception.exponent[rows] * u, LOW, HIGH)
     rate = np.exp(predictor)  # -ln p
     p = np.exp(-rate)
@@ -151,8 +155,17 @@ def drift(reception: Reception, rows: Ints, estimate: Floats, preferred: Objecti
     channel = -exponent * rate / estimate  # (ln p)'
     slope = objective.log_preference_slope(estimate, preferred) + channel
     curvature = objective.log_preference_curvature(estimate, preferred) + channel * (exponent - 1.0) / estimate
-    speed: Floats = np.clip(-reception.method.gain * slope / np.minimum(curvature, -LEAST_CURVATURE), -SPEED, SPEED)
+    size = preferred.maximum_separation / FARTHEST
+    step = -reception.method.gain * slope / np.minimum(curvature, -LEAST_CURVATURE / size**2)
+    speed: Floats = np.clip(step, -SPEED * size, SPEED * size)
     return speed
+
+
+def bounded(estimate: Floats, preferred: ObjectiveConfig) -> Floats:
+    """Estimates [l] [m] within what the team can want: the line that was fitted says nothing beyond."""
+    size = preferred.maximum_separation / FARTHEST
+    inside: Floats = np.clip(estimate, ESTIMATES[0] * size, ESTIMATES[1] * size)
+    return inside
 
 
 def _fit(method: Method, sums: Floats) -> Reception:

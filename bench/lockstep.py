@@ -42,12 +42,12 @@ def bare(n: int, ticks: int, peers: list[list[int]], agent: float = 0.0, world: 
     return float(said)
 
 
-def fes(scenario: Path, duration: float) -> float:
-    """Ticks per second of a scenario in processes, without anybody watching."""
+def fes(scenario: Path, duration: float, *more: str) -> float:
+    """Ticks per second of a scenario in processes, without anybody watching; `more` are flags of `fes run`."""
     with tempfile.TemporaryDirectory() as folder:
         words = [sys.executable, "-c", "from console.cli import main; main()", "run", str(scenario)]
         said = subprocess.run(
-            [*words, "--headless", "--json", "--duration", str(duration), "--out", f"{folder}/run"],
+            [*words, "--headless", "--json", "--duration", str(duration), "--out", f"{folder}/run", *more],
             stdout=subprocess.PIPE,
             text=True,
             check=True,

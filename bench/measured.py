@@ -3,6 +3,7 @@
 import argparse
 import math
 import os
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
@@ -11,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from console import inprocess
+from console.sweep import stack
 from world.scenario import load
 
 CONFIGS = Path(__file__).parents[1] / "configs"
@@ -25,6 +26,9 @@ SAMPLED = TOLD | {
     "run.duration": 300.0,
 }
 PRINTED = {"seeking.law": "paper"}
+
+PARTS = 4
+"""The runs of a row are stacked into so many array programs."""
 
 COLUMNS = (
     "scenario",
@@ -64,10 +68,11 @@ ROWS = [
 ]
 
 
-def outcome(row: Row, seed: int) -> dict[str, Any]:
-    """What one run achieved in the row's stretch."""
-    summary = inprocess.run(load(CONFIGS / row.scenario, {**row.changes, "run.seed": seed}), row.title)
-    return {**summary["tracking"][row.stretch], "connected": summary["links_connected_always"]}
+def outcomes(row: Row, seeds: Sequence[int]) -> list[dict[str, Any]]:
+    """What the runs of these seeds achieved in the row's stretch."""
+    scenarios = [load(CONFIGS / row.scenario, {**row.changes, "run.seed": int(seed)}) for seed in seeds]
+    summaries = stack.run(scenarios, row.title)
+    return [{**one["tracking"][row.stretch], "connected": one["links_connected_always"]} for one in summaries]
 
 
 def line(row: Row, found: list[dict[str, Any]]) -> str:
@@ -82,7 +87,7 @@ def line(row: Row, found: list[dict[str, Any]]) -> str:
 
     times = np.where(np.isnan(column("time_to_1m")), math.inf, column("time_to_1m"))
     bias, index = column("bias"), column("index")
-    error = 1.0 / math.sqrt(len(found))
+    error = 1.0 / math.sqrt(max(1, len(found) - 1))
     reached = int(np.isfinite(times).sum())
     cells = (
         row.title,
@@ -104,10 +109,19 @@ def main() -> None:
     parser.add_argument("--only", default="", help="rows whose title contains this")
     flags = parser.parse_args()
     print("| " + " | ".join(COLUMNS) + " |\n" + "|---" * len(COLUMNS) + "|")
+    indices = {}
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         for row in ROWS:
             if flags.only in row.title:
-                print(line(row, list(pool.map(partial(outcome, row), range(flags.seeds)))), flush=True)
+                parts = pool.map(partial(outcomes, row), np.array_split(np.arange(flags.seeds), PARTS))
+                found = [one for part in parts for one in part]
+                print(line(row, found), flush=True)
+                indices[row.title] = np.array([one["index"] for one in found], dtype=np.float64)
+    shadowed = [title for title in indices if "shadowing" in title]
+    for other in shadowed[:-1]:
+        more = indices[shadowed[-1]] - indices[other]
+        error = more.std() / math.sqrt(max(1, len(more) - 1))
+        print(f"mean J, {shadowed[-1]}, less that of '{other}' on the same seeds: {more.mean():+.4f} ± {error:.4f}")
 
 
 if __name__ == "__main__":

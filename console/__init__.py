@@ -1,4 +1,4 @@
-"""What a person runs: fes run, view, set, sweep, plot, claims.
+"""What a person runs: fes run, view, set, replay, compare, sweep, plot, claims.
 
 cli         the commands
 processes   fes run with real processes
@@ -12,6 +12,13 @@ study       how the integration error depends on the step
 setting     the command fes set
 evidence    the commands fes plot and fes claims
 rundir      run directories
+replay      the command fes replay
+log         logs of runs, read back
+reexecution a log executed again, and compared to the bit
+difference  where two ticks differ
+compare     the command fes compare
+player      the dashboard of a log: play, pause, step, seek
+keyboard    keys of a terminal
 sweep       fes sweep: many runs, compared
 summary     the summary as a person reads it
 observer    the world's reports, as they come

@@ -3,8 +3,8 @@
 import argparse
 import json
 import sys
+from contextlib import nullcontext
 from enum import StrEnum
-from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,11 +12,12 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from console import evidence, inprocess, processes, rundir, setting, summary, view
+from console import compare, evidence, inprocess, processes, replay, rundir, setting, summary, view
 from console.processes import Launch
 from console.sweep import command
 from fes import bus, keys, process
 from fes.errors import FesError, ScenarioError
+from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
 from world.summary import write, write_scenario
 
@@ -29,6 +30,8 @@ app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_
 app.command()(evidence.plot)
 app.command(name="claims")(evidence.show_claims)
 app.command(name="set")(setting.set_command)
+app.command()(replay.replay)
+app.command()(compare.compare)
 app.command()(command.sweep)
 
 
@@ -69,6 +72,7 @@ def run(
     out: Annotated[Path | None, typer.Option(help="Run directory (default runs/<scenario>-<n>).")] = None,
     headless: Annotated[bool, typer.Option("--headless", help="No dashboard.")] = False,
     json_: Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else.")] = False,
+    record: Annotated[bool, typer.Option(help="Write a log of every message, run.mcap.")] = True,
 ) -> int:
     """Run a scenario: world, robots and dashboard."""
     fields = [("run.seed", seed), ("run.duration", duration), ("run.clock", clock)]
@@ -80,9 +84,11 @@ def run(
     screen = Console(stderr=json_)
     dashboard = screen.is_terminal and not headless and not json_
     if backend is Backend.INPROCESS:
-        result = _in_process(loaded, scenario.stem, pace, directory, screen if dashboard else None)
+        recording = Recorder(directory / NAME, loaded, scenario.stem, backend.value) if record else nullcontext()
+        with recording as recorder:
+            result = _in_process(loaded, scenario.stem, pace, directory, screen if dashboard else None, recorder)
     else:
-        launch = Launch(scenario.stem, agents_per_process, rtf, dashboard)
+        launch = Launch(scenario.stem, agents_per_process, rtf, dashboard, record)
         result = processes.run(launch, loaded, directory, screen)
     if json_:
         print(json.dumps(result))
@@ -154,14 +160,20 @@ def _pace(text: str) -> float | None:
 
 
 def _in_process(
-    scenario: Scenario, name: str, pace: float | None, directory: Path, screen: Console | None
+    scenario: Scenario,
+    name: str,
+    pace: float | None,
+    directory: Path,
+    screen: Console | None,
+    recorder: Recorder | None,
 ) -> dict[str, Any]:
-    keep = partial(write, directory)
+    def keep(reached: dict[str, Any]) -> None:
+        write(directory, reached)
+        if recorder is not None:
+            recorder.conclude(reached)
+
     with process.interruptible():
         if screen is None:
-            result = inprocess.run(scenario, name, pace, keep=keep)
-        else:
-            with view.Screen(screen) as shown:
-                result = inprocess.run(scenario, name, pace, shown.show, keep)
-    write(directory, result)
-    return result
+            return inprocess.run(scenario, name, pace, keep=keep, recorder=recorder)
+        with view.Screen(screen) as shown:
+            return inprocess.run(scenario, name, pace, shown.show, keep, recorder)

@@ -9,6 +9,9 @@ from rich.console import Console
 from rich.table import Table
 
 from console import claims, figures, history, learning, processes, study
+from console import log as logs
+from console.history import History
+from console.log import Log
 from fes import process
 from fes.errors import FesError
 from world.scenario import load
@@ -20,7 +23,7 @@ PAPER, MEASURED = "paper", "measured"
 
 
 def plot(
-    target: Annotated[str, typer.Argument(help="`paper`, `measured`, or a run directory.")],
+    target: Annotated[str, typer.Argument(help="`paper`, `measured`, a run directory or a log.")],
     out: Annotated[
         Path | None, typer.Option(help="Where to write (default: figures/, or the run directory).")
     ] = None,
@@ -32,7 +35,8 @@ def plot(
         seen = learning.learn(claims.CONFIGS)
         directory, drawn = out or Path("figures"), {"measured": figures.learning_figure(seen)}
     else:
-        directory, drawn = out or Path(target), _run_figures(Path(target))
+        where = Path(target)
+        directory, drawn = out or (where.parent if where.is_file() else where), _run_figures(where)
     try:
         directory.mkdir(parents=True, exist_ok=True)
         for name, figure in drawn.items():
@@ -77,8 +81,23 @@ def _paper_figures() -> "dict[str, Figure]":
     }
 
 
-def _run_figures(directory: Path) -> "dict[str, Figure]":
-    """The figures of a run, executed again from its scenario; its digest must come out again."""
+def _run_figures(target: Path) -> "dict[str, Figure]":
+    """The figures of a run: from its log, or from its directory if it was not recorded."""
+    path = logs.find(target) if target.exists() else None
+    seen = _again(target) if path is None else _recorded(logs.load(path))
+    return {"formation": figures.formation_figure(seen), "convergence": figures.convergence_figure(seen)}
+
+
+def _recorded(log: Log) -> History:
+    """The run in a log."""
+    complaint = log.complaint
+    if complaint is not None:
+        process.complain("fes", complaint)
+    return history.recorded(log)
+
+
+def _again(directory: Path) -> History:
+    """A run, executed again from its scenario; its digest must come out again."""
     scenario = directory / "scenario.toml"
     if not scenario.is_file() or not (directory / "summary.json").is_file():
         raise FesError(f"{directory} is not a run directory: it has no scenario.toml and summary.json")
@@ -90,4 +109,4 @@ def _run_figures(directory: Path) -> "dict[str, Figure]":
     seen = history.follow(loaded.model_copy(update={"run": run}))
     if seen.digest != summary["digest"]:
         raise FesError(f"{directory} cannot be executed again bit for bit here: another machine or version made it")
-    return {"formation": figures.formation_figure(seen), "convergence": figures.convergence_figure(seen)}
+    return seen

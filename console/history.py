@@ -1,15 +1,20 @@
 """A run as time series, for figures. A run is a function of its scenario, so it need not have been recorded."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-from console import inprocess
+from console import inprocess, reexecution
+from console.log import Log
 from fes.arrays import Floats
 from fes.edges import Edges
+from fes.sensing import Telemetry
 from world import metrics
 from world.account import Account
 from world.scenario import Scenario
+from world.simulation import State
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,15 +38,42 @@ class History:
     digest: str
 
 
+class Moment(Protocol):
+    """One tick: what was true, and what the robots did and said."""
+
+    @property
+    def state(self) -> State:
+        """The truth."""
+
+    @property
+    def twists(self) -> Floats:
+        """[n, 2] [m/s, rad/s]"""
+
+    @property
+    def telemetry(self) -> Telemetry:
+        """What the robots said of themselves."""
+
+
 def follow(scenario: Scenario) -> History:
     """Run a scenario in process, and keep its history."""
+    return gather(scenario, inprocess.ticks(scenario))
+
+
+def recorded(log: Log) -> History:
+    """The history of a recorded run."""
+    return gather(log.scenario, reexecution.world(log))
+
+
+def gather(scenario: Scenario, moments: Iterable[Moment]) -> History:
+    """The history of a run that is gone through, tick by tick; of one tick at least."""
     sums = Account(scenario)
     poses, links, rows = [], [], []
-    for tick in inprocess.ticks(scenario):
+    for tick in moments:
         sums.add(tick.state, tick.twists, tick.telemetry)
+        said = tick.telemetry
         poses.append(tick.state.poses)
-        links.append(tick.said.links)
-        total = float(np.abs(tick.said.estimates - sums.optimal).sum()) if len(tick.said.links) else np.nan
+        links.append(said.links)
+        total = float(np.abs(said.estimates - sums.optimal).sum()) if len(said.links) else np.nan
         errors = sums.tally.errors
         rows.append((errors["disagreement"], total, errors["separation_error"]))
     series = np.array(rows).T

@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from agents import crew
+from agents import assembly, crew
 from fes.arrays import Floats
 from fes.errors import Stopped
 from fes.report import Report
 from fes.sensing import Beacons, Telemetry, of_those, silence
-from world import reporting, simulation, summary
+from world import reporting, simulation, summary, wording
 from world.account import Account
+from world.recorder import Recorder, Said
 from world.scenario import Scenario, agent_config
 from world.simulation import State
 
@@ -30,6 +31,9 @@ class Tick:
     twists: Floats
     """[n, 2] [m/s, rad/s]"""
     telemetry: Telemetry
+    """Of the robots that are present."""
+    learnt: Floats
+    """What all have learnt, on each of `said.links` [2, l]; [2, 0] where nobody measures."""
 
 
 def ticks(scenario: Scenario) -> Iterator[Tick]:
@@ -44,18 +48,41 @@ def ticks(scenario: Scenario) -> Iterator[Tick]:
             minds = crew.forget(robots, minds, state.present & ~present)
             present = state.present
         minds, said, twists = crew.step(robots, minds, simulation.observe(state), said)
-        twists, told = simulation.held(state, twists), crew.telemetry(robots, minds)
-        yield Tick(state, said, twists, told if present.all() else of_those(told, present))
-        state = simulation.step(world, state, twists)
+        now = tick(state, said, twists, crew.telemetry(robots, minds))
+        yield now
+        state = simulation.step(world, state, now.twists)
+
+
+def tick(state: State, said: Beacons, twists: Floats, told: Telemetry) -> Tick:
+    """A tick, of what a crew said and did, absent robots included."""
+    present = state.present
+    shown = told if present.all() else of_those(told, present)
+    return Tick(state, said, simulation.held(state, twists), shown, told.learnt)
+
+
+def said(tick: Tick) -> Said:
+    """What would have crossed the bus at a tick, to the byte."""
+    present = tick.state.present
+    spoken = list(assembly.payloads(tick.said, tick.twists, tick.learnt))
+    sensed = wording.observations(simulation.observe(tick.state), present, tick.state.since)
+    beacons = [beacon if here else b"" for (_, beacon, _), here in zip(spoken, present.tolist(), strict=True)]
+    commands = [command if here else b"" for (_, _, command), here in zip(spoken, present.tolist(), strict=True)]
+    return Said(sensed, beacons, commands)
 
 
 def run(
-    scenario: Scenario, name: str, rtf: float | None = None, watch: Watch | None = None, keep: Keep | None = None
+    scenario: Scenario,
+    name: str,
+    rtf: float | None = None,
+    watch: Watch | None = None,
+    keep: Keep | None = None,
+    recorder: Recorder | None = None,
 ) -> dict[str, Any]:
     """Run a scenario to its end, and return its summary.
 
     `watch` is called with a Report every tenth of a second of wall-clock time, and `keep` with the summary of what
-    was reached if a signal stops the run. With `rtf` the run is paced to that many simulated seconds a second.
+    was reached, at the end or when a signal stops the run. With `rtf` the run is paced to that many simulated seconds
+    a second. `recorder` gets every tick.
     """
     sums = Account(scenario)
     alive = np.ones(scenario.robots.number, dtype=np.uint8)
@@ -69,6 +96,8 @@ def run(
         for done, tick in enumerate(ticks(scenario), 1):
             sums.add(tick.state, tick.twists, tick.telemetry)
             now = time.perf_counter()
+            if recorder is not None:
+                recorder.add(sums, tick.twists, said(tick), alive, now - begun)
             if watch is not None and (now - told_at >= reporting.PERIOD or done == scenario.ticks):
                 watch(reporting.build(sums, name, alive, now - begun, (done - told) / (now - told_at)))
                 told_at, told = now, done
@@ -78,4 +107,7 @@ def run(
         if keep is not None and sums.tally.ticks:
             keep(reached())
         raise
-    return reached()
+    result = reached()
+    if keep is not None:
+        keep(result)
+    return result

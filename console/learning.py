@@ -19,6 +19,9 @@ CHANGE = 60.0
 DURATION = 120.0
 """[s]"""
 
+LINKS = 18
+"""Directed links that ten robots have on the relative neighborhood graph, once they are there."""
+
 HALVED: dict[str, Any] = {
     "run.duration": DURATION,
     "event": [{"at": CHANGE, "set": {"channel.reference_snr": 5e6}}],
@@ -80,13 +83,11 @@ def time_to_one_meter(scenario: Scenario, links: int) -> float:
 
 def _errors(scenarios: list[Scenario]) -> Floats:
     """Mean estimate less r* [runs, t] [m]; NaN before there are any."""
-    optima: dict[float, float] = {}
-    rows = []
+    rows, channel, best = [], None, math.nan
     for together in stack.ticks(scenarios):
-        row = []
-        for tick in together:
-            channel, estimates = tick.state.channel, tick.said.estimates
-            best = optima.setdefault(channel.reference_snr, optimal_separation(scenarios[0].objective, channel))
-            row.append(float(estimates.mean()) - best if len(estimates) else math.nan)
-        rows.append(row)
+        now = together[0].state.channel  # all runs change at the same time
+        if now is not channel:
+            channel, best = now, optimal_separation(scenarios[0].objective, now)
+        said = [tick.said.estimates for tick in together]
+        rows.append([float(estimates.mean()) - best if len(estimates) else math.nan for estimates in said])
     return np.array(rows).T

@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import json
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,7 @@ class Launch:
     agents_per_process: int
     rtf: str
     dashboard: bool
+    record: bool
 
 
 def run(launch: Launch, scenario: Scenario, directory: Path, console: Console) -> dict[str, Any]:
@@ -54,8 +56,9 @@ async def _run(launch: Launch, scenario: Scenario, directory: Path, console: Con
     groups = list(launcher.share(scenario.robots.number, launch.agents_per_process))
     async with launcher.family(directory) as family:
         world = [str(directory / "scenario.toml"), "--name", launch.name, "--rtf", launch.rtf]
+        world += [] if launch.record else ["--no-record"]
         await family.start_world([*world, "--out", str(directory), "-l", endpoint])
-        rundir.announce(directory, Address(endpoint, RUN))
+        rundir.announce(directory, Address(endpoint, RUN, os.getpid()))
         try:
             for ids in groups:
                 await family.start_agent(ids, ["-e", endpoint, "--timeout", str(JOIN_TIMEOUT)])

@@ -21,6 +21,8 @@ class Address:
 
     endpoint: str
     run: str
+    pid: int = 0
+    """Of the process that withdraws this when the run is over; 0 if nobody does."""
 
 
 def create(scenario: str, out: Path | None) -> Path:
@@ -56,12 +58,23 @@ def withdraw(directory: Path) -> None:
 
 
 def find(run: str) -> Address:
-    """Where to look without being told: the latest run of this folder if it goes on, else the default endpoint."""
-    with contextlib.suppress(OSError, ValueError, TypeError):
-        latest = Address(**json.loads((ROOT / LATEST / _ENDPOINT).read_text(encoding="utf-8")))
-        if latest.run == run:
-            return latest
+    """Where to look without being told: the run of this folder that was started last of those that go on and can be
+    watched (one in process cannot), else the default endpoint."""
+    announced = sorted(ROOT.glob(f"*/{_ENDPOINT}"), key=lambda path: path.stat().st_mtime, reverse=True)
+    for path in announced:
+        with contextlib.suppress(OSError, ValueError, TypeError):
+            found = Address(**json.loads(path.read_text(encoding="utf-8")))
+            if found.run == run and _lives(found.pid):
+                return found
     return Address(DEFAULT_ENDPOINT, run)
+
+
+def _lives(pid: int) -> bool:
+    """Whether the process that announced a run is still there: one that was killed withdrew nothing."""
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        os.kill(pid, 0)
+        return True
+    return False
 
 
 def reach(

@@ -26,14 +26,14 @@ def set_command(
     ] = 5.0,
 ) -> int:
     """Change the channel of a run that goes on (by default the latest one started in this folder)."""
-    changes = [Change(*parse_override(text)) for text in what]
+    changes = [change.encode_change(Change(*parse_override(text))) for text in what]
     endpoints = rundir.reach(connect, config, cfg, run, timeout)
 
     async def ask() -> int:
         async with bus.opened(endpoints) as opened:
             for one in changes:
                 try:
-                    answer = await opened.ask(keys.change(run), change.encode_change(one), timeout)
+                    answer = await opened.ask(keys.change(run), one, timeout)
                 except Absent:
                     raise Absent(f"no world of run '{run}' answers at {endpoints.shown}") from None
                 effect = change.decode_effect(answer)

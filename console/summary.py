@@ -114,7 +114,7 @@ def _facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("beacons decoded", f"{summary['beacons_decoded']} of {sent}"),
     ]
     facts += [
-        (label, "never" if summary["time_to"][name] is None else f"from {summary['time_to'][name]:.2f} s on")
+        (label, "never" if summary["time_to"][name] is None else f"at {summary['time_to'][name]:.2f} s, to hold")
         for name, label in _TIMES.items()
     ]
     return facts

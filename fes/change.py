@@ -4,9 +4,12 @@ import json
 from typing import Any, NamedTuple
 
 from fes import wire
+from fes.errors import MessageError
 
 LONGEST = 4096
-"""Longest value [characters of JSON]."""
+"""Longest value that can be asked for [characters of JSON]; with defaults filled in it grows."""
+
+LONGEST_EFFECT = 32 * LONGEST
 
 
 class Change(NamedTuple):
@@ -31,14 +34,17 @@ class Effect(NamedTuple):
 
 
 def encode_change(message: Change) -> bytes:
-    """The payload of a Change."""
-    return wire.pack(message.path, json.dumps(message.value))
+    """The payload of a Change; raises MessageError for a value that JSON has no word for."""
+    try:
+        return wire.pack(message.path, json.dumps(message.value))
+    except TypeError:
+        raise MessageError("Change", "expects numbers, words, lists or tables", str(message.value)) from None
 
 
 def decode_change(payload: bytes) -> Change:
     """The Change in a payload; raises MessageError."""
     path, value = wire.unpack("Change", payload, 2)
-    return Change(_path("Change", path), _value("Change", value))
+    return Change(_path("Change", path), _value("Change", value, LONGEST))
 
 
 def encode_effect(message: Effect) -> bytes:
@@ -50,7 +56,7 @@ def decode_effect(payload: bytes) -> Effect:
     """The Effect in a payload; raises MessageError."""
     path, value, tick, optimal = wire.unpack("Effect", payload, 4)
     wire.finite("Effect", (optimal,))
-    return Effect(_path("Effect", path), _value("Effect", value), wire.tick("Effect", tick), optimal)
+    return Effect(_path("Effect", path), _value("Effect", value, LONGEST_EFFECT), wire.tick("Effect", tick), optimal)
 
 
 def _path(name: str, path: Any) -> str:
@@ -58,8 +64,8 @@ def _path(name: str, path: Any) -> str:
     return str(path)
 
 
-def _value(name: str, text: Any) -> Any:
-    wire.check(name, type(text) is str and len(text) <= LONGEST, "expects a value as JSON", text)
+def _value(name: str, text: Any, longest: int) -> Any:
+    wire.check(name, type(text) is str and len(text) <= longest, "expects a value as JSON", text)
     try:
         return json.loads(text)
     except (ValueError, RecursionError):

@@ -55,6 +55,15 @@ def unpack(name: str, payload: bytes, count: int) -> list[Any]:
     return fields[1:]  # type: ignore[no-any-return]
 
 
+def peek(payload: bytes) -> tuple[int, int] | None:
+    """Tick and robot of an Observation, Beacon or Command, with nothing else of it looked at; None if it is junk."""
+    try:
+        version, tick_, robot = msgpack.unpackb(payload)[:3]
+    except (ValueError, TypeError, msgpack.UnpackException, RecursionError):
+        return None
+    return (tick_, robot) if version == PROTOCOL and type(tick_) is int and type(robot) is int else None
+
+
 def check(name: str, holds: bool, rule: str, value: object) -> None:
     """Raise MessageError with the rule and the offending value unless the rule holds."""
     if not holds:

@@ -10,6 +10,7 @@ from console.launcher import free_port
 from fes import bus
 from fes.bus import Bus
 from fes.endpoints import Endpoints
+from world.recorder import Recorder
 from world.scenario import Scenario
 from world.server import Server
 
@@ -40,14 +41,14 @@ async def live(endpoint: str, robots: Sequence[int], timeout: float = 10.0) -> A
 
 
 async def run(
-    scenario: Scenario, groups: Sequence[Sequence[int]], disturb: Any = None
+    scenario: Scenario, groups: Sequence[Sequence[int]], disturb: Any = None, recorder: Recorder | None = None
 ) -> tuple[dict[str, Any], Server, list[Agent]]:
     """Run a scenario with one agent a group, started in the order given; returns summary, server and agents.
 
-    `disturb(endpoint)`, if given, runs beside it, from when all robots are here.
+    `disturb(endpoint)`, if given, runs beside it, from when all robots are here; `recorder` gets every tick.
     """
     async with router() as (opened, endpoint):
-        server = Server(opened, scenario, "test", RUN, None)
+        server = Server(opened, scenario, "test", RUN, None, recorder)
         agents = [asyncio.ensure_future(live(endpoint, robots)) for robots in groups]
         await server.gather()
         other = asyncio.ensure_future(disturb(endpoint)) if disturb is not None else None

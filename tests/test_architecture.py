@@ -78,6 +78,10 @@ def test_only_the_bus_imports_zenoh() -> None:
     assert importers("zenoh") <= {"fes.bus"}
 
 
+def test_only_the_logs_writer_and_its_reader_import_mcap() -> None:
+    assert importers("mcap") == {"world.container", "console.log"}
+
+
 def test_only_the_world_and_the_oracle_know_the_channels_formula() -> None:
     # A person's figures may show the formula: nothing of the console runs in an agent or a world.
     assert below_console(importers("fes.outage")) == FORMULA_READERS

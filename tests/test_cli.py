@@ -57,7 +57,7 @@ def test_a_run_prints_one_summary_and_leaves_it_in_the_latest_run_directory(tmp_
     assert first["digest"] == inprocess.run(load("pair.toml", run__duration=2), "pair")["digest"]
     runs = tmp_path / "runs"
     assert (runs / "latest").readlink() == Path("pair-1")
-    assert {path.name for path in (runs / "pair-1").iterdir()} == {"scenario.toml", "summary.json"}
+    assert {path.name for path in (runs / "pair-1").iterdir()} == {"scenario.toml", "summary.json", "run.mcap"}
     assert json.loads((runs / "latest" / "summary.json").read_text()) == first
 
     again = run_json(tmp_path, "--duration", "2", "--seed", "7", "--set", "channel.model=perfect")

@@ -1,6 +1,7 @@
 """What changes while a run goes on: scheduled in the scenario, or asked for from another terminal."""
 
 import asyncio
+import datetime
 from typing import Any
 
 import pytest
@@ -43,6 +44,9 @@ def test_of_two_events_of_one_tick_the_later_in_the_file_wins_and_others_come_in
     found = events.schedule([event(2.0, snr, 1.0), event(1.0, snr, 2.0), event(1.004, exponent, 2.5)], 0.02)
     assert list(found.items()) == [(50, {snr: 2.0, exponent: 2.5}), (100, {snr: 1.0})]
     assert events.schedule([event(1.0, snr, 1.0), event(1.0, snr, 2.0)], 0.02) == {50: {snr: 2.0}}
+    table, part = "channel.shadowing", "channel.shadowing.deviation"
+    [again] = events.schedule([event(1.0, part, 6.0), event(1.0, table, {}), event(1.0, part, 6.0)], 0.02).values()
+    assert list(again) == [table, part]  # as it was set at last, not at first
 
 
 @pytest.mark.parametrize(
@@ -65,7 +69,7 @@ def test_what_is_set_has_its_effective_value(settings: dict[str, Any], path: str
 @pytest.mark.parametrize(
     ("settings", "rule"),
     [
-        ({"formation.rule": "disk"}, "only channel.* can be changed while a run goes on"),
+        ({"formation.rule": "disk"}, "only fields like 'channel.reference_snr' can be changed while a run goes on"),
         (
             {"channel.reference_srn": 1.0},
             "unknown field 'channel.reference_srn'; did you mean 'channel.reference_snr'?",
@@ -74,6 +78,7 @@ def test_what_is_set_has_its_effective_value(settings: dict[str, Any], path: str
         ({"channel.reference_snr": "much"}, "must be a valid number, got 'much'"),
         ({"channel.reference_snr.much": 1.0}, "goes through 'reference_snr', which is not a table"),
         ({"channel.bursts": {"bad_share": 0.5, "mean_length": 0.001}}, "mean_length must be at least run.dt"),
+        ({"channel.shadowing": None}, "cannot be nothing"),
         ({"channel.": 1.0}, "unknown field 'channel'"),
     ],
 )
@@ -103,21 +108,34 @@ def test_a_person_changes_a_running_world_and_the_run_can_be_run_again_with_what
             answers.append(await ask("channel.reference_snr", 5e6))
             with pytest.raises(Refused, match="must be greater than 0, got -5"):
                 await ask("channel.reference_snr", -5)
-            with pytest.raises(Refused, match="only channel"):
+            with pytest.raises(Refused, match="only fields like"):
                 await ask("seeking.law", "paper")
+            jammers = [{"x": float(at), "y": 0.0, "radius": 1.0} for at in range(100)]
+            answers.append(await ask("channel.jammers", jammers))
             with pytest.raises(Refused, match="expects 2 fields"):
                 await terminal.ask(keys.change(session.RUN), wire.pack("x"), 10.0)
 
     summary, server, _ = asyncio.run(session.run(scenario, [[0], [1]], disturb))
-    [effect] = answers
+    effect, [*jammers] = answers[0], answers[1].value
+    assert [disc["x"] for disc in jammers] == list(range(100))
     assert (effect.path, effect.value) == ("channel.reference_snr", 5e6)
     assert effect.optimal_separation == pytest.approx(65.524, abs=1e-3)
-    [event] = server.scenario.event
+    event = server.scenario.event[0]
     assert event.at == pytest.approx(effect.tick * 0.02)
     assert event.settings == {"channel.reference_snr": 5e6}
     again = inprocess.run(server.scenario, "pair")
     assert again["digest"] == summary["digest"] != inprocess.run(scenario, "pair")["digest"]
     assert again["tracking"] == summary["tracking"]
+
+
+def test_a_value_that_no_message_can_carry_is_one_line() -> None:
+    with pytest.raises(MessageError, match="expects numbers, words, lists or tables"):
+        change.encode_change(Change("channel.reference_snr", datetime.date(2020, 1, 1)))
+
+
+def test_an_event_that_changes_nothing_begins_nothing() -> None:
+    same = {"at": 0.2, "set": {"channel.reference_snr": 1e7}}
+    assert len(inprocess.run(load("pair.toml", run__duration=1, event=[same]), "pair")["tracking"]) == 1
 
 
 @pytest.mark.parametrize("payload", [b"", b"\xc0", wire.pack("a", "{"), wire.pack("", "1")])

@@ -10,8 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from agents import crew
+from console import inprocess
 from console.sweep import stack
 from tests.loop import CONFIGS, load
+from world.scenario import agent_config
 
 SAMPLED = {
     "seeking__index": "sampled",
@@ -73,11 +76,33 @@ def test_a_channel_outside_the_family_of_the_fit_biases_them_by_less_than_a_fift
 
 @pytest.mark.slow
 def test_clocks_that_are_fifty_milliseconds_off_do_no_harm() -> None:
+    plain, skewed = (load("measured.toml", run__duration=2, run__clock_skew=skew) for skew in (0.0, 0.05))
+    ahead = crew.skew(agent_config(skewed), np.arange(10))
+    assert len(set(ahead.tolist())) == 10
+    assert 0.02 < np.abs(ahead).max() <= 0.05
+    assert inprocess.run(plain, "on time")["digest"] != inprocess.run(skewed, "off")["digest"]
     found = tracked("measured.toml", range(8), run__clock_skew=0.05)
     assert median(found["time_to_1m"]) <= 12.0
     assert abs(np.mean(found["bias"])) <= 0.2
     assert rms(found["rmse"]) <= 0.35
     assert max(found["disagreement_max"]) < 0.5
+
+
+def test_teams_that_want_to_be_twice_as_far_apart_find_their_optimum_too() -> None:
+    """A world scaled by two: every length, and the reference SNR by 2^3."""
+    doubled: dict[str, Any] = {
+        "objective__minimum_separation": 100.0,
+        "objective__maximum_separation": 300.0,
+        "channel__communication_range": 300.0,
+        "channel__reference_snr": 8e7,
+        "seeking__reference_separation": 150.0,
+        "seeking__dither_amplitude": 10.0,
+        "seeking__initial_estimate": [160.0, 200.0],
+        "robots__poses": [[2.0 * x, 2.0 * y, heading] for x, y, heading in load("measured.toml").robots.poses or []],
+    }
+    found = tracked("measured.toml", range(4), run__duration=80, **doubled)
+    assert found["optimal_separation"] == pytest.approx([2.0 * 68.11376] * 4, abs=1e-4)
+    assert rms(found["rmse"]) <= 2.0 * 0.35
 
 
 @pytest.mark.parametrize("gain", [1.0, 44460.0])

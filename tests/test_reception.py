@@ -38,7 +38,7 @@ def test_misses_are_learnt_from_the_gap_at_separations_in_between() -> None:
         now = contacts.update(before, sensed, layouts.poses([(0.0, 0.0)]), said, 50)
         at, separation, decoded = counting.slots(before, now, tick, np.ones(1, dtype=np.bool_))
         found.append((at.tolist(), separation.tolist(), decoded.tolist()))
-    assert found[0] == ([0], [60.0], [True])
+    assert found[0] == ([], [], [])  # nobody knows how many were missed before the first
     assert found[1:4] == [([], [], [])] * 3
     assert found[4] == ([0] * 4, [64.0, 61.0, 62.0, 63.0], [True, False, False, False])
 
@@ -51,6 +51,40 @@ def test_mixing_keeps_what_all_agree_on_and_ages_it() -> None:
     after = reception.fade(mixed, 0.02)
     faded = np.array([np.exp(-0.02 / 6.0)] * 3 + [np.exp(-0.02 / 120.0)] * 2)
     np.testing.assert_allclose(after.sums, sums * faded, rtol=1e-14)  # roundings
+
+
+def test_each_robot_mixes_in_a_tenth_of_what_each_heard_robot_has_more_than_itself() -> None:
+    star = Edges(np.arange(2), np.array([0, 0, 1]), np.array([1, 2, 0]))
+    before = Reception(POOLED, np.array([[1.0] * SUMS, [5.0] * SUMS]), np.zeros(2), np.ones(2))
+    theirs = np.array([[5.0] * SUMS, [9.0] * SUMS, [1.0] * SUMS])
+    heard = np.array([True, False, True])
+    after = reception.mix(before, star, heard, theirs)
+    np.testing.assert_allclose(
+        after.sums, [[1.4] * SUMS, [4.6] * SUMS], rtol=1e-14
+    )  # 1 + 0.1 (5 - 1), 5 + 0.1 (1 - 5)
+    crowd = Edges(np.arange(1), np.zeros(19, dtype=np.int64), np.arange(1, 20))
+    told = reception.mix(
+        Reception(POOLED, np.zeros((1, SUMS)), np.zeros(1), np.ones(1)),
+        crowd,
+        np.ones(19, dtype=np.bool_),
+        np.full((19, SUMS), 20.0),
+    )
+    np.testing.assert_allclose(told.sums, [[19.0] * SUMS], rtol=1e-14)  # 19 of 20 parts: nobody gives more than all
+
+
+def test_bounds_of_estimates_grow_with_what_the_team_wants() -> None:
+    estimates, wide = (
+        np.array([1.0, 80.0, 400.0]),
+        ObjectiveConfig(minimum_separation=200.0, maximum_separation=300.0),
+    )
+    assert reception.bounded(estimates, ObjectiveConfig()).tolist() == [20.0, 80.0, 145.0]
+    assert reception.bounded(estimates, wide).tolist() == [40.0, 80.0, 290.0]
+
+
+def test_robots_on_one_point_learn_nothing_strange() -> None:
+    known = reception.learn(reception.nothing(POOLED, 1), np.array([0]), np.array([0.0]), np.array([True]), 75.0)
+    assert np.isfinite(known.sums).all()
+    assert np.isfinite(known.exponent).all()
 
 
 def test_the_curvature_of_the_wish_is_the_derivative_of_its_slope() -> None:

@@ -2,8 +2,17 @@
 
 process     the shell: fes-world
 server      the lockstep: observations out, commands in, one barrier a tick
+attendance  who takes part at a tick
 roster      who hosts which robot, and who is alive
 reporting   the report to observers
+wording     between arrays and the messages of all robots
+recorder    the log of a run: run.mcap
+container   its file: topics, schemas, chunks
+schemas     its message types
+views       what viewers show of it
+protobuf    how its messages are encoded
+descriptors  how its message types are described
+ears        the beacons, for the log
 scenario    the typed scenario, from TOML
 radio_config  its table [channel]: the formula, shadowing, bursts, jammers
 kinematics  the unicycle (5) on its exact arc

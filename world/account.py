@@ -41,7 +41,7 @@ class Account:
 
     def add(self, state: State, twists: Floats, telemetry: Telemetry) -> None:
         """Add a tick: the state, the twists [n, 2] of the robots in it, and what they said."""
-        changed = state.channel is not self._channel
+        changed = state.channel is not self._channel and state.channel != self._channel
         if changed:
             self._channel = state.channel
             self.optimal = optimal_separation(self.scenario.objective, state.channel)

@@ -5,33 +5,51 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: no thread pool for arrays this small
 
 import argparse
+from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from pathlib import Path
 
 from fes import bus, keys, process
 from fes.errors import FesError
 from world import summary
+from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
 from world.server import Server
 
 
 async def serve(flags: argparse.Namespace, scenario: Scenario) -> int:
     """One world process, from start to exit code."""
-    run = keys.check_run(flags.run)
+    run, name = keys.check_run(flags.run), flags.name or Path(flags.scenario).stem
     async with bus.opened(process.world_endpoints(flags)) as opened:
-        server = Server(opened, scenario, flags.name or Path(flags.scenario).stem, run, flags.rtf)
-        try:
-            await server.gather()
-            await server.run()
-        finally:
-            server.dismiss()
-            server.complaints.log_total(server.overflow)
-            reached = server.summarize()
-            if reached is not None and flags.out is not None:
-                summary.write(flags.out, reached)
-            if server.scenario is not scenario and flags.out is not None:
-                summary.write_scenario(flags.out, server.scenario)  # with what was set meanwhile
+        with _recorder(flags, scenario, name) as recorder:
+            server = Server(opened, scenario, name, run, flags.rtf, recorder)
+            if flags.out is not None:
+                server.keep = partial(summary.write_scenario, flags.out)
+            try:
+                await server.gather()
+                await server.run()
+            finally:
+                server.dismiss()
+                server.complaints.log_total(server.overflow)
+                _keep(flags.out, server, recorder)
         server.logger.info("the run is over after %d ticks", scenario.ticks)
     return process.SUCCESS
+
+
+def _recorder(flags: argparse.Namespace, scenario: Scenario, name: str) -> AbstractContextManager[Recorder | None]:
+    """The log of the run, or none."""
+    if flags.out is None or flags.no_record:
+        return nullcontext()
+    return Recorder(flags.out / NAME, scenario, name, "processes")
+
+
+def _keep(out: Path | None, server: Server, recorder: Recorder | None) -> None:
+    """Keep what was reached: the summary."""
+    reached = server.summarize()
+    if recorder is not None:
+        recorder.conclude(reached)
+    if reached is not None and out is not None:
+        summary.write(out, reached)
 
 
 def main() -> None:
@@ -41,7 +59,8 @@ def main() -> None:
     parser.add_argument("--name", help="name of the scenario in the summary (default: that of its file)")
     add_scenario_flags(parser)
     parser.add_argument("--rtf", type=process.real_time_factor, metavar="max|X", help="pace: simulated s per s")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="where to write scenario.toml and summary.json")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="where to leave scenario, summary and log")
+    parser.add_argument("--no-record", action="store_true", help="write no log (run.mcap)")
     process.add_network_flags(parser)
     flags = parser.parse_args()
     try:

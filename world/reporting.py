@@ -10,7 +10,6 @@ from fes.edges import Edges
 from fes.report import Report
 from world import bursts, metrics
 from world.account import Account
-from world.channel import Radio
 from world.radio_config import RadioConfig
 from world.simulation import State
 
@@ -25,6 +24,8 @@ def build(account: Account, name: str, alive: Bytes, elapsed: float, ticks_per_s
     low, high = np.minimum(a, b), np.maximum(a, b)
     separation = metrics.separations(state.poses, low, high)
     ab, ba = _place(said.links, low, high), _place(said.links, high, low)
+    radio = state.radio
+    here, there = _place(radio.edges, low, high), _place(radio.edges, high, low)
     scale = scenario.seeking.reference_separation
     learnt = [_mean(_pick(row, ab), _pick(row, ba)) for row in said.learnt]
     level, exponent = learnt if said.learnt.size else [np.full(len(low), np.nan)] * 2
@@ -44,10 +45,10 @@ def build(account: Account, name: str, alive: Bytes, elapsed: float, ticks_per_s
         separation=separation,
         estimate_ab=_pick(said.estimates, ab),
         estimate_ba=_pick(said.estimates, ba),
-        outage=_outage(state, separation, low, high),
-        sent=_both_ways(state.radio, state.radio.sent, low, high),
-        decoded=_both_ways(state.radio, state.radio.decoded, low, high),
-        longest_gap=_both_ways(state.radio, state.radio.longest_gap, low, high, np.maximum),
+        outage=_outage(state, separation, here, there),
+        sent=_both_ways(radio.sent, here, there),
+        decoded=_both_ways(radio.decoded, here, there),
+        longest_gap=_both_ways(radio.longest_gap, here, there, np.maximum),
         learnt_reception=np.exp(-np.exp(level + exponent * np.log(separation / scale))),
         learnt_level=level,
         learnt_exponent=exponent,
@@ -80,30 +81,29 @@ def _mean(a: Floats, b: Floats) -> Floats:
     return np.where(np.isnan(a), b, np.where(np.isnan(b), a, 0.5 * (a + b)))
 
 
-def _both_ways(radio: Radio, of: Ints, a: Ints, b: Ints, add: np.ufunc = np.add) -> Floats:
+def _both_ways(of: Ints, here: Ints, there: Ints, add: np.ufunc = np.add) -> Floats:
     """A number of each contact since it opened, both ways taken together; 0 where there is no contact."""
-    if not len(radio.edges):
-        return np.zeros(len(a))
-    here, there = _place(radio.edges, a, b), _place(radio.edges, b, a)
+    if not len(of):
+        return np.zeros(len(here))
     result: Floats = add(np.where(here >= 0, of[here], 0), np.where(there >= 0, of[there], 0)).astype(np.float64)
     return result
 
 
-def _outage(state: State, separation: Floats, a: Ints, b: Ints) -> Floats:
+def _outage(state: State, separation: Floats, here: Ints, there: Ints) -> Floats:
     """True outage of each link, both ways averaged: of the last beacon, or after the formula where there was none."""
     formula = outage.outage_probability(separation, state.channel)
-    lost, edges = 1.0 - (1.0 - formula) * bursts.kept_on_average(state.channel.bursts), state.radio.edges
-    if len(edges) == 0:
+    lost = 1.0 - (1.0 - formula) * bursts.kept_on_average(state.channel.bursts)
+    if not len(state.radio.edges):
         return lost
-    here, there = _place(edges, a, b), _place(edges, b, a)
     decoded = 0.5 * (state.radio.probability[here] + state.radio.probability[there])
     return np.where((here >= 0) & np.isfinite(decoded), 1.0 - decoded, lost)
 
 
 def _reception_line(channel: RadioConfig, scale: float) -> tuple[float, float]:
     """Level and exponent that an exact fit of the formula has at `scale` [m]: ln(-ln p), and its slope in ln r."""
+    if channel.model != "logistic":
+        rate = outage.exponent_scale(channel) * scale**channel.path_loss_exponent
+        return math.log(rate) if rate > 0.0 else -math.inf, channel.path_loss_exponent
     at = np.array([scale])
-    rate = -math.log(max(float(outage.reception_probability(at, channel)[0]), 1e-300))
-    if rate == 0.0:
-        return -math.inf, 0.0
+    rate = float(np.logaddexp(0.0, outage.logistic_excess(at, channel))[0])  # -ln p
     return math.log(rate), float(-scale * outage.log_reception_slope(at, channel)[0] / rate)

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
 from fes import draws
-from fes.arrays import Bools, Floats
+from fes.arrays import Floats
 from fes.config import (
     AgentConfig,
     FormationConfig,
@@ -20,7 +20,7 @@ from fes.config import (
     Table,
 )
 from fes.errors import ScenarioError
-from world.events import EventConfig, attendance, changed, schedule
+from world.events import EventConfig, Planned, attendance, changed, schedule
 from world.radio_config import RadioConfig
 from world.rules import first_rule
 
@@ -111,8 +111,8 @@ class Scenario(Table):
         return schedule(self.event, self.run.dt)
 
     @property
-    def attendance(self) -> dict[int, Bools]:
-        """Tick -> which robots are present from it on [n], in order."""
+    def attendance(self) -> dict[int, Planned]:
+        """Tick -> who dies and who comes back, in order."""
         return attendance(self.event, self.robots.number, self.run.dt)
 
     @property

@@ -3,31 +3,36 @@
 import asyncio
 import logging
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from fes import keys, messages, wire
-from fes.arrays import Floats
+from fes.arrays import Bools, Floats
 from fes.bus import Bus, Question
 from fes.change import Effect, decode_change, encode_effect
 from fes.complaints import Complaints
-from fes.edges import Stack
-from fes.errors import Absent, MessageError, ScenarioError
+from fes.errors import MessageError, ScenarioError
 from fes.inbox import Inbox
 from fes.messages import Command, Observation
 from fes.report import encode_report
-from fes.sensing import Observations, Telemetry, untold
-from world import events, reporting, simulation, summary
+from fes.sensing import Observations, untold
+from world import events, reporting, simulation, summary, wording
 from world.account import Account
+from world.attendance import Attendance
+from world.ears import Ears
 from world.optimum import optimal_separation
+from world.recorder import Recorder, Said
 from world.roster import Roster
 from world.scenario import Scenario, agent_config, with_event
 from world.simulation import State
+from world.wording import Told
 
 ANSWER_TIMEOUT = 10.0
-"""A living robot that does not answer a tick for this long [s] is hung: its liveliness token would stay."""
+"""A living robot that does not answer a tick for this long [s] is hung, for its liveliness token may stay: it is left
+out until it speaks again."""
 
 ASK_AGAIN = 0.5
 """An observation is sent again to robots that did not answer it for this long [s], then for twice as long, ..."""
@@ -36,18 +41,30 @@ ASK_AGAIN = 0.5
 class Server:
     """One run of one scenario."""
 
-    def __init__(self, bus: Bus, scenario: Scenario, name: str, run: str, rtf: float | None) -> None:
+    def __init__(
+        self,
+        bus: Bus,
+        scenario: Scenario,
+        name: str,
+        run: str,
+        rtf: float | None,
+        recorder: Recorder | None = None,
+    ) -> None:
         self.scenario = scenario
         self.name = name
         self.logger = logging.getLogger("world")
         self.complaints = Complaints(self.logger)
         robots = range(scenario.robots.number)
         self._rtf = rtf
+        self.keep: Callable[[Scenario], None] = lambda scenario: None
+        """Called with the scenario whenever a person has changed it."""
         self._world = simulation.create(scenario)
         self._state = simulation.start(self._world)
         self._sums = Account(scenario)
-        self._stack = Stack()
+        self._told = Told(self._world.ids)
         self._said = untold(self._world.ids)
+        self._recorder = recorder
+        self._ears = Ears(bus, run, len(robots), self.complaints) if recorder is not None else None
         self._inbox = Inbox(asyncio.get_running_loop())
         self._observe = [bus.publisher(keys.observation(run, robot), "fes.Observation") for robot in robots]
         self._report = bus.publisher(keys.report(run), "fes.Report", drop=True)
@@ -56,7 +73,8 @@ class Server:
         self._roster = Roster(bus, run, len(robots), agent_config(scenario), self.complaints)
         bus.serve(keys.change(run), self._on_change)
         bus.token(keys.world_alive(run))  # last: it says that everything above is in place
-        self._unaccounted: tuple[State, Floats] | None = None
+        self._attendance = Attendance(self._roster, scenario)
+        self._unaccounted: tuple[State, Floats, list[bytes], list[bytes]] | None = None
         self._begun = self._told_at = self._ended = 0.0
         self._told_tick = 0
 
@@ -72,10 +90,14 @@ class Server:
         """All ticks of the scenario; ends early, with what was reached, if it is cancelled."""
         self._begun = self._told_at = time.perf_counter()
         while self._state.tick < self.scenario.ticks:
+            self._attend(await self._attendance.assemble(self._state))
             sent = self._publish(simulation.observe(self._state))
             self._account()  # for the last tick, while the robots think about this one
-            twists = self._tell_apart(await self._barrier(sent))
-            self._unaccounted = self._state, twists
+            answers = await self._barrier(sent)
+            twists, self._said = self._told.read([answer and answer[0] for answer in answers])
+            commands = [answer[1] if answer else b"" for answer in answers]
+            sent = [payload if answer else b"" for payload, answer in zip(sent, answers, strict=True)]
+            self._unaccounted = self._state, twists, sent, commands
             self._state = simulation.step(self._world, self._state, twists)
             await self._pace()
         self._account()
@@ -101,7 +123,9 @@ class Server:
             self._tell()
         nothing = np.zeros(0, dtype=np.int64)
         for robot, (put, pose) in enumerate(zip(self._observe, self._state.poses.tolist(), strict=True)):
-            farewell = Observation(self._state.tick, robot, tuple(pose), nothing, nothing.astype(np.uint8), over=True)
+            farewell = Observation(
+                self._state.tick, robot, tuple(pose), nothing, nothing.astype(np.uint8), over=True, since=0
+            )
             put(messages.encode_observation(farewell))
 
     def _on_change(self, question: Question) -> None:
@@ -119,66 +143,80 @@ class Server:
         self._state = replace(self._state, channel=changed)
         value = events.effective(changed, change.path)
         self.scenario = with_event(self.scenario, tick, change.path, value)
+        self.keep(self.scenario)
+        if self._recorder is not None:
+            self._recorder.change(tick, change.path, value)
         optimal = optimal_separation(self.scenario.objective, changed)
         self.logger.info("tick %d: %s = %s, r* = %.3f m", tick, change.path, value, optimal)
         question.answer(encode_effect(Effect(change.path, value, tick, optimal)), "fes.Effect")
 
     def _on_loss(self, robot: int) -> None:
-        self._inbox.fail(
-            Absent(
-                f"robot {robot} left at tick {self._state.tick}: its agent died, was stopped or lost its connection"
-            )
-        )
+        self._inbox.nudge()
+
+    def _attend(self, present: Bools) -> None:
+        """These robots take part from this tick on."""
+        before = self._state
+        if (present != before.present).any():
+            self._state = simulation.attend(before, present)
+            self._attendance.told(before, self._state)
+            if self._recorder is not None:
+                self._recorder.attend(before.tick, np.flatnonzero(present).tolist())
 
     def _account(self) -> None:
         """Add the last tick to the tally, and report to observers if it is time."""
         if self._unaccounted is None:
             return
-        state, twists = self._unaccounted
+        state, twists, sent, answers = self._unaccounted
         self._unaccounted = None
         self._sums.add(state, twists, self._said)
+        if self._recorder is not None and self._ears is not None:
+            said = Said(sent, self._ears.heard(state.tick, state.present), answers)
+            self._recorder.add(self._sums, twists, said, self._roster.alive, time.perf_counter() - self._begun)
         if time.perf_counter() - self._told_at >= reporting.PERIOD:
             self._tell()
 
     def _publish(self, observations: Observations) -> list[bytes]:
         """Put each robot's observation; returns the payloads, to be sent again if need be."""
-        spans, sent = observations.in_range.spans, []
-        for robot, (pose, span) in enumerate(zip(observations.poses.tolist(), spans, strict=True)):
-            message = Observation(
-                observations.tick,
-                robot,
-                tuple(pose),
-                observations.in_range.peers[span],
-                observations.reception[span],
-                over=False,
-            )
-            payload = messages.encode_observation(message)
-            self._observe[robot](payload)
-            sent.append(payload)
+        addressed = (
+            self._state.present | self._attendance.there
+        )  # whom only the scenario has dead must not fall behind
+        sent = wording.observations(observations, addressed, self._state.since)
+        for put, payload in zip(self._observe, sent, strict=True):
+            if payload:
+                put(payload)
         return sent
 
-    async def _barrier(self, sent: list[bytes]) -> list[Command]:
-        """The command of every robot for this tick, in id order; raises Absent for one that does not answer."""
-        answers: list[Command | None] = [None] * len(sent)
-        missing, begun, patience = len(sent), time.monotonic(), ASK_AGAIN
+    async def _barrier(self, sent: list[bytes]) -> list[tuple[Command, bytes] | None]:
+        """Every robot's command for this tick and its payload, in id order; None for those that are not there.
+
+        A robot that is lost or does not answer in time is not there from this tick on.
+        """
+        answers: list[tuple[Command, bytes] | None] = [None] * len(sent)
+        waited = self._state.present.copy()
+        missing, begun, patience = int(waited.sum()), time.monotonic(), ASK_AGAIN
         ask_at = begun + patience
         while missing:
             # Messages are only counted here, so junk may wake us too: time is looked at on every pass.
             await self._inbox.wait(missing, max(0.0, ask_at - time.monotonic()))
             for key, payload in self._inbox.drain():
                 command = self._read(key, payload)
-                if command is not None and answers[command.robot] is None:
-                    answers[command.robot] = command
+                if command is not None and payload is not None and waited[command.robot]:
+                    answers[command.robot] = command, payload
+                    waited[command.robot] = False
                     missing -= 1
+            if missing:
+                waited &= self._attendance.there
+                missing = int(waited.sum())
             if missing and time.monotonic() >= ask_at:
-                silent = [robot for robot, answer in enumerate(answers) if answer is None]
                 if time.monotonic() - begun >= ANSWER_TIMEOUT:
-                    raise Absent(f"robot {silent[0]} did not answer tick {self._state.tick} for {ANSWER_TIMEOUT:g} s")
-                for robot in silent:
+                    self._attendance.hang(waited)
+                    break
+                for robot in np.flatnonzero(waited).tolist():
                     self._observe[robot](sent[robot])
                 patience *= 2.0
                 ask_at = min(time.monotonic() + patience, begun + ANSWER_TIMEOUT)
-        return [answer for answer in answers if answer is not None]
+        self._attend(self._state.present & np.array([answer is not None for answer in answers]))
+        return answers
 
     def _read(self, key: str, payload: bytes | None) -> Command | None:
         """The command in a message if it is one for this tick; anything else is dropped and counted.
@@ -192,7 +230,7 @@ class Server:
             command = messages.decode_command(payload)
             if self._robot_of.get(key) != command.robot:
                 raise MessageError("Command", "came on another robot's key", key)
-            if command.tick == self._state.tick - 1:
+            if self._attendance.woke(command.robot) or command.tick == self._state.tick - 1:
                 return None
             if command.tick != self._state.tick:
                 raise MessageError("Command", "is not for this tick", str(command.tick))
@@ -202,16 +240,6 @@ class Server:
             self.complaints.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
             return None
         return command
-
-    def _tell_apart(self, commands: list[Command]) -> Floats:
-        """The twists [n, 2] in the commands; the telemetry beside them is kept for the tally and the report."""
-        links = self._stack.edges(self._world.ids, [command.links for command in commands])
-        estimates = np.concatenate([command.estimates for command in commands])
-        learnt = np.zeros((2, 0))
-        if len(estimates) and all(len(command.learnt) == 2 * len(command.links) for command in commands):
-            learnt = np.concatenate([command.learnt.reshape(2, -1) for command in commands], axis=1)
-        self._said = Telemetry(links, estimates, learnt)
-        return np.array([command.twist for command in commands])
 
     def _tell(self) -> None:
         now = time.perf_counter()

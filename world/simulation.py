@@ -9,6 +9,7 @@ from fes.arrays import Bools, Floats, Ints
 from fes.sensing import DECODED, Observations
 from world import channel, events, kinematics, proximity
 from world.channel import Medium, Radio
+from world.events import Planned
 from world.proximity import Proximity
 from world.radio_config import RadioConfig
 from world.scenario import Scenario, initial_poses
@@ -24,8 +25,8 @@ class World:
     medium: Medium
     changes: dict[int, dict[str, Any]]
     """Tick -> what is set of the channel from it on."""
-    attendance: dict[int, Bools]
-    """Tick -> which robots are present from it on [n]."""
+    attendance: dict[int, Planned]
+    """Tick -> who dies and who comes back."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +43,8 @@ class State:
     present: Bools
     """Which robots take part [n]. The body of another stands still and its radio is silent; that its beacons are not
     heard is all that its peers learn of it."""
+    since: Ints
+    """The tick from which on each robot takes part, for the last time [n]."""
     sent: int
     """Beacons sent on open contacts so far."""
     decoded: int
@@ -60,7 +63,10 @@ def start(world: World) -> State:
     poses, radio = initial_poses(world.scenario), world.scenario.channel
     near = proximity.measure(world.ids, poses, radio.communication_range, None)
     return _changed(
-        world, State(0, poses, radio, near, channel.quiet(near.edges), np.ones(len(poses), dtype=np.bool_), 0, 0)
+        world,
+        State(
+            0, poses, radio, near, channel.quiet(near.edges), np.ones(len(poses), dtype=np.bool_), 0 * world.ids, 0, 0
+        ),
     )
 
 
@@ -95,7 +101,7 @@ def attend(state: State, present: Bools) -> State:
     """The state at the same tick with these robots present [n]; contacts of those that come back open anew."""
     back = present & ~state.present
     radio = channel.reopen(state.radio, back) if back.any() else state.radio
-    return replace(state, present=present, radio=radio)
+    return replace(state, present=present, radio=radio, since=np.where(back, state.tick, state.since))
 
 
 def observe(state: State) -> Observations:
@@ -105,9 +111,9 @@ def observe(state: State) -> Observations:
 
 def _changed(world: World, state: State) -> State:
     """The state with what is to be set at its tick, and who is to be there."""
-    present, settings = world.attendance.get(state.tick), world.changes.get(state.tick)
-    if present is not None:
-        state = attend(state, present)
+    planned, settings = world.attendance.get(state.tick), world.changes.get(state.tick)
+    if planned is not None:
+        state = attend(state, events.attended(state.present, planned))
     if settings is None:
         return state
     return replace(state, channel=events.changed(state.channel, settings, world.scenario.run.dt))

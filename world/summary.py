@@ -61,9 +61,11 @@ def write(directory: Path, summary: dict[str, Any]) -> None:
 
 
 def write_scenario(directory: Path, scenario: Scenario) -> None:
-    """Write scenario.toml: the scenario as it is run, with every default and override."""
+    """Write scenario.toml, complete or not at all: the scenario as it is run, with every default and override."""
     tables = scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
-    (directory / "scenario.toml").write_text(tomli_w.dumps(tables), encoding="utf-8")
+    temporary = directory / ".scenario.toml"
+    temporary.write_text(tomli_w.dumps(tables), encoding="utf-8")
+    os.replace(temporary, directory / "scenario.toml")
 
 
 def _edges(links: Edges, separation: Floats, estimates: Floats) -> list[list[float | int | None]]:

@@ -88,6 +88,8 @@ def scalars(summary: dict[str, Any], prefix: str = "") -> Scalars:
     """
     found: Scalars = {}
     for name, value in summary.items():
+        if isinstance(value, list) and value and isinstance(value[0], dict):
+            value = {str(at): one for at, one in enumerate(value)}
         if isinstance(value, dict):
             found |= scalars(value, f"{prefix}{name}.")
         elif not isinstance(value, list | tuple) and prefix + name not in WALL_CLOCK | THE_SAME:

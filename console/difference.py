@@ -1,0 +1,101 @@
+"""Where two ticks differ: message, robot, field and both values."""
+
+import struct
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fes import messages
+from fes.errors import MessageError
+from fes.report import Report
+from world.recorder import Said
+
+_DECODERS: dict[str, Callable[[bytes], Any]] = {
+    "Observation": messages.decode_observation,
+    "Beacon": messages.decode_beacon,
+    "Command": messages.decode_command,
+}
+_PARTS = {"pose": ("x", "y", "heading"), "twist": ("linear", "angular")}
+_WALL_CLOCK = {"elapsed", "ticks_per_s", "alive"}
+"""Fields of a Report that are of the machine and not of the run."""
+
+
+class Difference(NamedTuple):
+    """One field that is not the same to the bit."""
+
+    tick: int
+    message: str
+    robot: int | None
+    field: str
+    first: Any
+    second: Any
+
+    def told(self, first: str, second: str) -> str:
+        """In a line; `first` and `second` say where each value is.
+
+        >>> Difference(7, "Command", 3, "twist.linear", 1.5, 2.5).told("in the log", "executed again")
+        'tick 7, Command of robot 3: twist.linear is 1.5 in the log and 2.5 executed again'
+        """
+        whose = "" if self.robot is None else f" of robot {self.robot}"
+        values = f"{self.first!r} {first} and {self.second!r} {second}"
+        return f"tick {self.tick}, {self.message}{whose}: {self.field} is {values}"
+
+
+def between(tick: int, one: Said, other: Said) -> Difference | None:
+    """The first difference of two ticks: Observations before Beacons before Commands, the lowest robot first."""
+    for message, mine, theirs in zip(_DECODERS, one, other, strict=True):
+        if mine != theirs:
+            if len(mine) != len(theirs):
+                return Difference(tick, message, None, "number of robots", len(mine), len(theirs))
+            robot = next(robot for robot, pair in enumerate(zip(mine, theirs, strict=True)) if pair[0] != pair[1])
+            return of_payloads(tick, message, robot, mine[robot], theirs[robot])
+    return None
+
+
+def of_payloads(tick: int, message: str, robot: int, one: bytes, other: bytes) -> Difference:
+    """The first field in which two payloads differ, which are not the same."""
+    if not one or not other:
+        return Difference(tick, message, robot, "payload", *("there" if it else "missing" for it in (one, other)))
+    try:
+        mine, theirs = _DECODERS[message](one), _DECODERS[message](other)
+    except MessageError as error:
+        return Difference(tick, message, robot, f"payload ({error})", one.hex(), other.hex())
+    for field in mine._fields:
+        found = _values(field, getattr(mine, field), getattr(theirs, field))
+        if found is not None:
+            return Difference(tick, message, robot, *found)
+    return Difference(tick, message, robot, "encoding", one.hex(), other.hex())
+
+
+def of_reports(one: Report, other: Report) -> Difference | None:
+    """The first difference of two Reports, but for what is of the machine."""
+    for field in one.__slots__:
+        if field in _WALL_CLOCK:
+            continue
+        found = _values(field, getattr(one, field), getattr(other, field))
+        if found is not None:
+            return Difference(one.tick, "Report", None, *found)
+    return None
+
+
+def _values(field: str, one: Any, other: Any) -> tuple[str, Any, Any] | None:
+    """Name of the first part of a field that differs, and its values; None if nothing does."""
+    if isinstance(one, np.ndarray):
+        one, other = one.ravel().tolist(), other.ravel().tolist()
+    if not isinstance(one, list | tuple):
+        return None if _same(one, other) else (field, one, other)
+    if len(one) != len(other):
+        return f"length of {field}", len(one), len(other)
+    parts = _PARTS.get(field)
+    for at, pair in enumerate(zip(one, other, strict=True)):
+        if not _same(*pair):
+            return f"{field}.{parts[at]}" if parts else f"{field}[{at}]", *pair
+    return None
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two values are the same to the bit: 0.0 is not -0.0, and NaN is NaN."""
+    if isinstance(one, float) and isinstance(other, float):
+        return struct.pack("<d", one) == struct.pack("<d", other)
+    return bool(one == other)

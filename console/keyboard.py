@@ -1,0 +1,59 @@
+"""Keys of a terminal, as they are pressed."""
+
+import contextlib
+import os
+import select
+import termios
+import tty
+from types import TracebackType
+from typing import Self
+
+LEFT, RIGHT, END = "left", "right", "end of input"
+
+_SEQUENCES = {b"\x1b[C": RIGHT, b"\x1b[D": LEFT, b"\x1bOC": RIGHT, b"\x1bOD": LEFT}
+
+
+class Keyboard:
+    """A terminal that hands over each key while the block lasts."""
+
+    def __init__(self, terminal: int) -> None:
+        self._terminal = terminal
+
+    def __enter__(self) -> Self:
+        self._before = termios.tcgetattr(self._terminal)
+        tty.setcbreak(self._terminal)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        with contextlib.suppress(termios.error):  # the terminal may be gone
+            termios.tcsetattr(self._terminal, termios.TCSADRAIN, self._before)
+
+    def pressed(self, timeout: float) -> list[str]:
+        """The keys pressed, waiting for one up to `timeout` [s]; END when there is no terminal any more."""
+        if not select.select([self._terminal], [], [], timeout)[0]:
+            return []
+        try:
+            typed = os.read(self._terminal, 1024)
+        except OSError:
+            typed = b""
+        return keys(typed) if typed else [END]
+
+
+def keys(typed: bytes) -> list[str]:
+    """What was typed, key by key; sequences that mean nothing here are left out.
+
+    >>> keys(b" +\\x1b[C\\x1b[Aq")
+    [' ', '+', 'right', 'q']
+    """
+    found = []
+    while typed:
+        if typed[:1] == b"\x1b":
+            sequence, typed = typed[:3], typed[3:]
+            if sequence in _SEQUENCES:
+                found.append(_SEQUENCES[sequence])
+            continue
+        found.append(chr(typed[0]))
+        typed = typed[1:]
+    return found

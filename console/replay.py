@@ -1,0 +1,92 @@
+"""The command fes replay: a recorded run again, to look at, to sum up, or to execute and compare."""
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+from console import log as logs
+from console import player, reexecution, summary
+from console.log import Log
+from console.reexecution import Robots
+from fes import process
+from fes.errors import FesError
+from world.account import Account
+from world.summary import summarize
+
+
+def replay(
+    target: Annotated[Path, typer.Argument(metavar="LOG", help="A log, run.mcap, or a run directory.")],
+    robot: Annotated[
+        int | None, typer.Option(min=0, metavar="I", help="Execute this robot's code again, and compare.")
+    ] = None,
+    all_: Annotated[
+        bool, typer.Option("--all", help="Execute world and robots again, and compare everything.")
+    ] = False,
+    speed: Annotated[float, typer.Option(min=1e-3, max=1e6, help="Simulated seconds a second.")] = 1.0,
+    headless: Annotated[bool, typer.Option("--headless", help="No dashboard.")] = False,
+    json_: Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else.")] = False,
+) -> int:
+    """Show a recorded run again; or execute it again, bit for bit."""
+    log = logs.load(target)
+    screen = Console(stderr=json_)
+    if robot is not None:
+        ticks = alone(log, robot)
+        _print(screen, json_, {"robot": robot, "ticks": ticks}, f"robot {robot}, executed again", ticks)
+    elif all_ or json_ or headless or not (screen.is_terminal and sys.stdin.isatty()):
+        result = again(log, everybody=all_)
+        ticks = result["ticks"]
+        if not json_:
+            screen.print(summary.render(result))
+        _print(screen, json_, result, f"the world{' and all robots' if all_ else ''}, executed again", ticks)
+    else:
+        player.play(log, screen, speed)
+    complaint = log.complaint
+    if complaint is not None:
+        raise FesError(complaint)
+    return process.SUCCESS
+
+
+def alone(log: Log, robot: int) -> int:
+    """Execute one robot again, from its recorded inputs; returns the number of ticks, or raises Mismatch."""
+    robots = log.scenario.robots.number
+    if robot >= robots:
+        raise FesError(f"--robot {robot}: the run has robots 0 to {robots - 1}")
+    own, ticks = Robots(log, [robot]), 0
+    for tick in log.ticks():
+        own.step(tick)
+        ticks += 1
+    return ticks
+
+
+def again(log: Log, everybody: bool = False) -> dict[str, Any]:
+    """Execute the world again, and with `everybody` all robots; returns the summary.
+
+    Raises Mismatch where a message comes out otherwise, and FesError where a Report or the summary does.
+    """
+    sums, elapsed = Account(log.scenario), 0.0
+    robots = Robots(log, range(log.scenario.robots.number)) if everybody else None
+    for moment in reexecution.world(log):
+        if robots is not None:
+            robots.step(moment.recorded)
+        sums.add(moment.state, moment.twists, moment.telemetry)
+        recorded = moment.recorded.report
+        if recorded is not None:
+            elapsed = recorded.elapsed
+            reexecution.check_report(sums, recorded)
+    wall = log.summary["wall_s"] if log.summary else elapsed
+    found: dict[str, Any] = json.loads(json.dumps(summarize(sums, log.name, log.backend, wall)))
+    for key, value in (log.summary or {}).items():
+        if json.dumps(found.get(key)) != json.dumps(value):
+            raise FesError(f"summary: {key} is {value!r} in the log and {found.get(key)!r} executed again")
+    return found
+
+
+def _print(screen: Console, json_: bool, result: dict[str, Any], what: str, ticks: int) -> None:
+    if json_:
+        print(json.dumps(result))
+    else:
+        screen.print(f"{what}: {ticks} ticks, the same to the bit", highlight=False)

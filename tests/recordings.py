@@ -1,0 +1,71 @@
+"""Logs for tests: recorded in one loop, read with the mcap library alone, and written anew with a change."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from mcap.reader import make_reader
+from mcap.writer import Writer
+
+from console import inprocess
+from world import protobuf
+from world.recorder import Recorder
+from world.scenario import Scenario
+from world.schemas import OWN
+
+Edit = Callable[[str, int, bytes], bytes | None]
+"""Topic, tick and payload of a message -> its new payload, or None to leave it out."""
+
+
+def record(path: Path, scenario: Scenario, name: str = "test") -> dict[str, Any]:
+    """Record a run in one loop; returns its summary."""
+    with Recorder(path, scenario, name, "inprocess") as recorder:
+        summary = inprocess.run(scenario, name, recorder=recorder)
+        recorder.conclude(summary)
+    return summary
+
+
+def messages(path: Path) -> list[tuple[str, int, bytes]]:
+    """Topic, tick and payload of every message, in the order of the file."""
+    with path.open("rb") as file:
+        found = make_reader(file, validate_crcs=True).iter_messages(log_time_order=False)
+        return [(channel.topic, message.sequence, message.data) for _, channel, message in found]
+
+
+def rewrite(path: Path, to: Path, edit: Edit) -> None:
+    """A copy of a log with messages edited."""
+    with path.open("rb") as file, to.open("wb") as out:
+        reader, writer = make_reader(file), Writer(out)
+        writer.start("fes")
+        channels: dict[int, int] = {}
+        for schema, channel, message in reader.iter_messages(log_time_order=False):
+            payload = edit(channel.topic, message.sequence, message.data)
+            if channel.id not in channels:
+                assert schema is not None
+                registered = writer.register_schema(schema.name, schema.encoding, schema.data)
+                channels[channel.id] = writer.register_channel(channel.topic, channel.message_encoding, registered)
+            if payload is not None:
+                writer.add_message(
+                    channels[channel.id], message.log_time, payload, message.log_time, message.sequence
+                )
+        for metadata in reader.iter_metadata():
+            writer.add_metadata(metadata.name, metadata.metadata)
+        writer.finish()
+
+
+def payloads(message: bytes) -> list[bytes]:
+    """The payloads of all robots in a message of /observations, /beacons or /commands."""
+    return [bytes(value) for field, value in protobuf.fields(message) if field == 2]
+
+
+def edited(topic: str, tick: int, robot: int, change: Callable[[bytes], bytes]) -> Edit:
+    """An edit of one robot's payload at one tick."""
+
+    def edit(found: str, at: int, message: bytes) -> bytes:
+        if (found, at) != (topic, tick):
+            return message
+        all_ = payloads(message)
+        all_[robot] = change(all_[robot])
+        return OWN["Commands"].encode({"tick": tick, "payloads": all_})  # the three are encoded alike
+
+    return edit

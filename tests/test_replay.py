@@ -1,0 +1,256 @@
+"""A recorded run executed again: the same to the bit, and whatever is not is named."""
+
+import asyncio
+import json
+import os
+import signal
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from console import compare, evidence, history, inprocess, log, replay
+from console.reexecution import Mismatch
+from fes import change, keys, messages
+from fes.change import Change
+from fes.errors import FesError
+from tests import recordings, session
+from tests.loop import CONFIGS, load
+from tests.test_processes import PATIENCE, alive, children, command, fes, start, until
+from world.recorder import Recorder
+
+SHORT = {"run__duration": 2.0}
+
+
+def as_json(summary: dict[str, Any]) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(json.dumps(summary))
+    return found
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    """A recorded run of the measured index, and its summary."""
+    path = tmp_path_factory.mktemp("replay") / "run.mcap"
+    return path, recordings.record(path, load("measured.toml", **SHORT), "measured")
+
+
+Recorded = tuple[Path, dict[str, Any]]
+
+
+SHIFT = 1e-6  # rad/s
+
+
+def shifted(payload: bytes) -> bytes:
+    """A command with another angular velocity."""
+    found = messages.decode_command(payload)
+    return messages.encode_command(found._replace(twist=(found.twist[0], found.twist[1] + SHIFT)))
+
+
+@pytest.fixture(scope="module")
+def tampered(recorded: Recorded, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same log with robot 3's command of tick 40 changed."""
+    path = tmp_path_factory.mktemp("tampered") / "run.mcap"
+    recordings.rewrite(recorded[0], path, recordings.edited("/commands", 40, 3, shifted))
+    return path
+
+
+def test_summary_digest_and_figures_are_those_of_the_live_run(recorded: Recorded) -> None:
+    path, summary = recorded
+    found = log.load(path)
+    assert replay.again(found) == replay.again(found, everybody=True) == as_json(summary)
+    live, drawn = history.follow(found.scenario), history.recorded(found)
+    assert drawn.digest == live.digest == summary["digest"]
+    for field in ("time", "poses", "disagreement", "estimate_error", "separation_error"):
+        np.testing.assert_array_equal(getattr(drawn, field), getattr(live, field))
+
+
+def test_ten_processes_over_zenoh_are_executed_again_in_one_loop(tmp_path: Path) -> None:
+    words = ["run", str(CONFIGS / "measured.toml"), "--duration", "2", "--headless", "--json", "--out", "out"]
+    done = subprocess.run(fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
+    assert done.returncode == 0, done.stderr
+    summary = json.loads(done.stdout)
+    found = log.load(tmp_path / "out")
+    assert found.backend == "processes"
+    assert replay.again(found, everybody=True) == summary
+    assert replay.alone(found, 3) == summary["ticks"] == 100
+    recordings.record(tmp_path / "loop.mcap", found.scenario)
+    assert compare.first_difference(found, log.load(tmp_path / "loop.mcap")) is None
+
+
+@pytest.mark.parametrize("robot", range(10))
+def test_a_robot_alone_says_and_does_what_it_did(recorded: Recorded, robot: int) -> None:
+    assert replay.alone(log.load(recorded[0]), robot) == recorded[1]["ticks"]
+
+
+def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
+    pair = load("pair.toml", run__duration=4.0)
+
+    async def disturb(endpoint: str) -> None:
+        async with session.client(endpoint) as person:
+            wish = change.encode_change(Change("channel.reference_snr", 2e6))
+            await person.ask(keys.change(session.RUN), wish, 5.0)
+
+    async def run() -> dict[str, Any]:
+        with Recorder(tmp_path / "run.mcap", pair, "test", "processes") as recorder:
+            summary, server, _ = await session.run(pair, [[0], [1]], disturb, recorder)
+            recorder.conclude(summary)
+            assert server.scenario.event
+        return summary
+
+    summary = asyncio.run(asyncio.wait_for(run(), PATIENCE))
+    found = log.load(tmp_path / "run.mcap")
+    [changes] = [tick.changes for tick in found.ticks() if tick.changes]
+    assert changes == [("channel.reference_snr", 2e6)]
+    assert found.scenario == pair
+    assert summary["digest"] != inprocess.run(pair, "test")["digest"]
+    assert replay.again(found, everybody=True) == as_json(summary)
+
+
+def test_a_change_is_named_with_tick_robot_field_and_both_values(recorded: Recorded, tampered: Path) -> None:
+    commands = [tick.said.commands for tick in log.load(recorded[0]).ticks()][40]
+    true = messages.decode_command(commands[3]).twist[1]
+    other = true + SHIFT
+    expected = f"tick 40, Command of robot 3: twist.angular is {other!r} in the log and {true!r} executed again"
+    for execute in (lambda found: replay.again(found, everybody=True), lambda found: replay.alone(found, 3)):
+        with pytest.raises(Mismatch) as caught:
+            execute(log.load(tampered))
+        assert str(caught.value) == expected
+    assert replay.alone(log.load(tampered), 4) == recorded[1]["ticks"]  # robot 4 cannot know
+    with pytest.raises(Mismatch, match=r"^tick 41, Observation of robot 3: pose\.x is "):
+        replay.again(log.load(tampered))  # the world does not ask why a robot moves
+
+
+def test_a_summary_that_was_not_reached_is_named(recorded: Recorded, tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    pair = load("pair.toml", run__duration=0.5)
+    with Recorder(path, pair, "test", "inprocess") as recorder:
+        recorder.conclude({**inprocess.run(pair, "test", recorder=recorder), "digest": "0" * 64})
+    with pytest.raises(FesError, match=r"^summary: digest is '0000"):
+        replay.again(log.load(path))
+
+
+def test_compare_names_the_first_difference(recorded: Recorded, tampered: Path, tmp_path: Path) -> None:
+    one = log.load(recorded[0])
+    assert compare.first_difference(one, one) is None
+    assert list(compare.of_scenarios(one, one)) == []
+
+    found = compare.first_difference(one, log.load(tampered))
+    assert found is not None
+    assert (found.tick, found.message, found.robot, found.field) == (40, "Command", 3, "twist.angular")
+    assert found.second == found.first + SHIFT
+
+    recordings.record(tmp_path / "seed.mcap", load("measured.toml", **SHORT, run__seed=7))
+    other = log.load(tmp_path / "seed.mcap")
+    assert list(compare.of_scenarios(one, other)) == [("run.seed", 1, 7)]
+    assert compare.first_difference(one, other) is not None
+
+    recordings.record(tmp_path / "shorter.mcap", load("measured.toml", run__duration=1.0))
+    shorter = compare.first_difference(one, log.load(tmp_path / "shorter.mcap"))
+    assert shorter is not None
+    assert shorter.told("in A", "in B") == "tick 50, run: this tick is 'there' in A and 'nothing' in B"
+
+
+def test_compare_and_replay_return_1_where_something_differs(recorded: Recorded, tampered: Path) -> None:
+    one, other = str(recorded[0]), str(tampered)
+    same = subprocess.run(fes("compare", one, one), capture_output=True, text=True, timeout=PATIENCE)
+    assert (same.returncode, same.stdout) == (0, "every message of every tick is the same to the bit\n")
+    unlike = subprocess.run(fes("compare", one, other), capture_output=True, text=True, timeout=PATIENCE)
+    assert unlike.returncode == 1
+    assert unlike.stdout.startswith("tick 40, Command of robot 3: twist.angular is ")
+    again = subprocess.run(fes("replay", other, "--all", "--json"), capture_output=True, text=True, timeout=PATIENCE)
+    assert (again.returncode, again.stdout) == (1, "")
+    assert again.stderr.startswith("fes: error: tick 40, Command of robot 3: twist.angular is ")
+    assert again.stderr.count("\n") == 1
+    whole = subprocess.run(fes("replay", one, "--json"), capture_output=True, text=True, timeout=PATIENCE)
+    assert (whole.returncode, json.loads(whole.stdout)) == (0, as_json(recorded[1]))
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
+def test_a_log_of_a_world_that_was_ended_holds_what_was_reached(tmp_path: Path, how: signal.Signals) -> None:
+    words = ["run", str(CONFIGS / "pair.toml"), "--duration", "100000", "--out", "out", "--headless"]
+    running = start(fes(*words), tmp_path)
+    path = tmp_path / "out" / "run.mcap"
+    begun = until(lambda: path.exists() and path.stat().st_size)
+    until(lambda: path.stat().st_size > begun + 1000)  # a chunk with ticks is whole
+    pids = children(running.pid)
+    os.kill(next(pid for pid, line in pids.items() if "world.process" in line), how)
+    running.communicate(timeout=PATIENCE)
+    assert running.returncode == 1
+    assert not any(alive(pid) for pid in pids)
+    found = log.load(path)
+    ticks = sum(1 for _ in found.ticks())
+    assert ticks > 0
+    summary = replay.again(found, everybody=True)
+    assert summary["ticks"] == ticks
+    assert summary["digest"] == inprocess.run(load("pair.toml", run__duration=ticks * 0.02), "pair")["digest"]
+    if how is signal.SIGKILL:
+        assert found.complaint == (
+            f"{path} has no end, its run was killed or the file was cut: {ticks} of 5000000 ticks are there"
+        )
+    else:
+        assert found.complaint is None
+        assert json.loads((tmp_path / "out/summary.json").read_text()) == found.summary == summary
+
+
+def bad(path: Path, good: Path, what: str) -> Path:
+    """Something that is no log, or not a whole one."""
+    if what == "a text file":
+        path.write_text("schema = 1\n")
+    elif what == "cut before the first tick":
+        path.write_bytes(good.read_bytes()[:4000])
+    elif what == "cut":
+        path.write_bytes(good.read_bytes()[:-1000])
+    elif what == "damaged":
+        whole = bytearray(good.read_bytes())
+        whole[len(whole) // 2] ^= 1
+        path.write_bytes(whole)
+    elif what == "a directory":
+        path.mkdir()
+    elif what in ("another version", "somebody else's"):
+
+        def edit(topic: str, tick: int, payload: bytes) -> bytes | None:
+            if topic != "/scenario":
+                return payload
+            told = {**json.loads(payload), "log": 2}
+            return json.dumps(told).encode() if what == "another version" else None
+
+        recordings.rewrite(good, path, edit)
+    return path
+
+
+BAD = {
+    "a text file": "is not a log: it is not an MCAP file",
+    "cut before the first tick": "0 of 100 ticks are there",
+    "cut": "has no end, its run was killed or the file was cut: 100 of 100 ticks are there",
+    "damaged": "is damaged: crc validation failed in Chunk",
+    "a directory": "has no run.mcap: the run was not recorded",
+    "another version": "is a log of version 2; this fes reads version 1",
+    "somebody else's": "is not a log of a run: it does not begin with its scenario",
+    "nothing": "No such file or directory",
+}
+
+
+@pytest.mark.parametrize(("what", "rule"), BAD.items(), ids=BAD.keys())
+def test_what_is_no_whole_log_is_one_line(recorded: Recorded, tmp_path: Path, what: str, rule: str) -> None:
+    path = bad(tmp_path / "bad", recorded[0], what)
+    with pytest.raises(FesError, match=f"^{path}") as caught:
+        replay.replay(path, json_=True, headless=True)
+    assert rule in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_the_program_says_it_in_one_line_and_returns_1(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("hello\n")
+    for words in (["replay", "notes.txt"], ["compare", "notes.txt", "notes.txt"], ["plot", "notes.txt"]):
+        done = subprocess.run(
+            command("console.cli", *words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE
+        )
+        assert (done.returncode, done.stdout) == (1, "")
+        assert done.stderr == "fes: error: notes.txt is not a log: it is not an MCAP file\n"
+
+
+def test_figures_are_drawn_from_a_log(recorded: Recorded, tmp_path: Path) -> None:
+    evidence.plot(str(recorded[0]), out=tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} >= {"formation.png", "convergence.svg"}

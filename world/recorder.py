@@ -1,0 +1,175 @@
+"""The log of a run, run.mcap: everything that was said, tick by tick, and what viewers show of it.
+
+The order is canonical: of a tick first Observations, Beacons and Commands, each with the payloads of all robots in id
+order, then what was set, then, ten times a simulated second, the Report and what viewers show: see docs/log.md.
+A chunk never divides a tick and is handed to the system when it is closed, so that whatever becomes of this process,
+the file can be read up to its last chunk.
+"""
+
+import json
+import platform
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, NamedTuple, Self
+
+import tomli_w
+
+from fes.arrays import Bytes, Floats
+from fes.errors import FesError
+from fes.report import encode_report
+from world import reporting, schemas, views
+from world.account import Account
+from world.container import Container, Schema
+from world.scenario import Scenario
+from world.schemas import FOXGLOVE, OWN
+
+NAME = "run.mcap"
+
+SUMMARY = "fes.summary"
+"""Name of the metadata at the end: the summary, and how the run ended."""
+
+AT_ITS_END = "at its end"
+
+VIEW_PERIOD = 0.1
+"""Simulated time between two Reports [s]."""
+
+MAX_VIEWED = 256
+"""With more robots than this there is nothing for viewers: a topic for each link would be too many."""
+
+
+class Said(NamedTuple):
+    """The payloads of one tick, in id order; an empty one was missed."""
+
+    observations: list[bytes]
+    beacons: list[bytes]
+    commands: list[bytes]
+
+
+class Recorder:
+    """Writes the log of one run while the block lasts; raises FesError where the file cannot be written."""
+
+    def __init__(self, path: Path, scenario: Scenario, name: str, backend: str) -> None:
+        self._scenario, self._name = scenario, name
+        self._changes = scenario.changes
+        self._period = report_period(scenario)
+        self._viewed = scenario.robots.number <= MAX_VIEWED
+        self._summary: dict[str, Any] | None = None
+        self._pending: list[tuple[int, str, Any]] = []
+        self._present: dict[int, list[int]] = {}
+        self._tick = -1
+        self._told = (0, 0.0)
+        self._file = Container(path)
+        self._begin(backend)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> None:
+        if error is None:
+            self._end(None)
+        else:
+            self._end(str(error) if isinstance(error, FesError) else "it was stopped")
+
+    def add(self, account: Account, twists: Floats, said: Said, alive: Bytes, elapsed: float) -> None:
+        """Add the last tick of `account`, `elapsed` [s; wall clock] after tick 0, and what made it.
+
+        `twists` [n, 2]; `alive` [n].
+        """
+        tick = self._tick = account.state.tick
+        for name, payloads in zip(("Observations", "Beacons", "Commands"), said, strict=True):
+            self._put(f"/{name.lower()}", OWN[name], OWN[name].encode({"tick": tick, "payloads": payloads}))
+        for path, value in self._changes.get(tick, {}).items():
+            self._set(tick, "schedule", path, value)
+        self._set_by_persons(tick)
+        if tick in self._present:
+            robots = self._present.pop(tick)
+            event = {"tick": tick, "what": "present", "robots": robots}
+            self._put("/events", schemas.EVENT, json.dumps(event).encode())
+            self._remark(views.WARNING, f"{len(robots)} robots take part from tick {tick} on: {robots}")
+        if tick % self._period == 0 or tick == self._scenario.ticks - 1:
+            self._report(account, twists, alive, elapsed)
+        self._file.settle()
+
+    def change(self, tick: int, path: str, value: Any) -> None:
+        """A person sets a field of the channel: it holds from `tick` on, which has not been added yet."""
+        self._pending.append((tick, path, value))
+
+    def attend(self, tick: int, robots: list[int]) -> None:
+        """From `tick` on, which has not been added yet, these robots take part, otherwise than by schedule."""
+        self._present[tick] = robots
+
+    def conclude(self, summary: dict[str, Any] | None) -> None:
+        """Keep the summary of what was reached."""
+        self._summary = summary
+
+    def _begin(self, backend: str) -> None:
+        libraries = {name: version(name) for name in ("fes", "numpy", "mcap", "eclipse-zenoh")}
+        tables = self._scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
+        told = {
+            "log": schemas.VERSION,
+            "name": self._name,
+            "backend": backend,
+            "scenario": tomli_w.dumps(tables),
+            "versions": {**libraries, "python": platform.python_version(), "machine": platform.machine()},
+        }
+        self._put("/scenario", schemas.SCENARIO, json.dumps(told).encode())
+        robots = self._scenario.robots.number
+        seed, ticks = self._scenario.run.seed, self._scenario.ticks
+        self._remark(views.INFO, f"{self._name}: {robots} robots, seed {seed}, {ticks} ticks")
+        if self._viewed:
+            self._put("/scene/robots", FOXGLOVE["SceneUpdate"], views.bodies(robots, views.time(0)))
+        self._file.settle(at_once=True)
+
+    def _end(self, reason: str | None) -> None:
+        ticks = self._tick = self._tick + 1
+        self._set_by_persons(ticks)
+        event = {"tick": ticks, "what": "end", **({"reason": reason} if reason else {})}
+        self._put("/events", schemas.EVENT, json.dumps(event).encode())
+        because = f": {reason}" if reason else ""
+        self._remark(views.WARNING if reason else views.INFO, f"the run is over after {ticks} ticks{because}")
+        ended = {"ended": reason or AT_ITS_END}
+        if self._summary is not None:
+            ended["summary"] = json.dumps(self._summary)
+        self._file.finish(SUMMARY, ended)
+
+    def _set_by_persons(self, tick: int) -> None:
+        while self._pending and self._pending[0][0] <= tick:
+            at, path, value = self._pending.pop(0)
+            self._set(at, "person", path, value)
+
+    def _set(self, tick: int, by: str, path: str, value: Any) -> None:
+        event = {"tick": tick, "what": "set", "by": by, "path": path, "value": value}
+        self._put("/events", schemas.EVENT, json.dumps(event).encode())
+        self._remark(views.INFO, f"{path} = {value}, by {by}")
+
+    def _report(self, account: Account, twists: Floats, alive: Bytes, elapsed: float) -> None:
+        (told_at, then), ticks = self._told, account.tally.ticks
+        self._told = ticks, elapsed
+        rate = (ticks - told_at) / (elapsed - then) if elapsed > then else 0.0
+        report = reporting.build(account, self._name, alive, elapsed, rate)
+        self._put("/report", OWN["Report"], views.team(report, encode_report(report)))
+        if not self._viewed:
+            return
+        at = views.time(self._now)
+        self._put("/tf", FOXGLOVE["FrameTransforms"], views.transforms(report, at))
+        self._put("/scene/links", FOXGLOVE["SceneUpdate"], views.links(report, at))
+        for robot, state in enumerate(views.robots(report, twists, account.telemetry)):
+            self._put(f"/robot/{robot}/state", OWN["RobotState"], state)
+        for a, b, state in views.pairs(report):
+            self._put(f"/link/{a}-{b}/state", OWN["LinkState"], state)
+
+    def _remark(self, level: int, text: str) -> None:
+        self._put("/log", FOXGLOVE["Log"], views.remark(views.time(self._now), level, text))
+
+    @property
+    def _now(self) -> int:
+        """Simulated time [ns]."""
+        return round(max(0, self._tick) * self._scenario.run.dt * 1e9)
+
+    def _put(self, topic: str, schema: Schema, payload: bytes) -> None:
+        self._file.put(topic, schema, payload, self._now, max(0, self._tick))
+
+
+def report_period(scenario: Scenario) -> int:
+    """Ticks between two Reports of a log."""
+    return max(1, round(VIEW_PERIOD / scenario.run.dt))

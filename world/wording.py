@@ -1,0 +1,59 @@
+"""Between the world's arrays and the messages that cross the bus, one a robot."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fes import messages
+from fes.arrays import Bools, Floats, Ints
+from fes.edges import Stack
+from fes.messages import Command, Observation
+from fes.sensing import Observations, Telemetry
+
+
+def observations(sensed: Observations, present: Bools, since: Ints) -> list[bytes]:
+    """The payload of the Observation of each robot that is `present` [n], in id order; empty for others.
+
+    `since` [n]: the tick from which on each takes part.
+    """
+    rows = zip(sensed.poses.tolist(), sensed.in_range.spans, present.tolist(), since.tolist(), strict=True)
+    return [
+        messages.encode_observation(
+            Observation(
+                sensed.tick,
+                robot,
+                tuple(pose),
+                sensed.in_range.peers[span],
+                sensed.reception[span],
+                over=False,
+                since=begun,
+            )
+        )
+        if here
+        else b""
+        for robot, (pose, span, here, begun) in enumerate(rows)
+    ]
+
+
+_NOTHING = Command(0, 0, (0.0, 0.0), np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
+
+
+class Told:
+    """The commands of a tick as arrays; links that did not change stay the same object."""
+
+    def __init__(self, ids: Ints) -> None:
+        self._ids = ids
+        self._stack = Stack()
+
+    def read(self, given: Sequence[Command | None]) -> tuple[Floats, Telemetry]:
+        """The twists [n, 2] in the commands of all robots, in id order, and the telemetry beside them.
+
+        None is the command of a robot that is not there: it stands still and says nothing.
+        """
+        commands = [_NOTHING if command is None else command for command in given]
+        links = self._stack.edges(self._ids, [command.links for command in commands])
+        estimates = np.concatenate([command.estimates for command in commands])
+        learnt = np.zeros((2, 0))
+        if len(estimates) and all(len(command.learnt) == 2 * len(command.links) for command in commands):
+            learnt = np.concatenate([command.learnt.reshape(2, -1) for command in commands], axis=1)
+        return np.array([command.twist for command in commands]), Telemetry(links, estimates, learnt)
