@@ -96,6 +96,27 @@ def update(contacts: Contacts, observations: Observations, own: Floats, beacons:
     return Contacts(edges, lookup, heard, x, y, estimates, names_us, at_beacon, known, dx, dy, separation)
 
 
+def forget(contacts: Contacts, who: Bools) -> Contacts:
+    """The contacts, those of the robots `who` [n] blank."""
+    blank, gone = _blank(contacts.edges), who[contacts.edges.rows]
+    names = ("heard", "x", "y", "estimates", "names_us", "heard_separation", "known", "dx", "dy", "separation")
+    kept = {name: np.where(gone, getattr(blank, name), getattr(contacts, name)) for name in names}
+    return replace(contacts, **kept)
+
+
+def mean_estimates(contacts: Contacts, beacons: Beacons) -> Floats:
+    """What robots that have links say in the `beacons` just heard, on average at each robot [n] [m]; NaN if none."""
+    links = beacons.links
+    if len(links) == 0 or len(contacts.edges) == 0:
+        return np.full(len(contacts.edges.ids), np.nan)
+    said = links.sum(beacons.estimates) / np.maximum(links.counts, 1)
+    sender = contacts.lookup.sender
+    fresh = (contacts.heard == beacons.tick) & contacts.lookup.present & (links.counts.take(sender) > 0)
+    count = contacts.edges.sum(fresh.astype(np.float64))
+    total = contacts.edges.sum(np.where(fresh, said.take(sender), 0.0))
+    return np.where(count > 0, total / np.maximum(count, 1.0), np.nan)
+
+
 def all_here(contacts: Contacts, observations: Observations) -> bool:
     """Whether every beacon that the world says was decoded had come: the promise of the lockstep."""
     present = contacts.lookup.present

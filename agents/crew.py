@@ -55,6 +55,8 @@ class State:
     reception: Reception
     linked_since: Ints
     """Tick of each robot's first link [n]; a large number before."""
+    since: Ints
+    """Tick of each robot's first step [n]; a large number before."""
 
 
 def assemble(config: AgentConfig, ids: Ints) -> Crew:
@@ -75,9 +77,29 @@ def start(crew: Crew) -> State:
     """The state of a crew that has sensed and heard nothing yet."""
     nobody = contacts.nobody(crew.ids)
     never = np.full(len(crew.ids), np.iinfo(np.int64).max // 2)
-    pooled = crew.config.seeking.pooling == "network"
-    known = reception.nothing(reception.POOLED, len(crew.ids)) if pooled else reception.nothing(reception.ALONE, 0)
-    return State(np.zeros((len(crew.ids), 3)), nobody, Witnesses(nobody.edges), links.none(nobody), known, never)
+    known = reception.nothing(reception.POOLED, len(crew.ids))
+    if not _pooled(crew):
+        known = reception.nothing(reception.ALONE, 0)
+    none = links.none(nobody)
+    return State(np.zeros((len(crew.ids), 3)), nobody, Witnesses(nobody.edges), none, known, never, never)
+
+
+def forget(crew: Crew, state: State, who: Bools) -> State:
+    """The state in which the robots `who` [n] know nothing, as if their process had just been started."""
+    blank = start(crew)
+    used = links.forget(state.links, who)
+    measured = reception.forget(state.reception, who if _pooled(crew) else who[state.links.edges.rows])
+    if not _pooled(crew):
+        measured = reception.carry(measured, state.links.edges, used.edges)
+    return State(
+        np.where(who[:, None], blank.poses, state.poses),
+        contacts.forget(state.contacts, who),
+        state.witnesses,
+        used,
+        measured,
+        np.where(who, blank.linked_since, state.linked_since),
+        np.where(who, blank.since, state.since),
+    )
 
 
 def telemetry(crew: Crew, state: State) -> Telemetry:
@@ -96,6 +118,7 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
     Returns the next state, the beacons of this tick, and the twists [n, 2] [m/s, rad/s].
     """
     tick, config = observations.tick, crew.config
+    begun = np.minimum(state.since, tick)
 
     # Who is heard, and where
     known = contacts.update(state.contacts, observations, state.poses, heard, crew.contact_timeout)
@@ -105,7 +128,7 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
 
     # Who is a neighbor
     named = neighbors.RULES[config.formation.rule](known, witnesses)
-    used, since = _relink(crew, state, tick, known, named | (known.names_us & known.known))
+    used, since = _relink(crew, state, tick, known, named | (known.names_us & known.known), begun, heard)
 
     # Where to go
     error = known.separation.take(used.contact) - _desired(crew, tick, used)
@@ -126,7 +149,7 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
     named = named.take(used.contact)
     beacons = Beacons(tick, crew.ids, observations.poses, used.edges, said, named, statistics)
     used = replace(used, state=_seek(crew, tick, known, used, measured), said=said)
-    return State(observations.poses, known, witnesses, used, measured, since), beacons, twists
+    return State(observations.poses, known, witnesses, used, measured, since, begun), beacons, twists
 
 
 def _desired(crew: Crew, tick: int, links: Links) -> Floats:
@@ -145,9 +168,14 @@ def _skew(crew: Crew, edges: Edges) -> Floats:
     return crew.skew.take(edges.rows) if crew.config.clock_skew > 0.0 else seeking.ON_TIME
 
 
+def _pooled(crew: Crew) -> bool:
+    """Whether robots learn (or nobody does), and not links."""
+    return crew.config.seeking.pooling == "network" or crew.config.seeking.index != "measured"
+
+
 def _learners(crew: Crew, edges: Edges) -> Ints:
     """Who learns of each link: its robot, or itself [l]."""
-    return edges.rows if crew.config.seeking.pooling == "network" else np.arange(len(edges))
+    return edges.rows if _pooled(crew) else np.arange(len(edges))
 
 
 def _measure(crew: Crew, state: State, tick: int, known: Contacts, links: Links, heard: Beacons) -> Reception:
@@ -190,7 +218,9 @@ def _held(sample: Floats) -> Index:
     return lambda separation: np.broadcast_to(sample, separation.shape).copy()
 
 
-def _relink(crew: Crew, state: State, tick: int, known: Contacts, among: Bools) -> tuple[Links, Ints]:
+def _relink(
+    crew: Crew, state: State, tick: int, known: Contacts, among: Bools, begun: Ints, heard: Beacons
+) -> tuple[Links, Ints]:
     """The links among the contacts `among` [m] now, and since when each robot has any [n]."""
     old = state.links
     if known.edges is state.contacts.edges and among.tobytes() == old.among.tobytes():
@@ -198,7 +228,9 @@ def _relink(crew: Crew, state: State, tick: int, known: Contacts, among: Bools) 
     edges = known.edges.select(among)
     since = np.where(edges.counts > 0, np.minimum(state.linked_since, tick), state.linked_since)
     fresh = tick - since < FIRST_EXCHANGE_TICKS
-    sought = seeking.relink(crew.seeker, crew.config.seed, tick, old.edges, old.state, edges, fresh)
+    late = fresh & (begun > 0)  # at the start of a run everybody is new
+    told = np.where(late, contacts.mean_estimates(known, heard), np.nan) if late.any() else np.full(len(late), np.nan)
+    sought = seeking.relink(crew.seeker, crew.config.seed, tick, old.edges, old.state, edges, fresh, told)
     return Links(among, np.flatnonzero(among), edges, sought, sought[seeking.ESTIMATE]), since
 
 

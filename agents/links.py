@@ -30,6 +30,14 @@ def none(contacts: Contacts) -> Links:
     return Links(contacts.known & False, nothing, no_edges(contacts.edges.ids), np.zeros((3, 0)), np.zeros(0))
 
 
+def forget(links: Links, who: Bools) -> Links:
+    """The links without those of the robots `who` [n]."""
+    stays = ~who[links.edges.rows]
+    among = links.among.copy()
+    among[links.contact[~stays]] = False
+    return Links(among, links.contact[stays], links.edges.select(stays), links.state[:, stays], links.said[stays])
+
+
 def bearing(known: Contacts, at: Ints) -> Floats:
     """Unit vectors [2, l] of the lines of sight of the contacts at positions `at` [l].
 

@@ -71,9 +71,12 @@ class Agent:
         for robot in self._robots:  # last of all: a token says that everything above is in place
             self._bus.token(keys.robot_alive(self._run, robot))
         self.logger.info("ready")
-        tuned = None
+        tuned, since = None, np.zeros(len(ids), dtype=np.int64)
         async for received in self._ticks():
             observations = stack.observations(received)
+            now = np.array([message.since for message in received])
+            if (now != since).any():  # they were away
+                state, since = crew.forget(robots, state, now != since), now
             heard = stack.beacons(observations.tick - 1, self.radio.heard(observations.tick - 1))
             state, said, twists = crew.step(robots, state, observations, heard)
             if not contacts.all_here(state.contacts, observations):
@@ -102,6 +105,9 @@ class Agent:
                     continue
                 if observation.over:
                     return
+                if observation.tick > self._tick + 1 and observation.since == observation.tick:
+                    self._tick = observation.tick - 1  # the run went on without it
+                    waiting.clear()
                 if observation.tick == self._tick + 1:
                     waiting[observation.robot] = observation
                 elif observation.tick == self._tick:

@@ -97,6 +97,11 @@ def carry(reception: Reception, old: Edges, new: Edges) -> Reception:
     return _fit(reception.method, sums)
 
 
+def forget(reception: Reception, who: Bools) -> Reception:
+    """The learners `who` [g] know nothing any more."""
+    return _fit(reception.method, np.where(who[:, None], 0.0, reception.sums))
+
+
 def fade(reception: Reception, dt: float) -> Reception:
     """The sums a tick of `dt` [s] older."""
     sums = reception.sums.copy()

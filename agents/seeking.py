@@ -119,11 +119,13 @@ def begin(seeker: Seeker, tick: int, estimates: Floats) -> Floats:
     return state
 
 
-def relink(seeker: Seeker, seed: int, tick: int, old: Edges, state: Floats, new: Edges, fresh: Bools) -> Floats:
+def relink(
+    seeker: Seeker, seed: int, tick: int, old: Edges, state: Floats, new: Edges, fresh: Bools, told: Floats
+) -> Floats:
     """State [3, l'] of the new links: carried over where the link stood before.
 
     A link that is new begins with its robot's own mean estimate; where the robot is `fresh` [n] (or has no
-    estimate yet), with a seeded draw.
+    estimate yet), with what its neighbors have `told` it [n] [m]; where that is NaN, with a seeded draw.
     """
     at = new.places_in(old)
     stays = at >= 0
@@ -134,7 +136,8 @@ def relink(seeker: Seeker, seed: int, tick: int, old: Edges, state: Floats, new:
         count = np.maximum(old.counts, 1)
         mean = (old.sum(state[ESTIMATE]) / count).take(new.rows)
         drawn = (fresh | (old.counts == 0)).take(new.rows)
-        estimates = np.where(drawn, first_estimates(seeker, seed, new), mean)
+        first, told = first_estimates(seeker, seed, new), told.take(new.rows)
+        estimates = np.where(drawn, np.where(np.isfinite(told), told, first), mean)
         result[:, ~stays] = begin(seeker, tick, estimates[~stays])
     return result
 

@@ -68,6 +68,7 @@ def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
                     observations.in_range.peers[span],
                     observations.reception[span],
                     over=False,
+                    since=0,
                 )
             )
             for robot, pose, span in rows

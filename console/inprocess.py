@@ -11,7 +11,7 @@ from agents import assembly, crew
 from fes.arrays import Floats
 from fes.errors import Stopped
 from fes.report import Report
-from fes.sensing import Beacons, Telemetry, silence
+from fes.sensing import Beacons, Telemetry, of_those, silence
 from world import reporting, simulation, summary, wording
 from world.account import Account
 from world.recorder import Recorder, Said
@@ -31,6 +31,9 @@ class Tick:
     twists: Floats
     """[n, 2] [m/s, rad/s]"""
     telemetry: Telemetry
+    """Of the robots that are present."""
+    learnt: Floats
+    """What all have learnt, on each of `said.links` [2, l]; [2, 0] where nobody measures."""
 
 
 def ticks(scenario: Scenario) -> Iterator[Tick]:
@@ -39,17 +42,32 @@ def ticks(scenario: Scenario) -> Iterator[Tick]:
     state = simulation.start(world)
     robots = crew.assemble(agent_config(scenario), world.ids)
     minds, said = crew.start(robots), silence()
+    present = state.present
     for _ in range(scenario.ticks):
+        if state.present is not present:
+            minds = crew.forget(robots, minds, state.present & ~present)
+            present = state.present
         minds, said, twists = crew.step(robots, minds, simulation.observe(state), said)
-        yield Tick(state, said, twists, crew.telemetry(robots, minds))
-        state = simulation.step(world, state, twists)
+        now = tick(state, said, twists, crew.telemetry(robots, minds))
+        yield now
+        state = simulation.step(world, state, now.twists)
+
+
+def tick(state: State, said: Beacons, twists: Floats, told: Telemetry) -> Tick:
+    """A tick, of what a crew said and did, absent robots included."""
+    present = state.present
+    shown = told if present.all() else of_those(told, present)
+    return Tick(state, said, simulation.held(state, twists), shown, told.learnt)
 
 
 def said(tick: Tick) -> Said:
     """What would have crossed the bus at a tick, to the byte."""
-    spoken = list(assembly.payloads(tick.said, tick.twists, tick.telemetry.learnt))
-    sensed = wording.observations(simulation.observe(tick.state))
-    return Said(sensed, [beacon for _, beacon, _ in spoken], [command for _, _, command in spoken])
+    present = tick.state.present
+    spoken = list(assembly.payloads(tick.said, tick.twists, tick.learnt))
+    sensed = wording.observations(simulation.observe(tick.state), present, tick.state.since)
+    beacons = [beacon if here else b"" for (_, beacon, _), here in zip(spoken, present.tolist(), strict=True)]
+    commands = [command if here else b"" for (_, _, command), here in zip(spoken, present.tolist(), strict=True)]
+    return Said(sensed, beacons, commands)
 
 
 def run(

@@ -33,6 +33,8 @@ class Tick(NamedTuple):
     said: Said
     changes: list[tuple[str, Any]]
     """What persons set of the channel: path and value."""
+    present: list[int] | None
+    """The robots that are there from this tick on, where that changed otherwise than by schedule."""
     report: Report | None
     """At one of several ticks."""
 
@@ -121,10 +123,11 @@ def _metadata(path: Path) -> dict[str, str] | None:
 
 def _ticks(path: Path) -> Iterator[Tick]:
     number, said, changes, report = -1, dict[str, list[bytes]](), list[tuple[str, Any]](), None
+    present: list[int] | None = None
     for topic, message in _messages(path):
         if topic == _EVIDENCE[0] and said:
-            yield Tick(number, Said(*(said[name] for name in _EVIDENCE)), changes, report)
-            said, changes, report = {}, [], None
+            yield Tick(number, Said(*(said[name] for name in _EVIDENCE)), changes, present, report)
+            said, changes, present, report = {}, [], None, None
         if topic in _EVIDENCE:
             fields = list(protobuf.fields(message.data))
             number = next(int(value) for field, value in fields if field == 1)
@@ -133,10 +136,12 @@ def _ticks(path: Path) -> Iterator[Tick]:
             event = json.loads(message.data)
             if event["what"] == "set" and event["by"] == "person" and event["tick"] == number:
                 changes.append((event["path"], event["value"]))
+            elif event["what"] == "present" and event["tick"] == number:
+                present = event["robots"]
         elif topic == "/report":
             report = decode_report(next(bytes(value) for field, value in protobuf.fields(message.data) if field == 2))
     if said:
-        yield Tick(number, Said(*(said[name] for name in _EVIDENCE)), changes, report)
+        yield Tick(number, Said(*(said[name] for name in _EVIDENCE)), changes, present, report)
 
 
 def _messages(path: Path) -> Iterator[tuple[str, Message]]:

@@ -16,6 +16,7 @@ from console.log import Log, Tick
 from fes import messages
 from fes.arrays import Floats
 from fes.errors import FesError, MessageError
+from fes.messages import Command, Observation
 from fes.report import Report
 from fes.sensing import Telemetry
 from world import events, reporting, simulation, wording
@@ -60,8 +61,16 @@ def world(log: Log) -> Iterator[Moment]:
             channel = events.changed(channel, {path: value}, log.scenario.run.dt)
         if channel is not state.channel:
             state = replace(state, channel=channel)
-        _compare(tick, tick.said._replace(observations=wording.observations(simulation.observe(state))))
-        twists, telemetry = told.read(_decoded(tick, messages.decode_command, tick.said.commands, again.ids.tolist()))
+        if tick.present is not None:
+            state = simulation.attend(state, np.isin(again.ids, tick.present))
+        sensed = wording.observations(simulation.observe(state), state.present, state.since)
+        _compare(tick, tick.said._replace(observations=sensed))
+        commands: list[Command | None] = [None] * len(again.ids)
+        here = np.flatnonzero(state.present).tolist()
+        given = _decoded(tick, messages.decode_command, tick.said.commands, here)
+        for robot, command in zip(here, given, strict=True):
+            commands[robot] = command
+        twists, telemetry = told.read(commands)
         yield Moment(tick, state, twists, telemetry)
         state = simulation.step(again, state, twists)
 
@@ -79,8 +88,16 @@ class Robots:
 
     def step(self, tick: Tick) -> None:
         """Go through a tick, and compare each Beacon and Command; raises Mismatch."""
-        sensed = _decoded(tick, messages.decode_observation, tick.said.observations, self._robots)
-        observations = self._stack.observations(sensed)
+        here = [robot for robot in self._robots if tick.said.observations[robot]]
+        sensed = dict(
+            zip(here, _decoded(tick, messages.decode_observation, tick.said.observations, here), strict=True)
+        )
+        anew = np.array([robot in sensed and sensed[robot].since == tick.number for robot in self._robots])
+        if anew.any():
+            self._state = crew.forget(self._crew, self._state, anew)
+        observations = self._stack.observations(
+            [sensed.get(robot) or _absent(tick.number, robot) for robot in self._robots]
+        )
         heard = []
         if self._before is not None:
             spoken = self._before.said.beacons
@@ -92,11 +109,19 @@ class Robots:
             raise FesError(f"tick {tick.number - 1}: a Beacon that was decoded is not in the log")
         learnt = crew.telemetry(self._crew, self._state).learnt
         for robot, beacon, command in assembly.payloads(said, twists, learnt):
+            if robot not in sensed:
+                continue
             recorded = tick.said.beacons[robot], tick.said.commands[robot]
             for message, one, other in zip(("Beacon", "Command"), recorded, (beacon, command), strict=True):
                 if one != other:
                     raise Mismatch(of_payloads(tick.number, message, robot, one, other))
         self._before = tick
+
+
+def _absent(tick: int, robot: int) -> Observation:
+    """What a robot that is not there senses: whatever it makes of it is forgotten when it comes back."""
+    nothing = np.zeros(0, dtype=np.int64)
+    return Observation(tick, robot, (0.0, 0.0, 0.0), nothing, nothing.astype(np.uint8), over=False, since=0)
 
 
 def report(sums: Account, like: Report) -> Report:

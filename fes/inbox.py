@@ -24,6 +24,7 @@ class Inbox:
         self._waiter: asyncio.Future[None] | None = None
         self._failure: FesError | None = None
         self._bytes = 0
+        self._nudged = False
         self.dropped = 0
 
     def put(self, key: str, payload: bytes | None) -> None:
@@ -38,13 +39,18 @@ class Inbox:
             self._wanted = 0
             self._loop.call_soon_threadsafe(self._wake)
 
+    def nudge(self) -> None:
+        """End the present wait, or the next one, before its time."""
+        self._nudged = True
+        self._wake()
+
     def fail(self, failure: FesError) -> None:
         """End every present and future wait with `failure`."""
         self._failure = self._failure or failure
         self._wake()
 
     async def wait(self, count: int, timeout: float) -> bool:
-        """Wait until `count` messages are here; False if `timeout` [s] passed first.
+        """Wait until `count` messages are here; False if `timeout` [s] passed first, or after a nudge.
 
         After a failure: True as long as any message is left to be read, then raises it.
         """
@@ -52,7 +58,7 @@ class Inbox:
         timer = self._loop.call_later(timeout, self._wake)
         try:
             # A wake-up may be one that was on its way when an earlier wait ended: look again each time.
-            while len(self._items) < count and self._failure is None and self._loop.time() < end:
+            while len(self._items) < count and not self._over() and self._loop.time() < end:
                 self._waiter = self._loop.create_future()
                 self._wanted = count
                 if len(self._items) >= count:
@@ -60,13 +66,16 @@ class Inbox:
                 await self._waiter
         finally:
             timer.cancel()
-            self._wanted = 0
+            self._wanted, self._nudged = 0, False
         # What came before a failure is still to be read: a world says that the run is over, then leaves.
         if len(self._items) >= count or (self._items and self._failure is not None):
             return True
         if self._failure is not None:
             raise self._failure
         return False
+
+    def _over(self) -> bool:
+        return self._nudged or self._failure is not None
 
     def drain(self) -> list[Item]:
         """All messages that are here, in the order they came."""

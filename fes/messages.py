@@ -35,6 +35,9 @@ class Observation(NamedTuple):
     reception: Bytes
     """What became of their beacons of the previous tick: CLOSED, LOST or DECODED [c]."""
     over: bool
+    since: int
+    """The tick from which on the robot takes part. Where it is another than before, the robot was away: it begins
+    anew."""
 
 
 class Beacon(NamedTuple):
@@ -78,13 +81,14 @@ def encode_observation(message: Observation) -> bytes:
         wire.id_bytes(message.in_range),
         message.reception.tobytes(),
         message.over,
+        message.since,
     )
 
 
 def decode_observation(payload: bytes) -> Observation:
     """The Observation in a payload."""
     name = "Observation"
-    tick, robot, x, y, heading, in_range, reception, over = wire.unpack(name, payload, 8)
+    tick, robot, x, y, heading, in_range, reception, over, since = wire.unpack(name, payload, 9)
     peers = wire.ids(name, in_range)
     return Observation(
         *wire.stamp(name, tick, robot),
@@ -92,6 +96,7 @@ def decode_observation(payload: bytes) -> Observation:
         peers,
         wire.codes(name, reception, len(peers), DECODED),
         wire.flag(name, over),
+        wire.tick(name, since),
     )
 
 

@@ -62,6 +62,13 @@ class Telemetry:
     ln(-ln p) = level + exponent ln(r / rho_0) [2, l]; [2, 0] where nobody measures."""
 
 
+def of_those(said: Telemetry, present: Bools) -> Telemetry:
+    """The telemetry of the robots that are `present` [n]."""
+    among = present[said.links.rows]
+    learnt = said.learnt[:, among] if said.learnt.size else said.learnt
+    return Telemetry(said.links.select(among), said.estimates[among], learnt)
+
+
 def untold(ids: Ints) -> Telemetry:
     """The telemetry of robots `ids` [n] before the first tick."""
     return Telemetry(no_edges(ids), np.zeros(0), np.zeros((2, 0)))

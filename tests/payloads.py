@@ -47,7 +47,7 @@ def codes(count: int, highest: int) -> st.SearchStrategy[Any]:
 def observations(draw: st.DrawFn) -> Observation:
     pose, near = (draw(finite), draw(finite), draw(finite)), draw(peers)
     received, over = draw(codes(len(near), 2)), draw(st.booleans())
-    return Observation(draw(ticks), draw(robots), pose, near, received, over)
+    return Observation(draw(ticks), draw(robots), pose, near, received, over, draw(ticks))
 
 
 @st.composite
@@ -108,7 +108,7 @@ def team_reports(draw: st.DrawFn) -> Report:
 joins = st.sets(robots, min_size=1, max_size=9).map(lambda ids: tuple(sorted(ids)))
 
 CODECS = {
-    "Observation": Codec(messages.encode_observation, messages.decode_observation, observations(), 8),
+    "Observation": Codec(messages.encode_observation, messages.decode_observation, observations(), 9),
     "Beacon": Codec(messages.encode_beacon, messages.decode_beacon, beacons(), 9),
     "Command": Codec(messages.encode_command, messages.decode_command, commands(), 7),
     "Welcome": Codec(messages.encode_welcome, messages.decode_welcome, welcomes(), 2),

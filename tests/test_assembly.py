@@ -108,7 +108,7 @@ def test_observations_come_back_in_id_order_and_keep_their_edges_while_nobody_co
 
     def sense(tick: int, near: list[int]) -> list[Observation]:
         codes = np.full(len(near), 2, dtype=np.uint8)
-        first = Observation(tick, 3, (1.0, -0.0, math.pi), np.array(near), codes, over=False)
+        first = Observation(tick, 3, (1.0, -0.0, math.pi), np.array(near), codes, over=False, since=0)
         other = first._replace(robot=8, pose=(5.0, 6.0, 7.0), in_range=near_ids(3))
         other = other._replace(reception=np.array([1], dtype=np.uint8))
         return [messages.decode_observation(messages.encode_observation(one)) for one in (first, other)]

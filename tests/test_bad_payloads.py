@@ -23,7 +23,7 @@ def float64(*numbers: float) -> bytes:
 
 # The layouts, packed by hand: version, then the fields; robot 4 at tick 7 with the peers 2 and 9.
 PLAIN: dict[str, list[Any]] = {
-    "Observation": [1, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), b"\2\1", False],
+    "Observation": [1, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), b"\2\1", False, 3],
     "Beacon": [1, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), float64(60.0, 70.0), b"\1\0", float64(1.0)],
     "Command": [1, 7, 4, 1.5, -0.5, int32(2, 9), float64(60.0, 70.0), float64(-2.0, -2.1, 3.0, 3.1)],
     "Join": [1, [4, 5]],
@@ -53,6 +53,7 @@ BROKEN: list[tuple[str, int, Any, str]] = [
     *(("Beacon", 8, named, "codes") for named in (b"\1", b"\1\2", b"\1\0\0", [1, 0])),
     *(("Observation", 7, codes, "codes") for codes in (b"", b"\1\3", "\1\1")),
     *(("Observation", 8, over, "flag") for over in (0, 1, None, "")),
+    *(("Observation", 9, since, "tick") for since in (-1, 1.0, None)),
     *(("Join", 1, ids, "ascend") for ids in ([5, 4], [4, 4])),
     *(("Join", 1, ids, "robot") for ids in ([], 4, [-1], [True], [2**31], [1.0], {"a": 4})),
     *(("Report", 4, numbers, "numbers") for numbers in ([], [1.0] * 6, [1] * 7, [True] * 7, None)),

@@ -144,23 +144,22 @@ def test_who_asks_for_a_taken_or_unknown_robot_is_refused_and_the_run_goes_on(
     assert summary["digest"] == expected["digest"]
 
 
-def test_an_agent_that_leaves_ends_the_run_with_its_name() -> None:
+def test_a_world_that_everybody_left_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("world.attendance.RETURN_TIMEOUT", 1.0)
     endless = load("pair.toml", run__duration=1000.0)
 
     async def main() -> None:
         async with session.router() as (opened, endpoint):
             server = Server(opened, endless, "test", RUN, None)
-            stays = asyncio.ensure_future(session.live(endpoint, [0]))
-            leaves = asyncio.ensure_future(session.live(endpoint, [1]))
+            agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
             await server.gather()
             running = asyncio.ensure_future(server.run())
             while server.summarize() is None:
                 await asyncio.sleep(0.01)
-            leaves.cancel()
-            with pytest.raises(Absent, match=r"^robot 1 left at tick \d+: "):
-                await asyncio.wait_for(running, 10.0)
-            server.dismiss()
-            await asyncio.wait_for(stays, 10.0)
+            for agent in agents:
+                agent.cancel()
+            with pytest.raises(Absent, match=r"^nobody is there any more: the world waited 1 s at tick \d+$"):
+                await asyncio.wait_for(running, 20.0)
 
     asyncio.run(main())
 
@@ -172,6 +171,7 @@ def test_a_beacon_that_does_not_arrive_is_an_error_and_no_other_digest(monkeypat
         return [beacon for beacon in heard(radio, tick) if tick != 40]
 
     monkeypatch.setattr(Radio, "heard", deaf_at_tick_40)
+    monkeypatch.setattr("world.attendance.RETURN_TIMEOUT", 1.0)
     near = load("pair.toml", channel__model="perfect", run__duration=1.0)
 
     async def main() -> None:
@@ -179,7 +179,7 @@ def test_a_beacon_that_does_not_arrive_is_an_error_and_no_other_digest(monkeypat
             server = Server(opened, near, "test", RUN, None)
             agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
             await server.gather()
-            with pytest.raises(Absent, match=r"^robot \d left at tick 41: "):
+            with pytest.raises(Absent, match=r"^nobody is there any more: the world waited 1 s at tick 42$"):
                 await asyncio.wait_for(server.run(), 20.0)
             for agent in agents:
                 with pytest.raises(Absent, match=r"a beacon that decoded did not arrive at tick 41"):
@@ -191,6 +191,7 @@ def test_a_beacon_that_does_not_arrive_is_an_error_and_no_other_digest(monkeypat
 def test_junk_does_not_keep_a_hung_robot_alive(monkeypatch: pytest.MonkeyPatch) -> None:
     """The barrier's deadline holds although messages keep coming."""
     monkeypatch.setattr("world.server.ANSWER_TIMEOUT", 1.0)
+    monkeypatch.setattr("world.attendance.RETURN_TIMEOUT", 1.0)
     endless = load("pair.toml", run__duration=1000.0)
 
     async def main() -> None:
@@ -205,7 +206,7 @@ def test_junk_does_not_keep_a_hung_robot_alive(monkeypatch: pytest.MonkeyPatch) 
                 await asyncio.sleep(0.01)
                 if running.done():
                     break
-            with pytest.raises(Absent, match=r"^robot 0 did not answer tick 0 for 1 s$"):
+            with pytest.raises(Absent, match=r"^nobody is there any more: the world waited 1 s at tick 1$"):
                 await asyncio.wait_for(running, 5.0)
 
     asyncio.run(main())

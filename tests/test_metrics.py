@@ -51,7 +51,8 @@ def add(
     held = np.zeros((len(where), 2)) if twists is None else twists
     said = Telemetry(links, np.array(estimates), np.zeros((2, 0)))
     separation = metrics.separations(where, *metrics.ends(links))
-    tally.add(where, held, near, open_contacts, said, separation, OPTIMUM)
+    everybody = np.ones(len(where), dtype=np.bool_)
+    tally.add(where, held, near, everybody, open_contacts, said, separation, OPTIMUM)
 
 
 def times(

@@ -50,7 +50,9 @@ class Account:
         now = metrics.separations(state.poses, *metrics.ends(links))
         self._breathing.add(links, now)
         mean = self._breathing.mean
-        self.tally.add(state.poses, twists, state.proximity, state.sent > 0, telemetry, mean, self.optimal)
+        self.tally.add(
+            state.poses, twists, state.proximity, state.present, state.sent > 0, telemetry, mean, self.optimal
+        )
         self.separation = np.where(np.isfinite(mean), mean, now)
         error = rms = index = math.nan
         if len(links):

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fes import draws, geometry, outage
-from fes.arrays import Bytes, Floats, Ints
+from fes.arrays import Bools, Bytes, Floats, Ints
 from fes.edges import Edges
 from fes.sensing import CLOSED, OPENING_TICKS
 from world import bursts, shadowing
@@ -88,29 +88,40 @@ def quiet(edges: Edges) -> Radio:
 
 
 def transmit(
-    medium: Medium, config: RadioConfig, radio: Radio, tick: int, poses: Floats, before: Proximity, after: Proximity
+    medium: Medium,
+    config: RadioConfig,
+    radio: Radio,
+    tick: int,
+    poses: Floats,
+    present: Bools,
+    before: Proximity,
+    after: Proximity,
 ) -> Radio:
-    """The radio at tick + 1: what became of the beacons of `tick`, sent from `poses` [n, 3] among `before`."""
+    """The radio at tick + 1: what became of the beacons of `tick`, sent from `poses` [n, 3] among `before`.
+
+    Robots that are not `present` [n] neither send nor hear: their peers' code is LOST, but nothing was sent.
+    """
     edges, age = before.edges, radio.age + 1
     is_open = age >= OPENING_TICKS
+    on_air = is_open if present.all() else is_open & among(edges, present)
     probability = reception_probability(medium, config, poses, before)
     average, burst = probability, radio.burst
     if config.bursts is not None:
         burst = bursts.step(burst, config.bursts, medium.dt, medium.bursts.at(tick, edges))
         average = probability * bursts.kept_on_average(config.bursts)
         probability = probability * bursts.kept(burst, config.bursts)
-    heard = is_open
+    heard = on_air
     if not config.is_certain:
-        heard = is_open & (medium.fading.at(tick, edges) < probability)
-    gap = (radio.gap + 1) * (is_open ^ heard)
+        heard = on_air & (medium.fading.at(tick, edges) < probability)
+    gap = (radio.gap + 1) * (on_air ^ heard)
     now = Radio(
         edges,
         age,
         np.add(is_open, heard, dtype=np.uint8),  # CLOSED, LOST and DECODED count the two
-        radio.sent + is_open,
+        radio.sent + on_air,
         radio.decoded + heard,
         average,
-        radio.outage_sum + (1.0 - average) * is_open,
+        radio.outage_sum + (1.0 - average) * on_air,
         gap,
         np.maximum(radio.longest_gap, gap),
         burst,
@@ -127,6 +138,18 @@ def reception_probability(medium: Medium, config: RadioConfig, poses: Floats, ne
     if config.jammers:
         probability *= _left_by(config.jammers, poses).take(near.edges.rows)
     return probability
+
+
+def among(edges: Edges, present: Bools) -> Bools:
+    """Which edges [m] stand between robots that are `present` [n]."""
+    return present[edges.rows] & present[np.searchsorted(edges.ids, edges.peers)]
+
+
+def reopen(radio: Radio, back: Bools) -> Radio:
+    """The radio when the robots of `back` [n] return: their contacts begin as if they had just come in range."""
+    fresh = ~among(radio.edges, ~back)
+    ledger: dict[str, Any] = {name: np.where(fresh, value, getattr(radio, name)) for name, value in _FRESH.items()}
+    return replace(radio, **ledger)
 
 
 def _effective(

@@ -1,6 +1,7 @@
 """What the robots say to each other, heard by a world that keeps a log of it."""
 
 from fes import keys, wire
+from fes.arrays import Bools
 from fes.bus import Bus
 from fes.complaints import Complaints
 
@@ -18,11 +19,11 @@ class Ears:
         """The beacon of the next tick of a robot that is quick."""
         self._complaints = complaints
 
-    def heard(self, tick: int) -> list[bytes]:
-        """The payload of each robot's beacon of a tick, in id order; empty where it did not come."""
-        found = [self._beacon(robot, tick) for robot in range(len(self._boxes))]
+    def heard(self, tick: int, present: Bools) -> list[bytes]:
+        """The payload of each robot's beacon of a tick, in id order; empty for those that are not `present` [n]."""
+        found = [self._beacon(robot, tick) if here else b"" for robot, here in enumerate(present.tolist())]
         for robot, payload in enumerate(found):
-            if not payload:
+            if not payload and present[robot]:
                 self._complaints.add("Beacon: not recorded", f"no beacon of robot {robot} for tick {tick}")
         return found
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fes import geometry
-from fes.arrays import Floats, Ints
+from fes.arrays import Bools, Floats, Ints
 from fes.edges import Edges
 from fes.sensing import Telemetry
 from world import graphs
@@ -31,13 +31,17 @@ class Graph:
     """The components of the graph of some edges, computed once for as long as the edges stay."""
 
     edges: Edges | None = None
+    present: Bools | None = None
     connected: bool = False
 
-    def is_connected(self, edges: Edges) -> bool:
-        """Whether all robots form one component."""
-        if edges is not self.edges:
+    def is_connected(self, edges: Edges, present: Bools) -> bool:
+        """Whether all robots that are `present` [n] form one component, without help of the others."""
+        if edges is not self.edges or present is not self.present:
             a, b = ends(edges)
-            self.edges, self.connected = edges, graphs.component_count(len(edges.ids), a, b) == 1
+            both = present[a] & present[b]
+            parts = graphs.component_count(len(edges.ids), a[both], b[both])
+            self.edges, self.present = edges, present
+            self.connected = bool(parts - np.count_nonzero(~present) <= 1)
         return self.connected
 
 
@@ -64,21 +68,22 @@ class Tally:
         poses: Floats,
         twists: Floats,
         near: Proximity,
+        present: Bools,
         open_contacts: bool,
         said: Telemetry,
         separation: Floats,
         optimal: float,
     ) -> None:
-        """One tick: true poses [n, 3] and twists [n, 2], who is in range, and what robots say they use.
+        """One tick: true poses [n, 3] and twists [n, 2], who is in range and present, and what robots say they use.
 
         `separation` are the links' own [u] [m], one for each of `said.links.undirected`; `optimal` is r* [m].
         """
         self._digest(poses, twists)
-        self.disk_now = self._disk.is_connected(near.edges)
+        self.disk_now = self._disk.is_connected(near.edges, present)
         if open_contacts or len(poses) == 1:
             self._opened = True
             self._disk_always &= self.disk_now
-            self._links_always &= self._links.is_connected(said.links)
+            self._links_always &= self._links.is_connected(said.links, present)
         self.errors = link_errors(said, separation, optimal)
         self._levels()
         self.ticks += 1

@@ -55,6 +55,7 @@ class Recorder:
         self._viewed = scenario.robots.number <= MAX_VIEWED
         self._summary: dict[str, Any] | None = None
         self._pending: list[tuple[int, str, Any]] = []
+        self._present: dict[int, list[int]] = {}
         self._tick = -1
         self._told = (0, 0.0)
         self._file = Container(path)
@@ -80,6 +81,11 @@ class Recorder:
         for path, value in self._changes.get(tick, {}).items():
             self._set(tick, "schedule", path, value)
         self._set_by_persons(tick)
+        if tick in self._present:
+            robots = self._present.pop(tick)
+            event = {"tick": tick, "what": "present", "robots": robots}
+            self._put("/events", schemas.EVENT, json.dumps(event).encode())
+            self._remark(views.WARNING, f"{len(robots)} robots take part from tick {tick} on: {robots}")
         if tick % self._period == 0 or tick == self._scenario.ticks - 1:
             self._report(account, twists, alive, elapsed)
         self._file.settle()
@@ -87,6 +93,10 @@ class Recorder:
     def change(self, tick: int, path: str, value: Any) -> None:
         """A person sets a field of the channel: it holds from `tick` on, which has not been added yet."""
         self._pending.append((tick, path, value))
+
+    def attend(self, tick: int, robots: list[int]) -> None:
+        """From `tick` on, which has not been added yet, these robots take part, otherwise than by schedule."""
+        self._present[tick] = robots
 
     def conclude(self, summary: dict[str, Any] | None) -> None:
         """Keep the summary of what was reached."""

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from fes import keys, messages
-from fes.arrays import Bytes
+from fes.arrays import Bools, Bytes
 from fes.bus import Bus, Question
 from fes.complaints import Complaints
 from fes.config import AgentConfig
@@ -25,11 +25,17 @@ class Roster:
     def __init__(self, bus: Bus, run: str, robots: int, config: AgentConfig, complaints: Complaints) -> None:
         self.alive: Bytes = np.zeros(robots, dtype=np.uint8)
         self.complete = asyncio.Event()
+        self.changed = asyncio.Event()
+        """Set whenever somebody comes or goes."""
+        self.whole: Bools = np.zeros(robots, dtype=np.bool_)
+        """Which robots are alive, with all that share their process [n]."""
         self._run = run
         self._config = config
         self._complaints = complaints
         self._logger = logging.getLogger("world")
         self._promised: dict[int, float] = {}
+        self._group: dict[int, tuple[int, ...]] = {robot: (robot,) for robot in range(robots)}
+        """The robots that share a process with each."""
         self._on_loss: Callable[[int], None] | None = None
         bus.serve(keys.welcome(run), self._on_question)
         bus.watch(keys.robot_alive(run, "*"), self._on_token)
@@ -37,6 +43,10 @@ class Roster:
     def report_losses_to(self, on_loss: Callable[[int], None]) -> None:
         """From now on `on_loss` is called with each robot that is lost."""
         self._on_loss = on_loss
+
+    def group(self, robot: int) -> tuple[int, ...]:
+        """The robots that share a process with this one: they come and go together."""
+        return self._group[robot]
 
     def _on_question(self, question: Question) -> None:
         try:
@@ -52,6 +62,7 @@ class Roster:
             return
         for robot in wanted:
             self._promised[robot] = time.monotonic() + LEASE
+            self._group[robot] = wanted
         question.answer(messages.encode_welcome(Welcome(wanted, self._config)), "fes.Welcome")
 
     def _refusal(self, wanted: tuple[int, ...]) -> str:
@@ -72,8 +83,11 @@ class Roster:
         self._promised.pop(robot, None)
         if self.alive.all():
             self.complete.set()
-        elif not alive and self._on_loss is not None:
+        if not alive:
+            self.complete.clear()
+        self.whole = np.array([bool(self.alive[list(group)].all()) for _, group in sorted(self._group.items())])
+        self.changed.set()
+        if not alive and self._on_loss is not None:
             self._on_loss(robot)
         elif not alive:
-            self.complete.clear()
             self._logger.info("robot %d left before the start", robot)

@@ -20,7 +20,7 @@ from fes.config import (
     Table,
 )
 from fes.errors import ScenarioError
-from world.events import EventConfig, changed, schedule
+from world.events import EventConfig, Planned, attendance, changed, schedule
 from world.radio_config import RadioConfig
 from world.rules import first_rule
 
@@ -99,12 +99,21 @@ class Scenario(Table):
                 channel = changed(channel, settings, self.run.dt)
             except ScenarioError as error:
                 raise ValueError(f"event: set {error}") from None
+        try:
+            attendance(self.event, self.robots.number, self.run.dt)
+        except ScenarioError as error:
+            raise ValueError(str(error)) from None
         return self
 
     @property
     def changes(self) -> dict[int, dict[str, Any]]:
         """Tick -> what is set from it on, in order."""
         return schedule(self.event, self.run.dt)
+
+    @property
+    def attendance(self) -> dict[int, Planned]:
+        """Tick -> who dies and who comes back, in order."""
+        return attendance(self.event, self.robots.number, self.run.dt)
 
     @property
     def ticks(self) -> int:

@@ -133,10 +133,14 @@ EVENT = {
     "required": ["tick", "what"],
     "properties": {
         "tick": {"type": "integer"},
-        "what": {"enum": ["set", "end"], "description": "the channel was changed; the run is over"},
+        "what": {
+            "enum": ["set", "present", "end"],
+            "description": "the channel was changed; robots came or went otherwise than by schedule; the run is over",
+        },
         "by": {"enum": ["schedule", "person"]},
         "path": {"type": "string", "description": "of a set: the field, by its dotted path in the scenario"},
         "value": {"description": "of a set: its new value"},
+        "robots": {"type": "array", "items": {"type": "integer"}, "description": "of present: who takes part now"},
         "reason": {"type": "string", "description": "of an end before its time"},
     },
 }

@@ -10,17 +10,18 @@ from typing import Any
 import numpy as np
 
 from fes import keys, messages, wire
-from fes.arrays import Floats
+from fes.arrays import Bools, Floats
 from fes.bus import Bus, Question
 from fes.change import Effect, decode_change, encode_effect
 from fes.complaints import Complaints
-from fes.errors import Absent, MessageError, ScenarioError
+from fes.errors import MessageError, ScenarioError
 from fes.inbox import Inbox
 from fes.messages import Command, Observation
 from fes.report import encode_report
 from fes.sensing import Observations, untold
 from world import events, reporting, simulation, summary, wording
 from world.account import Account
+from world.attendance import Attendance
 from world.ears import Ears
 from world.optimum import optimal_separation
 from world.recorder import Recorder, Said
@@ -30,7 +31,8 @@ from world.simulation import State
 from world.wording import Told
 
 ANSWER_TIMEOUT = 10.0
-"""A living robot that does not answer a tick for this long [s] is hung: its liveliness token would stay."""
+"""A living robot that does not answer a tick for this long [s] is hung, for its liveliness token may stay: it is left
+out until it speaks again."""
 
 ASK_AGAIN = 0.5
 """An observation is sent again to robots that did not answer it for this long [s], then for twice as long, ..."""
@@ -71,6 +73,7 @@ class Server:
         self._roster = Roster(bus, run, len(robots), agent_config(scenario), self.complaints)
         bus.serve(keys.change(run), self._on_change)
         bus.token(keys.world_alive(run))  # last: it says that everything above is in place
+        self._attendance = Attendance(self._roster, scenario)
         self._unaccounted: tuple[State, Floats, list[bytes], list[bytes]] | None = None
         self._begun = self._told_at = self._ended = 0.0
         self._told_tick = 0
@@ -87,11 +90,14 @@ class Server:
         """All ticks of the scenario; ends early, with what was reached, if it is cancelled."""
         self._begun = self._told_at = time.perf_counter()
         while self._state.tick < self.scenario.ticks:
+            self._attend(await self._attendance.assemble(self._state))
             sent = self._publish(simulation.observe(self._state))
             self._account()  # for the last tick, while the robots think about this one
             answers = await self._barrier(sent)
-            twists, self._said = self._told.read([command for command, _ in answers])
-            self._unaccounted = self._state, twists, sent, [payload for _, payload in answers]
+            twists, self._said = self._told.read([answer and answer[0] for answer in answers])
+            commands = [answer[1] if answer else b"" for answer in answers]
+            sent = [payload if answer else b"" for payload, answer in zip(sent, answers, strict=True)]
+            self._unaccounted = self._state, twists, sent, commands
             self._state = simulation.step(self._world, self._state, twists)
             await self._pace()
         self._account()
@@ -117,7 +123,9 @@ class Server:
             self._tell()
         nothing = np.zeros(0, dtype=np.int64)
         for robot, (put, pose) in enumerate(zip(self._observe, self._state.poses.tolist(), strict=True)):
-            farewell = Observation(self._state.tick, robot, tuple(pose), nothing, nothing.astype(np.uint8), over=True)
+            farewell = Observation(
+                self._state.tick, robot, tuple(pose), nothing, nothing.astype(np.uint8), over=True, since=0
+            )
             put(messages.encode_observation(farewell))
 
     def _on_change(self, question: Question) -> None:
@@ -143,11 +151,16 @@ class Server:
         question.answer(encode_effect(Effect(change.path, value, tick, optimal)), "fes.Effect")
 
     def _on_loss(self, robot: int) -> None:
-        self._inbox.fail(
-            Absent(
-                f"robot {robot} left at tick {self._state.tick}: its agent died, was stopped or lost its connection"
-            )
-        )
+        self._inbox.nudge()
+
+    def _attend(self, present: Bools) -> None:
+        """These robots take part from this tick on."""
+        before = self._state
+        if (present != before.present).any():
+            self._state = simulation.attend(before, present)
+            self._attendance.told(before, self._state)
+            if self._recorder is not None:
+                self._recorder.attend(before.tick, np.flatnonzero(present).tolist())
 
     def _account(self) -> None:
         """Add the last tick to the tally, and report to observers if it is time."""
@@ -157,40 +170,53 @@ class Server:
         self._unaccounted = None
         self._sums.add(state, twists, self._said)
         if self._recorder is not None and self._ears is not None:
-            said = Said(sent, self._ears.heard(state.tick), answers)
+            said = Said(sent, self._ears.heard(state.tick, state.present), answers)
             self._recorder.add(self._sums, twists, said, self._roster.alive, time.perf_counter() - self._begun)
         if time.perf_counter() - self._told_at >= reporting.PERIOD:
             self._tell()
 
     def _publish(self, observations: Observations) -> list[bytes]:
         """Put each robot's observation; returns the payloads, to be sent again if need be."""
-        sent = wording.observations(observations)
+        addressed = (
+            self._state.present | self._attendance.there
+        )  # whom only the scenario has dead must not fall behind
+        sent = wording.observations(observations, addressed, self._state.since)
         for put, payload in zip(self._observe, sent, strict=True):
-            put(payload)
+            if payload:
+                put(payload)
         return sent
 
-    async def _barrier(self, sent: list[bytes]) -> list[tuple[Command, bytes]]:
-        """Every robot's command for this tick and its payload, in id order; raises Absent if one does not answer."""
+    async def _barrier(self, sent: list[bytes]) -> list[tuple[Command, bytes] | None]:
+        """Every robot's command for this tick and its payload, in id order; None for those that are not there.
+
+        A robot that is lost or does not answer in time is not there from this tick on.
+        """
         answers: list[tuple[Command, bytes] | None] = [None] * len(sent)
-        missing, begun, patience = len(sent), time.monotonic(), ASK_AGAIN
+        waited = self._state.present.copy()
+        missing, begun, patience = int(waited.sum()), time.monotonic(), ASK_AGAIN
         ask_at = begun + patience
         while missing:
             # Messages are only counted here, so junk may wake us too: time is looked at on every pass.
             await self._inbox.wait(missing, max(0.0, ask_at - time.monotonic()))
             for key, payload in self._inbox.drain():
                 command = self._read(key, payload)
-                if command is not None and payload is not None and answers[command.robot] is None:
+                if command is not None and payload is not None and waited[command.robot]:
                     answers[command.robot] = command, payload
+                    waited[command.robot] = False
                     missing -= 1
+            if missing:
+                waited &= self._attendance.there
+                missing = int(waited.sum())
             if missing and time.monotonic() >= ask_at:
-                silent = [robot for robot, answer in enumerate(answers) if answer is None]
                 if time.monotonic() - begun >= ANSWER_TIMEOUT:
-                    raise Absent(f"robot {silent[0]} did not answer tick {self._state.tick} for {ANSWER_TIMEOUT:g} s")
-                for robot in silent:
+                    self._attendance.hang(waited)
+                    break
+                for robot in np.flatnonzero(waited).tolist():
                     self._observe[robot](sent[robot])
                 patience *= 2.0
                 ask_at = min(time.monotonic() + patience, begun + ANSWER_TIMEOUT)
-        return [answer for answer in answers if answer is not None]
+        self._attend(self._state.present & np.array([answer is not None for answer in answers]))
+        return answers
 
     def _read(self, key: str, payload: bytes | None) -> Command | None:
         """The command in a message if it is one for this tick; anything else is dropped and counted.
@@ -204,7 +230,7 @@ class Server:
             command = messages.decode_command(payload)
             if self._robot_of.get(key) != command.robot:
                 raise MessageError("Command", "came on another robot's key", key)
-            if command.tick == self._state.tick - 1:
+            if self._attendance.woke(command.robot) or command.tick == self._state.tick - 1:
                 return None
             if command.tick != self._state.tick:
                 raise MessageError("Command", "is not for this tick", str(command.tick))

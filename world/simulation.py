@@ -5,10 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from fes.arrays import Floats, Ints
+from fes.arrays import Bools, Floats, Ints
 from fes.sensing import DECODED, Observations
 from world import channel, events, kinematics, proximity
 from world.channel import Medium, Radio
+from world.events import Planned
 from world.proximity import Proximity
 from world.radio_config import RadioConfig
 from world.scenario import Scenario, initial_poses
@@ -24,6 +25,8 @@ class World:
     medium: Medium
     changes: dict[int, dict[str, Any]]
     """Tick -> what is set of the channel from it on."""
+    attendance: dict[int, Planned]
+    """Tick -> who dies and who comes back."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +40,11 @@ class State:
     """The channel in force from this tick on: `replace` it, and its `communication_range` shows a tick later."""
     proximity: Proximity
     radio: Radio
+    present: Bools
+    """Which robots take part [n]. The body of another stands still and its radio is silent; that its beacons are not
+    heard is all that its peers learn of it."""
+    since: Ints
+    """The tick from which on each robot takes part, for the last time [n]."""
     sent: int
     """Beacons sent on open contacts so far."""
     decoded: int
@@ -46,31 +54,54 @@ class State:
 def create(scenario: Scenario) -> World:
     """The world of a scenario."""
     ids = np.arange(scenario.robots.number)
-    return World(scenario, ids, channel.medium(scenario.run.seed, scenario.run.dt), scenario.changes)
+    medium = channel.medium(scenario.run.seed, scenario.run.dt)
+    return World(scenario, ids, medium, scenario.changes, scenario.attendance)
 
 
 def start(world: World) -> State:
     """The state at tick 0."""
     poses, radio = initial_poses(world.scenario), world.scenario.channel
     near = proximity.measure(world.ids, poses, radio.communication_range, None)
-    return _changed(world, State(0, poses, radio, near, channel.quiet(near.edges), 0, 0))
+    return _changed(
+        world,
+        State(
+            0, poses, radio, near, channel.quiet(near.edges), np.ones(len(poses), dtype=np.bool_), 0 * world.ids, 0, 0
+        ),
+    )
 
 
 def step(world: World, state: State, twists: Floats) -> State:
-    """The state one tick later, the robots holding `twists` [n, 2] [m/s, rad/s]."""
+    """The state one tick later, the robots holding `twists` [n, 2] [m/s, rad/s]; see `held`."""
     poses = kinematics.move(state.poses, twists, world.scenario.run.dt)
     near = proximity.measure(world.ids, poses, state.channel.communication_range, state.proximity)
-    radio = channel.transmit(world.medium, state.channel, state.radio, state.tick, state.poses, state.proximity, near)
+    radio = channel.transmit(
+        world.medium, state.channel, state.radio, state.tick, state.poses, state.present, state.proximity, near
+    )
+    on_air = radio.reception
+    if not state.present.all():
+        on_air = on_air[channel.among(radio.edges, state.present)]
     after = replace(
         state,
         tick=state.tick + 1,
         poses=poses,
         proximity=near,
         radio=radio,
-        sent=state.sent + int(np.count_nonzero(radio.reception)),
+        sent=state.sent + int(np.count_nonzero(on_air)),
         decoded=state.decoded + int(np.count_nonzero(radio.reception == DECODED)),
     )
     return _changed(world, after)
+
+
+def held(state: State, twists: Floats) -> Floats:
+    """What bodies do with the `twists` [n, 2] they were told: those of robots that are not present stand still."""
+    return twists if state.present.all() else np.where(state.present[:, None], twists, 0.0)
+
+
+def attend(state: State, present: Bools) -> State:
+    """The state at the same tick with these robots present [n]; contacts of those that come back open anew."""
+    back = present & ~state.present
+    radio = channel.reopen(state.radio, back) if back.any() else state.radio
+    return replace(state, present=present, radio=radio, since=np.where(back, state.tick, state.since))
 
 
 def observe(state: State) -> Observations:
@@ -79,8 +110,10 @@ def observe(state: State) -> Observations:
 
 
 def _changed(world: World, state: State) -> State:
-    """The state with what is to be set at its tick."""
-    settings = world.changes.get(state.tick)
+    """The state with what is to be set at its tick, and who is to be there."""
+    planned, settings = world.attendance.get(state.tick), world.changes.get(state.tick)
+    if planned is not None:
+        state = attend(state, events.attended(state.present, planned))
     if settings is None:
         return state
     return replace(state, channel=events.changed(state.channel, settings, world.scenario.run.dt))

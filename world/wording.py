@@ -1,17 +1,22 @@
 """Between the world's arrays and the messages that cross the bus, one a robot."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fes import messages
-from fes.arrays import Floats, Ints
+from fes.arrays import Bools, Floats, Ints
 from fes.edges import Stack
 from fes.messages import Command, Observation
 from fes.sensing import Observations, Telemetry
 
 
-def observations(sensed: Observations) -> list[bytes]:
-    """The payload of each robot's Observation, in id order."""
-    rows = zip(sensed.poses.tolist(), sensed.in_range.spans, strict=True)
+def observations(sensed: Observations, present: Bools, since: Ints) -> list[bytes]:
+    """The payload of the Observation of each robot that is `present` [n], in id order; empty for others.
+
+    `since` [n]: the tick from which on each takes part.
+    """
+    rows = zip(sensed.poses.tolist(), sensed.in_range.spans, present.tolist(), since.tolist(), strict=True)
     return [
         messages.encode_observation(
             Observation(
@@ -21,10 +26,16 @@ def observations(sensed: Observations) -> list[bytes]:
                 sensed.in_range.peers[span],
                 sensed.reception[span],
                 over=False,
+                since=begun,
             )
         )
-        for robot, (pose, span) in enumerate(rows)
+        if here
+        else b""
+        for robot, (pose, span, here, begun) in enumerate(rows)
     ]
+
+
+_NOTHING = Command(0, 0, (0.0, 0.0), np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
 
 
 class Told:
@@ -34,8 +45,12 @@ class Told:
         self._ids = ids
         self._stack = Stack()
 
-    def read(self, commands: list[Command]) -> tuple[Floats, Telemetry]:
-        """The twists [n, 2] in the commands of all robots, in id order, and the telemetry beside them."""
+    def read(self, given: Sequence[Command | None]) -> tuple[Floats, Telemetry]:
+        """The twists [n, 2] in the commands of all robots, in id order, and the telemetry beside them.
+
+        None is the command of a robot that is not there: it stands still and says nothing.
+        """
+        commands = [_NOTHING if command is None else command for command in given]
         links = self._stack.edges(self._ids, [command.links for command in commands])
         estimates = np.concatenate([command.estimates for command in commands])
         learnt = np.zeros((2, 0))

@@ -15,6 +15,7 @@ import numpy as np
 
 from agents import crew, seeking
 from agents.crew import Crew
+from console import inprocess
 from console.inprocess import Tick
 from fes.arrays import Floats, Ints
 from fes.config import AgentConfig
@@ -49,11 +50,15 @@ def ticks(scenarios: Sequence[Scenario]) -> Iterator[list[Tick]]:
     places = _Places.of([world.ids for world in worlds])
     robots = _assemble(scenarios, places)
     sensing, saying = _Joined(places), _Split(places)
-    minds, said = crew.start(robots), silence()
+    minds, said, there = crew.start(robots), silence(), [state.present for state in states]
     for _ in range(scenarios[0].ticks):
+        now = [state.present for state in states]
+        if any(new is not old for new, old in zip(now, there, strict=True)):
+            back = [new & ~old for new, old in zip(now, there, strict=True)]
+            minds, there = crew.forget(robots, minds, np.concatenate(back)), now
         minds, said, twists = crew.step(robots, minds, sensing.observations(states), said)
         told = saying.beacons(said), places.rows(twists), saying.telemetry(crew.telemetry(robots, minds))
-        found = [Tick(*of_run) for of_run in zip(states, *told, strict=True)]
+        found = [inprocess.tick(*of_run) for of_run in zip(states, *told, strict=True)]
         yield found
         states = [simulation.step(world, tick.state, tick.twists) for world, tick in zip(worlds, found, strict=True)]
 

@@ -1,0 +1,137 @@
+"""Agents that die, hang and come back while a run goes on, over Zenoh; the log can do it again."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from agents.process import Agent
+from console import inprocess, log, replay
+from tests import session
+from tests.loop import load
+from tests.session import RUN
+from world.recorder import Recorder
+from world.scenario import Scenario
+from world.server import Server
+
+DEADS: list[dict[str, Any]] = [{"at": 0.6, "kill": [4, 6]}, {"at": 1.2, "restart": [4]}, {"at": 1.6, "restart": [6]}]
+Story = Callable[[Server, list["asyncio.Task[Agent]"], str], Awaitable[None]]
+
+
+def live_through(scenario: Scenario, path: Path, story: Story, pace: float = 2.0) -> dict[str, Any]:
+    """A recorded run of robots in a process each, while `story` happens; returns its summary."""
+
+    async def main() -> dict[str, Any]:
+        async with session.router() as (opened, endpoint), asyncio.timeout(100.0):
+            with Recorder(path, scenario, "test", "processes") as recorder:
+                server = Server(opened, scenario, "test", RUN, pace, recorder)
+                robots = range(scenario.robots.number)
+                agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in robots]
+                await server.gather()
+                running = asyncio.ensure_future(server.run())
+                await story(server, agents, endpoint)
+                await running
+                server.dismiss()
+                await asyncio.gather(*agents, return_exceptions=True)
+                summary = server.summarize()
+                assert summary is not None
+                recorder.conclude(summary)
+                return summary
+
+    return asyncio.run(main())
+
+
+async def until(server: Server, holds: Callable[[Any], Any]) -> int:
+    while not holds(server._state):
+        await asyncio.sleep(0.01)
+    return int(server._state.tick)
+
+
+def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_it_can_be_executed_again(
+    tmp_path: Path,
+) -> None:
+    seen: dict[str, Any] = {}
+
+    async def story(server: Server, agents: list["asyncio.Task[Agent]"], endpoint: str) -> None:
+        await until(server, lambda state: state.tick >= 40)
+        agents[4].cancel()
+        gone = await until(server, lambda state: not state.present[4])
+        pose = server._state.poses[4].tolist()
+        await until(server, lambda state: state.tick >= gone + 60)
+        seen["stood"] = server._state.poses[4].tolist() == pose
+        agents[4] = asyncio.ensure_future(session.live(endpoint, [4]))
+        back = await until(server, lambda state: state.present[4])
+        await until(server, lambda state: state.tick >= back + 30)
+        seen["moved"] = server._state.poses[4].tolist() != pose
+        seen["ticks"] = gone, back
+
+    scenario = load("neighborhood.toml", run__duration=6.0)
+    summary = live_through(scenario, tmp_path / "run.mcap", story)
+    assert seen["stood"]
+    assert seen["moved"]
+    assert seen["ticks"][1] > seen["ticks"][0] + 60
+    assert summary["ticks"] == 300
+    found = log.load(tmp_path / "run.mcap")
+    again = replay.again(found, everybody=True)
+    assert again["digest"] == summary["digest"] != inprocess.run(scenario, "test")["digest"]
+    assert replay.alone(found, 4) == 300
+
+
+def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_when_it_speaks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("world.server.ANSWER_TIMEOUT", 1.0)
+    asleep, publish = asyncio.Event(), Agent._publish
+    delayed: list[tuple[Agent, Any]] = []
+
+    def sleepy(agent: Agent, said: Any) -> None:
+        if asleep.is_set() and agent._robots == (1,):
+            delayed.append((agent, said))
+        else:
+            publish(agent, said)
+
+    monkeypatch.setattr(Agent, "_publish", sleepy)
+    seen = []
+
+    async def story(server: Server, agents: Any, endpoint: str) -> None:
+        await until(server, lambda state: state.tick >= 20)
+        asleep.set()
+        seen.append(await until(server, lambda state: not state.present[1]))
+        await until(server, lambda state: state.tick >= seen[0] + 40)
+        asleep.clear()
+        for agent, said in delayed:
+            publish(agent, said)
+        seen.append(await until(server, lambda state: state.present[1]))
+
+    summary = live_through(load("pair.toml", run__duration=4.0), tmp_path / "run.mcap", story)
+    assert seen[1] >= seen[0] + 40
+    assert len(delayed) == 1
+    assert summary["ticks"] == 200
+    assert replay.again(log.load(tmp_path / "run.mcap"), everybody=True)["digest"] == summary["digest"]
+
+
+@pytest.mark.parametrize(
+    "groups", [[[i] for i in range(10)], [[3, 4, 5], [0, 1, 2, 6, 7, 8, 9]]], ids=["one", "many"]
+)
+@pytest.mark.parametrize("name", ["paper.toml", "measured.toml"])
+def test_scheduled_deaths_have_one_digest_in_one_loop_and_over_zenoh(name: str, groups: list[list[int]]) -> None:
+    dying = load(name, run__duration=2.4, event=DEADS)
+
+    async def bounded() -> Any:
+        async with asyncio.timeout(60.0):
+            return await session.run(dying, groups)
+
+    summary, server, _ = asyncio.run(bounded())
+    assert summary["digest"] == inprocess.run(dying, "test")["digest"]
+    assert not server.complaints.counts
+
+
+def test_a_log_of_scheduled_deaths_in_one_loop_is_executed_again(tmp_path: Path) -> None:
+    dying = load("measured.toml", run__duration=2.4, event=DEADS)
+    with Recorder(tmp_path / "run.mcap", dying, "test", "inprocess") as recorder:
+        summary = inprocess.run(dying, "test", recorder=recorder)
+    found = log.load(tmp_path / "run.mcap")
+    assert replay.again(found, everybody=True)["digest"] == summary["digest"]
+    assert [replay.alone(found, robot) for robot in (4, 5)] == [120, 120]

@@ -1,0 +1,83 @@
+"""Who takes part in a run: all that are there, unless the scenario has them dead."""
+
+import asyncio
+import contextlib
+import logging
+import time
+
+import numpy as np
+
+from fes.arrays import Bools
+from fes.errors import Absent
+from world import events
+from world.roster import Roster
+from world.scenario import Scenario
+from world.simulation import State
+
+RETURN_TIMEOUT = 60.0
+"""So long [s] the world waits for anybody to take part, and for a robot that its scenario brings back."""
+
+
+class Attendance:
+    """The robots that are there, and those that ought to be."""
+
+    def __init__(self, roster: Roster, scenario: Scenario) -> None:
+        self._roster = roster
+        self._schedule = scenario.attendance
+        self._robots = scenario.robots.number
+        self._hung = np.zeros(self._robots, dtype=np.bool_)
+        self._logger = logging.getLogger("world")
+
+    @property
+    def there(self) -> Bools:
+        """Which robots can answer, and all that share their process with them [n]."""
+        return self._roster.whole & ~self._hung
+
+    def hang(self, silent: Bools) -> None:
+        """The `silent` robots [n] did not answer in time: they are left out, and all that share their process."""
+        for robot in np.flatnonzero(silent).tolist():
+            self._hung[list(self._roster.group(robot))] = True
+            self._logger.warning("robot %d does not answer", robot)
+
+    def woke(self, robot: int) -> bool:
+        """Whether this robot, which was just heard of, was hung until now."""
+        hung = bool(self._hung[robot])
+        if hung:
+            self._hung[list(self._roster.group(robot))] = False
+        return hung
+
+    async def assemble(self, state: State) -> Bools:
+        """Who takes part at the tick of `state` [n]; raises Absent.
+
+        It waits for those that the scenario brings back at this tick, and while nobody at all is there.
+        """
+        planned = self._schedule.get(state.tick)
+        due = planned.back if planned is not None else np.zeros(self._robots, dtype=np.bool_)
+        end = time.monotonic() + RETURN_TIMEOUT
+        while True:
+            self._roster.changed.clear()
+            there = self.there
+            if there.any() and there[due].all():
+                return there & self._wanted(state.tick)
+            if time.monotonic() >= end:
+                missing = np.flatnonzero(due & ~there)
+                who = f"robot {missing[0]} did not come back" if len(missing) else "nobody is there any more"
+                raise Absent(f"{who}: the world waited {RETURN_TIMEOUT:g} s at tick {state.tick}")
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(max(0.0, end - time.monotonic())):
+                    await self._roster.changed.wait()
+
+    def told(self, before: State, now: State) -> None:
+        """Say who came and who went."""
+        for robot in np.flatnonzero(before.present & ~now.present).tolist():
+            self._logger.info("robot %d is not there from tick %d on: its body stands still", robot, now.tick)
+        for robot in np.flatnonzero(now.present & ~before.present).tolist():
+            self._logger.info("robot %d is back from tick %d on", robot, now.tick)
+
+    def _wanted(self, tick: int) -> Bools:
+        """Whom the schedule does not have dead at a tick [n]."""
+        wanted = np.ones(self._robots, dtype=np.bool_)
+        for at, planned in self._schedule.items():
+            if at <= tick:
+                wanted = events.attended(wanted, planned)
+        return wanted
