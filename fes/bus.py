@@ -8,8 +8,8 @@ import asyncio
 import contextlib
 import json
 import os
-import re
 import threading
+from collections import deque
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -24,12 +24,14 @@ os.environ.setdefault(
 import zenoh
 import zenoh.handlers
 
-from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
+from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, first_line, why_not
 from fes.errors import Absent, FesError, Refused, TransportError
 
-MAILBOX = 1024
-"""Samples that may wait in a mailbox."""
+MAILBOX = 64
+"""Samples that may wait in a mailbox: peers are a tick ahead at most, and 64 of the longest are 64 MiB."""
 
+QUESTIONS = 64
+"""Questions that may wait for one handler; whoever asks beyond is refused at once, before anything is decoded."""
 
 REFUSED = b"refused: "
 """How an answer begins that turns the asker away."""
@@ -126,12 +128,30 @@ class Bus:
         callback = zenoh.handlers.Callback(on_change, indirect=False)
         self._held.append(self._session.liveliness().declare_subscriber(key, callback, history=True))
 
+    async def standing(self, key: str, timeout: float) -> list[str]:
+        """The liveliness tokens on `key` that stand now, each as often as it was declared."""
+        found: list[str] = []
+        done = asyncio.Event()
+        callback: zenoh.handlers.Callback[zenoh.Reply] = zenoh.handlers.Callback(
+            lambda reply: found.append(str(reply.ok.key_expr)) if reply.ok is not None else None,
+            drop=lambda: self._loop.call_soon_threadsafe(done.set),
+            indirect=False,
+        )
+        self._session.liveliness().get(key, callback, timeout=timeout)
+        await done.wait()
+        return sorted(found)
+
     def serve(self, key: str, handler: Callable[[Question], None]) -> None:
-        """Call `handler` on the loop with each question asked on `key`."""
+        """Call `handler` on the loop with each question asked on `key`, QUESTIONS at a time at most."""
+        waiting: deque[Question] = deque()
 
         def on_query(query: zenoh.Query) -> None:
+            if len(waiting) >= QUESTIONS:
+                Question(b"", query, key).refuse("too many questions at once")
+                return
             payload = query.payload.to_bytes() if query.payload is not None else b""
-            self._loop.call_soon_threadsafe(handler, Question(payload, query, key))
+            waiting.append(Question(payload, query, key))
+            self._loop.call_soon_threadsafe(lambda: handler(waiting.popleft()))
 
         self._held.append(self._session.declare_queryable(key, zenoh.handlers.Callback(on_query, indirect=False)))
 
@@ -170,7 +190,7 @@ async def opened(endpoints: Endpoints) -> AsyncIterator[Bus]:
     try:
         session = await _open(config)
     except zenoh.ZError as error:
-        raise TransportError(_reason(endpoints, str(error))) from None
+        raise TransportError(why_not(endpoints, str(error))) from None
     with session:
         yield Bus(session, asyncio.get_running_loop())
 
@@ -212,7 +232,7 @@ def _config(endpoints: Endpoints) -> zenoh.Config:
     try:
         config = zenoh.Config.from_file(path) if path is not None else zenoh.Config()
     except zenoh.ZError as error:
-        raise TransportError(f"cannot read the Zenoh configuration {path}: {_first_line(str(error))}") from None
+        raise TransportError(f"cannot read the Zenoh configuration {path}: {first_line(str(error))}") from None
     plain = zenoh.Config()
     for key, value in endpoints.house_rules().items():
         if path is not None and key in endpoints.by_default and config.get_json(key) != plain.get_json(key):
@@ -227,20 +247,6 @@ def _config(endpoints: Endpoints) -> zenoh.Config:
         except zenoh.ZError:
             raise FesError(f"--cfg {key}:{text}: no such setting, or its value is not JSON5") from None
     return config
-
-
-def _reason(endpoints: Endpoints, message: str) -> str:
-    if "in use" in message.lower():
-        return f"cannot listen on {', '.join(endpoints.listen)}: the address is already in use"
-    if endpoints.mode == "client":
-        return f"nobody listens on {endpoints.shown} (tried for {endpoints.timeout:g} s)"
-    return f"cannot open a session on {endpoints.shown}: {_first_line(message)}"
-
-
-def _first_line(message: str) -> str:
-    """The first line of an error of Zenoh, without the places in its source."""
-    line = message.strip().splitlines()[0] if message.strip() else "unknown error"
-    return re.sub(r" at /\S+:\d+\.?", "", line)
 
 
 def _encoding(schema: str) -> zenoh.Encoding:

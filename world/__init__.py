@@ -2,6 +2,7 @@
 
 process     the shell: fes-world
 server      the lockstep: observations out, commands in, one barrier a tick
+claim       one world a run
 roster      who hosts which robot, and who is alive
 reporting   the report to observers
 scenario    the typed scenario, from TOML

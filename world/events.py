@@ -1,5 +1,6 @@
 """What changes while a run goes on: scheduled by the scenario, or set from another terminal."""
 
+import reprlib
 from collections.abc import Iterable
 from typing import Any
 
@@ -46,7 +47,7 @@ def changed(channel: RadioConfig, settings: dict[str, Any], dt: float) -> RadioC
         if first["type"] == "extra_forbidden":
             raise ScenarioError(field, "the channel has no such field") from None
         message = first["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
-        raise ScenarioError(field, f"{message}, got {first['input']!r}") from None
+        raise ScenarioError(field, f"{message}, got {reprlib.repr(first['input'])}") from None
     except ValueError as error:
         raise ScenarioError(next(iter(settings)), str(error)) from None
     return result

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from fes import bus, keys, process
 from fes.errors import FesError
-from world import summary
+from world import claim, summary
 from world.scenario import Scenario, load, parse_override
 from world.server import Server
 
@@ -18,6 +18,8 @@ async def serve(flags: argparse.Namespace, scenario: Scenario) -> int:
     """One world process, from start to exit code."""
     run = keys.check_run(flags.run)
     async with bus.opened(process.world_endpoints(flags)) as opened:
+        connected = bool(flags.connect or flags.config or flags.cfg) or flags.mode not in (None, "router")
+        await claim.claim(opened, run, connected=connected)
         server = Server(opened, scenario, flags.name or Path(flags.scenario).stem, run, flags.rtf)
         try:
             await server.gather()

@@ -57,6 +57,7 @@ class Server:
         bus.serve(keys.change(run), self._on_change)
         bus.token(keys.world_alive(run))  # last: it says that everything above is in place
         self._unaccounted: tuple[State, Floats] | None = None
+        self._asked: dict[int, int] = {}  # the last tick that each robot was asked for again
         self._begun = self._told_at = self._ended = 0.0
         self._told_tick = 0
 
@@ -110,6 +111,7 @@ class Server:
             change = decode_change(question.payload)
             changed = events.changed(self._state.channel, {change.path: change.value}, self.scenario.run.dt)
         except (MessageError, ScenarioError) as error:
+            self.complaints.add("Change: refused", f"a change: {error}")
             question.refuse(str(error))
             return
         tick = self._state.tick
@@ -170,12 +172,15 @@ class Server:
                 if command is not None and answers[command.robot] is None:
                     answers[command.robot] = command
                     missing -= 1
+                elif command is not None and self._asked.get(command.robot) != command.tick:
+                    self.complaints.add("Command: came twice", f"{key}: a second command for tick {command.tick}")
             if missing and time.monotonic() >= ask_at:
                 silent = [robot for robot, answer in enumerate(answers) if answer is None]
                 if time.monotonic() - begun >= ANSWER_TIMEOUT:
                     raise Absent(f"robot {silent[0]} did not answer tick {self._state.tick} for {ANSWER_TIMEOUT:g} s")
                 for robot in silent:
                     self._observe[robot](sent[robot])
+                    self._asked[robot] = self._state.tick
                 patience *= 2.0
                 ask_at = min(time.monotonic() + patience, begun + ANSWER_TIMEOUT)
         return [answer for answer in answers if answer is not None]
@@ -192,7 +197,7 @@ class Server:
             command = messages.decode_command(payload)
             if self._robot_of.get(key) != command.robot:
                 raise MessageError("Command", "came on another robot's key", key)
-            if command.tick == self._state.tick - 1:
+            if command.tick == self._state.tick - 1 == self._asked.get(command.robot):
                 return None
             if command.tick != self._state.tick:
                 raise MessageError("Command", "is not for this tick", str(command.tick))
