@@ -1,4 +1,4 @@
-"""What a person runs: fes run, view, set, sweep, plot, claims.
+"""What a person runs: fes run, view, set, sweep, doctor, plot, claims.
 
 cli         the commands
 processes   fes run with real processes
@@ -11,6 +11,7 @@ study       how the integration error depends on the step
 setting     the command fes set
 evidence    the commands fes plot and fes claims
 rundir      run directories
+doctor      fes doctor: what may keep a run from starting
 sweep       fes sweep: many runs, compared
 summary     the summary as a person reads it
 observer    the world's reports, as they come

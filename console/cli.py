@@ -13,6 +13,7 @@ import typer
 from rich.console import Console
 
 from console import evidence, inprocess, processes, rundir, setting, summary, view
+from console.doctor.command import doctor
 from console.processes import Launch
 from console.sweep import command
 from fes import bus, keys, process
@@ -30,6 +31,7 @@ app.command()(evidence.plot)
 app.command(name="claims")(evidence.show_claims)
 app.command(name="set")(setting.set_command)
 app.command()(command.sweep)
+app.command()(doctor)
 
 
 class Backend(StrEnum):

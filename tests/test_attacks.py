@@ -3,15 +3,17 @@
 import asyncio
 import logging
 import struct
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import msgpack
 import numpy as np
 import pytest
+import zenoh
 
 from agents.process import Agent
-from console import inprocess
+from console import inprocess, observer
 from fes import bus, change, keys, messages, wire
 from fes.bus import Bus
 from fes.errors import Absent, FesError, Refused
@@ -125,6 +127,25 @@ def test_a_flood_of_junk_on_all_keys_at_once_changes_no_digit(paper: Scenario, e
     assert 0 < server.complaints.counts["Command: is not msgpack (FormatError)"] <= FLOOD
 
 
+@pytest.mark.parametrize("size", [1_000, 60_000])
+def test_a_flood_that_waits_for_room_closes_no_robots_link(paper: Scenario, expected: str, size: int) -> None:
+    """Messages sent with congestion control BLOCK: with two threads for all, two of them stopped the router."""
+
+    async def disturb(endpoint: str) -> None:
+        targets = everywhere(bytes(size))[: 3 * ROBOTS]
+
+        def flood() -> None:
+            for _ in range(6_000_000 // (size * len(targets)) + 5):
+                for key, sent in targets:
+                    vandal._session.put(key, sent, congestion_control=zenoh.CongestionControl.BLOCK)
+
+        async with client(endpoint) as vandal:
+            await asyncio.to_thread(flood)
+
+    digest, _, _ = attacked(paper, disturb)
+    assert digest == expected
+
+
 def test_a_flood_that_pushes_beacons_out_of_full_mailboxes_changes_no_digit(
     paper: Scenario, expected: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -186,8 +207,6 @@ def test_more_questions_than_may_wait_are_refused_at_once() -> None:
             world.serve("desk", lambda question: question.answer(b"yes", "x"))
             asked = [asyncio.ensure_future(asker.ask("desk", b"", 10.0)) for _ in range(5 * bus.QUESTIONS)]
             await asyncio.sleep(0)  # all are asked
-            import time
-
             time.sleep(0.3)  # the loop is busy: none can be answered
             outcomes = await asyncio.gather(*asked, return_exceptions=True)
             return [str(outcome) for outcome in outcomes]
@@ -294,9 +313,7 @@ def test_who_claims_a_taken_robot_and_leaves_ends_nothing(paper: Scenario, expec
     assert server.complaints.counts["liveliness: unknown robot"] >= 3
 
 
-def test_a_key_cannot_forge_a_line_of_the_log(
-    paper: Scenario, expected: str, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_key_cannot_forge_a_log_line(paper: Scenario, expected: str, caplog: pytest.LogCaptureFixture) -> None:
     forged = f"fes/{RUN}/robot/1\n2026-01-01 world: all is well\x1b[2J{'x' * 5000}/command"
 
     async def disturb(endpoint: str) -> None:
@@ -312,8 +329,6 @@ def test_a_key_cannot_forge_a_line_of_the_log(
 
 
 def test_an_observer_shows_what_it_can_read_through_a_flood_of_junk_reports(paper: Scenario, expected: str) -> None:
-    from console import observer
-
     seen: list[int] = []
 
     async def disturb(endpoint: str) -> None:
