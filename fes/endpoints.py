@@ -59,7 +59,7 @@ class Endpoints:
             # Shared memory goes around the size limit below, and may drop without a word.
             "transport/shared_memory/enabled": False,
             "transport/link/tx/lease": 2000,
-            # The default lets one put wait 5 s for a link that is cut; much less, and a flood closes slow robots' links.
+            # The default lets one put wait 5 s for a cut link; with much less a flood closes links of slow robots.
             "transport/link/tx/queue/congestion_control/block/wait_before_close": 2_000_000,
             "transport/link/rx/max_message_size": MAX_MESSAGE,
             "transport/unicast/open_timeout": 2000,

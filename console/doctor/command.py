@@ -26,9 +26,7 @@ def doctor(
     ] = None,
     config: Annotated[Path | None, typer.Option("--config", "-c", help="Zenoh configuration file.")] = None,
     cfg: Annotated[list[str] | None, typer.Option(metavar="KEY:VALUE", help="Zenoh setting.")] = None,
-    run: Annotated[
-        str | None, typer.Option(help=f"Name of a run that should go on (else {keys.DEFAULT_RUN}).")
-    ] = None,
+    run: Annotated[str | None, typer.Option(help="Name of a run that should go on.")] = None,
     json_: Annotated[bool, typer.Option("--json", help="Print the findings as JSON, and nothing else.")] = False,
 ) -> int:
     """Check this machine, and a run that goes on (by default the latest one started in this folder)."""

@@ -64,8 +64,8 @@ def packages(requirements: list[str] | None = None) -> Iterator[Finding]:
         have = [f"{name} {installed(name)}" for name, _, _, extra in parsed if not extra]
         yield ok("packages", ", ".join(have))
     extras = sorted({str(extra) for *_, extra in parsed if extra})
-    said = {extra: [lacks(name, rule) for name, _, rule, own in parsed if own == extra] for extra in extras}
-    told = [f"{extra}: {'; '.join(filter(None, lack)) or 'installed'}" for extra, lack in said.items()]
+    lack = {extra: [lacks(name, rule) for name, _, rule, own in parsed if own == extra] for extra in extras}
+    told = [f"{extra}: {'; '.join(filter(None, said)) or 'installed'}" for extra, said in lack.items()]
     if told:
         yield ok("extras", ", ".join(told))
 
@@ -88,9 +88,11 @@ def lacks(name: str, rule: str) -> str:
 def loopback() -> Finding:
     """Whether this machine can talk to itself, over a port of its own choice."""
     try:
-        with socket.create_server(("127.0.0.1", 0)) as server:
-            with socket.create_connection(server.getsockname(), timeout=2.0):
-                return ok("loopback", "127.0.0.1 accepts connections")
+        with (
+            socket.create_server(("127.0.0.1", 0)) as server,
+            socket.create_connection(server.getsockname(), timeout=2.0),
+        ):
+            return ok("loopback", "127.0.0.1 accepts connections")
     except OSError as error:
         return failed("loopback", f"127.0.0.1: {error}", "bring the loopback interface up: ip link set lo up")
 
