@@ -2,6 +2,7 @@
 
 Zenoh calls handlers in threads of its own. A handler given here must only hand over (append, wake), never
 decode or compute: an exception there would be lost, and time spent there holds up every other message.
+What happens when a queue is full, of ours and of Zenoh's, is in docs/reliability.md.
 """
 
 import asyncio
@@ -15,9 +16,8 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import Any
 
-# Four threads a process instead of seven; it must be set before the first session opens. One of them only sends: with
-# two for everything, two messages that wait for room in full queues leave nobody to empty them, and Zenoh, after a
-# while, closes links of robots that did nothing wrong.
+# Four threads instead of seven, set before the first session opens. One of them only sends: else two messages that
+# wait for room in full queues leave nobody to empty these, and Zenoh closes links of robots that did no wrong.
 os.environ.setdefault(
     "ZENOH_RUNTIME",
     "(rx:(handover:app),acc:(handover:app),tx:(worker_threads:1),net:(handover:app),app:(worker_threads:2))",
@@ -30,7 +30,7 @@ from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, first_line, why_not
 from fes.errors import Absent, FesError, Refused, TransportError
 
 MAILBOX = 64
-"""Samples that may wait in a mailbox: peers are a tick ahead at most, and 64 of the longest are 64 MiB."""
+"""Samples that may wait in a mailbox; peers are a tick ahead at most, and 64 of the longest are 64 MiB."""
 
 QUESTIONS = 64
 """Questions that may wait for one handler; whoever asks beyond is refused at once, before anything is decoded."""
@@ -99,12 +99,9 @@ class Bus:
         the message is lost instead, since an observer must never hold up a tick.
         """
         control = zenoh.CongestionControl.DROP if drop else zenoh.CongestionControl.BLOCK
+        priority = zenoh.Priority.DATA if drop else LOCKSTEP
         declared = self._session.declare_publisher(
-            key,
-            encoding=_encoding(schema),
-            congestion_control=control,
-            priority=zenoh.Priority.DATA if drop else LOCKSTEP,
-            express=False,
+            key, encoding=_encoding(schema), congestion_control=control, priority=priority, express=False
         )
         self._held.append(declared)
         return declared.put
@@ -139,11 +136,11 @@ class Bus:
         self._held.append(self._session.liveliness().declare_subscriber(key, callback, history=True))
 
     async def standing(self, key: str, timeout: float) -> list[str]:
-        """The liveliness tokens on `key` that stand now, each as often as it was declared."""
-        found: list[str] = []
+        """The liveliness tokens on `key` that stand now."""
+        found: set[str] = set()  # one of our own comes twice: from here and from the router
         done = asyncio.Event()
         callback: zenoh.handlers.Callback[zenoh.Reply] = zenoh.handlers.Callback(
-            lambda reply: found.append(str(reply.ok.key_expr)) if reply.ok is not None else None,
+            lambda reply: found.add(str(reply.ok.key_expr)) if reply.ok is not None else None,
             drop=lambda: self._loop.call_soon_threadsafe(done.set),
             indirect=False,
         )

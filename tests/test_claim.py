@@ -67,12 +67,14 @@ def test_of_two_routers_that_find_each_other_at_most_one_starts() -> None:
         started = []
         for _ in range(3):
             ends = [f"tcp/127.0.0.1:{free_port()}" for _ in range(2)]
-            async with bus.opened(Endpoints("router", (), (ends[0],))) as one:
-                async with bus.opened(Endpoints("router", (ends[0],), (ends[1],))) as two:
-                    claims = [claim.claim(opened, RUN, connected=True) for opened in (one, two)]
-                    outcomes = await asyncio.gather(*claims, return_exceptions=True)
-                    assert all(outcome is None or isinstance(outcome, Refused) for outcome in outcomes)
-                    started.append(sum(outcome is None for outcome in outcomes))
+            async with (
+                bus.opened(Endpoints("router", (), (ends[0],))) as one,
+                bus.opened(Endpoints("router", (ends[0],), (ends[1],))) as two,
+            ):
+                claims = [claim.claim(opened, RUN, connected=True) for opened in (one, two)]
+                outcomes = await asyncio.gather(*claims, return_exceptions=True)
+                assert all(outcome is None or isinstance(outcome, Refused) for outcome in outcomes)
+                started.append(sum(outcome is None for outcome in outcomes))
         return started
 
     assert max(asyncio.run(main())) <= 1

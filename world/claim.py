@@ -25,6 +25,6 @@ async def claim(bus: Bus, run: str, *, connected: bool) -> None:
     bus.token(own)
     if connected:
         await asyncio.sleep(SETTLING)
-    standing = await bus.standing(keys.world_tokens(run), TIMEOUT)
-    if standing != [own]:
+    others = set(await bus.standing(keys.world_tokens(run), TIMEOUT)) - {own}
+    if others:
         raise Refused(f"another world of run '{run}' is here, or starts just now (--run gives this one another name)")

@@ -130,7 +130,7 @@ def alive(run: str, standing: list[str], others: list[str], robots: int | None, 
         seen = f"no world of run '{run}', robots: {spans(here) or 'none'}{elsewhere}"
         remedy = f"--run {runs[0]}" if runs else "start fes-world with the same --run and endpoint"
         return (failed if wanted else warning)("alive", seen, remedy)
-    if standing.count(keys.world_alive(run)) > 1:
+    if sum(key.startswith(keys.claim(run, "")) for key in standing) > 1:
         return failed("alive", f"more than one world of run '{run}'", "end all but one of them")
     missing = sorted(set(range(robots or (max(here, default=-1) + 1))) - set(here))
     seen = f"world of run '{run}', robots {spans(here) or 'none'} of {robots or '?'}{elsewhere}"
@@ -154,9 +154,9 @@ def said_by(answer: Answer | Silence) -> Iterator[Finding]:
         yield warning("version", f"{seen} there; fes {own.package}, zenoh {own.zenoh} here", same)
     else:
         yield ok("version", f"{seen}, here and there")
-    skew = 1e3 * (other.clock - (answer.asked + answer.heard) / 2.0)
-    seen = f"the world's is {skew:+.1f} ms from ours, known to {500.0 * (answer.heard - answer.asked):.1f} ms"
-    if abs(skew) > 1e3 * LARGE_SKEW:
+    skew, known = other.clock - (answer.asked + answer.heard) / 2.0, (answer.heard - answer.asked) / 2.0
+    seen = f"the world's is {1e3 * skew:+.1f} ms from ours, known to {1e3 * known:.1f} ms"
+    if abs(skew) - known > LARGE_SKEW:  # a slow answer says little, and is no skew
         yield warning("world's clock", seen, "synchronize both machines with NTP, to read their logs side by side")
     else:
         yield ok("world's clock", seen)
