@@ -12,7 +12,8 @@ from fes.errors import FesError
 
 ROOT = Path("runs")
 LATEST = "latest"
-_ENDPOINT = "endpoint.json"
+ENDPOINT = "endpoint.json"
+"""Where a run directory says, while its run goes on, where it can be watched."""
 
 
 @dataclass(frozen=True)
@@ -47,18 +48,18 @@ def create(scenario: str, out: Path | None) -> Path:
 
 def announce(directory: Path, address: Address) -> None:
     """Say in the run directory where the run can be watched."""
-    (directory / _ENDPOINT).write_text(json.dumps(vars(address)) + "\n", encoding="utf-8")
+    (directory / ENDPOINT).write_text(json.dumps(vars(address)) + "\n", encoding="utf-8")
 
 
 def withdraw(directory: Path) -> None:
     """The run cannot be watched any more."""
-    (directory / _ENDPOINT).unlink(missing_ok=True)
+    (directory / ENDPOINT).unlink(missing_ok=True)
 
 
 def find(run: str) -> Address:
     """Where to look without being told: the latest run of this folder if it goes on, else the default endpoint."""
     with contextlib.suppress(OSError, ValueError, TypeError):
-        latest = Address(**json.loads((ROOT / LATEST / _ENDPOINT).read_text(encoding="utf-8")))
+        latest = Address(**json.loads((ROOT / LATEST / ENDPOINT).read_text(encoding="utf-8")))
         if latest.run == run:
             return latest
     return Address(DEFAULT_ENDPOINT, run)

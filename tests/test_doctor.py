@@ -14,10 +14,11 @@ import msgpack
 import pytest
 from rich.console import Console
 
-from console import inprocess
+from console import inprocess, rundir
 from console.doctor import command, machine, network
 from console.doctor.finding import Finding, Status
 from console.doctor.network import Answer
+from console.rundir import Address
 from fes import about, keys
 from fes.about import About
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
@@ -156,9 +157,9 @@ def few_files() -> Iterator[None]:
 
 @pytest.mark.usefixtures("few_files")
 def test_too_few_open_files_fail_for_a_team_that_needs_them_and_warn_otherwise() -> None:
-    # (256 - 64) / 3 = 64 robots
-    assert [machine.files(robots).status for robots in (64, 65, None)] == [Status.OK, Status.FAILED, Status.WARNING]
-    assert machine.files(65).remedy.startswith("ulimit -n 259")  # 64 + 3 * 65
+    # (256 - 64) / 2 = 96 robots
+    assert [machine.files(robots).status for robots in (96, 97, None)] == [Status.OK, Status.FAILED, Status.WARNING]
+    assert machine.files(97).remedy.startswith("ulimit -n 258")  # 64 + 2 * 97
 
 
 def test_a_missing_and_an_old_package_fail_and_a_missing_extra_does_not() -> None:
@@ -235,6 +236,16 @@ def test_the_command_prints_json_or_a_table_and_its_exit_code_says_whether_anyth
     healthy = call(tmp_path, "fes", "doctor")
     assert (healthy.returncode, healthy.stderr) == (0, "")
     assert "no run goes on" in " ".join(healthy.stdout.split())
+
+
+def test_a_run_that_was_killed_is_told_from_one_that_never_was(tmp_path: Path) -> None:
+    latest = tmp_path / "runs" / "latest"
+    latest.mkdir(parents=True)
+    rundir.announce(latest, Address(vacant(), keys.DEFAULT_RUN))
+    done = call(tmp_path, "fes", "doctor", "--json")
+    [found] = [one for one in json.loads(done.stdout) if one["status"] == "failed"]
+    assert (found["check"], done.returncode) == ("endpoint", 1)
+    assert found["remedy"] == "the latest run here was killed: rm runs/latest/endpoint.json"
 
 
 def test_the_table_fits_eighty_columns() -> None:

@@ -31,10 +31,13 @@ def doctor(
 ) -> int:
     """Check this machine, and a run that goes on (by default the latest one started in this folder)."""
     endpoints = rundir.reach(connect, config, cfg, run or keys.DEFAULT_RUN, network.PATIENCE)
-    wanted = bool(connect or config or run) or endpoints.connect != (DEFAULT_ENDPOINT,)
+    named = bool(connect or config or run)
+    announced = not connect and endpoints.connect != (DEFAULT_ENDPOINT,)
 
     async def look() -> int:
-        findings = await examine(endpoints, run or keys.DEFAULT_RUN, wanted)
+        findings = await examine(endpoints, run or keys.DEFAULT_RUN, named or announced)
+        if announced:
+            findings = [outdated(found) for found in findings]
         if json_:
             print(json.dumps([finding._asdict() for finding in findings], indent=2))
         else:
@@ -57,6 +60,15 @@ async def examine(endpoints: Endpoints, run: str, wanted: bool) -> list[Finding]
         network.exposure(endpoints.connect[0] if endpoints.connect else DEFAULT_ENDPOINT),
         *seen,
     ]
+
+
+def outdated(found: Finding) -> Finding:
+    """What a run announced in this folder lacks: whoever announced it, and did not withdraw it, was killed."""
+    if found.check != "endpoint" or found.status is not Status.FAILED:
+        return found
+    return found._replace(
+        remedy=f"the latest run here was killed: rm {rundir.ROOT / rundir.LATEST / rundir.ENDPOINT}"
+    )
 
 
 def table(findings: list[Finding]) -> Table:

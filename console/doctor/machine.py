@@ -17,11 +17,11 @@ from fes.about import installed
 
 OLDEST_PYTHON = (3, 11)
 
-FILES_PER_ROBOT = 3
-"""Open files of the process that starts a run, or of its world, for each agent process: pipe, pid, socket."""
+FILES_PER_ROBOT = 2
+"""Open files for each agent process, in the process that starts a run and in its world [1 measured, 1 to spare]."""
 
 FILES_OF_A_PROCESS = 64
-"""Open files of either besides [measured: about 30]."""
+"""Open files of either besides [15 measured]."""
 
 USUAL_TEAM = 100
 """A team of this size should find enough open files."""
