@@ -8,12 +8,13 @@ import argparse
 import asyncio
 import logging
 import re
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 
 import numpy as np
 
 from agents import assembly, contacts, crew
 from agents.assembly import Assembly
+from agents.mouth import Mouth
 from agents.radio import Radio
 from fes import bus, keys, messages, process
 from fes.bus import Bus
@@ -27,8 +28,6 @@ _NUMBER = re.compile("[0-9]{1,9}")
 
 SILENCE_TIMEOUT = 3600.0
 """An agent that hears nothing from a living world for this long [s] gives up."""
-
-Put = Callable[[bytes], None]
 
 
 class Agent:
@@ -45,8 +44,7 @@ class Agent:
         self._inbox = Inbox(asyncio.get_running_loop())
         self._world_here = asyncio.Event()
         self._tick = -1
-        self._mouths: dict[int, tuple[Put, Put]] = {}
-        self._said: dict[int, tuple[bytes, bytes]] = {}
+        self._mouth = Mouth(opened, run, robots, self.complaints)
 
     async def join(self, timeout: float) -> Welcome:
         """Wait for the world, and ask it for the robots; raises Absent or Refused."""
@@ -57,7 +55,10 @@ class Agent:
         except TimeoutError:
             raise Absent(f"no world of run '{self._run}' appeared within {timeout:g} s") from None
         question = messages.encode_join(self._robots)
-        return messages.decode_welcome(await self._bus.ask(keys.welcome(self._run), question, timeout))
+        welcome = messages.decode_welcome(await self._bus.ask(keys.welcome(self._run), question, timeout))
+        if welcome.robots != self._robots:
+            raise MessageError("Welcome", "is for other robots than asked for", str(welcome.robots[:5]))
+        return welcome
 
     async def live(self, welcome: Welcome) -> None:
         """The robots' life: one step a tick, until the world says that the run is over."""
@@ -65,7 +66,6 @@ class Agent:
         robots = crew.assemble(welcome.config, ids)
         state = crew.start(robots)
         stack = Assembly(ids)
-        self._mouths = self._publishers()
         for robot in self._robots:
             self._bus.subscribe(keys.observation(self._run, robot), self._inbox.put)
         for robot in self._robots:  # last of all: a token says that everything above is in place
@@ -77,16 +77,20 @@ class Agent:
             now = np.array([message.since for message in received])
             if (now != since).any():  # they were away
                 state, since = crew.forget(robots, state, now != since), now
-            heard = stack.beacons(observations.tick - 1, self.radio.heard(observations.tick - 1))
-            state, said, twists = crew.step(robots, state, observations, heard)
-            if not contacts.all_here(state.contacts, observations):
-                # Links are first-in first-out and pass one router, so this must not be; to go on would change digits.
+            heard = self.radio.heard(observations.tick - 1)
+            stepped = crew.step(robots, state, observations, stack.beacons(observations.tick - 1, heard))
+            if not contacts.all_here(stepped[0].contacts, observations):
+                # Links are first-in first-out and pass one router: only where a mailbox was flooded can this be.
+                heard = await self.radio.recall(observations.tick - 1, heard)
+                stepped = crew.step(robots, state, observations, stack.beacons(observations.tick - 1, heard))
+            state, said, twists = stepped
+            if not contacts.all_here(state.contacts, observations):  # to go on would change digits
                 raise Absent(f"a beacon that decoded did not arrive at tick {observations.tick}")
             if observations.in_range is not tuned:
                 tuned = observations.in_range
                 self.radio.tune(set(tuned.peers.tolist()))
             learnt = crew.telemetry(robots, state).learnt
-            self._publish(list(assembly.payloads(said, twists, learnt)))
+            self._mouth.say(observations.tick, list(assembly.payloads(said, twists, learnt)))
 
     @property
     def overflow(self) -> int:
@@ -109,9 +113,11 @@ class Agent:
                     self._tick = observation.tick - 1  # the run went on without it
                     waiting.clear()
                 if observation.tick == self._tick + 1:
-                    waiting[observation.robot] = observation
+                    waiting.setdefault(observation.robot, observation)
                 elif observation.tick == self._tick:
-                    self._repeat(observation.robot)
+                    self._mouth.repeat(self._tick, observation.robot)
+                else:
+                    self.complaints.add("Observation: is not for this tick", f"{key}: tick {observation.tick}")
             if len(waiting) == len(self._robots):
                 self._tick += 1
                 yield [waiting[robot] for robot in self._robots]
@@ -128,28 +134,6 @@ class Agent:
             self.complaints.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
             return None
         return observation
-
-    def _publishers(self) -> dict[int, tuple[Put, Put]]:
-        return {
-            robot: (
-                self._bus.publisher(keys.beacon(self._run, robot), "fes.Beacon"),
-                self._bus.publisher(keys.command(self._run, robot), "fes.Command"),
-            )
-            for robot in self._robots
-        }
-
-    def _publish(self, said: list[tuple[int, bytes, bytes]]) -> None:
-        """Beacons first, commands last: the world's next tick then follows every beacon of this one."""
-        for robot, beacon, _ in said:
-            self._mouths[robot][0](beacon)
-        for robot, _, command in said:
-            self._mouths[robot][1](command)
-        self._said = {robot: (beacon, command) for robot, beacon, command in said}
-
-    def _repeat(self, robot: int) -> None:
-        """Answer a tick again that the world asked for again."""
-        for put, payload in zip(self._mouths[robot], self._said[robot], strict=True):
-            put(payload)
 
     def _on_world(self, key: str, alive: bool) -> None:
         if alive:

@@ -3,8 +3,11 @@
 from fes import keys, messages
 from fes.bus import Bus, Mailbox
 from fes.complaints import Complaints
-from fes.errors import MessageError
+from fes.errors import Absent, MessageError, Refused
 from fes.messages import Beacon
+
+RECALL_TIMEOUT = 2.0
+"""A peer that does not tell its beacon again within this time [s] is not asked once more."""
 
 
 class Radio:
@@ -36,6 +39,22 @@ class Radio:
         """The beacons of `tick` that came, by sender; older ones are forgotten."""
         found = (self._beacon(peer, box, tick) for peer, box in self._boxes.items())
         return [beacon for beacon in found if beacon is not None]
+
+    async def recall(self, tick: int, heard: list[Beacon]) -> list[Beacon]:
+        """The beacons of `tick`, those that are not in `heard` asked for anew; for when junk pushed them out."""
+        found = {beacon.robot: beacon for beacon in heard}
+        for peer in self._boxes.keys() - found.keys():
+            try:
+                told = await self._bus.ask(keys.recall(self._run, peer), messages.encode_recall(tick), RECALL_TIMEOUT)
+            except (Absent, Refused):
+                continue  # if the beacon decoded, the caller misses it
+            beacon = self._read(peer, keys.recall(self._run, peer), told)
+            if beacon is not None and beacon.tick == tick:
+                found[peer] = beacon
+                self._complaints.add(
+                    "Beacon: recalled", f"by a full mailbox: a beacon of robot {peer}; asked for anew"
+                )
+        return [found[peer] for peer in self._boxes if peer in found]
 
     def _beacon(self, peer: int, box: Mailbox, tick: int) -> Beacon | None:
         early = self._early.pop(peer, None)

@@ -1,4 +1,4 @@
-"""What a person runs: fes run, view, set, replay, compare, sweep, plot, claims.
+"""What a person runs: fes run, view, set, replay, compare, sweep, doctor, plot, claims.
 
 cli         the commands
 processes   fes run with real processes
@@ -19,6 +19,7 @@ difference  where two ticks differ
 compare     the command fes compare
 player      the dashboard of a log: play, pause, step, seek
 keyboard    keys of a terminal
+doctor      fes doctor: what may keep a run from starting
 sweep       fes sweep: many runs, compared
 summary     the summary as a person reads it
 observer    the world's reports, as they come

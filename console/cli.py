@@ -13,6 +13,7 @@ import typer
 from rich.console import Console
 
 from console import compare, evidence, inprocess, processes, replay, rundir, setting, summary, view
+from console.doctor.command import doctor
 from console.processes import Launch
 from console.sweep import command
 from fes import bus, keys, process
@@ -33,6 +34,7 @@ app.command(name="set")(setting.set_command)
 app.command()(replay.replay)
 app.command()(compare.compare)
 app.command()(command.sweep)
+app.command()(doctor)
 
 
 class Backend(StrEnum):

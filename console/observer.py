@@ -32,7 +32,8 @@ async def reports(bus: Bus, run: str, timeout: float, idle: float) -> AsyncItera
     def on_report(key: str, payload: bytes | None) -> None:
         if payload is not None:
             waiting.append(payload)
-            loop.call_soon_threadsafe(news.set)
+            if not news.is_set():  # the reader clears it before it looks: nothing is missed, a flood is one wake-up
+                loop.call_soon_threadsafe(news.set)
 
     def on_world(key: str, alive: bool) -> None:
         nonlocal here, since

@@ -12,7 +12,8 @@ from fes.errors import FesError
 
 ROOT = Path("runs")
 LATEST = "latest"
-_ENDPOINT = "endpoint.json"
+ENDPOINT = "endpoint.json"
+"""Where a run directory says, while its run goes on, where it can be watched."""
 
 
 @dataclass(frozen=True)
@@ -49,18 +50,18 @@ def create(scenario: str, out: Path | None) -> Path:
 
 def announce(directory: Path, address: Address) -> None:
     """Say in the run directory where the run can be watched."""
-    (directory / _ENDPOINT).write_text(json.dumps(vars(address)) + "\n", encoding="utf-8")
+    (directory / ENDPOINT).write_text(json.dumps(vars(address)) + "\n", encoding="utf-8")
 
 
 def withdraw(directory: Path) -> None:
     """The run cannot be watched any more."""
-    (directory / _ENDPOINT).unlink(missing_ok=True)
+    (directory / ENDPOINT).unlink(missing_ok=True)
 
 
 def find(run: str) -> Address:
     """Where to look without being told: the run of this folder that was started last of those that go on and can be
     watched (one in process cannot), else the default endpoint."""
-    announced = sorted(ROOT.glob(f"*/{_ENDPOINT}"), key=lambda path: path.stat().st_mtime, reverse=True)
+    announced = sorted(ROOT.glob(f"*/{ENDPOINT}"), key=lambda path: path.stat().st_mtime, reverse=True)
     for path in announced:
         with contextlib.suppress(OSError, ValueError, TypeError):
             found = Address(**json.loads(path.read_text(encoding="utf-8")))

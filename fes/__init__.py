@@ -10,6 +10,7 @@ config      AgentConfig: all that an agent may know
 sensing     what a crew senses and says in one tick, as arrays
 messages    Welcome, Observation, Beacon, Command, and their encoding
 report      Report, what observers see, and its encoding
+about       what a world says of itself to who asks
 change      what a person asks the world to change, and what came of it
 wire        fields of a payload, packed and checked
 keys        every key expression, in one table

@@ -2,37 +2,45 @@
 
 Zenoh calls handlers in threads of its own. A handler given here must only hand over (append, wake), never
 decode or compute: an exception there would be lost, and time spent there holds up every other message.
+What happens when a queue is full, of ours and of Zenoh's, is in docs/reliability.md.
 """
 
 import asyncio
 import contextlib
 import json
 import os
-import re
 import threading
+from collections import deque
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import Any
 
-# Three threads a session instead of seven; it must be set before the first session opens.
+# Four threads instead of seven, set before the first session opens. One of them only sends: else two messages that
+# wait for room in full queues leave nobody to empty these, and Zenoh closes links of robots that did no wrong.
 os.environ.setdefault(
     "ZENOH_RUNTIME",
-    "(rx:(handover:app),acc:(handover:app),tx:(handover:app),net:(handover:app),app:(worker_threads:2))",
+    "(rx:(handover:app),acc:(handover:app),tx:(worker_threads:1),net:(handover:app),app:(worker_threads:2))",
 )
 
 import zenoh
 import zenoh.handlers
 
-from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
+from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, first_line, why_not
 from fes.errors import Absent, FesError, Refused, TransportError
 
-MAILBOX = 1024
-"""Samples that may wait in a mailbox."""
+MAILBOX = 64
+"""Samples that may wait in a mailbox; peers are a tick ahead at most, and 64 of the longest are 64 MiB."""
 
+QUESTIONS = 64
+"""Questions that may wait for one handler; whoever asks beyond is refused at once, before anything is decoded."""
 
 REFUSED = b"refused: "
 """How an answer begins that turns the asker away."""
+
+LOCKSTEP = zenoh.Priority.INTERACTIVE_HIGH
+"""Of all messages of the lockstep, one for all, as order holds within a priority only. What strangers put at Zenoh's
+default priority waits in another queue of each link, so that a flood of it neither delays them nor closes a link."""
 
 Handler = Callable[[str, bytes | None], None]
 """Called with the key and the payload of a sample (None for a deletion), in a thread of Zenoh."""
@@ -91,8 +99,9 @@ class Bus:
         the message is lost instead, since an observer must never hold up a tick.
         """
         control = zenoh.CongestionControl.DROP if drop else zenoh.CongestionControl.BLOCK
+        priority = zenoh.Priority.DATA if drop else LOCKSTEP
         declared = self._session.declare_publisher(
-            key, encoding=_encoding(schema), congestion_control=control, express=False
+            key, encoding=_encoding(schema), congestion_control=control, priority=priority, express=False
         )
         self._held.append(declared)
         return declared.put
@@ -126,12 +135,30 @@ class Bus:
         callback = zenoh.handlers.Callback(on_change, indirect=False)
         self._held.append(self._session.liveliness().declare_subscriber(key, callback, history=True))
 
+    async def standing(self, key: str, timeout: float) -> list[str]:
+        """The liveliness tokens on `key` that stand now."""
+        found: set[str] = set()  # one of our own comes twice: from here and from the router
+        done = asyncio.Event()
+        callback: zenoh.handlers.Callback[zenoh.Reply] = zenoh.handlers.Callback(
+            lambda reply: found.add(str(reply.ok.key_expr)) if reply.ok is not None else None,
+            drop=lambda: self._loop.call_soon_threadsafe(done.set),
+            indirect=False,
+        )
+        self._session.liveliness().get(key, callback, timeout=timeout)
+        await done.wait()
+        return sorted(found)
+
     def serve(self, key: str, handler: Callable[[Question], None]) -> None:
-        """Call `handler` on the loop with each question asked on `key`."""
+        """Call `handler` on the loop with each question asked on `key`, QUESTIONS at a time at most."""
+        waiting: deque[Question] = deque()
 
         def on_query(query: zenoh.Query) -> None:
+            if len(waiting) >= QUESTIONS:
+                Question(b"", query, key).refuse("too many questions at once")
+                return
             payload = query.payload.to_bytes() if query.payload is not None else b""
-            self._loop.call_soon_threadsafe(handler, Question(payload, query, key))
+            waiting.append(Question(payload, query, key))
+            self._loop.call_soon_threadsafe(lambda: handler(waiting.popleft()))
 
         self._held.append(self._session.declare_queryable(key, zenoh.handlers.Callback(on_query, indirect=False)))
 
@@ -170,7 +197,7 @@ async def opened(endpoints: Endpoints) -> AsyncIterator[Bus]:
     try:
         session = await _open(config)
     except zenoh.ZError as error:
-        raise TransportError(_reason(endpoints, str(error))) from None
+        raise TransportError(why_not(endpoints, str(error))) from None
     with session:
         yield Bus(session, asyncio.get_running_loop())
 
@@ -212,7 +239,7 @@ def _config(endpoints: Endpoints) -> zenoh.Config:
     try:
         config = zenoh.Config.from_file(path) if path is not None else zenoh.Config()
     except zenoh.ZError as error:
-        raise TransportError(f"cannot read the Zenoh configuration {path}: {_first_line(str(error))}") from None
+        raise TransportError(f"cannot read the Zenoh configuration {path}: {first_line(str(error))}") from None
     plain = zenoh.Config()
     for key, value in endpoints.house_rules().items():
         if path is not None and key in endpoints.by_default and config.get_json(key) != plain.get_json(key):
@@ -227,20 +254,6 @@ def _config(endpoints: Endpoints) -> zenoh.Config:
         except zenoh.ZError:
             raise FesError(f"--cfg {key}:{text}: no such setting, or its value is not JSON5") from None
     return config
-
-
-def _reason(endpoints: Endpoints, message: str) -> str:
-    if "in use" in message.lower():
-        return f"cannot listen on {', '.join(endpoints.listen)}: the address is already in use"
-    if endpoints.mode == "client":
-        return f"nobody listens on {endpoints.shown} (tried for {endpoints.timeout:g} s)"
-    return f"cannot open a session on {endpoints.shown}: {_first_line(message)}"
-
-
-def _first_line(message: str) -> str:
-    """The first line of an error of Zenoh, without the places in its source."""
-    line = message.strip().splitlines()[0] if message.strip() else "unknown error"
-    return re.sub(r" at /\S+:\d+\.?", "", line)
 
 
 def _encoding(schema: str) -> zenoh.Encoding:

@@ -11,6 +11,12 @@ LONGEST = 4096
 
 LONGEST_EFFECT = 32 * LONGEST
 
+LONGEST_PATH = 200
+"""Longest path [characters]."""
+
+DEEPEST_PATH = 8
+"""Names in a path; each is a table within the one before."""
+
 
 class Change(NamedTuple):
     """What is to be set."""
@@ -60,7 +66,10 @@ def decode_effect(payload: bytes) -> Effect:
 
 
 def _path(name: str, path: Any) -> str:
-    wire.check(name, type(path) is str and 0 < len(path) <= LONGEST and path.isprintable(), "expects a field", path)
+    wire.check(
+        name, type(path) is str and 0 < len(path) <= LONGEST_PATH and path.isprintable(), "expects a field", path
+    )
+    wire.check(name, path.count(".") < DEEPEST_PATH, f"expects a field of at most {DEEPEST_PATH} names", path)
     return str(path)
 
 

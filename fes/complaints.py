@@ -4,6 +4,10 @@ import logging
 from collections import Counter
 
 MAX_KINDS = 100
+"""Kinds that are told apart; further ones are counted as `other`."""
+
+LONGEST_LINE = 300
+"""Longest line [characters] about a message; its key may be 65,535 bytes of anything."""
 
 
 class Complaints:
@@ -19,7 +23,7 @@ class Complaints:
             kind = "other"
         self.counts[kind] += 1
         if self.counts[kind] == 1:
-            self._logger.warning("dropped %s (further ones of this kind are counted, not shown)", line)
+            self._logger.warning("dropped %s (further ones of this kind are counted, not shown)", _shown(line))
 
     def log_total(self, overflow: int = 0) -> None:
         """One line with the counts, if there are any; `overflow` messages found no room to wait."""
@@ -28,3 +32,13 @@ class Complaints:
         if self.counts:
             total = ", ".join(f"{kind} x{count}" for kind, count in self.counts.most_common(8))
             self._logger.warning("dropped messages: %s", total)
+
+
+def _shown(line: str) -> str:
+    """A line that a sender has a part in, as one line of a log: printable, and of bounded length.
+
+    >>> _shown("key\\nforged line: rule")
+    'key\\\\nforged line: rule'
+    """
+    shown = "".join(char if char.isprintable() else repr(char)[1:-1] for char in line[:LONGEST_LINE])
+    return shown if len(line) <= LONGEST_LINE else shown + "..."

@@ -59,8 +59,8 @@ class Endpoints:
             # Shared memory goes around the size limit below, and may drop without a word.
             "transport/shared_memory/enabled": False,
             "transport/link/tx/lease": 2000,
-            # The default lets one put wait 5 s for a link that is cut.
-            "transport/link/tx/queue/congestion_control/block/wait_before_close": 500_000,
+            # The default lets one put wait 5 s for a cut link; with much less a flood closes links of slow robots.
+            "transport/link/tx/queue/congestion_control/block/wait_before_close": 2_000_000,
             "transport/link/rx/max_message_size": MAX_MESSAGE,
             "transport/unicast/open_timeout": 2000,
             "transport/unicast/accept_timeout": 2000,
@@ -73,3 +73,18 @@ class Endpoints:
             if not colon:
                 raise FesError(f"--cfg expects KEY:VALUE, got '{key}'")
         return [(key, text) for key, _, text in pairs]
+
+
+def why_not(endpoints: Endpoints, message: str) -> str:
+    """Why a session could not be opened, in one line, from what Zenoh says."""
+    if "in use" in message.lower():
+        return f"cannot listen on {', '.join(endpoints.listen)}: the address is already in use"
+    if endpoints.mode == "client":
+        return f"nobody listens on {endpoints.shown} (tried for {endpoints.timeout:g} s)"
+    return f"cannot open a session on {endpoints.shown}: {first_line(message)}"
+
+
+def first_line(message: str) -> str:
+    """The first line of an error of Zenoh, without the places in its source."""
+    line = message.strip().splitlines()[0] if message.strip() else "unknown error"
+    return re.sub(r" at /\S+:\d+\.?", "", line)

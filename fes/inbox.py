@@ -1,4 +1,8 @@
-"""From Zenoh's threads to the loop: one wake-up when enough messages have come."""
+"""From Zenoh's threads to the loop: one wake-up when enough messages have come.
+
+A full inbox drops what comes, good or bad, and counts it. Nothing is lost for good: the world sends a tick again to
+robots whose command it does not have, and an agent that has answered a tick answers it again.
+"""
 
 import asyncio
 from collections import deque

@@ -3,10 +3,13 @@
 | key                             | payload                  | from -> to                          | rate         |
 |---------------------------------|--------------------------|-------------------------------------|--------------|
 | fes/<run>/world/alive           | liveliness token         | world -> all                        | while up     |
+| fes/<run>/world/claim/<id>      | liveliness token         | world -> worlds                     | while up     |
 | fes/<run>/robot/<i>/alive       | liveliness token         | agent i -> all                      | while up     |
 | fes/<run>/world/welcome         | Join, answered by Welcome | agent -> world -> agent            | once a join  |
+| fes/<run>/world/about           | empty, answered by About | person -> world -> person           | when asked   |
 | fes/<run>/robot/<i>/observation | Observation              | world -> agent i                    | each tick    |
 | fes/<run>/robot/<i>/beacon      | Beacon                   | agent i -> peers in range           | each tick   |
+| fes/<run>/robot/<i>/recall      | Recall, answered by Beacon | agent -> peer -> agent            | if one was lost |
 | fes/<run>/robot/<i>/command     | Command                  | agent i -> world                    | each tick    |
 | fes/<run>/world/report          | Report                   | world -> observers                  | 10 Hz (wall) |
 | fes/<run>/world/set             | Change, answered by Effect | person -> world -> person         | when asked   |
@@ -33,6 +36,26 @@ def check_run(run: str) -> str:
 def world_alive(run: str) -> str:
     """The world's liveliness token."""
     return f"fes/{run}/world/alive"
+
+
+def claim(run: str, world: str) -> str:
+    """The token of one world among those that want the run; no two worlds have the same."""
+    return f"fes/{run}/world/claim/{world}"
+
+
+def world_tokens(run: str) -> str:
+    """All liveliness tokens of worlds of a run."""
+    return f"fes/{run}/world/**"
+
+
+def tokens(run: str) -> str:
+    """All liveliness tokens of a run."""
+    return f"fes/{run}/**"
+
+
+def about(run: str) -> str:
+    """Where a person asks the world who it is."""
+    return f"fes/{run}/world/about"
 
 
 def welcome(run: str) -> str:
@@ -63,6 +86,11 @@ def observation(run: str, robot: int | str) -> str:
 def beacon(run: str, robot: int | str) -> str:
     """What a robot tells its peers."""
     return f"fes/{run}/robot/{robot}/beacon"
+
+
+def recall(run: str, robot: int | str) -> str:
+    """Where a peer asks for a beacon that it lost."""
+    return f"fes/{run}/robot/{robot}/recall"
 
 
 def command(run: str, robot: int | str) -> str:

@@ -165,10 +165,10 @@ def decode_welcome(payload: bytes) -> Welcome:
     """The Welcome in a payload."""
     name = "Welcome"
     robots, config = wire.unpack(name, payload, 2)
-    wire.check(name, isinstance(robots, list) and len(robots) > 0, "expects a list of robots", robots)
+    hosted = wire.robot_list(name, robots)
     wire.check(name, isinstance(config, str), "expects the configuration as JSON", config)
     try:
-        return Welcome(tuple(wire.robot_id(name, robot) for robot in robots), AgentConfig.model_validate_json(config))
+        return Welcome(hosted, AgentConfig.model_validate_json(config))
     except ValidationError as error:
         raise MessageError(name, f"configuration: {error.errors()[0]['msg']}") from None
 
@@ -182,7 +182,15 @@ def decode_join(payload: bytes) -> tuple[int, ...]:
     """The robots wanted, ascending."""
     name = "Join"
     [robots] = wire.unpack(name, payload, 1)
-    wire.check(name, isinstance(robots, list) and len(robots) > 0, "expects a list of robots", robots)
-    wanted = tuple(wire.robot_id(name, robot) for robot in robots)
-    wire.check(name, list(wanted) == sorted(set(wanted)), "robot ids must ascend", robots)
-    return wanted
+    return wire.robot_list(name, robots)
+
+
+def encode_recall(tick: int) -> bytes:
+    """The payload of a question to a robot for its beacon of a tick, which got lost on its way."""
+    return wire.pack(tick)
+
+
+def decode_recall(payload: bytes) -> int:
+    """The tick whose beacon is wanted."""
+    [tick] = wire.unpack("Recall", payload, 1)
+    return wire.tick("Recall", tick)

@@ -132,13 +132,13 @@ def decode_report(payload: bytes) -> Report:
     wire.check(name, type(numbers) is list and len(numbers) == len(_NUMBERS), "expects numbers", numbers)
     wire.check(name, all(type(value) is float for value in numbers), "expects numbers", numbers)
     wire.check(name, type(alive) is bytes, "expects a code a robot", alive)
+    robots = len(alive)
     wire.check(name, type(arrays) is list and len(arrays) == len(_LINK_ARRAYS), "expects link arrays", arrays)
-    lower, higher = _ids(name, a), _ids(name, b)
+    lower, higher = _ids(name, a, robots), _ids(name, b, robots)
     wire.check(name, len(lower) == len(higher), "expects two ends a link", len(higher))
     links: dict[str, Any] = {
         key: _floats(name, blob, len(lower)) for key, blob in zip(_LINK_ARRAYS, arrays, strict=True)
     }
-    robots = len(alive)
     return Report(
         scenario=scenario,
         tick=wire.tick(name, tick),
@@ -155,9 +155,12 @@ def decode_report(payload: bytes) -> Report:
     )
 
 
-def _ids(name: str, blob: Any) -> Ints:
+def _ids(name: str, blob: Any, robots: int) -> Ints:
     wire.check(name, type(blob) is bytes and len(blob) % 4 == 0, "expects ids as int32", blob)
-    return np.frombuffer(blob, dtype="<i4").astype(np.int64)
+    found = np.frombuffer(blob, dtype="<i4").astype(np.int64)
+    inside = bool(((found >= 0) & (found < robots)).all())  # whoever draws a link looks up both its ends
+    wire.check(name, inside, f"expects links between its {robots} robots", found.tolist())
+    return found
 
 
 def _floats(name: str, blob: Any, count: int) -> Floats:

@@ -8,6 +8,7 @@ MessageError where the field has the wrong type, length or size, a number is not
 import math
 import reprlib
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any, TypeVar
 
 import msgpack
@@ -24,6 +25,9 @@ T = TypeVar("T", bound=tuple[float, ...])
 
 KEPT = 4096
 """Longest list of ids [bytes] whose array is kept."""
+
+MAX_LIST = 100_000
+"""Longest list of ids that a join or a welcome may have; no run has as many robots."""
 
 MAX_TICK = 2**53
 MAX_ID = 2**31 - 1
@@ -96,6 +100,14 @@ def finite(name: str, values: T) -> T:
         if type(value) is not float or not math.isfinite(value):
             check(name, False, "expects a finite number", value)
     return values
+
+
+def robot_list(name: str, value: Any) -> tuple[int, ...]:
+    """Ids of robots, ascending, at least one."""
+    check(name, type(value) is list and 0 < len(value) <= MAX_LIST, "expects a list of robots", value)
+    found = tuple(robot_id(name, robot) for robot in value)
+    check(name, all(low < high for low, high in pairwise(found)), "robot ids must ascend", value)
+    return found
 
 
 def flag(name: str, value: Any) -> bool:

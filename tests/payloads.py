@@ -1,6 +1,7 @@
 """Messages of every kind with any fields they may have, and msgpack values of any kind."""
 
 import dataclasses
+import struct
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -8,9 +9,11 @@ import msgpack
 import numpy as np
 from hypothesis import strategies as st
 
-from fes import messages
+from fes import about, change, messages
 from fes import report as reports
+from fes.about import About
 from fes.arrays import Floats
+from fes.change import Change, Effect
 from fes.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
 from fes.errors import MessageError
 from fes.messages import Beacon, Command, Observation, Welcome
@@ -94,18 +97,32 @@ def welcomes(draw: st.DrawFn) -> Welcome:
 
 @st.composite
 def team_reports(draw: st.DrawFn) -> Report:
-    n, links = draw(st.integers(0, 5)), draw(st.integers(0, 4))
+    n = draw(st.integers(0, 5))
+    links = draw(st.integers(0, 4 if n else 0))
     hints = {field.name: field.type for field in dataclasses.fields(Report)}
     found: dict[str, Any] = {name: draw(ticks) for name, kind in hints.items() if kind is int}
     found |= {name: draw(st.floats()) for name, kind in hints.items() if kind is float}
     found |= {name: draw(floats(links, st.floats())) for name, kind in hints.items() if kind == Floats}
     for end in ("a", "b"):
-        found[end] = np.array(draw(st.lists(robots, min_size=links, max_size=links)), dtype=np.int64)
+        found[end] = np.array(
+            draw(st.lists(st.integers(0, max(n - 1, 0)), min_size=links, max_size=links)), dtype=np.int64
+        )
     found |= {"alive": draw(codes(n, 1)), "poses": draw(floats(3 * n)).reshape(n, 3)}
     return Report(scenario=draw(st.text()), disk_connected=draw(st.booleans()), **found)
 
 
 joins = st.sets(robots, min_size=1, max_size=9).map(lambda ids: tuple(sorted(ids)))
+
+versions = st.text(st.characters(codec="ascii", categories=["L", "N", "P"]), max_size=20)
+abouts = st.builds(About, versions, versions, st.integers(1, 2**31 - 1), finite)
+paths = st.from_regex(r"channel(\.[a-z_]{1,12}){1,3}", fullmatch=True)
+settings = st.recursive(
+    st.none() | st.booleans() | st.integers(-(2**53), 2**53) | finite | st.text(max_size=20),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    max_leaves=5,
+)
+changes = st.builds(Change, paths, settings)
+effects = st.builds(Effect, paths, settings, ticks, finite)
 
 CODECS = {
     "Observation": Codec(messages.encode_observation, messages.decode_observation, observations(), 9),
@@ -114,6 +131,10 @@ CODECS = {
     "Welcome": Codec(messages.encode_welcome, messages.decode_welcome, welcomes(), 2),
     "Join": Codec(messages.encode_join, messages.decode_join, joins, 1),
     "Report": Codec(reports.encode_report, reports.decode_report, team_reports(), 12),
+    "Recall": Codec(messages.encode_recall, messages.decode_recall, ticks, 1),
+    "Change": Codec(change.encode_change, change.decode_change, changes, 2),
+    "Effect": Codec(change.encode_effect, change.decode_effect, effects, 4),
+    "About": Codec(about.encode_about, about.decode_about, abouts, 4),
 }
 scalars = st.none() | st.booleans() | st.integers(-(2**63), 2**64 - 1) | st.floats() | st.text() | st.binary()
 odd = st.builds(msgpack.ExtType, st.integers(0, 127), st.binary()) | st.just(msgpack.Timestamp(1, 5))
@@ -133,3 +154,24 @@ def refusal(name: str, payload: bytes) -> str | None:
         assert said.isprintable()
         return said
     return None
+
+
+def bits(value: Any) -> Any:
+    """A message as what can be compared bit for bit, NaN included."""
+    if isinstance(value, np.ndarray):
+        return value.dtype.str, value.shape, value.tobytes()
+    if isinstance(value, float):
+        return struct.pack("<d", value)
+    if dataclasses.is_dataclass(value):
+        return [bits(getattr(value, field.name)) for field in dataclasses.fields(value)]
+    if isinstance(value, dict):
+        return [(key, bits(item)) for key, item in value.items()]
+    return [bits(item) for item in value] if isinstance(value, tuple | list) else value
+
+
+def assert_refused_or_a_message(name: str, payload: bytes) -> None:
+    """Either a MessageError, or a message that comes back bit for bit."""
+    codec = CODECS[name]
+    if refusal(name, payload) is None:
+        message = codec.decode(payload)
+        assert bits(codec.decode(codec.encode(message))) == bits(message)

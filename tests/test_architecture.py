@@ -13,7 +13,7 @@ ROOMS = ("fes", "agents", "world", "console")
 BELOW = {"fes": set[str](), "agents": {"fes"}, "world": {"fes"}, "console": {"fes", "agents", "world"}}
 FORMULA_READERS = {"world.channel", "world.optimum", "world.reporting", "agents.oracle"}
 """Who may know the channel's formula; the Report shows observers the true outage."""
-MAPPED = (*ROOMS, "console/sweep")
+MAPPED = (*ROOMS, "console/doctor", "console/sweep")
 LONGEST_FILE = 260
 
 

@@ -163,8 +163,7 @@ def test_bursts_that_lose_nothing_change_no_verdict_of_the_fading() -> None:
         ),
         (
             {"bad_share": 0.9, "mean_length": 0.1},
-            "channel.bursts.mean_length must be at least run.dt x bad_share / (1 - bad_share), "
-            "0.18 s, got 0.1",
+            "channel.bursts.mean_length must be at least run.dt x bad_share / (1 - bad_share), 0.18 s, got 0.1",
         ),
     ],
 )

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from agents.mouth import Mouth
 from agents.process import Agent
 from console import inprocess, log, replay
 from tests import session
@@ -83,16 +84,16 @@ def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_wh
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("world.server.ANSWER_TIMEOUT", 1.0)
-    asleep, publish = asyncio.Event(), Agent._publish
-    delayed: list[tuple[Agent, Any]] = []
+    asleep, say = asyncio.Event(), Mouth.say
+    delayed: list[tuple[Mouth, int, Any]] = []
 
-    def sleepy(agent: Agent, said: Any) -> None:
-        if asleep.is_set() and agent._robots == (1,):
-            delayed.append((agent, said))
+    def sleepy(mouth: Mouth, tick: int, said: Any) -> None:
+        if asleep.is_set() and said[0][0] == 1:
+            delayed.append((mouth, tick, said))
         else:
-            publish(agent, said)
+            say(mouth, tick, said)
 
-    monkeypatch.setattr(Agent, "_publish", sleepy)
+    monkeypatch.setattr(Mouth, "say", sleepy)
     seen = []
 
     async def story(server: Server, agents: Any, endpoint: str) -> None:
@@ -101,8 +102,8 @@ def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_wh
         seen.append(await until(server, lambda state: not state.present[1]))
         await until(server, lambda state: state.tick >= seen[0] + 40)
         asleep.clear()
-        for agent, said in delayed:
-            publish(agent, said)
+        for late in delayed:
+            say(*late)
         seen.append(await until(server, lambda state: state.present[1]))
 
     summary = live_through(load("pair.toml", run__duration=4.0), tmp_path / "run.mcap", story)

@@ -1,6 +1,8 @@
 """Keys: every function yields a key of the module's table, and a key tells whose it is."""
 
 import re
+from collections.abc import Callable
+from functools import partial
 
 import pytest
 from hypothesis import given
@@ -9,8 +11,11 @@ from hypothesis import strategies as st
 from fes import keys
 from fes.errors import FesError
 
-WORLD = [keys.world_alive, keys.welcome, keys.report, keys.change]
-ROBOT = [keys.robot_alive, keys.observation, keys.beacon, keys.command]
+WORLD: list[Callable[[str], str]] = [
+    *(keys.world_alive, keys.welcome, keys.report, keys.change, keys.about),
+    partial(keys.claim, world="<id>"),
+]
+ROBOT = [keys.robot_alive, keys.observation, keys.beacon, keys.command, keys.recall]
 TABLE = re.findall(r"^\| (fes/\S+)", keys.__doc__ or "", flags=re.MULTILINE)
 
 runs = st.from_regex(r"[A-Za-z0-9_.-]{1,64}", fullmatch=True)
@@ -20,18 +25,18 @@ robots = st.integers(0, 2**31 - 1)
 def test_each_function_yields_one_key_of_the_table_and_the_table_has_no_other() -> None:
     yielded = [world("<run>") for world in WORLD] + [robot("<run>", "<i>") for robot in ROBOT]
     assert sorted(yielded) == sorted(TABLE)
-    assert len(set(TABLE)) == 8
+    assert len(set(TABLE)) == 11
 
 
 @given(run=runs, robot=robots)
 def test_the_robot_of_each_of_its_keys_is_found(run: str, robot: int) -> None:
-    assert [keys.robot_of(key(run, robot)) for key in ROBOT] == [robot] * 4
+    assert [keys.robot_of(key(run, robot)) for key in ROBOT] == [robot] * len(ROBOT)
 
 
 @given(run=runs)
 def test_the_worlds_keys_and_patterns_belong_to_no_robot(run: str) -> None:
-    assert [keys.robot_of(key(run)) for key in WORLD] == [None] * 4
-    assert [keys.robot_of(key(run, "*")) for key in ROBOT] == [None] * 4
+    assert [keys.robot_of(key(run)) for key in WORLD] == [None] * len(WORLD)
+    assert [keys.robot_of(key(run, "*")) for key in ROBOT] == [None] * len(ROBOT)
 
 
 @given(key=st.text() | st.from_regex(r"fes/main/robot/[^/]{0,12}/[a-z]{0,9}", fullmatch=True))

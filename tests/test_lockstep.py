@@ -164,13 +164,27 @@ def test_a_world_that_everybody_left_says_so(monkeypatch: pytest.MonkeyPatch) ->
     asyncio.run(main())
 
 
-def test_a_beacon_that_does_not_arrive_is_an_error_and_no_other_digest(monkeypatch: pytest.MonkeyPatch) -> None:
+def deaf_at_tick_40(monkeypatch: pytest.MonkeyPatch) -> None:
     heard = Radio.heard
 
-    def deaf_at_tick_40(radio: Radio, tick: int) -> list[Beacon]:
+    def hear(radio: Radio, tick: int) -> list[Beacon]:
         return [beacon for beacon in heard(radio, tick) if tick != 40]
 
-    monkeypatch.setattr(Radio, "heard", deaf_at_tick_40)
+    monkeypatch.setattr(Radio, "heard", hear)
+
+
+def test_a_beacon_that_does_not_arrive_is_asked_for_again(
+    paper: Scenario, expected: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    deaf_at_tick_40(monkeypatch)
+    summary, _, agents = run(paper, [[0, 1, 2], [3], [4, 5, 6, 7, 8, 9]])
+    assert summary["digest"] == expected["digest"]
+    assert all(agent.complaints.counts["Beacon: recalled"] for agent in agents)
+
+
+def test_a_beacon_that_cannot_be_had_is_an_error_and_no_other_digest(monkeypatch: pytest.MonkeyPatch) -> None:
+    deaf_at_tick_40(monkeypatch)
+    monkeypatch.setattr("agents.mouth.REMEMBERED", 0)  # nobody remembers what it said
     monkeypatch.setattr("world.attendance.RETURN_TIMEOUT", 1.0)
     near = load("pair.toml", channel__model="perfect", run__duration=1.0)
 

@@ -1,9 +1,5 @@
 """What crosses the wire: every message comes back bit for bit, and bad bytes are one line, never a crash."""
 
-import dataclasses
-import struct
-from typing import Any
-
 import msgpack
 import numpy as np
 import pytest
@@ -11,28 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fes import wire
-from tests.payloads import CODECS, refusal, values
+from tests.payloads import CODECS, assert_refused_or_a_message, bits, refusal, values
 
 NAMES = list(CODECS)
-
-
-def bits(value: Any) -> Any:
-    """A message as what can be compared bit for bit, NaN included."""
-    if isinstance(value, np.ndarray):
-        return value.dtype.str, value.shape, value.tobytes()
-    if isinstance(value, float):
-        return struct.pack("<d", value)
-    if dataclasses.is_dataclass(value):
-        return [bits(getattr(value, field.name)) for field in dataclasses.fields(value)]
-    return [bits(item) for item in value] if isinstance(value, tuple) else value
-
-
-def assert_refused_or_a_message(name: str, payload: bytes) -> None:
-    """Either a MessageError, or a message that comes back bit for bit."""
-    codec = CODECS[name]
-    if refusal(name, payload) is None:
-        message = codec.decode(payload)
-        assert bits(codec.decode(codec.encode(message))) == bits(message)
 
 
 @pytest.mark.parametrize("name", NAMES)

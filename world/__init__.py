@@ -3,6 +3,7 @@
 process     the shell: fes-world
 server      the lockstep: observations out, commands in, one barrier a tick
 attendance  who takes part at a tick
+claim       one world a run
 roster      who hosts which robot, and who is alive
 reporting   the report to observers
 wording     between arrays and the messages of all robots

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from fes import bus, keys, process
 from fes.errors import FesError
-from world import summary
+from world import claim, summary
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
 from world.server import Server
@@ -21,6 +21,8 @@ async def serve(flags: argparse.Namespace, scenario: Scenario) -> int:
     """One world process, from start to exit code."""
     run, name = keys.check_run(flags.run), flags.name or Path(flags.scenario).stem
     async with bus.opened(process.world_endpoints(flags)) as opened:
+        connected = bool(flags.connect or flags.config or flags.cfg) or flags.mode not in (None, "router")
+        await claim.claim(opened, run, connected=connected)
         with _recorder(flags, scenario, name) as recorder:
             server = Server(opened, scenario, name, run, flags.rtf, recorder)
             if flags.out is not None:

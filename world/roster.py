@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from fes import keys, messages
+from fes.about import encode_about, here
 from fes.arrays import Bools, Bytes
 from fes.bus import Bus, Question
 from fes.complaints import Complaints
@@ -38,6 +39,7 @@ class Roster:
         """The robots that share a process with each."""
         self._on_loss: Callable[[int], None] | None = None
         bus.serve(keys.welcome(run), self._on_question)
+        bus.serve(keys.about(run), lambda question: question.answer(encode_about(here(robots)), "fes.About"))
         bus.watch(keys.robot_alive(run, "*"), self._on_token)
 
     def report_losses_to(self, on_loss: Callable[[int], None]) -> None:

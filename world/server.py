@@ -16,7 +16,7 @@ from fes.change import Effect, decode_change, encode_effect
 from fes.complaints import Complaints
 from fes.errors import MessageError, ScenarioError
 from fes.inbox import Inbox
-from fes.messages import Command, Observation
+from fes.messages import Command
 from fes.report import encode_report
 from fes.sensing import Observations, untold
 from world import events, reporting, simulation, summary, wording
@@ -75,6 +75,7 @@ class Server:
         bus.token(keys.world_alive(run))  # last: it says that everything above is in place
         self._attendance = Attendance(self._roster, scenario)
         self._unaccounted: tuple[State, Floats, list[bytes], list[bytes]] | None = None
+        self._asked: dict[int, int] = {}  # the last tick that each robot was asked for again
         self._begun = self._told_at = self._ended = 0.0
         self._told_tick = 0
 
@@ -121,12 +122,8 @@ class Server:
         self._account()
         if self._sums.tally.ticks:
             self._tell()
-        nothing = np.zeros(0, dtype=np.int64)
-        for robot, (put, pose) in enumerate(zip(self._observe, self._state.poses.tolist(), strict=True)):
-            farewell = Observation(
-                self._state.tick, robot, tuple(pose), nothing, nothing.astype(np.uint8), over=True, since=0
-            )
-            put(messages.encode_observation(farewell))
+        for put, payload in zip(self._observe, wording.farewells(self._state.tick, self._state.poses), strict=True):
+            put(payload)
 
     def _on_change(self, question: Question) -> None:
         """Somebody wants the channel to be another one; it is from the tick that goes on, beacons of it included."""
@@ -134,6 +131,7 @@ class Server:
             change = decode_change(question.payload)
             changed = events.changed(self._state.channel, {change.path: change.value}, self.scenario.run.dt)
         except (MessageError, ScenarioError) as error:
+            self.complaints.add("Change: refused", f"a change: {error}")
             question.refuse(str(error))
             return
         tick = self._state.tick
@@ -204,6 +202,10 @@ class Server:
                     answers[command.robot] = command, payload
                     waited[command.robot] = False
                     missing -= 1
+                elif (
+                    command is not None and answers[command.robot] and self._asked.get(command.robot) != command.tick
+                ):
+                    self.complaints.add("Command: came twice", f"{key}: a second command for tick {command.tick}")
             if missing:
                 waited &= self._attendance.there
                 missing = int(waited.sum())
@@ -213,6 +215,7 @@ class Server:
                     break
                 for robot in np.flatnonzero(waited).tolist():
                     self._observe[robot](sent[robot])
+                    self._asked[robot] = self._state.tick
                 patience *= 2.0
                 ask_at = min(time.monotonic() + patience, begun + ANSWER_TIMEOUT)
         self._attend(self._state.present & np.array([answer is not None for answer in answers]))
@@ -230,7 +233,8 @@ class Server:
             command = messages.decode_command(payload)
             if self._robot_of.get(key) != command.robot:
                 raise MessageError("Command", "came on another robot's key", key)
-            if self._attendance.woke(command.robot) or command.tick == self._state.tick - 1:
+            asked = command.tick == self._state.tick - 1 == self._asked.get(command.robot)
+            if self._attendance.woke(command.robot) or asked:
                 return None
             if command.tick != self._state.tick:
                 raise MessageError("Command", "is not for this tick", str(command.tick))

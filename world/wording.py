@@ -35,6 +35,16 @@ def observations(sensed: Observations, present: Bools, since: Ints) -> list[byte
     ]
 
 
+def farewells(tick: int, poses: Floats) -> list[bytes]:
+    """The payload that tells each robot, at `poses` [n, 3], that the run is over."""
+    nobody = np.zeros(0, dtype=np.int64)
+    nothing = nobody.astype(np.uint8)
+    return [
+        messages.encode_observation(Observation(tick, robot, tuple(pose), nobody, nothing, over=True, since=0))
+        for robot, pose in enumerate(poses.tolist())
+    ]
+
+
 _NOTHING = Command(0, 0, (0.0, 0.0), np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
 
 

@@ -1,0 +1,62 @@
+"""A process's mouth: beacons to peers, commands to the world, and either again when it is asked for."""
+
+from collections.abc import Callable
+
+from fes import keys, messages
+from fes.bus import Bus, Question
+from fes.complaints import Complaints
+from fes.errors import MessageError
+
+Put = Callable[[bytes], None]
+
+REMEMBERED = 2
+"""Ticks whose beacons can be recalled: who misses one asks within the next tick, as the barrier waits for it."""
+
+
+class Mouth:
+    """What the robots of a process say."""
+
+    def __init__(self, bus: Bus, run: str, robots: tuple[int, ...], complaints: Complaints) -> None:
+        self._complaints = complaints
+        self._beacon: dict[int, Put] = {}
+        self._command: dict[int, Put] = {}
+        self._commands: dict[int, bytes] = {}
+        self._beacons: dict[int, dict[int, bytes]] = {}
+        """By tick, then by robot."""
+        for robot in robots:
+            self._beacon[robot] = bus.publisher(keys.beacon(run, robot), "fes.Beacon")
+            self._command[robot] = bus.publisher(keys.command(run, robot), "fes.Command")
+            self._listen(bus, keys.recall(run, robot), robot)
+
+    def say(self, tick: int, said: list[tuple[int, bytes, bytes]]) -> None:
+        """Beacons first, commands last: the world's next tick then follows every beacon of this one."""
+        # Remembered before they are put: a peer may ask as soon as one of them arrives.
+        self._beacons[tick] = {robot: beacon for robot, beacon, _ in said}
+        self._beacons.pop(tick - REMEMBERED, None)
+        self._commands = {robot: command for robot, _, command in said}
+        for robot, beacon, _ in said:
+            self._beacon[robot](beacon)
+        for robot, _, command in said:
+            self._command[robot](command)
+
+    def repeat(self, tick: int, robot: int) -> None:
+        """Answer a tick again that the world asked for again."""
+        self._beacon[robot](self._beacons[tick][robot])
+        self._command[robot](self._commands[robot])
+
+    def _listen(self, bus: Bus, key: str, robot: int) -> None:
+        """Tell a beacon again to who asks for it by its tick."""
+
+        def on_question(question: Question) -> None:
+            try:
+                tick = messages.decode_recall(question.payload)
+            except MessageError as error:
+                self._complaints.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
+                question.refuse(str(error))
+                return
+            if tick not in self._beacons:
+                question.refuse(f"robot {robot} does not remember its beacon of tick {tick}")
+                return
+            question.answer(self._beacons[tick][robot], "fes.Beacon")
+
+        bus.serve(key, on_question)

@@ -1,0 +1,85 @@
+"""fes doctor: what may keep a run from starting, or from being seen."""
+
+import asyncio
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from console import rundir
+from console.doctor import machine, network
+from console.doctor.finding import Finding, Status
+from fes import keys, process
+from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
+
+STYLES = {Status.OK: "green", Status.WARNING: "yellow", Status.FAILED: "bold red"}
+
+
+def doctor(
+    connect: Annotated[
+        list[str] | None, typer.Option("--connect", "-e", metavar="ENDPOINT", help="Where the world listens.")
+    ] = None,
+    config: Annotated[Path | None, typer.Option("--config", "-c", help="Zenoh configuration file.")] = None,
+    cfg: Annotated[list[str] | None, typer.Option(metavar="KEY:VALUE", help="Zenoh setting.")] = None,
+    run: Annotated[str | None, typer.Option(help="Name of a run that should go on.")] = None,
+    json_: Annotated[bool, typer.Option("--json", help="Print the findings as JSON, and nothing else.")] = False,
+) -> int:
+    """Check this machine, and a run that goes on (by default the latest one started in this folder)."""
+    endpoints = rundir.reach(connect, config, cfg, run or keys.DEFAULT_RUN, network.PATIENCE)
+    named = bool(connect or config or run)
+    announced = not connect and endpoints.connect != (DEFAULT_ENDPOINT,)
+
+    async def look() -> int:
+        findings = await examine(endpoints, run or keys.DEFAULT_RUN, named or announced)
+        if announced:
+            findings = [outdated(found) for found in findings]
+        if json_:
+            print(json.dumps([finding._asdict() for finding in findings], indent=2))
+        else:
+            Console().print(table(findings))
+        return process.FAILURE if any(found.status is Status.FAILED for found in findings) else process.SUCCESS
+
+    process.leave("fes", look)
+
+
+async def examine(endpoints: Endpoints, run: str, wanted: bool) -> list[Finding]:
+    """All checks; those of the machine in a thread, while the network is asked."""
+    local = asyncio.create_task(asyncio.to_thread(lambda: [machine.python(), *machine.packages(), machine.clock()]))
+    seen, robots = await network.examine(endpoints, run, wanted)
+    return [
+        *await local,
+        machine.files(robots),
+        machine.directory(rundir.ROOT),
+        machine.loopback(),
+        network.port(DEFAULT_ENDPOINT, DEFAULT_ENDPOINT in endpoints.connect and robots is not None),
+        network.exposure(endpoints.connect[0] if endpoints.connect else DEFAULT_ENDPOINT),
+        *seen,
+    ]
+
+
+def outdated(found: Finding) -> Finding:
+    """What a run announced in this folder lacks: whoever announced it, and did not withdraw it, was killed."""
+    if found.check != "endpoint" or found.status is not Status.FAILED:
+        return found
+    return found._replace(
+        remedy=f"the latest run here was killed: rm {rundir.ROOT / rundir.LATEST / rundir.ENDPOINT}"
+    )
+
+
+def table(findings: list[Finding]) -> Table:
+    """The findings as a person reads them."""
+    shown = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    shown.add_column("check", no_wrap=True)
+    shown.add_column("status", no_wrap=True)
+    shown.add_column("seen", overflow="fold")
+    for found in findings:
+        seen = Text(found.seen)
+        if found.remedy:
+            seen.append(f"\n-> {found.remedy}", style="italic")
+        shown.add_row(found.check, Text(found.status, style=STYLES[found.status]), seen)
+    return shown

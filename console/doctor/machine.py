@@ -1,0 +1,156 @@
+"""What a run needs of this machine: Python, packages, files, a clock, a loopback interface."""
+
+import contextlib
+import re
+import resource
+import shutil
+import socket
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from importlib import metadata
+from pathlib import Path
+
+from console.doctor.finding import Finding, failed, ok, warning
+from fes.about import installed
+
+OLDEST_PYTHON = (3, 11)
+
+FILES_PER_ROBOT = 2
+"""Open files for each agent process, in the process that starts a run and in its world [1 measured, 1 to spare]."""
+
+FILES_OF_A_PROCESS = 64
+"""Open files of either besides [15 measured]."""
+
+USUAL_TEAM = 100
+"""A team of this size should find enough open files."""
+
+LITTLE_SPACE, NO_SPACE = 1 << 30, 10 << 20
+"""Free bytes below which a long run may not end well, and below which no run can."""
+
+DRIFT = 0.05
+"""Realtime and monotonic clock may differ by this much over a moment [s]: beyond it, somebody sets the clock."""
+
+MOMENT = 0.1
+"""How long the clocks are watched [s]."""
+
+YEAR_2024 = 1_704_067_200.0  # s since 1970
+
+_REQUIREMENT = re.compile(r"([A-Za-z0-9._-]+)(\[.*\])?\s*([^;]*)(?:;.*extra\s*==\s*['\"]([\w-]+)['\"])?")
+
+
+def python() -> Finding:
+    """The interpreter."""
+    version = sys.version_info
+    seen = f"{version.major}.{version.minor}.{version.micro} at {sys.executable}"
+    if version < OLDEST_PYTHON:
+        return failed("python", seen, f"install Python {OLDEST_PYTHON[0]}.{OLDEST_PYTHON[1]} or newer")
+    return ok("python", seen)
+
+
+def packages(requirements: list[str] | None = None) -> Iterator[Finding]:
+    """What must be installed, each in a version that is new enough; then the extras, which nobody must have."""
+    try:
+        wanted = metadata.requires("fes") or [] if requirements is None else requirements
+    except metadata.PackageNotFoundError:
+        yield failed("packages", "fes itself is not installed", "pip install -e . in the clone")
+        return
+    parsed = [found.groups() for found in map(_REQUIREMENT.match, wanted) if found]
+    missing = [said for name, _, rule, extra in parsed if not extra and (said := lacks(name, rule))]
+    if missing:
+        yield failed("packages", "; ".join(missing), "pip install --upgrade fes, or -e . in a clone")
+    else:
+        have = [f"{name} {installed(name)}" for name, _, _, extra in parsed if not extra]
+        yield ok("packages", ", ".join(have))
+    extras = sorted({str(extra) for *_, extra in parsed if extra})
+    lack = {extra: [lacks(name, rule) for name, _, rule, own in parsed if own == extra] for extra in extras}
+    told = [f"{extra}: {'; '.join(filter(None, said)) or 'installed'}" for extra, said in lack.items()]
+    if told:
+        yield ok("extras", ", ".join(told))
+
+
+def lacks(name: str, rule: str) -> str:
+    """What is wrong with an installed package, or nothing.
+
+    >>> lacks("numpy", ">=1.0"), lacks("no-such-package", ">=1")
+    ('', 'no-such-package is missing')
+    """
+    have = installed(name)
+    if have == "unknown":
+        return f"{name} is missing"
+    for least in re.findall(r">=\s*([\w.]+)", rule):
+        if _numbers(have) < _numbers(least):
+            return f"{name} {have} is older than {least}"
+    return ""
+
+
+def loopback() -> Finding:
+    """Whether this machine can talk to itself, over a port of its own choice."""
+    try:
+        with (
+            socket.create_server(("127.0.0.1", 0)) as server,
+            socket.create_connection(server.getsockname(), timeout=2.0),
+        ):
+            return ok("loopback", "127.0.0.1 accepts connections")
+    except OSError as error:
+        return failed("loopback", f"127.0.0.1: {error}", "bring the loopback interface up: ip link set lo up")
+
+
+def clock(moment: float = MOMENT) -> Finding:
+    """Whether the clocks go, and go together."""
+    real, steady = time.time(), time.monotonic()
+    time.sleep(moment)
+    passed, elapsed = time.time() - real, time.monotonic() - steady
+    seen = f"{1e3 * elapsed:.1f} ms monotonic were {1e3 * passed:.1f} ms of the calendar"
+    if elapsed <= 0.0:
+        return failed("clock", seen, "the monotonic clock stands still: restart the machine")
+    if real < YEAR_2024:
+        return warning("clock", time.strftime("it says %Y-%m-%d", time.gmtime(real)), "set the date, or start NTP")
+    if abs(passed - elapsed) > DRIFT:
+        return warning("clock", seen, "somebody sets the clock while it runs: use one NTP client that slews")
+    return ok("clock", seen)
+
+
+def files(robots: int | None = None) -> Finding:
+    """Whether `robots` agent processes, or a usual team, find enough open files."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    needed = FILES_OF_A_PROCESS + FILES_PER_ROBOT * (robots or USUAL_TEAM)
+    if soft == resource.RLIM_INFINITY:
+        return ok("open files", "no limit")
+    room = max(0, soft - FILES_OF_A_PROCESS) // FILES_PER_ROBOT
+    seen = f"{soft} a process: {room} robots with a process each"
+    if needed <= soft:
+        return ok("open files", seen)
+    within = hard == resource.RLIM_INFINITY or hard >= needed
+    remedy = (f"ulimit -n {needed}" if within else f"raise the hard limit of {hard}") + ", or --agents-per-process"
+    return failed("open files", seen, remedy) if robots else warning("open files", seen, remedy)
+
+
+def directory(root: Path) -> Finding:
+    """Whether run directories can be written, and how much room there is."""
+    where = root if root.is_dir() else Path.cwd()
+    free = None
+    try:
+        with tempfile.TemporaryFile(dir=where) as probe:
+            probe.write(bytes(4096))
+            probe.flush()
+        with contextlib.suppress(OSError):
+            free = shutil.disk_usage(where).free
+    except OSError as error:
+        said = f"{where.resolve()}: {error.strerror}"
+        return failed("run directory", said, "stand where you may write, or give --out a folder where you may")
+    if free is None:
+        return ok("run directory", f"{where.resolve()} can be written")
+    seen = f"{where.resolve()} can be written, {free / 1e9:.1f} GB free"
+    if free < NO_SPACE:
+        return failed("run directory", seen, "make room, or give --out a folder on another disk")
+    if free < LITTLE_SPACE:
+        return warning("run directory", seen, "make room before a long run, or give --out another disk")
+    return ok("run directory", seen)
+
+
+def _numbers(version: str) -> tuple[int, ...]:
+    """The numbers that a version begins with."""
+    found = re.match(r"\d+(\.\d+)*", version)
+    return tuple(int(part) for part in found[0].split(".")) if found else ()

@@ -1,0 +1,58 @@
+"""About: what a world says of itself to who asks: for `fes doctor`, and no part of a run."""
+
+import time
+from importlib.metadata import PackageNotFoundError, version
+from typing import NamedTuple
+
+from fes import wire
+from fes.errors import MessageError
+
+LONGEST = 100
+"""Longest version [characters]."""
+
+
+class About(NamedTuple):
+    """A world, at the moment it was asked."""
+
+    package: str
+    """Version of fes."""
+    zenoh: str
+    """Version of eclipse-zenoh."""
+    robots: int
+    """How many robots the run has."""
+    clock: float
+    """The world's clock [s since 1970, UTC]."""
+
+
+def here(robots: int) -> About:
+    """What this process says of itself."""
+    return About(installed("fes"), installed("eclipse-zenoh"), robots, time.time())
+
+
+def installed(package: str) -> str:
+    """The installed version of a package, or `unknown`."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def encode_about(message: About) -> bytes:
+    """The payload of an About."""
+    return wire.pack(*message)
+
+
+def decode_about(payload: bytes) -> About:
+    """The About in a payload; raises MessageError, whose value is the version if that is what differs."""
+    name = "About"
+    package, zenoh, robots, clock = wire.unpack(name, payload, 4)
+    for text in (package, zenoh):
+        wire.check(name, type(text) is str and len(text) <= LONGEST and text.isprintable(), "expects a version", text)
+    wire.check(name, type(robots) is int and 0 < robots <= wire.MAX_ID, "expects a number of robots", robots)
+    wire.finite(name, (clock,))
+    return About(package, zenoh, robots, clock)
+
+
+def speaks_otherwise(error: MessageError) -> bool:
+    """Whether a payload was refused because it is of another protocol version."""
+    return error.rule == wire.WRONG_VERSION

@@ -1,0 +1,104 @@
+"""Two worlds on one run: at most one starts, in whatever order they look."""
+
+import asyncio
+import re
+from pathlib import Path
+
+import pytest
+
+from console.launcher import free_port
+from fes import bus, keys
+from fes.endpoints import Endpoints
+from fes.errors import Refused
+from tests.loop import CONFIGS
+from tests.session import client, router
+from tests.test_processes import PATIENCE, command, start
+from world import claim
+
+RUN = "test"
+REFUSAL = "another world of run 'test' is here, or starts just now (--run gives this one another name)"
+
+
+def test_a_second_world_on_the_same_network_refuses_to_start_with_one_line(tmp_path: Path) -> None:
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    pair = str(CONFIGS / "pair.toml")
+    first = start(command("world.process", pair, "-l", endpoint), tmp_path)
+    assert first.stderr is not None
+    assert "waiting for 2 robots" in first.stderr.readline()
+    other = f"tcp/127.0.0.1:{free_port()}"
+    for words in (["-m", "client", "-e", endpoint], ["-e", endpoint, "-l", other]):
+        second = start(command("world.process", pair, *words), tmp_path)
+        _, err = second.communicate(timeout=PATIENCE)
+        assert (second.returncode, err) == (1, f"fes-world: error: {REFUSAL.replace('test', 'main')}\n")
+    assert first.poll() is None  # the first one goes on waiting
+    third = start(command("world.process", pair, "-m", "client", "-e", endpoint, "--run", "other"), tmp_path)
+    assert third.stderr is not None
+    assert "waiting for 2 robots" in third.stderr.readline()
+    for process in (third, first):
+        process.terminate()
+        process.communicate(timeout=PATIENCE)
+
+
+def test_of_worlds_that_start_at_the_same_time_at_most_one_starts() -> None:
+    async def attempt(endpoint: str, round_: int, after: float) -> bool:
+        async with client(endpoint) as opened:
+            await asyncio.sleep(after)
+            try:
+                await claim.claim(opened, f"{RUN}{round_}", connected=False)
+            except Refused:
+                return False
+            await asyncio.sleep(0.3)  # it stays, so that who comes later sees it
+            return True
+
+    async def main() -> list[list[bool]]:
+        outcomes = []
+        async with router() as (_, endpoint):
+            for round_ in range(12):  # from together to 2 ms apart
+                attempts = [attempt(endpoint, round_, 2e-4 * round_ * number) for number in range(3)]
+                outcomes.append(list(await asyncio.gather(*attempts)))
+        return outcomes
+
+    outcomes = asyncio.run(main())
+    assert max(map(sum, outcomes)) == 1  # never two, and not never one
+
+
+def test_of_two_routers_that_find_each_other_at_most_one_starts() -> None:
+    async def main() -> list[int]:
+        started = []
+        for _ in range(3):
+            ends = [f"tcp/127.0.0.1:{free_port()}" for _ in range(2)]
+            async with (
+                bus.opened(Endpoints("router", (), (ends[0],))) as one,
+                bus.opened(Endpoints("router", (ends[0],), (ends[1],))) as two,
+            ):
+                claims = [claim.claim(opened, RUN, connected=True) for opened in (one, two)]
+                outcomes = await asyncio.gather(*claims, return_exceptions=True)
+                assert all(outcome is None or isinstance(outcome, Refused) for outcome in outcomes)
+                started.append(sum(outcome is None for outcome in outcomes))
+        return started
+
+    assert max(asyncio.run(main())) <= 1
+
+
+def test_a_world_that_left_leaves_no_claim() -> None:
+    async def main() -> None:
+        async with router() as (_, endpoint):
+            for _ in range(3):
+                async with client(endpoint) as opened:
+                    await claim.claim(opened, RUN, connected=False)
+                async with client(endpoint) as watcher:
+                    async with asyncio.timeout(5.0):
+                        while await watcher.standing(keys.world_tokens(RUN), 1.0):
+                            await asyncio.sleep(0.01)
+
+    asyncio.run(main())
+
+
+def test_a_world_without_a_claim_is_seen_by_its_token() -> None:
+    async def main() -> None:
+        async with router() as (world, endpoint), client(endpoint) as newcomer:
+            world.token(keys.world_alive(RUN))
+            with pytest.raises(Refused, match=re.escape(REFUSAL)):
+                await claim.claim(newcomer, RUN, connected=True)
+
+    asyncio.run(main())

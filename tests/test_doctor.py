@@ -1,0 +1,259 @@
+"""fes doctor: what it says of a machine and of a run, with what remedy; it neither hangs nor disturbs."""
+
+import asyncio
+import io
+import json
+import resource
+import socket
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import msgpack
+import pytest
+from rich.console import Console
+
+from console import inprocess, rundir
+from console.doctor import command, machine, network
+from console.doctor.finding import Finding, Status
+from console.doctor.network import Answer
+from console.rundir import Address
+from fes import about, keys
+from fes.about import About
+from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
+from fes.errors import MessageError
+from tests import session
+from tests.loop import load
+from tests.session import RUN, client
+from tests.test_cli import call, vacant
+
+CHECKS = [
+    *("python", "packages", "clock", "open files", "run directory"),
+    *("loopback", "port", "loopback only", "endpoint"),
+]
+
+
+def client_of(endpoint: str) -> Endpoints:
+    return Endpoints("client", (endpoint,), timeout=network.PATIENCE)
+
+
+def test_looking_at_a_run_changes_no_digit_and_sees_all_of_it() -> None:
+    paper = load("paper.toml", run__duration=2.0)
+    seen: list[list[Finding]] = []
+
+    async def disturb(endpoint: str) -> None:
+        for _ in range(3):
+            found, robots = await network.examine(client_of(endpoint), RUN, True)
+            assert robots == 10
+            seen.append(found)
+
+    async def bounded() -> Any:
+        async with asyncio.timeout(60.0):
+            return await session.run(paper, [[robot] for robot in range(10)], disturb)
+
+    summary, server, agents = asyncio.run(bounded())
+    assert summary["digest"] == inprocess.run(paper, "test")["digest"]
+    assert not server.complaints.counts
+    assert not any(agent.complaints.counts for agent in agents)
+    for found in seen:
+        assert [one.check for one in found] == ["endpoint", "alive", "version", "world's clock"]
+        assert {one.status for one in found} == {Status.OK}  # one clock, one installation
+        assert "robots 0-9 of 10" in found[1].seen
+
+
+def test_a_robot_that_is_missing_is_named() -> None:
+    found = network.alive(RUN, [keys.world_alive(RUN), *(keys.robot_alive(RUN, i) for i in (0, 1, 4))], [], 6, True)
+    assert (found.status, found.remedy) == (Status.WARNING, "the world waits for fes-agent --id 2-3, 5")
+    assert "robots 0-1, 4 of 6" in found.seen
+
+
+@pytest.mark.parametrize(
+    ("standing", "others", "status", "said"),
+    [
+        ([], [], Status.FAILED, "no world of run 'test', robots: none"),
+        ([keys.robot_alive(RUN, 3)], [], Status.FAILED, "robots: 3"),
+        ([], [keys.world_alive("main")], Status.FAILED, "worlds of other runs: main"),
+        (
+            [keys.world_alive(RUN), keys.claim(RUN, "a"), keys.claim(RUN, "b")],
+            [],
+            Status.FAILED,
+            "more than one world",
+        ),
+    ],
+)
+def test_a_run_without_one_world_has_failed(
+    standing: list[str], others: list[str], status: Status, said: str
+) -> None:
+    found = network.alive(RUN, standing, others, None, True)
+    assert found.status == status
+    assert said in found.seen
+    assert found.remedy
+
+
+def test_a_world_of_another_version_is_a_finding_with_both_versions() -> None:
+    newer = msgpack.packb([2, "9.0", "3.0", 5, 1.0, "a field more"])
+    with pytest.raises(MessageError) as caught:
+        about.decode_about(newer)
+    [found] = network.said_by(caught.value)
+    assert (found.status, found.seen) == (Status.FAILED, "About: speaks protocol 1, got version: 2")
+    package, *_ = network.said_by(Answer(0.0, 0.0, About("0.0.1", "1.0", 3, 0.0)))
+    assert package.status == Status.WARNING
+    assert "fes 0.0.1" in package.seen
+
+
+@pytest.mark.parametrize(
+    ("offset", "took", "status"),
+    [
+        (0.05, 0.02, Status.OK),
+        (-0.2, 0.02, Status.WARNING),
+        (3600.0, 0.02, Status.WARNING),
+        (-0.2, 0.4, Status.OK),  # the answer may have come at once, and the question late
+    ],
+)
+def test_the_skew_of_a_clock_is_measured_from_the_middle_of_the_question(
+    offset: float, took: float, status: Status
+) -> None:
+    own = about.here(1)
+    *_, found = network.said_by(Answer(100.0, 100.0 + took, own._replace(clock=100.0 + took / 2 + offset)))
+    assert found.status == status
+    assert f"{1e3 * offset:+.1f} ms from ours, known to {500 * took:.1f} ms" in found.seen
+
+
+def test_nobody_at_the_endpoint_fails_only_where_somebody_is_expected() -> None:
+    for wanted, status in ((True, Status.FAILED), (False, Status.OK)):
+        found, robots = asyncio.run(network.examine(client_of(vacant()), RUN, wanted))
+        assert ([one.status for one in found], robots) == ([status], None)
+
+
+def test_a_listener_that_says_nothing_does_not_hold_it_up() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as mute:
+        begun = time.monotonic()
+        endpoint = f"tcp/127.0.0.1:{mute.getsockname()[1]}"
+        found, _ = asyncio.run(network.examine(client_of(endpoint), RUN, True))
+        # twice its patience, and room for a busy machine
+        assert time.monotonic() - begun < 2 * network.PATIENCE + 5.0
+    assert [one.status for one in found] == [Status.FAILED]
+
+
+def test_a_world_that_does_not_answer_is_a_warning() -> None:
+    async def main() -> list[Finding]:
+        async with session.router() as (world, endpoint):
+            world.token(keys.world_alive(RUN))
+            world.serve(keys.about(RUN), lambda question: None)
+            async with client(endpoint):
+                return (await network.examine(client_of(endpoint), RUN, True))[0]
+
+    assert [one.status for one in asyncio.run(main())][-1] == Status.WARNING
+
+
+@pytest.fixture
+def few_files() -> Iterator[None]:
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (256, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_NOFILE, before)
+
+
+@pytest.mark.usefixtures("few_files")
+def test_too_few_open_files_fail_for_a_team_that_needs_them_and_warn_otherwise() -> None:
+    # (256 - 64) / 2 = 96 robots
+    assert [machine.files(robots).status for robots in (96, 97, None)] == [Status.OK, Status.FAILED, Status.WARNING]
+    assert machine.files(97).remedy.startswith("ulimit -n 258")  # 64 + 2 * 97
+
+
+def test_a_missing_and_an_old_package_fail_and_a_missing_extra_does_not() -> None:
+    required = ["numpy>=1.0", "no-such-package>=1", "rich>=1000.1", 'no-such-plot>=3; extra == "plot"']
+    found, extras = machine.packages(required)
+    assert found.status == Status.FAILED
+    assert "no-such-package is missing" in found.seen
+    assert "is older than 1000.1" in found.seen
+    assert "numpy" not in found.seen
+    assert (extras.status, extras.seen) == (Status.OK, "plot: no-such-plot is missing")
+
+
+def test_a_folder_that_cannot_be_written_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert machine.directory(tmp_path).status == Status.OK
+
+    def refuse(*_: Any, **__: Any) -> None:
+        raise OSError(30, "Read-only file system")
+
+    monkeypatch.setattr("tempfile.TemporaryFile", refuse)
+    found = machine.directory(tmp_path)
+    assert (found.status, found.remedy != "") == (Status.FAILED, True)
+    assert "Read-only file system" in found.seen
+
+
+def test_a_full_disk_fails_and_a_nearly_full_one_warns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for free, status in ((1 << 40, Status.OK), (1 << 29, Status.WARNING), (1 << 20, Status.FAILED)):
+        monkeypatch.setattr("shutil.disk_usage", lambda _, free=free: type("", (), {"free": free}))
+        assert machine.directory(tmp_path).status == status
+
+
+def test_a_clock_that_is_set_while_it_is_watched_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert machine.clock(0.01).status == Status.OK
+    times = iter([2e9, 2e9 + 60.0])
+    monkeypatch.setattr("time.time", lambda: next(times))
+    assert machine.clock(0.01).status == Status.WARNING
+
+
+@pytest.mark.parametrize(
+    ("endpoint", "table", "status"),
+    [
+        (DEFAULT_ENDPOINT, "x\n 0: 0100007F:1D17 00000000:0000 0A", Status.OK),  # 7447 = 0x1D17
+        (DEFAULT_ENDPOINT, "x\n 0: 00000000:1D17 00000000:0000 0A", Status.WARNING),
+        (DEFAULT_ENDPOINT, "x\n 0: 00000000:1D17 00000000:0000 01", Status.OK),  # a connection, no listener
+        (DEFAULT_ENDPOINT, "x\n 0: 00000000:1D18 00000000:0000 0A", Status.OK),
+        ("tcp/192.0.2.1:7447", "x", Status.WARNING),
+        ("unixsock-stream//tmp/fes", "x", Status.OK),
+    ],
+)
+def test_a_listener_on_a_network_is_a_warning(endpoint: str, table: str, status: Status) -> None:
+    found = network.exposure(endpoint, table)
+    assert found.status == status
+    assert bool(found.remedy) == (status != Status.OK)
+
+
+def test_a_taken_port_is_a_warning_unless_a_world_has_it() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        endpoint = f"tcp/127.0.0.1:{server.getsockname()[1]}"
+        assert network.port(endpoint, world=False).status == Status.WARNING
+        assert network.port(endpoint, world=True).status == Status.OK
+    assert network.port(endpoint, world=False).status == Status.OK
+
+
+def test_the_command_prints_json_or_a_table_and_its_exit_code_says_whether_anything_failed(tmp_path: Path) -> None:
+    endpoint = vacant()
+    done = call(tmp_path, "fes", "doctor", "-e", endpoint, "--json")
+    assert (done.returncode, done.stderr) == (1, "")
+    found = json.loads(done.stdout)
+    assert [one["check"] for one in found if one["check"] != "extras"] == CHECKS
+    assert all(set(one) == {"check", "status", "seen", "remedy"} for one in found)
+    assert [one["check"] for one in found if one["status"] == "failed"] == ["endpoint"]
+    assert all(bool(one["remedy"]) == (one["status"] != "ok") for one in found)
+    assert list(tmp_path.iterdir()) == []  # it leaves nothing behind
+
+    healthy = call(tmp_path, "fes", "doctor")
+    assert (healthy.returncode, healthy.stderr) == (0, "")
+    assert "no run goes on" in " ".join(healthy.stdout.split())
+
+
+def test_a_run_that_was_killed_is_told_from_one_that_never_was(tmp_path: Path) -> None:
+    latest = tmp_path / "runs" / "latest"
+    latest.mkdir(parents=True)
+    rundir.announce(latest, Address(vacant(), keys.DEFAULT_RUN))
+    done = call(tmp_path, "fes", "doctor", "--json")
+    [found] = [one for one in json.loads(done.stdout) if one["status"] == "failed"]
+    assert (found["check"], done.returncode) == ("endpoint", 1)
+    assert found["remedy"] == "the latest run here was killed: rm runs/latest/endpoint.json"
+
+
+def test_the_table_fits_eighty_columns() -> None:
+    long = Finding("world's clock", Status.WARNING, "x" * 300, "y" * 300)
+    screen = Console(width=80, file=io.StringIO())
+    screen.print(command.table([long, Finding("port", Status.OK, "free")]))
+    assert isinstance(screen.file, io.StringIO)
+    lines = screen.file.getvalue().splitlines()
+    assert max(map(len, lines)) <= 80
+    assert sum(line.count("x") for line in lines[2:]) == 300
+    assert sum(line.count("y") for line in lines) == 300

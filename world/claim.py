@@ -1,0 +1,30 @@
+"""One world a run: a claim that a world makes before it does anything else.
+
+A world first declares a token of its own, then looks who else has one. If two start at the same time, at least one
+of them sees the other's: of two tokens that pass one router, the later one's owner looks later still. It may be that
+both see each other, and neither starts: a person starts one again, where two worlds would have moved one team.
+"""
+
+import asyncio
+import uuid
+
+from fes import keys
+from fes.bus import Bus
+from fes.errors import Refused
+
+TIMEOUT = 2.0
+"""How long a look may take [s]."""
+
+SETTLING = 0.3
+"""A world that is connected to others waits this long [s] for its claim and theirs to cross the network."""
+
+
+async def claim(bus: Bus, run: str, *, connected: bool) -> None:
+    """Claim the run, until the session ends; raises Refused if another world has it or claims it too."""
+    own = keys.claim(run, uuid.uuid4().hex)
+    bus.token(own)
+    if connected:
+        await asyncio.sleep(SETTLING)
+    others = set(await bus.standing(keys.world_tokens(run), TIMEOUT)) - {own}
+    if others:
+        raise Refused(f"another world of run '{run}' is here, or starts just now (--run gives this one another name)")
