@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fes import keys, messages, wire
+from fes import keys, wire
 from fes.arrays import Bools, Floats
 from fes.bus import Bus, Question
 from fes.change import Effect, decode_change, encode_effect
@@ -68,7 +68,6 @@ class Server:
         self._inbox = Inbox(asyncio.get_running_loop())
         self._observe = [bus.publisher(keys.observation(run, robot), "fes.Observation") for robot in robots]
         self._report = bus.publisher(keys.report(run), "fes.Report", drop=True)
-        self._robot_of = {keys.command(run, robot): robot for robot in robots}
         bus.subscribe(keys.command(run, "*"), self._inbox.put)
         self._roster = Roster(bus, run, len(robots), agent_config(scenario), self.complaints)
         bus.serve(keys.change(run), self._on_change)
@@ -226,20 +225,13 @@ class Server:
 
         A second answer to the last tick is no fault: its robot was asked again just when it answered.
         """
-        robots = len(self._observe)
         try:
-            if payload is None:
-                raise MessageError("Command", "a deletion is not a command")
-            command = messages.decode_command(payload)
-            if self._robot_of.get(key) != command.robot:
-                raise MessageError("Command", "came on another robot's key", key)
+            command = wording.command(key, payload, len(self._observe))
             asked = command.tick == self._state.tick - 1 == self._asked.get(command.robot)
             if self._attendance.woke(command.robot) or asked:
                 return None
             if command.tick != self._state.tick:
                 raise MessageError("Command", "is not for this tick", str(command.tick))
-            if len(command.links) and command.links[-1] >= robots:
-                raise MessageError("Command", "has a link to a robot that does not exist", str(command.links[-1]))
         except MessageError as error:
             self.complaints.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
             return None

@@ -4,9 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fes import messages
+from fes import keys, messages
 from fes.arrays import Bools, Floats, Ints
 from fes.edges import Stack
+from fes.errors import MessageError
 from fes.messages import Command, Observation
 from fes.sensing import Observations, Telemetry
 
@@ -43,6 +44,18 @@ def farewells(tick: int, poses: Floats) -> list[bytes]:
         messages.encode_observation(Observation(tick, robot, tuple(pose), nobody, nothing, over=True, since=0))
         for robot, pose in enumerate(poses.tolist())
     ]
+
+
+def command(key: str, payload: bytes | None, robots: int) -> Command:
+    """The Command in a message of a team of `robots`; raises MessageError."""
+    if payload is None:
+        raise MessageError("Command", "a deletion is not a command")
+    found = messages.decode_command(payload)
+    if keys.robot_of(key) != found.robot or found.robot >= robots:
+        raise MessageError("Command", "came on another robot's key", key)
+    if len(found.links) and found.links[-1] >= robots:
+        raise MessageError("Command", "has a link to a robot that does not exist", str(found.links[-1]))
+    return found
 
 
 _NOTHING = Command(0, 0, (0.0, 0.0), np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
