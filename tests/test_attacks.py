@@ -196,7 +196,7 @@ def test_a_flood_of_questions_is_refused_and_changes_no_digit(paper: Scenario, e
         "robot 2 is hosted by another agent already",
         "Join: is not msgpack (FormatError)",
         "Join: speaks protocol 1, got version: 2",
-        "channel.no_such: the channel has no such field",
+        "the channel: unknown field 'channel.no_such'; did you mean 'channel.logistic_width'?",
         "Recall: tick must be an integer from 0: 'tick'",
         "robot 4 does not remember its beacon of tick 1000000000",
     } <= set(refused)

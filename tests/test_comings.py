@@ -93,7 +93,9 @@ def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_wh
         else:
             say(mouth, tick, said)
 
+    repeat = Mouth.repeat
     monkeypatch.setattr(Mouth, "say", sleepy)
+    monkeypatch.setattr(Mouth, "repeat", lambda *asked: None if asleep.is_set() else repeat(*asked))
     seen = []
 
     async def story(server: Server, agents: Any, endpoint: str) -> None:

@@ -228,7 +228,8 @@ class Server:
         try:
             command = wording.command(key, payload, len(self._observe))
             asked = command.tick == self._state.tick - 1 == self._asked.get(command.robot)
-            if self._attendance.woke(command.robot) or asked:
+            absent = not self._state.present[command.robot] and command.tick <= self._state.tick
+            if self._attendance.woke(command.robot) or asked or absent:
                 return None
             if command.tick != self._state.tick:
                 raise MessageError("Command", "is not for this tick", str(command.tick))
