@@ -12,11 +12,13 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from console import evidence, inprocess, processes, rundir, setting, summary, view
+from console import evidence, inprocess, keyring, processes, rundir, setting, summary, view
 from console.processes import Launch
+from console.rundir import Visitor
 from console.sweep import command
 from fes import bus, keys, process
 from fes.errors import FesError, ScenarioError
+from fes.identity import OBSERVER
 from world.scenario import Scenario, load, parse_override
 from world.summary import write, write_scenario
 
@@ -30,6 +32,7 @@ app.command()(evidence.plot)
 app.command(name="claims")(evidence.show_claims)
 app.command(name="set")(setting.set_command)
 app.command()(command.sweep)
+app.add_typer(keyring.app, name="keys")
 
 
 class Backend(StrEnum):
@@ -67,6 +70,7 @@ def run(
     clock: Annotated[str | None, typer.Option(help="Override run.clock.")] = None,
     rtf: Annotated[str, typer.Option(metavar="max|X", help="Pace: simulated seconds a second.")] = "max",
     out: Annotated[Path | None, typer.Option(help="Run directory (default runs/<scenario>-<n>).")] = None,
+    secure: Annotated[bool, typer.Option("--secure", help="TLS, with certificates made for this run.")] = False,
     headless: Annotated[bool, typer.Option("--headless", help="No dashboard.")] = False,
     json_: Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else.")] = False,
 ) -> int:
@@ -82,7 +86,7 @@ def run(
     if backend is Backend.INPROCESS:
         result = _in_process(loaded, scenario.stem, pace, directory, screen if dashboard else None)
     else:
-        launch = Launch(scenario.stem, agents_per_process, rtf, dashboard)
+        launch = Launch(scenario.stem, agents_per_process, rtf, dashboard, secure)
         result = processes.run(launch, loaded, directory, screen)
     if json_:
         print(json.dumps(result))
@@ -99,6 +103,9 @@ def view_command(
     ] = None,
     config: Annotated[Path | None, typer.Option("--config", "-c", help="Zenoh configuration file.")] = None,
     cfg: Annotated[list[str] | None, typer.Option(metavar="KEY:VALUE", help="Zenoh setting.")] = None,
+    certificates: Annotated[
+        Path | None, typer.Option("--keys", metavar="DIR", help="TLS, with the certificate of the observer in DIR.")
+    ] = None,
     run: Annotated[str, typer.Option(help="Name of the run.")] = keys.DEFAULT_RUN,
     picture: Annotated[Path | None, typer.Option(help="Write the last frame to this SVG file.")] = None,
     timeout: Annotated[
@@ -106,7 +113,8 @@ def view_command(
     ] = 30.0,
 ) -> int:
     """Show a run that goes on in another terminal (by default the latest one started in this folder)."""
-    endpoints = rundir.reach(connect, config, cfg, run, timeout)
+    visitor = Visitor(OBSERVER, certificates, run, timeout)
+    endpoints = rundir.reach(visitor, connect, config, cfg)
     screen = Console()
 
     async def show() -> int:

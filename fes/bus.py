@@ -42,14 +42,14 @@ Handler = Callable[[str, bytes | None], None]
 class Question:
     """A query that waits for its answer."""
 
+    key: str
     payload: bytes
     _query: Any
-    _key: str
 
     def answer(self, payload: bytes, schema: str) -> None:
         """Answer it."""
         with self._query as query:
-            query.reply(self._key, payload, encoding=_encoding(schema))
+            query.reply(self.key, payload, encoding=_encoding(schema))
 
     def refuse(self, reason: str) -> None:
         """Turn it away, with one line that says why."""
@@ -131,7 +131,7 @@ class Bus:
 
         def on_query(query: zenoh.Query) -> None:
             payload = query.payload.to_bytes() if query.payload is not None else b""
-            self._loop.call_soon_threadsafe(handler, Question(payload, query, key))
+            self._loop.call_soon_threadsafe(handler, Question(str(query.key_expr), payload, query))
 
         self._held.append(self._session.declare_queryable(key, zenoh.handlers.Callback(on_query, indirect=False)))
 

@@ -7,9 +7,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: no thread po
 import argparse
 from pathlib import Path
 
-from fes import bus, keys, process
+from fes import bus, identity, keys, process
 from fes.errors import FesError
-from world import summary
+from world import access, summary
 from world.scenario import Scenario, load, parse_override
 from world.server import Server
 
@@ -17,7 +17,8 @@ from world.server import Server
 async def serve(flags: argparse.Namespace, scenario: Scenario) -> int:
     """One world process, from start to exit code."""
     run = keys.check_run(flags.run)
-    async with bus.opened(process.world_endpoints(flags)) as opened:
+    rules = access.control(run, scenario.robots.number, identity.crews(flags.keys)) if flags.keys else None
+    async with bus.opened(process.world_endpoints(flags, rules)) as opened:
         server = Server(opened, scenario, flags.name or Path(flags.scenario).stem, run, flags.rtf)
         try:
             await server.gather()

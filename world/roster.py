@@ -31,7 +31,7 @@ class Roster:
         self._logger = logging.getLogger("world")
         self._promised: dict[int, float] = {}
         self._on_loss: Callable[[int], None] | None = None
-        bus.serve(keys.welcome(run), self._on_question)
+        bus.serve(keys.welcome(run, "*"), self._on_question)
         bus.watch(keys.robot_alive(run, "*"), self._on_token)
 
     def report_losses_to(self, on_loss: Callable[[int], None]) -> None:
@@ -42,8 +42,13 @@ class Roster:
         try:
             wanted = messages.decode_join(question.payload)
         except MessageError as error:
-            self._complaints.add(f"{error.schema}: {error.rule}", f"{keys.welcome(self._run)}: {error}")
+            self._complaints.add(f"{error.schema}: {error.rule}", f"{question.key}: {error}")
             question.refuse(str(error))
+            return
+        if question.key != keys.welcome(self._run, keys.span(wanted)):
+            # Rules of access name keys: an agent that may ask for its own robots must not get others by asking there.
+            self._complaints.add("Join: on another's key", f"{question.key}: a join of robots {keys.span(wanted)}")
+            question.refuse(f"a join of robots {keys.span(wanted)} came on {question.key}")
             return
         refusal = self._refusal(wanted)
         if refusal:
