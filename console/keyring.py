@@ -97,7 +97,9 @@ def of_a_run(directory: Path, groups: Iterable[str]) -> Iterator[Path]:
         shutil.rmtree(where, ignore_errors=True)
 
 
-def _issue(authority: "Authority", directory: Path, roles: list[str], days: float, hosts: tuple[str, ...] = ()) -> None:
+def _issue(
+    authority: "Authority", directory: Path, roles: list[str], days: float, hosts: tuple[str, ...] = ()
+) -> None:
     for role in roles:
         _write(directory, role, _authorities().issue(authority, role, days, hosts))
 

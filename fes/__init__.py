@@ -13,7 +13,9 @@ report      Report, what observers see, and its encoding
 change      what a person asks the world to change, and what came of it
 wire        fields of a payload, packed and checked
 keys        every key expression, in one table
+identity    who a process is: the certificate of its role
 endpoints   how a process takes part in the network
+handshake   why a session did not open
 bus         the only import of zenoh
 inbox       from Zenoh's threads to the loop, one wake-up a tick
 complaints  bad messages, counted and logged once a kind

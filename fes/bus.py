@@ -8,7 +8,6 @@ import asyncio
 import contextlib
 import json
 import os
-import re
 import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -24,7 +23,8 @@ os.environ.setdefault(
 import zenoh
 import zenoh.handlers
 
-from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
+from fes import handshake
+from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, warn_if_exposed
 from fes.errors import Absent, FesError, Refused, TransportError
 
 MAILBOX = 1024
@@ -170,9 +170,14 @@ async def opened(endpoints: Endpoints) -> AsyncIterator[Bus]:
     try:
         session = await _open(config)
     except zenoh.ZError as error:
-        raise TransportError(_reason(endpoints, str(error))) from None
+        raise TransportError(await asyncio.to_thread(handshake.reason, endpoints, str(error))) from None
     with session:
         yield Bus(session, asyncio.get_running_loop())
+
+
+def log(levels: str) -> None:
+    """Let Zenoh log to the standard output, in this process and from now on; RUST_LOG goes before `levels`."""
+    zenoh.init_log_from_env_or(levels)
 
 
 async def _open(config: zenoh.Config) -> zenoh.Session:
@@ -212,7 +217,9 @@ def _config(endpoints: Endpoints) -> zenoh.Config:
     try:
         config = zenoh.Config.from_file(path) if path is not None else zenoh.Config()
     except zenoh.ZError as error:
-        raise TransportError(f"cannot read the Zenoh configuration {path}: {_first_line(str(error))}") from None
+        raise TransportError(
+            f"cannot read the Zenoh configuration {path}: {handshake.first_line(str(error))}"
+        ) from None
     plain = zenoh.Config()
     for key, value in endpoints.house_rules().items():
         if path is not None and key in endpoints.by_default and config.get_json(key) != plain.get_json(key):
@@ -226,21 +233,8 @@ def _config(endpoints: Endpoints) -> zenoh.Config:
             config.insert_json5(key, text)
         except zenoh.ZError:
             raise FesError(f"--cfg {key}:{text}: no such setting, or its value is not JSON5") from None
+    warn_if_exposed(config.get_json("listen/endpoints"))
     return config
-
-
-def _reason(endpoints: Endpoints, message: str) -> str:
-    if "in use" in message.lower():
-        return f"cannot listen on {', '.join(endpoints.listen)}: the address is already in use"
-    if endpoints.mode == "client":
-        return f"nobody listens on {endpoints.shown} (tried for {endpoints.timeout:g} s)"
-    return f"cannot open a session on {endpoints.shown}: {_first_line(message)}"
-
-
-def _first_line(message: str) -> str:
-    """The first line of an error of Zenoh, without the places in its source."""
-    line = message.strip().splitlines()[0] if message.strip() else "unknown error"
-    return re.sub(r" at /\S+:\d+\.?", "", line)
 
 
 def _encoding(schema: str) -> zenoh.Encoding:

@@ -1,6 +1,7 @@
 """How a process takes part in the network: endpoints, and the settings of its Zenoh session."""
 
 import ipaddress
+import logging
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -105,3 +106,13 @@ def exposed(endpoint: str) -> bool:
         return not ipaddress.ip_address(host.partition("%")[0]).is_loopback
     except ValueError:
         return host != "localhost"
+
+
+def warn_if_exposed(listening: str) -> None:
+    """Warn of each endpoint in `listening`, Zenoh's setting in JSON, that is exposed."""
+    for endpoint in re.findall(r'"([a-z]+/[^"]+)"', listening):
+        if exposed(endpoint):
+            logging.getLogger("network").warning(
+                "listening on %s without TLS: whoever reaches it can steer robots; --keys DIR lets in certificates only",
+                endpoint,
+            )

@@ -97,7 +97,7 @@ class Identity:
             certificate = x509.load_pem_x509_certificate(self.certificate.read_bytes())
             of_key = load_pem_private_key(self.key.read_bytes(), password=None).public_key()
         except (ValueError, TypeError) as error:
-            raise FesError(f"{self.directory}: cannot read the certificate or key of the {self.role}: {error}") from None
+            raise FesError(f"{self.directory}: the certificate or key of the {self.role} is none: {error}") from None
         if of_key != certificate.public_key():
             raise FesError(f"{self.key}: is not the key of {self.certificate.name}")
         try:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from fes import keys
 from fes.errors import FesError
 
-WORLD = [keys.world_alive, keys.welcome, keys.report, keys.change]
+WORLD = [keys.world_alive, keys.report, keys.change]
 ROBOT = [keys.robot_alive, keys.observation, keys.beacon, keys.command]
 TABLE = re.findall(r"^\| (fes/\S+)", keys.__doc__ or "", flags=re.MULTILINE)
 
@@ -19,6 +19,7 @@ robots = st.integers(0, 2**31 - 1)
 
 def test_each_function_yields_one_key_of_the_table_and_the_table_has_no_other() -> None:
     yielded = [world("<run>") for world in WORLD] + [robot("<run>", "<i>") for robot in ROBOT]
+    yielded.append(keys.welcome("<run>", "<ids>"))
     assert sorted(yielded) == sorted(TABLE)
     assert len(set(TABLE)) == 8
 
@@ -30,7 +31,8 @@ def test_the_robot_of_each_of_its_keys_is_found(run: str, robot: int) -> None:
 
 @given(run=runs)
 def test_the_worlds_keys_and_patterns_belong_to_no_robot(run: str) -> None:
-    assert [keys.robot_of(key(run)) for key in WORLD] == [None] * 4
+    assert [keys.robot_of(key(run)) for key in WORLD] == [None] * 3
+    assert keys.robot_of(keys.welcome(run, "3")) is None
     assert [keys.robot_of(key(run, "*")) for key in ROBOT] == [None] * 4
 
 

@@ -3,6 +3,8 @@
 process     the shell: fes-world
 server      the lockstep: observations out, commands in, one barrier a tick
 roster      who hosts which robot, and who is alive
+access      who may say and hear what, as Zenoh's access control
+audit       who was turned away
 reporting   the report to observers
 scenario    the typed scenario, from TOML
 radio_config  its table [channel]: the formula, shadowing, bursts, jammers

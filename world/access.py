@@ -20,7 +20,7 @@ Rule = dict[str, object]
 
 def control(run: str, robots: int, crews: Iterable[Sequence[int]] = ()) -> dict[str, object]:
     """The access control of a run of so many robots, each an agent of its own or hosted by one of `crews`."""
-    who = {robot_role([robot]): range(robot, robot + 1) for robot in range(robots)}
+    who: dict[str, Sequence[int]] = {robot_role([robot]): range(robot, robot + 1) for robot in range(robots)}
     who |= {robot_role(crew): crew for crew in crews if max(crew) < robots}
     told = _all_are_told(run)
     rules = {role: [*_robot(run, role, hosted), *told] for role, hosted in who.items()}
@@ -73,7 +73,9 @@ def _operator(run: str) -> list[Rule]:
 
 def _all_are_told(run: str) -> list[Rule]:
     """Who listens and who answers. Without it a publisher stays mute, and a forgery is not even tried, nor logged."""
-    return [_allow("all are told who listens", "egress", ["declare_subscriber", "declare_queryable"], [keys.tree(run)])]
+    return [
+        _allow("all are told who listens", "egress", ["declare_subscriber", "declare_queryable"], [keys.tree(run)])
+    ]
 
 
 def _allow(name: str, flow: str, messages: list[str], key_exprs: list[str]) -> Rule:

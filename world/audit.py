@@ -10,8 +10,10 @@ import fcntl
 import logging
 import os
 import re
+import sys
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import AsyncIterator
 
 from fes import bus
 from fes.complaints import Complaints
@@ -19,6 +21,11 @@ from fes.complaints import Complaints
 LEVELS = "off,zenoh::net::routing::interceptor::access_control=trace,zenoh_link_tls=warn"
 PIPE = 1 << 20
 """Bytes that the log may be ahead of its reader."""
+
+PAUSE = 0.05
+"""The reader looks so often [s]: more often it would hold up the world's own thread."""
+
+_MARKS = (b" is unauthorized to ", b"zenoh_link_tls", b" did not match any ")
 
 _DENIED = re.compile(
     rb"(?:: Using cached result: (?P<cached>[0-9a-f]+)"
@@ -44,7 +51,74 @@ class Audit:
     """What was turned away, by kind; fed with the log as it comes."""
 
     def __init__(self, complaints: Complaints) -> None:
-        self._complaints = complaints
+        self.complaints = complaints
         self._rest = b""
         self._names: dict[bytes, str] = {}
         self._caching: dict[bytes, tuple[bytes, bytes, set[bytes]]] = {}
+        """By thread, what it computes ahead: flow, key, and actions that would be denied."""
+
+    def feed(self, block: bytes) -> None:
+        """Read a block of the log, which may begin and end amid a line."""
+        whole, newline, rest = (self._rest + block).rpartition(b"\n")
+        self._rest = rest[-PIPE:]
+        if newline and any(mark in whole for mark in _MARKS):
+            for line in whole.split(b"\n"):
+                self._read(line)
+
+    def _read(self, line: bytes) -> None:
+        if found := _DENIED.search(line):
+            self._on_denial(line, found)
+        elif found := _CACHING.search(line):
+            self._caching[found[1]] = found[2], found[3], set()
+        elif found := _TLS.search(line):
+            why = next((meaning for said, meaning in REASONS if said in found["why"]), "it failed")
+            self.complaints.add(f"connection: {why}", f"a connection: {why}")
+        elif found := _STRANGER.search(line):
+            self.complaints.add("stranger", "all that a client says: no role of this run has its certificate's name")
+
+    def _on_denial(self, line: bytes, found: re.Match[bytes]) -> None:
+        """A message that was denied, or, while Zenoh computes ahead what a key permits, one that would be."""
+        if found["zid"]:
+            self._names[found["zid"]] = found["name"].decode(errors="replace")
+        if found["flow"] == b"egress":
+            return  # nobody did anything: a wildcard of the world's reaches somebody it does not concern
+        thread = _THREAD.search(line)
+        ahead = self._caching.get(thread[1]) if thread and found["zid"] else None
+        if ahead is not None and ahead[:2] == (found["flow"], found["key"]) and found["act"] not in ahead[2]:
+            ahead[2].add(found["act"])
+            return
+        who = self._names.get(found["zid"] or found["cached"], "somebody")
+        act, key = found["act"].decode().lower(), found["key"].decode(errors="replace")
+        self.complaints.add(f"{who}: {act} on {key}", f"{who}'s {act} on {key}: it has no right to it")
+
+
+@contextlib.asynccontextmanager
+async def kept() -> AsyncIterator[None]:
+    """Log what is turned away while the block lasts, and at its end how often."""
+    audit = Audit(Complaints(logging.getLogger("world")))
+    sys.stdout.flush()
+    original = os.dup(1)
+    out, into = os.pipe()
+    if hasattr(fcntl, "F_SETPIPE_SZ"):
+        fcntl.fcntl(out, fcntl.F_SETPIPE_SZ, PIPE)
+    os.dup2(into, 1)
+    os.close(into)
+    os.environ["NO_COLOR"] = "1"
+    bus.log(LEVELS)
+    reader = threading.Thread(target=_follow, args=(out, audit), name="audit", daemon=True)
+    reader.start()
+    try:
+        yield
+    finally:
+        os.dup2(original, 1)  # the pipe's last writer is gone, which ends its reader
+        os.close(original)
+        reader.join(1.0)
+        audit.complaints.log_total()
+
+
+def _follow(pipe: int, audit: Audit) -> None:
+    """Feed the audit with what comes through the pipe, to its end."""
+    while block := os.read(pipe, PIPE):
+        audit.feed(block)
+        time.sleep(PAUSE)
+    os.close(pipe)

@@ -5,11 +5,12 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: no thread pool for arrays this small
 
 import argparse
+import contextlib
 from pathlib import Path
 
 from fes import bus, identity, keys, process
 from fes.errors import FesError
-from world import access, summary
+from world import access, audit, summary
 from world.scenario import Scenario, load, parse_override
 from world.server import Server
 
@@ -18,7 +19,8 @@ async def serve(flags: argparse.Namespace, scenario: Scenario) -> int:
     """One world process, from start to exit code."""
     run = keys.check_run(flags.run)
     rules = access.control(run, scenario.robots.number, identity.crews(flags.keys)) if flags.keys else None
-    async with bus.opened(process.world_endpoints(flags, rules)) as opened:
+    endpoints = process.world_endpoints(flags, rules)
+    async with audit.kept() if flags.keys else contextlib.nullcontext(), bus.opened(endpoints) as opened:
         server = Server(opened, scenario, flags.name or Path(flags.scenario).stem, run, flags.rtf)
         try:
             await server.gather()
