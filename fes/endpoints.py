@@ -113,6 +113,6 @@ def warn_if_exposed(listening: str) -> None:
     for endpoint in re.findall(r'"([a-z]+/[^"]+)"', listening):
         if exposed(endpoint):
             logging.getLogger("network").warning(
-                "listening on %s without TLS: whoever reaches it can steer robots; --keys DIR lets in certificates only",
+                "listening on %s without TLS: whoever reaches it can steer robots; --keys DIR asks for certificates",
                 endpoint,
             )

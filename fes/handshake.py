@@ -20,8 +20,8 @@ def reason(endpoints: Endpoints, message: str) -> str:
         return f"cannot listen on {', '.join(endpoints.listen)}: the address is already in use"
     if endpoints.mode == "client":
         for endpoint in endpoints.connect:
-            if (complaint := complaint(endpoint, endpoints.security)) is not None:
-                return f"cannot join the network at {endpoint}: {complaint}"
+            if (why := complaint(endpoint, endpoints.security)) is not None:
+                return f"cannot join the network at {endpoint}: {why}"
         return f"nobody listens on {endpoints.shown} (tried for {endpoints.timeout:g} s)"
     return f"cannot open a session on {endpoints.shown}: {first_line(message)}"
 
