@@ -79,6 +79,8 @@ def run(
     overrides = [*(set_ or []), *(f"{field}={value}" for field, value in fields if value is not None)]
     loaded = load(scenario, dict(parse_override(text) for text in overrides))
     pace = _pace(rtf)
+    if secure and backend is Backend.INPROCESS:
+        raise FesError("--secure needs --backend processes: what stays in one loop needs no certificates")
     directory = rundir.create(scenario.stem, out)
     write_scenario(directory, loaded)
     screen = Console(stderr=json_)

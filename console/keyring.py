@@ -59,9 +59,8 @@ def issue(
 ) -> int:
     """Issue certificates for roles, in place of those that there are."""
     checked = [identity.check_role(role) for role in roles]
-    for role in checked:
-        if host and role != WORLD:
-            raise FesError(f"--host is for the world's certificate, not for that of {role}")
+    if host and WORLD not in checked:
+        raise FesError(f"--host is for the world's certificate, not for that of {checked[0]}")
     _issue(_restore(keys), keys, checked, days, tuple(host or ()))
     print(f"{keys}: {', '.join(checked)}, valid for {days:g} days")
     return process.SUCCESS

@@ -25,7 +25,7 @@ PIPE = 1 << 20
 PAUSE = 0.05
 """The reader looks so often [s]: more often it would hold up the world's own thread."""
 
-_MARKS = (b" is unauthorized to ", b"zenoh_link_tls", b" did not match any ")
+_MARKS = (b" is unauthorized to ", b" caching permissions ", b"zenoh_link_tls", b" did not match any ")
 
 _DENIED = re.compile(
     rb"(?:: Using cached result: (?P<cached>[0-9a-f]+)"
