@@ -1,8 +1,9 @@
 """All benchmarks, one after the other: `python -m bench`."""
 
-from bench import compute, lockstep, startup
+from bench import compute, lockstep, secure, startup
 
 if __name__ == "__main__":
     compute.main()
     startup.main()
     lockstep.main()
+    secure.main()

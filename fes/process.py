@@ -175,7 +175,7 @@ def world_endpoints(flags: argparse.Namespace, access: Mapping[str, object] | No
         flags.config,
         tuple(flags.cfg),
         by_default=_unasked(flags.connect, flags.listen),
-        security={**own, **(access or {})} if own else {},
+        security={**own, **(access or {})} if own and mode != "client" else own,  # a client guards nothing
     )
 
 

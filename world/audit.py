@@ -25,6 +25,9 @@ PIPE = 1 << 20
 PAUSE = 0.05
 """The reader looks so often [s]: more often it would hold up the world's own thread."""
 
+MAX_NAMES = 10_000
+"""Sessions whose names are remembered."""
+
 _MARKS = (b" is unauthorized to ", b" caching permissions ", b"zenoh_link_tls", b" did not match any ")
 
 _DENIED = re.compile(
@@ -79,6 +82,8 @@ class Audit:
     def _on_denial(self, line: bytes, found: re.Match[bytes]) -> None:
         """A message that was denied, or, while Zenoh computes ahead what a key permits, one that would be."""
         if found["zid"]:
+            if len(self._names) >= MAX_NAMES:
+                self._names.clear()
             self._names[found["zid"]] = found["name"].decode(errors="replace")
         if found["flow"] == b"egress":
             return  # nobody did anything: a wildcard of the world's reaches somebody it does not concern
@@ -120,5 +125,6 @@ def _follow(pipe: int, audit: Audit) -> None:
     """Feed the audit with what comes through the pipe, to its end."""
     while block := os.read(pipe, PIPE):
         audit.feed(block)
-        time.sleep(PAUSE)
+        if len(block) < PIPE // 2:  # else the log comes faster than it is read, and would hold up its writers
+            time.sleep(PAUSE)
     os.close(pipe)
