@@ -41,7 +41,7 @@ def complaint(endpoint: str, security: Mapping[str, object]) -> str | None:
     try:
         with socket.create_connection((host, int(found["port"])), PATIENCE) as connection:
             if found["protocol"] == "tcp":
-                return "somebody listens there who wants another protocol: a world with --keys wants tls/ and --keys"
+                return "somebody listens there, but opens no session: a world with --keys wants tls/ and --keys"
             return _over_tls(connection, host, security)
     except OSError:
         return None

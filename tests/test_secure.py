@@ -2,10 +2,8 @@
 
 import asyncio
 import contextlib
-import json
-import subprocess
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,72 +18,14 @@ from fes.endpoints import Endpoints
 from fes.errors import Absent, TransportError
 from fes.messages import Command
 from tests import certificates
-from tests.loop import CONFIGS, load
-from tests.test_processes import PATIENCE, command, start, until
-
-RUN = "main"
-SECONDS = 4.0
-ROLES = ["world", "robot-0", "robot-1", "observer", "operator"]
-HEAD = [str(CONFIGS / "pair.toml"), "--duration", str(SECONDS), "--rtf", "1", "--out", "out"]
+from tests.loop import load
+from tests.stage import ROLES, RUN, SECONDS, Stage, stage
+from tests.test_processes import until
 
 
 @pytest.fixture(scope="module")
 def issuer() -> authority.Authority:
     return authority.found(1.0)
-
-
-class Stage:
-    """A world that waits for two robots, and its log."""
-
-    def __init__(self, where: Path, keyed: Path | None) -> None:
-        self.where, self.keyed = where, keyed
-        self.endpoint = f"{'tls' if keyed else 'tcp'}/127.0.0.1:{free_port()}"
-        self.flags = ["--keys", str(keyed)] if keyed else []
-        self.running: list[subprocess.Popen[str]] = []
-        self.said = where / "said.log"
-        with self.said.open("w") as stream:
-            world = command("world.process", *HEAD, "-l", self.endpoint, *self.flags)
-            self.running.append(
-                subprocess.Popen(world, cwd=where, stdin=subprocess.DEVNULL, stderr=stream, text=True)
-            )
-        until(lambda: "waiting for 2 robots" in self.log())
-
-    def log(self) -> str:
-        return self.said.read_text()
-
-    def agent(self, robot: int) -> None:
-        words = command("agents.process", "--id", str(robot), "-e", self.endpoint, *self.flags)
-        self.running.append(start(words, self.where))
-
-    async def over(self) -> None:
-        """The world and its agents ended well."""
-        for process in self.running:
-            assert await asyncio.to_thread(process.wait, PATIENCE) == 0, self.log()
-
-    def end(self) -> None:
-        for process in self.running:
-            if process.poll() is None:
-                process.kill()
-            process.communicate()
-
-    @asynccontextmanager
-    async def visitor(self, role: str) -> AsyncIterator[Bus]:
-        own = certificates.security(self.keyed, role) if self.keyed else {}
-        async with bus.opened(Endpoints("client", (self.endpoint,), timeout=5.0, security=own)) as opened:
-            yield opened
-
-    def digest(self) -> str:
-        return str(json.loads((self.where / "out" / "summary.json").read_text())["digest"])
-
-
-@asynccontextmanager
-async def stage(where: Path, keyed: Path | None) -> AsyncIterator[Stage]:
-    staged = Stage(where, keyed)
-    try:
-        async with asyncio.timeout(100.0):
-            yield staged
-    finally:
-        staged.end()
 
 
 def misleading(tick: int) -> bytes:
@@ -242,7 +182,7 @@ def test_a_certificate_that_is_not_of_this_run_opens_no_session(
                 ),
                 (world.endpoint, naked, "it refuses our certificate: certificate required"),
                 (world.endpoint, certificates.security(elsewhere, "robot-0"), "its certificate is not to be trusted"),
-                (plain, {}, "somebody listens there who wants another protocol"),
+                (plain, {}, "somebody listens there, but opens no session"),
             ]
             for endpoint, own, said in attempts:
                 with pytest.raises(TransportError) as caught:
@@ -285,3 +225,26 @@ def test_a_robot_cannot_pass_for_the_world(tmp_path: Path, issuer: authority.Aut
                     pass
 
     asyncio.run(main())
+
+
+def test_who_takes_the_session_id_of_a_robot_does_not_get_its_rights(
+    tmp_path: Path, issuer: authority.Authority
+) -> None:
+    keyed = certificates.directory(tmp_path / "keys", issuer, ROLES)
+
+    async def main() -> str:
+        async with stage(tmp_path, keyed) as world:
+            stolen = certificates.security(keyed, "robot-1")
+            async with world.visitor("robot-0") as robot:
+                same = (f'id:"{robot._session.info.zid()}"',)
+                endpoints = Endpoints("client", (world.endpoint,), (), None, same, 0.5, security=stolen)
+                with pytest.raises(TransportError):
+                    async with bus.opened(endpoints):
+                        pass
+            async with bus.opened(replace(endpoints, timeout=5.0)) as thief:  # the robot has left, and its id is free
+                thief._session.put(keys.command(RUN, 0), b"x")
+                refused = "dropped robot-1's put on fes/main/robot/0/command"
+                await asyncio.to_thread(until, lambda: refused in world.log())
+            return world.log()
+
+    assert "robot-0's" not in asyncio.run(main())
