@@ -16,7 +16,7 @@ from agents import assembly, contacts, crew
 from agents.assembly import Assembly
 from agents.mouth import Mouth
 from agents.radio import Radio
-from fes import bus, keys, messages, process
+from fes import bus, identity, keys, messages, process
 from fes.bus import Bus
 from fes.complaints import Complaints
 from fes.errors import Absent, FesError, MessageError
@@ -41,6 +41,7 @@ class Agent:
         self._bus = opened
         self._run = run
         self._robots = robots
+        self._welcome = keys.welcome(run, keys.span(robots))
         self._inbox = Inbox(asyncio.get_running_loop())
         self._world_here = asyncio.Event()
         self._tick = -1
@@ -55,7 +56,7 @@ class Agent:
         except TimeoutError:
             raise Absent(f"no world of run '{self._run}' appeared within {timeout:g} s") from None
         question = messages.encode_join(self._robots)
-        welcome = messages.decode_welcome(await self._bus.ask(keys.welcome(self._run), question, timeout))
+        welcome = messages.decode_welcome(await self._bus.ask(self._welcome, question, timeout))
         if welcome.robots != self._robots:
             raise MessageError("Welcome", "is for other robots than asked for", str(welcome.robots[:5]))
         return welcome
@@ -145,7 +146,7 @@ class Agent:
 async def serve(flags: argparse.Namespace) -> int:
     """One agent process, from start to exit code."""
     robots, run = parse_ids(flags.id), keys.check_run(flags.run)
-    endpoints = process.agent_endpoints(flags, flags.timeout)
+    endpoints = process.agent_endpoints(flags, flags.timeout, identity.robot_role(robots))
     logging.getLogger(f"agent.{flags.id}").info("waiting for the world at %s, run '%s'", endpoints.shown, run)
     async with bus.opened(endpoints) as opened:
         agent = Agent(opened, run, robots)

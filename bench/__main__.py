@@ -1,9 +1,10 @@
 """All benchmarks, one after the other: `python -m bench`."""
 
-from bench import compute, lockstep, recording, startup
+from bench import compute, lockstep, recording, secure, startup
 
 if __name__ == "__main__":
     compute.main()
     startup.main()
     lockstep.main()
     recording.main()
+    secure.main()

@@ -1,4 +1,4 @@
-"""What a person runs: fes run, view, set, replay, compare, sweep, doctor, plot, claims.
+"""What a person runs: fes run, view, set, replay, compare, sweep, doctor, keys, plot, claims.
 
 cli         the commands
 processes   fes run with real processes
@@ -11,6 +11,8 @@ learning    how robots that count beacons find the optimum, over seeds
 study       how the integration error depends on the step
 setting     the command fes set
 evidence    the commands fes plot and fes claims
+keyring     fes keys: certificates in a directory, or of one run
+authority   certificates themselves
 rundir      run directories
 replay      the command fes replay
 log         logs of runs, read back

@@ -12,12 +12,14 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from console import compare, evidence, inprocess, processes, replay, rundir, setting, summary, view
+from console import compare, evidence, inprocess, keyring, processes, replay, rundir, setting, summary, view
 from console.doctor.command import doctor
 from console.processes import Launch
+from console.rundir import Visitor
 from console.sweep import command
 from fes import bus, keys, process
 from fes.errors import FesError, ScenarioError
+from fes.identity import OBSERVER
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
 from world.summary import write, write_scenario
@@ -35,6 +37,7 @@ app.command()(replay.replay)
 app.command()(compare.compare)
 app.command()(command.sweep)
 app.command()(doctor)
+app.add_typer(keyring.app, name="keys")
 
 
 class Backend(StrEnum):
@@ -72,6 +75,7 @@ def run(
     clock: Annotated[str | None, typer.Option(help="Override run.clock.")] = None,
     rtf: Annotated[str, typer.Option(metavar="max|X", help="Pace: simulated seconds a second.")] = "max",
     out: Annotated[Path | None, typer.Option(help="Run directory (default runs/<scenario>-<n>).")] = None,
+    secure: Annotated[bool, typer.Option("--secure", help="TLS, with certificates made for this run.")] = False,
     headless: Annotated[bool, typer.Option("--headless", help="No dashboard.")] = False,
     json_: Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else.")] = False,
     record: Annotated[bool, typer.Option(help="Write a log of every message, run.mcap.")] = True,
@@ -81,6 +85,8 @@ def run(
     overrides = [*(set_ or []), *(f"{field}={value}" for field, value in fields if value is not None)]
     loaded = load(scenario, dict(parse_override(text) for text in overrides))
     pace = _pace(rtf)
+    if secure and backend is Backend.INPROCESS:
+        raise FesError("--secure needs --backend processes: what stays in one loop needs no certificates")
     directory = rundir.create(scenario.stem, out)
     write_scenario(directory, loaded)
     screen = Console(stderr=json_)
@@ -90,7 +96,7 @@ def run(
         with recording as recorder:
             result = _in_process(loaded, scenario.stem, pace, directory, screen if dashboard else None, recorder)
     else:
-        launch = Launch(scenario.stem, agents_per_process, rtf, dashboard, record)
+        launch = Launch(scenario.stem, agents_per_process, rtf, dashboard, record, secure)
         result = processes.run(launch, loaded, directory, screen)
     if json_:
         print(json.dumps(result))
@@ -107,6 +113,9 @@ def view_command(
     ] = None,
     config: Annotated[Path | None, typer.Option("--config", "-c", help="Zenoh configuration file.")] = None,
     cfg: Annotated[list[str] | None, typer.Option(metavar="KEY:VALUE", help="Zenoh setting.")] = None,
+    certificates: Annotated[
+        Path | None, typer.Option("--keys", metavar="DIR", help="TLS, with the certificate of the observer in DIR.")
+    ] = None,
     run: Annotated[str, typer.Option(help="Name of the run.")] = keys.DEFAULT_RUN,
     picture: Annotated[Path | None, typer.Option(help="Write the last frame to this SVG file.")] = None,
     timeout: Annotated[
@@ -114,7 +123,8 @@ def view_command(
     ] = 30.0,
 ) -> int:
     """Show a run that goes on in another terminal (by default the latest one started in this folder)."""
-    endpoints = rundir.reach(connect, config, cfg, run, timeout)
+    visitor = Visitor(OBSERVER, certificates, run, timeout)
+    endpoints = rundir.reach(visitor, connect, config, cfg)
     screen = Console()
 
     async def show() -> int:

@@ -10,10 +10,10 @@ from typing import Any
 
 from rich.console import Console
 
-from console import launcher, observer, rundir, view
+from console import keyring, launcher, observer, rundir, view
 from console.launcher import Family
 from console.rundir import Address
-from fes import bus, keys, process
+from fes import bus, identity, keys, process
 from fes.endpoints import Endpoints
 from fes.errors import FesError, Stopped
 from world.scenario import Scenario
@@ -33,6 +33,8 @@ class Launch:
     rtf: str
     dashboard: bool
     record: bool
+    secure: bool = False
+    """With TLS, and certificates made for this run."""
 
 
 def run(launch: Launch, scenario: Scenario, directory: Path, console: Console) -> dict[str, Any]:
@@ -52,19 +54,22 @@ def run(launch: Launch, scenario: Scenario, directory: Path, console: Console) -
 
 
 async def _run(launch: Launch, scenario: Scenario, directory: Path, console: Console) -> None:
-    endpoint = f"tcp/127.0.0.1:{launcher.free_port()}"
     groups = list(launcher.share(scenario.robots.number, launch.agents_per_process))
-    async with launcher.family(directory) as family:
-        world = [str(directory / "scenario.toml"), "--name", launch.name, "--rtf", launch.rtf]
-        world += [] if launch.record else ["--no-record"]
-        await family.start_world([*world, "--out", str(directory), "-l", endpoint])
-        rundir.announce(directory, Address(endpoint, RUN, os.getpid()))
-        try:
-            for ids in groups:
-                await family.start_agent(ids, ["-e", endpoint, "--timeout", str(JOIN_TIMEOUT)])
-            await _attend(family, launch, endpoint, console)
-        finally:
-            rundir.withdraw(directory)
+    with keyring.of_a_run(directory, groups) if launch.secure else contextlib.nullcontext() as kept:
+        with_keys = ["--keys", str(kept)] if kept else []
+        endpoint = f"{'tls' if kept else 'tcp'}/127.0.0.1:{launcher.free_port()}"
+        address = Address(endpoint, RUN, os.getpid(), str(kept) if kept else None)
+        async with launcher.family(directory) as family:
+            world = [str(directory / "scenario.toml"), "--name", launch.name, "--rtf", launch.rtf, *with_keys]
+            world += [] if launch.record else ["--no-record"]
+            await family.start_world([*world, "--out", str(directory), "-l", endpoint])
+            rundir.announce(directory, address)
+            try:
+                for ids in groups:
+                    await family.start_agent(ids, ["-e", endpoint, "--timeout", str(JOIN_TIMEOUT), *with_keys])
+                await _attend(family, launch, address, console)
+            finally:
+                rundir.withdraw(directory)
 
 
 def read_summary(directory: Path) -> dict[str, Any]:
@@ -76,12 +81,12 @@ def read_summary(directory: Path) -> dict[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
-async def _attend(family: Family, launch: Launch, endpoint: str, console: Console) -> None:
+async def _attend(family: Family, launch: Launch, address: Address, console: Console) -> None:
     """Wait for the children to end, and show the run meanwhile if a person looks."""
     if not console.is_terminal:
         await family.finish()
         return
-    show = asyncio.ensure_future(_show(launch, endpoint, console))
+    show = asyncio.ensure_future(_show(launch, address, console))
     try:
         await family.finish()
     finally:
@@ -90,9 +95,10 @@ async def _attend(family: Family, launch: Launch, endpoint: str, console: Consol
             await show
 
 
-async def _show(launch: Launch, endpoint: str, console: Console) -> None:
+async def _show(launch: Launch, address: Address, console: Console) -> None:
     """The dashboard, or a line of progress; a view only, whose failure is not the run's."""
-    endpoints = Endpoints("client", (endpoint,), timeout=JOIN_TIMEOUT)
+    own = identity.security(Path(address.keys) if address.keys else None, identity.OBSERVER)
+    endpoints = Endpoints("client", (address.endpoint,), timeout=JOIN_TIMEOUT, security=own)
     async with bus.opened(endpoints) as opened:
         if launch.dashboard:
             with view.Screen(console) as screen:

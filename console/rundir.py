@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fes import keys
-from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
+from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
 from fes.errors import FesError
+from fes.identity import security
 
 ROOT = Path("runs")
 LATEST = "latest"
@@ -24,6 +25,21 @@ class Address:
     run: str
     pid: int = 0
     """Of the process that withdraws this when the run is over; 0 if nobody does."""
+    keys: str | None = None
+    """Where the certificates are, if it can be watched only with one."""
+
+
+@dataclass(frozen=True)
+class Visitor:
+    """A person's tool that wants to reach a run."""
+
+    role: str
+    """Whose certificate it shows, where one is asked for."""
+    keys: Path | None
+    """Where that certificate is; None to look for it where the run was started."""
+    run: str
+    timeout: float
+    """How long to try [s]."""
 
 
 def create(scenario: str, out: Path | None) -> Path:
@@ -78,13 +94,16 @@ def _lives(pid: int) -> bool:
     return False
 
 
-def reach(
-    connect: list[str] | None, config: Path | None, cfg: list[str] | None, run: str, timeout: float
-) -> Endpoints:
+def reach(who: Visitor, connect: list[str] | None, config: Path | None, cfg: list[str] | None) -> Endpoints:
     """The way to a run that goes on: the endpoints given, else the latest run started in this folder."""
-    where = tuple(connect or (find(keys.check_run(run)).endpoint,))
+    found = find(keys.check_run(who.run))
+    if connect or (who.keys and not found.keys):
+        found = Address(default_endpoint(secure=who.keys is not None), who.run)
+    directory = who.keys or (Path(found.keys) if found.keys else None)
+    where = tuple(connect or (found.endpoint,))
     unasked = frozenset() if connect else frozenset({"connect/endpoints"})
-    return Endpoints("client", where, (), config, tuple(cfg or ()), timeout, unasked)
+    own = security(directory, who.role)
+    return Endpoints("client", where, (), config, tuple(cfg or ()), who.timeout, unasked, own)
 
 
 def _point_at(directory: Path) -> None:

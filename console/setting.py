@@ -7,9 +7,11 @@ from typing import Annotated
 import typer
 
 from console import rundir
+from console.rundir import Visitor
 from fes import bus, change, keys, process
 from fes.change import Change
 from fes.errors import Absent
+from fes.identity import OPERATOR
 from world.scenario import parse_override
 
 
@@ -20,6 +22,9 @@ def set_command(
     ] = None,
     config: Annotated[Path | None, typer.Option("--config", "-c", help="Zenoh configuration file.")] = None,
     cfg: Annotated[list[str] | None, typer.Option(metavar="KEY:VALUE", help="Zenoh setting.")] = None,
+    certificates: Annotated[
+        Path | None, typer.Option("--keys", metavar="DIR", help="TLS, with the certificate of the operator in DIR.")
+    ] = None,
     run: Annotated[str, typer.Option(help="Name of the run.")] = keys.DEFAULT_RUN,
     timeout: Annotated[
         float, typer.Option(min=1e-3, max=process.YEAR, help="Give up if no world answers by then [s].")
@@ -27,7 +32,7 @@ def set_command(
 ) -> int:
     """Change the channel of a run that goes on (by default the latest one started in this folder)."""
     changes = [change.encode_change(Change(*parse_override(text))) for text in what]
-    endpoints = rundir.reach(connect, config, cfg, run, timeout)
+    endpoints = rundir.reach(Visitor(OPERATOR, certificates, run, timeout), connect, config, cfg)
 
     async def ask() -> int:
         async with bus.opened(endpoints) as opened:

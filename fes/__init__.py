@@ -14,8 +14,11 @@ about       what a world says of itself to who asks
 change      what a person asks the world to change, and what came of it
 wire        fields of a payload, packed and checked
 keys        every key expression, in one table
+identity    who a process is: the certificate of its role
 endpoints   how a process takes part in the network
-bus         the only import of zenoh
+handshake   why a session did not open
+bus         a session of Zenoh: everything it declares, and its way to asyncio
+session     how it is opened
 inbox       from Zenoh's threads to the loop, one wake-up a tick
 complaints  bad messages, counted and logged once a kind
 process     signals, exit codes, Zenoh's command-line flags

@@ -1,4 +1,4 @@
-"""The only import of zenoh. One session, everything it declared, and the way from its threads to asyncio.
+"""One session of Zenoh, everything it declared, and the way from its threads to asyncio.
 
 Zenoh calls handlers in threads of its own. A handler given here must only hand over (append, wake), never
 decode or compute: an exception there would be lost, and time spent there holds up every other message.
@@ -6,28 +6,18 @@ What happens when a queue is full, of ours and of Zenoh's, is in docs/reliabilit
 """
 
 import asyncio
-import contextlib
-import json
-import os
-import threading
 from collections import deque
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import Any
 
-# Four threads instead of seven, set before the first session opens. One of them only sends: else two messages that
-# wait for room in full queues leave nobody to empty these, and Zenoh closes links of robots that did no wrong.
-os.environ.setdefault(
-    "ZENOH_RUNTIME",
-    "(rx:(handover:app),acc:(handover:app),tx:(worker_threads:1),net:(handover:app),app:(worker_threads:2))",
-)
-
 import zenoh
 import zenoh.handlers
 
-from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, first_line, why_not
-from fes.errors import Absent, FesError, Refused, TransportError
+from fes import session
+from fes.endpoints import Endpoints
+from fes.errors import Absent, Refused
 
 MAILBOX = 64
 """Samples that may wait in a mailbox; peers are a tick ahead at most, and 64 of the longest are 64 MiB."""
@@ -50,14 +40,14 @@ Handler = Callable[[str, bytes | None], None]
 class Question:
     """A query that waits for its answer."""
 
+    key: str
     payload: bytes
     _query: Any
-    _key: str
 
     def answer(self, payload: bytes, schema: str) -> None:
         """Answer it."""
         with self._query as query:
-            query.reply(self._key, payload, encoding=_encoding(schema))
+            query.reply(self.key, payload, encoding=_encoding(schema))
 
     def refuse(self, reason: str) -> None:
         """Turn it away, with one line that says why."""
@@ -154,10 +144,10 @@ class Bus:
 
         def on_query(query: zenoh.Query) -> None:
             if len(waiting) >= QUESTIONS:
-                Question(b"", query, key).refuse("too many questions at once")
+                Question(key, b"", query).refuse("too many questions at once")
                 return
             payload = query.payload.to_bytes() if query.payload is not None else b""
-            waiting.append(Question(payload, query, key))
+            waiting.append(Question(str(query.key_expr), payload, query))
             self._loop.call_soon_threadsafe(lambda: handler(waiting.popleft()))
 
         self._held.append(self._session.declare_queryable(key, zenoh.handlers.Callback(on_query, indirect=False)))
@@ -193,67 +183,13 @@ async def opened(endpoints: Endpoints) -> AsyncIterator[Bus]:
 
     Raises TransportError in one line: port taken, nobody there, bad flag.
     """
-    config = _config(endpoints)
-    try:
-        session = await _open(config)
-    except zenoh.ZError as error:
-        raise TransportError(why_not(endpoints, str(error))) from None
-    with session:
-        yield Bus(session, asyncio.get_running_loop())
+    with await session.begin(endpoints) as begun:
+        yield Bus(begun, asyncio.get_running_loop())
 
 
-async def _open(config: zenoh.Config) -> zenoh.Session:
-    """Open a session in a thread: Zenoh blocks while it tries to connect, and signals must be heard meanwhile."""
-    loop = asyncio.get_running_loop()
-    future: asyncio.Future[zenoh.Session] = loop.create_future()
-
-    def settle(session: zenoh.Session | None, error: Exception | None) -> None:
-        if future.cancelled():
-            if session is not None:
-                session.close()
-        elif session is not None:
-            future.set_result(session)
-        elif error is not None:
-            future.set_exception(error)
-
-    def work() -> None:
-        outcome: tuple[zenoh.Session | None, Exception | None]
-        try:
-            outcome = zenoh.open(config), None
-        except Exception as error:
-            outcome = None, error
-        with contextlib.suppress(RuntimeError):  # the loop is closed: nobody waits any more
-            loop.call_soon_threadsafe(settle, *outcome)
-
-    threading.Thread(target=work, name="zenoh open", daemon=True).start()
-    try:
-        return await future
-    except asyncio.CancelledError:
-        if future.done() and not future.cancelled() and future.exception() is None:
-            future.result().close()  # it opened just when we were told to stop
-        raise
-
-
-def _config(endpoints: Endpoints) -> zenoh.Config:
-    path = endpoints.config_file
-    try:
-        config = zenoh.Config.from_file(path) if path is not None else zenoh.Config()
-    except zenoh.ZError as error:
-        raise TransportError(f"cannot read the Zenoh configuration {path}: {first_line(str(error))}") from None
-    plain = zenoh.Config()
-    for key, value in endpoints.house_rules().items():
-        if path is not None and key in endpoints.by_default and config.get_json(key) != plain.get_json(key):
-            continue
-        try:
-            config.insert_json5(key, json.dumps(value))
-        except zenoh.ZError:
-            raise FesError(f"not an endpoint like {DEFAULT_ENDPOINT}: {endpoints.shown}") from None
-    for key, text in endpoints.own_settings():
-        try:
-            config.insert_json5(key, text)
-        except zenoh.ZError:
-            raise FesError(f"--cfg {key}:{text}: no such setting, or its value is not JSON5") from None
-    return config
+def log(levels: str) -> None:
+    """Let Zenoh log to the standard output, in this process and from now on; RUST_LOG goes before `levels`."""
+    zenoh.init_log_from_env_or(levels)
 
 
 def _encoding(schema: str) -> zenoh.Encoding:

@@ -1,7 +1,10 @@
 """How a process takes part in the network: endpoints, and the settings of its Zenoh session."""
 
+import ipaddress
+import logging
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
@@ -9,11 +12,15 @@ from fes.errors import FesError
 from fes.wire import MAX_PAYLOAD
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
+SECURE_ENDPOINT = "tls/127.0.0.1:7447"
 
 MAX_MESSAGE = MAX_PAYLOAD
 """Bytes; larger messages are dropped by the transport."""
 
 _ENDPOINT = re.compile(r"(tcp|tls|udp|quic|ws)/\S+:\d{1,5}(\?\S*)?|(unixsock-stream|unixpipe|vsock|serial)/\S+")
+
+_OPEN = re.compile(r"(tcp|udp|ws)/(?P<host>\S+):\d{1,5}")
+"""An endpoint that neither encrypts nor asks who comes."""
 
 Mode = Literal["router", "client", "peer"]
 
@@ -32,6 +39,8 @@ class Endpoints:
     """How long to try to connect [s]."""
     by_default: frozenset[str] = frozenset()
     """Settings that nobody asked for: where the configuration file has its own, that one holds."""
+    security: Mapping[str, object] = field(default_factory=dict)
+    """Settings by Zenoh's key: the certificates of this process, and whom it lets in."""
 
     @property
     def shown(self) -> str:
@@ -42,6 +51,8 @@ class Endpoints:
         for endpoint in (*self.connect, *self.listen):
             if not _ENDPOINT.fullmatch(endpoint):
                 raise FesError(f"not an endpoint like {DEFAULT_ENDPOINT}: {endpoint}")
+            if self.security and not endpoint.startswith("tls/"):
+                raise FesError(f"--keys needs an endpoint like {SECURE_ENDPOINT}: {endpoint}")
 
     def house_rules(self) -> dict[str, object]:
         """The session's settings, by Zenoh's key: the lockstep relies on them."""
@@ -64,6 +75,7 @@ class Endpoints:
             "transport/link/rx/max_message_size": MAX_MESSAGE,
             "transport/unicast/open_timeout": 2000,
             "transport/unicast/accept_timeout": 2000,
+            **self.security,
         }
 
     def own_settings(self) -> list[tuple[str, str]]:
@@ -75,16 +87,32 @@ class Endpoints:
         return [(key, text) for key, _, text in pairs]
 
 
-def why_not(endpoints: Endpoints, message: str) -> str:
-    """Why a session could not be opened, in one line, from what Zenoh says."""
-    if "in use" in message.lower():
-        return f"cannot listen on {', '.join(endpoints.listen)}: the address is already in use"
-    if endpoints.mode == "client":
-        return f"nobody listens on {endpoints.shown} (tried for {endpoints.timeout:g} s)"
-    return f"cannot open a session on {endpoints.shown}: {first_line(message)}"
+def default_endpoint(*, secure: bool) -> str:
+    """Where a world is, unless told otherwise."""
+    return SECURE_ENDPOINT if secure else DEFAULT_ENDPOINT
 
 
-def first_line(message: str) -> str:
-    """The first line of an error of Zenoh, without the places in its source."""
-    line = message.strip().splitlines()[0] if message.strip() else "unknown error"
-    return re.sub(r" at /\S+:\d+\.?", "", line)
+def exposed(endpoint: str) -> bool:
+    """Whether whoever reaches this machine over a network can talk to a process that listens there.
+
+    >>> exposed("tcp/127.0.0.1:7447"), exposed("tcp/0.0.0.0:7447"), exposed("tls/0.0.0.0:7447")
+    (False, True, False)
+    """
+    found = _OPEN.match(endpoint)
+    if found is None:
+        return False
+    host = found["host"].strip("[]")
+    try:
+        return not ipaddress.ip_address(host.partition("%")[0]).is_loopback
+    except ValueError:
+        return host != "localhost"
+
+
+def warn_if_exposed(listening: str) -> None:
+    """Warn of each endpoint in `listening`, Zenoh's setting in JSON, that is exposed."""
+    for endpoint in re.findall(r'"([a-z]+/[^"]+)"', listening):
+        if exposed(endpoint):
+            logging.getLogger("network").warning(
+                "listening on %s without TLS: whoever reaches it can steer robots; --keys DIR asks for certificates",
+                endpoint,
+            )

@@ -5,7 +5,7 @@
 | fes/<run>/world/alive           | liveliness token         | world -> all                        | while up     |
 | fes/<run>/world/claim/<id>      | liveliness token         | world -> worlds                     | while up     |
 | fes/<run>/robot/<i>/alive       | liveliness token         | agent i -> all                      | while up     |
-| fes/<run>/world/welcome         | Join, answered by Welcome | agent -> world -> agent            | once a join  |
+| fes/<run>/world/welcome/<ids>   | Join, answered by Welcome | agent -> world -> agent            | once a join  |
 | fes/<run>/world/about           | empty, answered by About | person -> world -> person           | when asked   |
 | fes/<run>/robot/<i>/observation | Observation              | world -> agent i                    | each tick    |
 | fes/<run>/robot/<i>/beacon      | Beacon                   | agent i -> peers in range           | each tick   |
@@ -14,10 +14,12 @@
 | fes/<run>/world/report          | Report                   | world -> observers                  | 10 Hz (wall) |
 | fes/<run>/world/set             | Change, answered by Effect | person -> world -> person         | when asked   |
 
-One robot owns one prefix, so access rules are one pattern a robot.
+One robot owns one prefix, and an agent asks to join on a key that names its robots, so that rules of access can be
+made of keys (`world/access.py`).
 """
 
 import re
+from collections.abc import Sequence
 
 from fes.errors import FesError
 
@@ -48,19 +50,29 @@ def world_tokens(run: str) -> str:
     return f"fes/{run}/world/**"
 
 
-def tokens(run: str) -> str:
-    """All liveliness tokens of a run."""
-    return f"fes/{run}/**"
-
-
 def about(run: str) -> str:
     """Where a person asks the world who it is."""
     return f"fes/{run}/world/about"
 
 
-def welcome(run: str) -> str:
-    """Where an agent asks to join."""
-    return f"fes/{run}/world/welcome"
+def tree(run: str) -> str:
+    """A pattern of all keys of a run."""
+    return f"fes/{run}/**"
+
+
+def welcome(run: str, robots: str) -> str:
+    """Where the agent of `robots`, as `span` writes them, asks to join; `*` for all agents."""
+    return f"fes/{run}/world/welcome/{robots}"
+
+
+def span(robots: Sequence[int]) -> str:
+    """The robots of an agent in short, as in `--id`.
+
+    >>> span([3]), span([0, 1, 2])
+    ('3', '0-2')
+    """
+    first, last = min(robots), max(robots)
+    return f"{first}" if first == last else f"{first}-{last}"
 
 
 def report(run: str) -> str:

@@ -7,12 +7,12 @@ import logging
 import os
 import signal
 import sys
-from collections.abc import Callable, Coroutine, Iterator
+from collections.abc import Callable, Coroutine, Iterator, Mapping
 from pathlib import Path
 from typing import NoReturn, TypeVar
 
-from fes import keys
-from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, Mode
+from fes import identity, keys
+from fes.endpoints import Endpoints, Mode, default_endpoint
 from fes.errors import FesError, Stopped
 
 SUCCESS, FAILURE = 0, 1
@@ -155,14 +155,19 @@ def add_network_flags(parser: argparse.ArgumentParser) -> None:
     group.add_argument("-l", "--listen", action="append", default=[], metavar="ENDPOINT")
     group.add_argument("-c", "--config", type=Path, metavar="FILE", help="Zenoh configuration file")
     group.add_argument("--cfg", action="append", default=[], metavar="KEY:VALUE", help="Zenoh setting")
+    group.add_argument("--keys", type=Path, metavar="DIR", help="TLS, with the certificates in DIR (fes keys init)")
     group.add_argument("--run", default=keys.DEFAULT_RUN, help="name of the run (default: %(default)s)")
     parser.add_argument("--exit-with-stdin", action="store_true", help="stop when standard input ends")
 
 
-def world_endpoints(flags: argparse.Namespace) -> Endpoints:
-    """Endpoints of a world: a router that listens, unless the flags or the configuration file say otherwise."""
+def world_endpoints(flags: argparse.Namespace, access: Mapping[str, object] | None = None) -> Endpoints:
+    """Endpoints of a world: a router that listens, unless the flags or the configuration file say otherwise.
+
+    With `--keys` it speaks TLS only, and lets in whom `access` names; raises FesError for bad certificates.
+    """
     mode: Mode = flags.mode or "router"
-    listen = tuple(flags.listen) or ((DEFAULT_ENDPOINT,) if mode == "router" else ())
+    listen = tuple(flags.listen) or ((default_endpoint(secure=flags.keys is not None),) if mode == "router" else ())
+    own = identity.security(flags.keys, identity.WORLD)
     return Endpoints(
         mode,
         tuple(flags.connect),
@@ -170,12 +175,16 @@ def world_endpoints(flags: argparse.Namespace) -> Endpoints:
         flags.config,
         tuple(flags.cfg),
         by_default=_unasked(flags.connect, flags.listen),
+        security={**own, **(access or {})} if own and mode != "client" else own,  # a client guards nothing
     )
 
 
-def agent_endpoints(flags: argparse.Namespace, timeout: float) -> Endpoints:
-    """Endpoints of an agent: a client of the world's router, unless flags or configuration file say otherwise."""
-    connect = tuple(flags.connect) or (DEFAULT_ENDPOINT,)
+def agent_endpoints(flags: argparse.Namespace, timeout: float, role: str) -> Endpoints:
+    """Endpoints of an agent: a client of the world's router, unless flags or configuration file say otherwise.
+
+    With `--keys` it speaks TLS only, with the certificate of its role; raises FesError if that is a bad one.
+    """
+    connect = tuple(flags.connect) or (default_endpoint(secure=flags.keys is not None),)
     return Endpoints(
         flags.mode or "client",
         connect,
@@ -184,6 +193,7 @@ def agent_endpoints(flags: argparse.Namespace, timeout: float) -> Endpoints:
         tuple(flags.cfg),
         timeout,
         _unasked(flags.connect, flags.listen),
+        identity.security(flags.keys, role),
     )
 
 

@@ -74,8 +74,9 @@ def below_console(names: set[str]) -> set[str]:
     return {name for name in names if not name.startswith("console.")}
 
 
-def test_only_the_bus_imports_zenoh() -> None:
-    assert importers("zenoh") <= {"fes.bus"}
+def test_only_the_bus_and_its_session_import_zenoh() -> None:
+    assert importers("zenoh") <= {"fes.bus", "fes.session"}
+    assert importers("fes.session") == {"fes.bus"}
 
 
 def test_only_the_logs_writer_and_its_reader_import_mcap() -> None:

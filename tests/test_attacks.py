@@ -57,7 +57,7 @@ def attacked(scenario: Scenario, disturb: Any) -> tuple[str, Server, list[Agent]
 def everywhere(payload: bytes, run: str = RUN) -> list[tuple[str, bytes]]:
     """A payload for every key that somebody listens to."""
     robots = [key(run, robot) for robot in range(ROBOTS) for key in (keys.beacon, keys.command, keys.observation)]
-    return [(key, payload) for key in [*robots, keys.report(run), keys.welcome(run), keys.change(run)]]
+    return [(key, payload) for key in [*robots, keys.report(run), keys.welcome(run, "2-3"), keys.change(run)]]
 
 
 def command(tick: int, robot: int, linear: float = 1.0) -> bytes:
@@ -98,6 +98,7 @@ def test_a_bad_payload_on_every_key_is_counted_with_one_line_a_kind_and_changes_
 ) -> None:
     async def disturb(endpoint: str) -> None:
         async with client(endpoint) as vandal:
+            await asyncio.sleep(0.1)  # at tick 0 a command for tick 0 would be one like any other
             for _ in range(5):
                 for key, sent in everywhere(payload):
                     vandal._session.put(key, sent)
@@ -175,9 +176,9 @@ def test_a_flood_of_questions_is_refused_and_changes_no_digit(paper: Scenario, e
 
     async def disturb(endpoint: str) -> None:
         questions = [
-            (keys.welcome(RUN), messages.encode_join((2, 3))),
-            (keys.welcome(RUN), b"\xc1 junk"),
-            (keys.welcome(RUN), reversioned(messages.encode_join((2, 3)))),
+            (keys.welcome(RUN, "2-3"), messages.encode_join((2, 3))),
+            (keys.welcome(RUN, "2-3"), b"\xc1 junk"),
+            (keys.welcome(RUN, "2-3"), reversioned(messages.encode_join((2, 3)))),
             (keys.change(RUN), change.encode_change(change.Change("channel.no_such", 1.0))),
             (keys.change(RUN), wire.pack("channel.reference_snr", "NaN")),
             (keys.change(RUN), wire.pack("channel" + ".a" * 1500, "1")),
@@ -304,7 +305,7 @@ def test_who_claims_a_taken_robot_and_leaves_ends_nothing(paper: Scenario, expec
         for _ in range(3):
             async with client(endpoint) as impostor:
                 with pytest.raises(Refused, match="robot 2 is hosted by another agent already"):
-                    await impostor.ask(keys.welcome(RUN), messages.encode_join((2,)), 5.0)
+                    await impostor.ask(keys.welcome(RUN, "2"), messages.encode_join((2,)), 5.0)
                 for robot in (2, 77):
                     impostor.token(keys.robot_alive(RUN, robot))
                 await asyncio.sleep(0.02)

@@ -12,7 +12,7 @@ from fes import keys
 from fes.errors import FesError
 
 WORLD: list[Callable[[str], str]] = [
-    *(keys.world_alive, keys.welcome, keys.report, keys.change, keys.about),
+    *(keys.world_alive, keys.report, keys.change, keys.about),
     partial(keys.claim, world="<id>"),
 ]
 ROBOT = [keys.robot_alive, keys.observation, keys.beacon, keys.command, keys.recall]
@@ -24,6 +24,7 @@ robots = st.integers(0, 2**31 - 1)
 
 def test_each_function_yields_one_key_of_the_table_and_the_table_has_no_other() -> None:
     yielded = [world("<run>") for world in WORLD] + [robot("<run>", "<i>") for robot in ROBOT]
+    yielded.append(keys.welcome("<run>", "<ids>"))
     assert sorted(yielded) == sorted(TABLE)
     assert len(set(TABLE)) == 11
 
@@ -36,6 +37,7 @@ def test_the_robot_of_each_of_its_keys_is_found(run: str, robot: int) -> None:
 @given(run=runs)
 def test_the_worlds_keys_and_patterns_belong_to_no_robot(run: str) -> None:
     assert [keys.robot_of(key(run)) for key in WORLD] == [None] * len(WORLD)
+    assert keys.robot_of(keys.welcome(run, "3")) is None
     assert [keys.robot_of(key(run, "*")) for key in ROBOT] == [None] * len(ROBOT)
 
 

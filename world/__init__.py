@@ -5,6 +5,8 @@ server      the lockstep: observations out, commands in, one barrier a tick
 attendance  who takes part at a tick
 claim       one world a run
 roster      who hosts which robot, and who is alive
+access      who may say and hear what, as Zenoh's access control
+audit       who was turned away
 reporting   the report to observers
 wording     between arrays and the messages of all robots
 recorder    the log of a run: run.mcap

@@ -5,13 +5,14 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: no thread pool for arrays this small
 
 import argparse
+import contextlib
 from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
 
-from fes import bus, keys, process
+from fes import bus, identity, keys, process
 from fes.errors import FesError
-from world import claim, summary
+from world import access, audit, claim, summary
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
 from world.server import Server
@@ -20,7 +21,9 @@ from world.server import Server
 async def serve(flags: argparse.Namespace, scenario: Scenario) -> int:
     """One world process, from start to exit code."""
     run, name = keys.check_run(flags.run), flags.name or Path(flags.scenario).stem
-    async with bus.opened(process.world_endpoints(flags)) as opened:
+    rules = access.control(run, scenario.robots.number, identity.crews(flags.keys)) if flags.keys else None
+    endpoints = process.world_endpoints(flags, rules)
+    async with audit.kept() if flags.keys else contextlib.nullcontext(), bus.opened(endpoints) as opened:
         connected = bool(flags.connect or flags.config or flags.cfg) or flags.mode not in (None, "router")
         await claim.claim(opened, run, connected=connected)
         with _recorder(flags, scenario, name) as recorder:

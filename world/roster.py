@@ -38,7 +38,7 @@ class Roster:
         self._group: dict[int, tuple[int, ...]] = {robot: (robot,) for robot in range(robots)}
         """The robots that share a process with each."""
         self._on_loss: Callable[[int], None] | None = None
-        bus.serve(keys.welcome(run), self._on_question)
+        bus.serve(keys.welcome(run, "*"), self._on_question)
         bus.serve(keys.about(run), lambda question: question.answer(encode_about(here(robots)), "fes.About"))
         bus.watch(keys.robot_alive(run, "*"), self._on_token)
 
@@ -54,8 +54,13 @@ class Roster:
         try:
             wanted = messages.decode_join(question.payload)
         except MessageError as error:
-            self._complaints.add(f"{error.schema}: {error.rule}", f"{keys.welcome(self._run)}: {error}")
+            self._complaints.add(f"{error.schema}: {error.rule}", f"{question.key}: {error}")
             question.refuse(str(error))
+            return
+        if question.key != keys.welcome(self._run, keys.span(wanted)):
+            # Rules of access name keys: an agent that may ask for its own robots must not get others by asking there.
+            self._complaints.add("Join: on another's key", f"{question.key}: a join of robots {keys.span(wanted)}")
+            question.refuse(f"a join of robots {keys.span(wanted)} came on {question.key}")
             return
         refusal = self._refusal(wanted)
         if refusal:

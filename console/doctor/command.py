@@ -14,8 +14,10 @@ from rich.text import Text
 from console import rundir
 from console.doctor import machine, network
 from console.doctor.finding import Finding, Status
+from console.rundir import Visitor
 from fes import keys, process
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
+from fes.identity import OBSERVER
 
 STYLES = {Status.OK: "green", Status.WARNING: "yellow", Status.FAILED: "bold red"}
 
@@ -26,11 +28,15 @@ def doctor(
     ] = None,
     config: Annotated[Path | None, typer.Option("--config", "-c", help="Zenoh configuration file.")] = None,
     cfg: Annotated[list[str] | None, typer.Option(metavar="KEY:VALUE", help="Zenoh setting.")] = None,
+    certificates: Annotated[
+        Path | None, typer.Option("--keys", metavar="DIR", help="TLS, with the certificate of the observer in DIR.")
+    ] = None,
     run: Annotated[str | None, typer.Option(help="Name of a run that should go on.")] = None,
     json_: Annotated[bool, typer.Option("--json", help="Print the findings as JSON, and nothing else.")] = False,
 ) -> int:
     """Check this machine, and a run that goes on (by default the latest one started in this folder)."""
-    endpoints = rundir.reach(connect, config, cfg, run or keys.DEFAULT_RUN, network.PATIENCE)
+    who = Visitor(OBSERVER, certificates, run or keys.DEFAULT_RUN, network.PATIENCE)
+    endpoints = rundir.reach(who, connect, config, cfg)
     named = bool(connect or config or run)
     announced = not connect and endpoints.connect != (DEFAULT_ENDPOINT,)
 

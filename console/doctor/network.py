@@ -86,7 +86,7 @@ async def examine(endpoints: Endpoints, run: str, wanted: bool) -> tuple[list[Fi
     """
     try:
         async with _opened(endpoints) as opened:
-            standing = await opened.standing(keys.tokens(run), PATIENCE)
+            standing = await opened.standing(keys.tree(run), PATIENCE)
             others = await opened.standing(keys.world_alive("*"), PATIENCE)
             answer = await _ask(opened, run) if keys.world_alive(run) in standing else None
     except (TransportError, TimeoutError) as error:

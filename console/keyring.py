@@ -1,0 +1,137 @@
+"""fes keys: certificates in a directory, and those that live as long as one run."""
+
+import contextlib
+import os
+import shutil
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from fes import identity, process
+from fes.errors import FesError
+from fes.identity import AUTHORITY, OBSERVER, OPERATOR, WORLD
+
+if TYPE_CHECKING:
+    from console.authority import Authority, Issued
+
+app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, help="Certificates: who is who in a run over TLS.")
+
+DIRECTORY = Path("keys")
+PRIVATE, PRIVATE_DIRECTORY = 0o600, 0o700
+YEARS_10, YEAR = 3650.0, 365.0  # days
+RUN_DAYS = 30.0
+"""For so long are the certificates of `fes run --secure` valid; they are deleted when the run ends."""
+
+Directory = Annotated[Path, typer.Option("--keys", metavar="DIR", help="Where the certificates and keys are.")]
+Days = Annotated[float, typer.Option(min=1e-3, max=YEARS_10, help="How long certificates are valid [days].")]
+Hosts = Annotated[list[str] | None, typer.Option("--host", help="Another name or address of the world's machine.")]
+
+
+@app.command()
+def init(
+    robots: Annotated[int, typer.Option(min=0, max=100_000, help="Certificates for robots 0 to N-1.")] = 0,
+    host: Hosts = None,
+    keys: Directory = DIRECTORY,
+    days: Days = YEAR,
+) -> int:
+    """Make an authority, and certificates for the world, an observer, an operator, and robots."""
+    if (keys / f"{AUTHORITY}.key").exists() or (keys / f"{AUTHORITY}.crt").exists():
+        raise FesError(f"--keys {keys}: there is an authority already; fes keys issue adds to it")
+    roles = [WORLD, OBSERVER, OPERATOR, *(identity.robot_role([robot]) for robot in range(robots))]
+    authority = _authorities().found(YEARS_10)
+    _write(keys, AUTHORITY, authority.pem)
+    _issue(authority, keys, roles, days, tuple(host or ()))
+    print(f"{keys}: an authority and {len(roles)} certificates, valid for {days:g} days")
+    return process.SUCCESS
+
+
+@app.command()
+def issue(
+    roles: Annotated[list[str], typer.Argument(help="world, observer, operator, robot-3, or the crew robot-0-4.")],
+    host: Hosts = None,
+    keys: Directory = DIRECTORY,
+    days: Days = YEAR,
+) -> int:
+    """Issue certificates for roles, in place of those that there are."""
+    checked = [identity.check_role(role) for role in roles]
+    if host and WORLD not in checked:
+        raise FesError(f"--host is for the world's certificate, not for that of {checked[0]}")
+    _issue(_restore(keys), keys, checked, days, tuple(host or ()))
+    print(f"{keys}: {', '.join(checked)}, valid for {days:g} days")
+    return process.SUCCESS
+
+
+@app.command(name="list")
+def show(keys: Directory = DIRECTORY) -> int:
+    """List certificates: role, serial number, end of validity, SHA-256 fingerprint."""
+    found = sorted(keys.glob("*.crt"), key=lambda path: [(len(part), part) for part in path.stem.split("-")])
+    if not found:
+        raise FesError(f"--keys {keys}: there are no certificates; fes keys init makes some")
+    table = Table("role", "serial", "valid until (UTC)", "SHA-256 of the certificate", box=None, pad_edge=False)
+    for path in found:
+        try:
+            table.add_row(*_authorities().describe(path.stem, path.read_bytes()))
+        except ValueError:
+            raise FesError(f"{path}: not a certificate") from None
+    screen = Console(highlight=False)
+    screen.print(table) if screen.is_terminal else Console(width=200, highlight=False).print(table)
+    return process.SUCCESS
+
+
+@contextlib.contextmanager
+def of_a_run(directory: Path, groups: Iterable[str]) -> Iterator[Path]:
+    """Certificates for one run, in its directory: deleted when it ends. Its authority's key is never written."""
+    where = (directory / "keys").resolve()
+    authority = _authorities().found(RUN_DAYS)
+    try:
+        _write(where, AUTHORITY, authority.pem, with_key=False)
+        _issue(authority, where, [WORLD, OBSERVER, OPERATOR, *(f"robot-{ids}" for ids in groups)], RUN_DAYS)
+        yield where
+    finally:
+        shutil.rmtree(where, ignore_errors=True)
+
+
+def _issue(
+    authority: "Authority", directory: Path, roles: list[str], days: float, hosts: tuple[str, ...] = ()
+) -> None:
+    for role in roles:
+        _write(directory, role, _authorities().issue(authority, role, days, hosts))
+
+
+def _restore(directory: Path) -> "Authority":
+    """The authority in a directory; raises FesError."""
+    authorities, where = _authorities(), directory / AUTHORITY
+    if not where.with_suffix(".key").is_file():
+        raise FesError(f"--keys {directory}: there is no authority; fes keys init makes one")
+    pem = authorities.Issued(where.with_suffix(".crt").read_bytes(), where.with_suffix(".key").read_bytes())
+    try:
+        authority: Authority = authorities.restore(pem)
+        return authority
+    except (ValueError, TypeError):
+        raise FesError(f"--keys {directory}: ca.crt or ca.key is none") from None
+
+
+def _write(directory: Path, name: str, issued: "Issued", *, with_key: bool = True) -> None:
+    """Write a certificate and its key, which nobody but its owner may read, in one step each."""
+    directory.mkdir(mode=PRIVATE_DIRECTORY, parents=True, exist_ok=True)
+    contents = {f"{name}.key": issued.key, f"{name}.crt": issued.certificate}
+    for file in contents if with_key else [f"{name}.crt"]:
+        temporary = directory / f".{file}-{os.getpid()}"
+        handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, PRIVATE)
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(contents[file])
+        os.replace(temporary, directory / file)
+
+
+def _authorities() -> ModuleType:
+    """What needs the extra; raises FesError without it."""
+    try:
+        from console import authority
+    except ImportError:
+        raise identity.missing_extra() from None
+    return authority

@@ -1,0 +1,86 @@
+"""How a session of Zenoh is opened: its threads, its configuration, and what is said when it does not open."""
+
+import asyncio
+import contextlib
+import json
+import os
+import threading
+
+# Four threads instead of seven, set before the first session opens. One of them only sends: else two messages that
+# wait for room in full queues leave nobody to empty these, and Zenoh closes links of robots that did no wrong.
+os.environ.setdefault(
+    "ZENOH_RUNTIME",
+    "(rx:(handover:app),acc:(handover:app),tx:(worker_threads:1),net:(handover:app),app:(worker_threads:2))",
+)
+
+import zenoh
+
+from fes import handshake
+from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, warn_if_exposed
+from fes.errors import FesError, TransportError
+
+
+async def begin(endpoints: Endpoints) -> zenoh.Session:
+    """An open session; raises TransportError in one line: port taken, nobody there, bad flag."""
+    config = _config(endpoints)
+    try:
+        return await _open(config)
+    except zenoh.ZError as error:
+        raise TransportError(await asyncio.to_thread(handshake.reason, endpoints, str(error))) from None
+
+
+async def _open(config: zenoh.Config) -> zenoh.Session:
+    """Open a session in a thread: Zenoh blocks while it tries to connect, and signals must be heard meanwhile."""
+    loop = asyncio.get_running_loop()
+    future: asyncio.Future[zenoh.Session] = loop.create_future()
+
+    def settle(session: zenoh.Session | None, error: Exception | None) -> None:
+        if future.cancelled():
+            if session is not None:
+                session.close()
+        elif session is not None:
+            future.set_result(session)
+        elif error is not None:
+            future.set_exception(error)
+
+    def work() -> None:
+        outcome: tuple[zenoh.Session | None, Exception | None]
+        try:
+            outcome = zenoh.open(config), None
+        except Exception as error:
+            outcome = None, error
+        with contextlib.suppress(RuntimeError):  # the loop is closed: nobody waits any more
+            loop.call_soon_threadsafe(settle, *outcome)
+
+    threading.Thread(target=work, name="zenoh open", daemon=True).start()
+    try:
+        return await future
+    except asyncio.CancelledError:
+        if future.done() and not future.cancelled() and future.exception() is None:
+            future.result().close()  # it opened just when we were told to stop
+        raise
+
+
+def _config(endpoints: Endpoints) -> zenoh.Config:
+    path = endpoints.config_file
+    try:
+        config = zenoh.Config.from_file(path) if path is not None else zenoh.Config()
+    except zenoh.ZError as error:
+        raise TransportError(
+            f"cannot read the Zenoh configuration {path}: {handshake.first_line(str(error))}"
+        ) from None
+    plain = zenoh.Config()
+    for key, value in endpoints.house_rules().items():
+        if path is not None and key in endpoints.by_default and config.get_json(key) != plain.get_json(key):
+            continue
+        try:
+            config.insert_json5(key, json.dumps(value))
+        except zenoh.ZError:
+            raise FesError(f"not an endpoint like {DEFAULT_ENDPOINT}: {endpoints.shown}") from None
+    for key, text in endpoints.own_settings():
+        try:
+            config.insert_json5(key, text)
+        except zenoh.ZError:
+            raise FesError(f"--cfg {key}:{text}: no such setting, or its value is not JSON5") from None
+    warn_if_exposed(config.get_json("listen/endpoints"))
+    return config

@@ -1,0 +1,97 @@
+"""Access control: generated from the table of keys, judged by Zenoh's own key expressions."""
+
+from typing import Any
+
+import pytest
+import zenoh
+
+from fes import keys
+from tests.test_keys import ROBOT, WORLD
+from world import access
+
+RUN = "r"
+CONTROL: Any = access.control(RUN, 6, [range(4, 6), range(4, 9)])["access_control"]
+
+
+def permitted(role: str, flow: str, message: str, key: str) -> bool:
+    """Whether a rule of the role includes the message, as Zenoh decides."""
+    named = {name for policy in CONTROL["policies"] if role in policy["subjects"] for name in policy["rules"]}
+    return any(
+        message in rule["messages"] and flow in rule["flows"] and zenoh.KeyExpr(pattern).includes(zenoh.KeyExpr(key))
+        for rule in CONTROL["rules"]
+        if rule["id"] in named
+        for pattern in rule["key_exprs"]
+    )
+
+
+def everything(message: str, flow: str, role: str) -> set[str]:
+    """The keys of the table, for robots 2 to 4, that a role may use so."""
+    table = [key(RUN) for key in WORLD] + [key(RUN, robot) for key in ROBOT for robot in (2, 3, 4)]
+    table += [keys.welcome(RUN, ids) for ids in ("2", "3", "4", "4-5")]
+    return {key.removeprefix("fes/r/") for key in table if permitted(role, flow, message, key)}
+
+
+BEACONS = {f"robot/{robot}/beacon" for robot in (2, 3, 4)}
+RECALLS = {f"robot/{robot}/recall" for robot in (2, 3, 4)}
+TOKENS = {"world/alive", *(f"robot/{robot}/alive" for robot in (2, 3, 4))}
+
+
+def test_a_robot_says_only_what_is_its_own() -> None:
+    assert everything("put", "ingress", "robot-3") == {"robot/3/beacon", "robot/3/command"}
+    assert everything("liveliness_token", "ingress", "robot-3") == {"robot/3/alive"}
+    assert everything("query", "ingress", "robot-3") == {"world/welcome/3", *RECALLS}
+    for message in ("declare_queryable", "reply"):
+        assert everything(message, "ingress", "robot-3") == {"robot/3/recall"}
+
+
+def test_a_robot_hears_its_own_observation_beacons_and_whether_the_world_lives() -> None:
+    for flow, message in (("ingress", "declare_subscriber"), ("egress", "put")):
+        assert everything(message, flow, "robot-3") == {"robot/3/observation", *BEACONS}
+    for flow, message in (("ingress", "declare_liveliness_subscriber"), ("egress", "liveliness_token")):
+        assert everything(message, flow, "robot-3") == {"world/alive"}
+    assert everything("reply", "egress", "robot-3") == {"world/welcome/3", *RECALLS}
+    assert everything("query", "egress", "robot-3") == {"robot/3/recall"}
+
+
+def test_a_crew_has_the_rights_of_its_robots_and_asks_for_them_together() -> None:
+    assert everything("put", "ingress", "robot-4-5") == {"robot/4/beacon", "robot/4/command"}
+    assert everything("query", "ingress", "robot-4-5") == {"world/welcome/4-5", *RECALLS}
+
+
+@pytest.mark.parametrize("role", ["observer", "operator"])
+def test_observers_and_operators_read_reports_and_tokens_and_say_nothing(role: str) -> None:
+    for flow, message in (("ingress", "declare_subscriber"), ("egress", "put")):
+        assert everything(message, flow, role) == {"world/report"}
+    for flow, message in (("ingress", "declare_liveliness_subscriber"), ("egress", "liveliness_token")):
+        assert everything(message, flow, role) == TOKENS
+    for message in ("put", "liveliness_token"):
+        assert everything(message, "ingress", role) == set()
+
+
+def test_only_an_operator_may_ask_for_a_change() -> None:
+    asking = {role for role in SUBJECTS if "world/set" in everything("query", "ingress", role)}
+    assert asking == {"operator"}
+
+
+SUBJECTS = [name for subject in CONTROL["subjects"] for name in subject["cert_common_names"]]
+
+
+def test_nobody_may_delete_answer_or_use_a_pattern_and_all_else_is_denied() -> None:
+    assert CONTROL["enabled"]
+    assert CONTROL["default_permission"] == "deny"
+    for role in SUBJECTS:
+        assert everything("delete", "ingress", role) == set()
+        for message in ("declare_queryable", "reply"):
+            assert not {key for key in everything(message, "ingress", role) if not key.endswith("/recall")}
+        person = role in ("observer", "operator")
+        assert permitted(role, "ingress", "liveliness_query", "fes/r/**") == person
+        for message in ("put", "query", "liveliness_token"):
+            assert not permitted(role, "ingress", message, "fes/r/**")
+            assert not permitted(role, "ingress", message, "fes/r/robot/*/beacon")
+        assert not permitted(role, "ingress", "declare_subscriber", "fes/r/robot/*/observation")
+        assert not permitted(role, "ingress", "declare_subscriber", "fes/r/**")
+        assert not permitted(role, "ingress", "put", "fes/other/robot/3/beacon")
+
+
+def test_subjects_are_the_robots_of_the_run_crews_within_it_observers_and_operators() -> None:
+    assert [*(f"robot-{robot}" for robot in range(6)), "robot-4-5", "observer", "operator"] == SUBJECTS

@@ -1,0 +1,88 @@
+"""The audit on lines of Zenoh 1.10's log: what happened is told from what Zenoh only computes ahead."""
+
+import logging
+
+import pytest
+
+from fes.complaints import Complaints
+from world.audit import Audit
+
+PLACE = "zenoh::net::routing::interceptor::access_control:"
+TRACE = f"2026-11-22T04:02:14.951301Z TRACE app-1 ThreadId(03) {PLACE}"
+WHO = "5630af on Interface(lo)+CertCommonName(robot-3)+Transport(Tls)+5630af"
+KEY = "fes/main/robot/4/beacon"
+ACTIONS = [
+    "Query",
+    "Reply",
+    "Put",
+    "Delete",
+    "Declare/Undeclare Subscriber",
+    "Declare/Undeclare Queryable",
+    "Declare/Undeclare Liveliness Token",
+    "Liveliness Query",
+    "Declare Liveliness Subscriber",
+]
+
+
+def ahead(flow: str) -> list[str]:
+    """What Zenoh logs when it computes what a key permits."""
+    denials = [f"{TRACE} {WHO} is unauthorized to {action} ({flow}) on {KEY}" for action in ACTIONS]
+    return [f"{TRACE} ACL ({flow}): caching permissions for `{KEY}` ...", *denials]
+
+
+def cached(action: str, key: str = KEY) -> str:
+    return f"{TRACE} Using cached result: 5630af is unauthorized to {action} on {key}"
+
+
+def counted(*lines: str) -> dict[str, int]:
+    audit = Audit(Complaints(logging.getLogger("test")))
+    audit.feed("".join(f"{line}\n" for line in lines).encode())
+    return dict(audit.complaints.counts)
+
+
+def test_what_is_computed_ahead_is_no_attempt() -> None:
+    assert counted(*ahead("ingress"), *ahead("egress")) == {}
+
+
+def test_an_attempt_is_counted_with_the_name_on_its_certificate() -> None:
+    attempts = [cached("Put (ingress)")] * 3 + [cached("Liveliness Token (ingress)", "fes/main/robot/4/alive")]
+    assert counted(*ahead("ingress"), *attempts) == {
+        f"robot-3: put on {KEY}": 3,
+        "robot-3: liveliness token on fes/main/robot/4/alive": 1,
+    }
+
+
+def test_an_attempt_that_is_not_looked_up_is_told_from_the_same_words_computed_ahead() -> None:
+    plain = f"{TRACE} {WHO} is unauthorized to Query (ingress) on {KEY}"
+    assert counted(*ahead("ingress"), *ahead("egress"), plain) == {f"robot-3: query on {KEY}": 1}
+    assert counted(plain) == {f"robot-3: query on {KEY}": 1}
+
+
+def test_what_does_not_reach_somebody_and_what_is_permitted_is_nobodys_fault() -> None:
+    permitted = f"{TRACE} Using cached result: 5630af is authorized to Put (ingress) on fes/main/robot/3/beacon"
+    assert counted(cached("Put (egress)"), permitted) == {}
+
+
+@pytest.mark.parametrize(
+    ("said", "meant"),
+    [
+        ("invalid peer certificate: certificate expired: verification time 9 (UNIX)", "its certificate has expired"),
+        ("invalid peer certificate: UnknownIssuer", "its certificate is not of this run's authority"),
+        ("peer sent no certificates", "it has no certificate"),
+        ("received corrupt message of type InvalidContentType", "it does not speak TLS"),
+        ("received fatal alert: DecryptError", "it does not trust the world's certificate"),
+    ],
+)
+def test_a_connection_that_failed_is_told_in_our_words(said: str, meant: str) -> None:
+    line = f"2026-11-22T04:01:46Z  WARN app-3 ThreadId(11) zenoh_link_tls::unicast: {said}. Hint: increase the limit."
+    assert counted(line, line) == {f"connection: {meant}": 2}
+
+
+def test_each_kind_is_logged_once_however_the_log_is_cut(caplog: pytest.LogCaptureFixture) -> None:
+    audit = Audit(Complaints(logging.getLogger("test")))
+    log = "".join(f"{line}\n" for line in [*ahead("ingress"), *[cached("Put (ingress)")] * 5]).encode()
+    for start in range(0, len(log), 37):
+        audit.feed(log[start : start + 37])
+    assert audit.complaints.counts == {f"robot-3: put on {KEY}": 5}
+    [record] = caplog.records
+    assert f"robot-3's put on {KEY}: it has no right to it" in record.message

@@ -1,0 +1,155 @@
+"""fes keys and fes run --secure, as a person calls them: who may read what is left, and what is not left."""
+
+import argparse
+import json
+import re
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+from console import authority, inprocess
+from console.launcher import free_port
+from fes import process
+from fes.identity import Identity
+from tests import certificates
+from tests.loop import CONFIGS, load
+from tests.test_cli import PAIR, call, complaint
+from tests.test_processes import PATIENCE, children, command, start, until
+
+
+def modes(directory: Path) -> dict[str, int]:
+    """The permissions of a directory, as `.`, and of all files in it."""
+    return {path.name or ".": stat.S_IMODE(path.stat().st_mode) for path in (directory, *directory.iterdir())}
+
+
+def test_keys_are_made_for_their_owner_only_and_are_good(tmp_path: Path) -> None:
+    done = call(tmp_path, "fes", "keys", "init", "--robots", "2", "--host", "lab.example", "--days", "30")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == "keys: an authority and 5 certificates, valid for 30 days\n"
+    keys = tmp_path / "keys"
+    found = modes(keys)
+    assert found.pop("keys") == 0o700
+    roles = ["world", "observer", "operator", "robot-0", "robot-1"]
+    assert set(found) == {f"{name}.{kind}" for name in ["ca", *roles] for kind in ("crt", "key")}
+    assert set(found.values()) == {0o600}
+    for role in roles:
+        Identity(keys, role).check()
+
+
+def test_a_second_authority_is_refused_and_issue_adds_and_replaces(tmp_path: Path) -> None:
+    assert call(tmp_path, "fes", "keys", "init").returncode == 0
+    line = complaint(call(tmp_path, "fes", "keys", "init"), "fes")
+    assert line == "--keys keys: there is an authority already; fes keys issue adds to it"
+    before = (tmp_path / "keys/world.crt").read_bytes()
+    done = call(tmp_path, "fes", "keys", "issue", "robot-0-4", "world", "--host", "10.0.0.7")
+    assert (done.returncode, done.stdout) == (0, "keys: robot-0-4, world, valid for 365 days\n")
+    assert (tmp_path / "keys/world.crt").read_bytes() != before
+    Identity(tmp_path / "keys", "robot-0-4").check()
+    line = complaint(call(tmp_path, "fes", "keys", "issue", "observer", "--host", "10.0.0.7"), "fes")
+    assert line == "--host is for the world's certificate, not for that of observer"
+
+
+def test_the_list_has_role_serial_end_and_fingerprint_and_no_key(tmp_path: Path) -> None:
+    call(tmp_path, "fes", "keys", "init", "--robots", "11")
+    done = call(tmp_path, "fes", "keys", "list")
+    header, *rows = done.stdout.splitlines()
+    assert header.split()[:2] == ["role", "serial"]
+    names = [row.split()[0] for row in rows]
+    robots = [name for name in names if name.startswith("robot")]
+    assert robots == [f"robot-{robot}" for robot in range(11)]  # 10 after 9
+    assert set(names) - set(robots) == {"ca", "world", "observer", "operator"}
+    assert all(re.fullmatch(r"\S+ +[0-9a-f]{40} +\d{4}-\d\d-\d\d \d\d:\d\d +[0-9a-f]{64} *", row) for row in rows)
+    assert "PRIVATE" not in done.stdout
+
+
+def test_without_the_extra_one_line_names_it(tmp_path: Path) -> None:
+    call(tmp_path, "fes", "keys", "init", "--robots", "1")
+    for module, words in (
+        ("console.cli", ["keys", "issue", "world"]),
+        ("agents.process", ["--id", "0", "--keys", "keys"]),
+        ("world.process", [PAIR, "--keys", "keys"]),
+    ):
+        code = f"import sys; sys.modules['cryptography'] = None; from {module} import main; main()"
+        done = subprocess.run([sys.executable, "-c", code, *words], cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == 1
+        assert done.stderr.endswith("error: certificates need the extra 'security': pip install 'fes[security]'\n")
+
+
+def test_a_secure_run_has_the_same_digest_and_leaves_no_keys(tmp_path: Path) -> None:
+    words = ["fes", "run", str(CONFIGS / "paper.toml"), "--duration", "2", "--headless", "--json", "--secure"]
+    done = call(tmp_path, *words, "--agents-per-process", "4")
+    assert (done.returncode, done.stderr) == (0, "")
+    expected = inprocess.run(load("paper.toml", run__duration=2.0), "paper")["digest"]
+    assert json.loads(done.stdout)["digest"] == expected
+    left = {path.name for path in (tmp_path / "runs/latest").iterdir()}
+    logs = {"world.log", "agent-0-3.log", "agent-4-7.log", "agent-8-9.log"}
+    assert left == {"scenario.toml", "summary.json", "run.mcap"} | logs
+    said = "".join(path.read_text() for path in (tmp_path / "runs/latest").glob("*.log"))
+    assert "PRIVATE" not in said
+    assert "dropped" not in logs
+
+
+def test_view_and_set_find_the_certificates_of_the_latest_run(tmp_path: Path) -> None:
+    words = ["run", PAIR, "--duration", "6", "--rtf", "1", "--headless", "--json", "--secure"]
+    running = start(command("console.cli", *words), tmp_path)
+    log = tmp_path / "runs/latest/world.log"
+    until(lambda: log.exists() and "all robots are here" in log.read_text())
+    assert set(modes(tmp_path / "runs/latest/keys").values()) == {0o600, 0o700}
+    assert not (tmp_path / "runs/latest/keys/ca.key").exists()
+    changed = call(tmp_path, "fes", "set", "channel.reference_snr=5e6")
+    assert (changed.returncode, changed.stdout[:36]) == (0, "channel.reference_snr = 5000000.0 fr"), changed
+    seen = call(tmp_path, "fes", "view")
+    assert seen.returncode == 0, seen.stderr
+    out, err = running.communicate(timeout=PATIENCE)
+    assert running.returncode == 0, err
+    assert json.loads(out)["ticks"] == 300
+    assert not (tmp_path / "runs/latest/keys").exists()
+
+
+def listening(pid: int) -> list[str]:
+    """The addresses, as /proc writes them, on which a process listens: TCP, and any UDP."""
+    links = [str(path.readlink()) for path in Path(f"/proc/{pid}/fd").iterdir() if path.is_symlink()]
+    inodes = {link[8:-1] for link in links if link.startswith("socket:[")}
+    found = []
+    for table in ("tcp", "tcp6", "udp", "udp6"):
+        for line in Path(f"/proc/{pid}/net/{table}").read_text().splitlines()[1:]:
+            fields = line.split()
+            if fields[9] in inodes and (table.startswith("udp") or fields[3] == "0A"):
+                found.append(f"{table} {fields[1].partition(':')[0]}")
+    return found
+
+
+def test_nothing_listens_but_the_world_on_loopback(tmp_path: Path) -> None:
+    running = start(command("console.cli", "run", PAIR, "--duration", "100000", "--json"), tmp_path)
+    log = tmp_path / "runs/latest/world.log"
+    try:
+        until(lambda: log.exists() and "all robots are here" in log.read_text())
+        found = {line.split("-m ")[1].split()[0]: listening(pid) for pid, line in children(running.pid).items()}
+        assert found == {"world.process": ["tcp 0100007F"], "agents.process": []}
+        assert listening(running.pid) == []
+    finally:
+        running.terminate()
+        running.communicate(timeout=PATIENCE)
+
+
+def test_without_flags_endpoints_are_on_loopback_with_and_without_keys(tmp_path: Path) -> None:
+    certificates.directory(tmp_path / "k", authority.found(1.0), ["world", "robot-3"])
+    parser = argparse.ArgumentParser()
+    process.add_network_flags(parser)
+    for words, endpoint in (([], "tcp/127.0.0.1:7447"), (["--keys", str(tmp_path / "k")], "tls/127.0.0.1:7447")):
+        flags = parser.parse_args(words)
+        assert process.world_endpoints(flags).listen == (endpoint,)
+        agent = process.agent_endpoints(flags, 1.0, "robot-3")
+        assert (agent.connect, agent.listen) == ((endpoint,), ())
+
+
+def test_a_world_that_listens_in_plain_for_other_machines_says_so(tmp_path: Path) -> None:
+    endpoint = f"tcp/0.0.0.0:{free_port()}"
+    world = start(command("world.process", PAIR, "-l", endpoint), tmp_path)
+    assert world.stderr is not None
+    said = world.stderr.readline()
+    world.terminate()
+    world.communicate(timeout=PATIENCE)
+    assert f"network: listening on {endpoint} without TLS" in said
+    assert "--keys DIR" in said
