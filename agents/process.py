@@ -8,6 +8,7 @@ import argparse
 import asyncio
 import logging
 import re
+import time
 from collections.abc import AsyncIterator
 
 import numpy as np
@@ -19,12 +20,18 @@ from agents.radio import Radio
 from fes import bus, identity, keys, messages, process
 from fes.bus import Bus
 from fes.complaints import Complaints
-from fes.errors import Absent, FesError, MessageError
+from fes.errors import Absent, FesError, MessageError, Refused
 from fes.inbox import Inbox
 from fes.messages import Observation, Welcome
 
 MAX_ROBOTS = 100_000
 _NUMBER = re.compile("[0-9]{1,9}")
+
+AUTO = "auto"
+"""Instead of an id: the lowest robot that is free."""
+
+PATIENCE = 1.0
+"""How long [s] an agent without an id waits before it asks again."""
 
 SILENCE_TIMEOUT = 3600.0
 """An agent that hears nothing from a living world for this long [s] gives up."""
@@ -143,12 +150,32 @@ class Agent:
             self._inbox.fail(Absent(f"the world of run '{self._run}' left after tick {self._tick}"))
 
 
+async def lease(opened: Bus, run: str, timeout: float) -> int:
+    """The lowest robot that nobody hosts, once there is one; raises Absent or Refused after `timeout` [s]."""
+    end = time.monotonic() + timeout
+    while True:
+        left = end - time.monotonic()
+        try:
+            answer = await opened.ask(keys.lease(run), b"", max(left, PATIENCE))
+        except (Absent, Refused):
+            if left <= PATIENCE:
+                raise
+            await asyncio.sleep(PATIENCE)  # a world may come, or a robot be left by its agent
+        else:
+            return messages.decode_lease(answer)
+
+
 async def serve(flags: argparse.Namespace) -> int:
     """One agent process, from start to exit code."""
-    robots, run = parse_ids(flags.id), keys.check_run(flags.run)
+    run = keys.check_run(flags.run)
+    robots = parse_ids(flags.id) if flags.id != AUTO else (0,)
+    if flags.id == AUTO and flags.keys:
+        raise FesError("--id auto does not go with --keys: a certificate is for one robot")
     endpoints = process.agent_endpoints(flags, flags.timeout, identity.robot_role(robots))
     logging.getLogger(f"agent.{flags.id}").info("waiting for the world at %s, run '%s'", endpoints.shown, run)
     async with bus.opened(endpoints) as opened:
+        if flags.id == AUTO:
+            robots = (await lease(opened, run, flags.timeout),)
         agent = Agent(opened, run, robots)
         try:
             welcome = await agent.join(flags.timeout)
@@ -167,7 +194,7 @@ def parse_ids(text: str) -> tuple[int, ...]:
     """
     first, dash, last = text.partition("-")
     if not _NUMBER.fullmatch(first) or (dash and not _NUMBER.fullmatch(last)):
-        raise FesError(f"--id expects I or A-B with integers from 0, got '{text[:40]}'")
+        raise FesError(f"--id expects I, A-B or auto with integers from 0, got '{text[:40]}'")
     low, high = int(first), int(last) if dash else int(first)
     if high < low or high >= MAX_ROBOTS:
         raise FesError(f"--id expects I or A-B with A <= B < {MAX_ROBOTS}, got '{text}'")
@@ -177,7 +204,7 @@ def parse_ids(text: str) -> tuple[int, ...]:
 def main() -> None:
     """Entry point of fes-agent."""
     parser = process.OneLineParser(prog="fes-agent", description="One robot, or a range of robots, of a run.")
-    parser.add_argument("--id", required=True, metavar="I|A-B", help="the robot, or the range of robots")
+    parser.add_argument("--id", required=True, metavar="I|A-B|auto", help="the robot, a range, or any that is free")
     parser.add_argument(
         "--timeout",
         type=process.seconds,

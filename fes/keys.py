@@ -6,6 +6,7 @@
 | fes/<run>/world/claim/<id>      | liveliness token         | world -> worlds                     | while up     |
 | fes/<run>/robot/<i>/alive       | liveliness token         | agent i -> all                      | while up     |
 | fes/<run>/world/welcome/<ids>   | Join, answered by Welcome | agent -> world -> agent            | once a join  |
+| fes/<run>/world/lease           | empty, answered by Lease | agent without an id -> world -> agent | once        |
 | fes/<run>/world/about           | empty, answered by About | person -> world -> person           | when asked   |
 | fes/<run>/robot/<i>/observation | Observation              | world -> agent i                    | each tick    |
 | fes/<run>/robot/<i>/beacon      | Beacon                   | agent i -> peers in range           | each tick   |
@@ -53,6 +54,11 @@ def world_tokens(run: str) -> str:
 def about(run: str) -> str:
     """Where a person asks the world who it is."""
     return f"fes/{run}/world/about"
+
+
+def lease(run: str) -> str:
+    """Where an agent that has no robot yet asks for one."""
+    return f"fes/{run}/world/lease"
 
 
 def tree(run: str) -> str:

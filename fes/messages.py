@@ -185,6 +185,17 @@ def decode_join(payload: bytes) -> tuple[int, ...]:
     return wire.robot_list(name, robots)
 
 
+def encode_lease(robot: int) -> bytes:
+    """The payload of a Lease: the robot that an agent may ask to host."""
+    return wire.pack(robot)
+
+
+def decode_lease(payload: bytes) -> int:
+    """The robot in a Lease."""
+    [robot] = wire.unpack("Lease", payload, 1)
+    return wire.robot_id("Lease", robot)
+
+
 def encode_recall(tick: int) -> bytes:
     """The payload of a question to a robot for its beacon of a tick, which got lost on its way."""
     return wire.pack(tick)

@@ -129,6 +129,7 @@ CODECS = {
     "Beacon": Codec(messages.encode_beacon, messages.decode_beacon, beacons(), 9),
     "Command": Codec(messages.encode_command, messages.decode_command, commands(), 7),
     "Welcome": Codec(messages.encode_welcome, messages.decode_welcome, welcomes(), 2),
+    "Lease": Codec(messages.encode_lease, messages.decode_lease, robots, 1),
     "Join": Codec(messages.encode_join, messages.decode_join, joins, 1),
     "Report": Codec(reports.encode_report, reports.decode_report, team_reports(), 12),
     "Recall": Codec(messages.encode_recall, messages.decode_recall, ticks, 1),

@@ -12,7 +12,7 @@ from fes import keys
 from fes.errors import FesError
 
 WORLD: list[Callable[[str], str]] = [
-    *(keys.world_alive, keys.report, keys.change, keys.about),
+    *(keys.world_alive, keys.report, keys.change, keys.about, keys.lease),
     partial(keys.claim, world="<id>"),
 ]
 ROBOT = [keys.robot_alive, keys.observation, keys.beacon, keys.command, keys.recall]
@@ -26,7 +26,7 @@ def test_each_function_yields_one_key_of_the_table_and_the_table_has_no_other() 
     yielded = [world("<run>") for world in WORLD] + [robot("<run>", "<i>") for robot in ROBOT]
     yielded.append(keys.welcome("<run>", "<ids>"))
     assert sorted(yielded) == sorted(TABLE)
-    assert len(set(TABLE)) == 11
+    assert len(set(TABLE)) == 12
 
 
 @given(run=runs, robot=robots)

@@ -37,8 +37,10 @@ class Roster:
         self._promised: dict[int, float] = {}
         self._group: dict[int, tuple[int, ...]] = {robot: (robot,) for robot in range(robots)}
         """The robots that share a process with each."""
+        self._leased: dict[int, float] = {}
         self._on_loss: Callable[[int], None] | None = None
         bus.serve(keys.welcome(run, "*"), self._on_question)
+        bus.serve(keys.lease(run), self._on_request)
         bus.serve(keys.about(run), lambda question: question.answer(encode_about(here(robots)), "fes.About"))
         bus.watch(keys.robot_alive(run, "*"), self._on_token)
 
@@ -49,6 +51,16 @@ class Roster:
     def group(self, robot: int) -> tuple[int, ...]:
         """The robots that share a process with this one: they come and go together."""
         return self._group[robot]
+
+    def _on_request(self, question: Question) -> None:
+        """Lease the lowest free robot to an agent that has none: nobody else is given it while it comes to join."""
+        now = time.monotonic()
+        for robot in range(len(self.alive)):
+            if not self._refusal((robot,)) and self._leased.get(robot, 0.0) <= now:
+                self._leased[robot] = now + LEASE
+                question.answer(messages.encode_lease(robot), "fes.Lease")
+                return
+        question.refuse(f"all {len(self.alive)} robots are hosted already")
 
     def _on_question(self, question: Question) -> None:
         try:

@@ -1,0 +1,78 @@
+"""Agents that take whatever robot is free."""
+
+import asyncio
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+
+from agents import process
+from console import inprocess
+from fes.errors import Absent, Refused
+from tests import session
+from tests.loop import load
+from tests.session import RUN, client
+from world.server import Server
+
+
+async def any_robot(endpoint: str, timeout: float = 10.0) -> int:
+    async with client(endpoint) as opened:
+        robot = await process.lease(opened, RUN, timeout)
+        agent = process.Agent(opened, RUN, (robot,))
+        await agent.live(await agent.join(timeout))
+        return robot
+
+
+def test_agents_without_an_id_take_the_lowest_free_robots_and_the_digest_is_the_same() -> None:
+    scenario = load("paper.toml", run__duration=1.0)
+
+    async def main() -> Any:
+        async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
+            server = Server(opened, scenario, "test", RUN, None)
+            named = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 3)]
+            await asyncio.sleep(0.3)
+            others = [asyncio.ensure_future(any_robot(endpoint)) for _ in range(8)]
+            await server.gather()
+            await server.run()
+            server.dismiss()
+            await asyncio.gather(*named)
+            return sorted(await asyncio.gather(*others)), server.summarize()
+
+    taken, summary = asyncio.run(main())
+    assert taken == [1, 2, 4, 5, 6, 7, 8, 9]
+    assert summary["digest"] == inprocess.run(scenario, "test")["digest"]
+
+
+def test_a_robot_is_free_again_when_its_agent_is_gone_and_until_then_nobody_gets_it() -> None:
+    async def main() -> None:
+        async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
+            Server(opened, load("pair.toml", run__duration=1000.0), "test", RUN, None)
+            first = asyncio.ensure_future(any_robot(endpoint))
+            await asyncio.sleep(0.3)
+            second = asyncio.ensure_future(any_robot(endpoint))
+            await asyncio.sleep(0.3)
+            async with client(endpoint) as third:
+                with pytest.raises(Refused, match=r"^all 2 robots are hosted already$"):
+                    await process.lease(third, RUN, 0.5)
+                first.cancel()
+                assert await process.lease(third, RUN, 20.0) == 0
+            second.cancel()
+
+    asyncio.run(main())
+
+
+def test_without_a_world_there_is_nothing_to_lease() -> None:
+    async def main() -> None:
+        async with session.router() as (_, endpoint), client(endpoint) as lonely:
+            with pytest.raises(Absent, match="nobody answers on fes/test/world/lease"):
+                await process.lease(lonely, RUN, 0.5)
+
+    asyncio.run(main())
+
+
+def test_an_agent_that_takes_any_robot_has_no_certificate_of_one() -> None:
+    words = ["-m", "agents.process", "--id", "auto", "--keys", "keys"]
+    done = subprocess.run([sys.executable, *words], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1
+    assert done.stderr.strip().endswith("error: --id auto does not go with --keys: a certificate is for one robot")
