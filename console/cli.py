@@ -20,6 +20,7 @@ from console.sweep import command
 from fes import bus, keys, process
 from fes.errors import FesError, ScenarioError
 from fes.identity import OBSERVER
+from world import expect
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
 from world.summary import write, write_scenario
@@ -103,7 +104,7 @@ def run(
     else:
         screen.print(summary.render(result))
         screen.print(f"run directory: {directory}", highlight=False)
-    return process.SUCCESS
+    return process.UNMET if expect.unmet(result) else process.SUCCESS
 
 
 @app.command(name="view")

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import IO
 
 from fes.errors import FesError
+from fes.process import SUCCESS, UNMET
 
 DISMISSAL = 1.0
 """Time [s] that agents have to end after their world dismissed them and left."""
@@ -82,7 +83,7 @@ class Family:
         try:
             while pending:
                 done, pending = await asyncio.wait(pending, return_when=asyncio.FIRST_COMPLETED)
-                failed = [waits[task] for task in done if task.result() != 0]
+                failed = [waits[task] for task in done if task.result() not in (SUCCESS, UNMET)]
                 if failed:
                     raise ChildFailed(await self._explain(failed[0]))
         finally:

@@ -43,7 +43,7 @@ def render(summary: dict[str, Any]) -> RenderableType:
         facts.add_row(name, value)
     digest = Text.assemble(("digest", "bold"), f" {summary['digest']}")
     tables = [*_tracking(summary["tracking"]), *_edges(summary["edges"]), *_radio(summary)]
-    return Group(facts, digest, *tables)
+    return Group(facts, digest, *tables, *_expectations(summary))
 
 
 def _tracking(rows: list[dict[str, Any]]) -> list[RenderableType]:
@@ -77,6 +77,20 @@ def _radio(summary: dict[str, Any]) -> list[RenderableType]:
     outage = sum(row[2] * row[4] for row in contacts) / sent
     table.add_row("all", *_beacons(sent, decoded, outage, max(row[5] for row in contacts)), style="bold")
     return [*_title(f"Beacons over these links: the worst {len(worst)} of {len(contacts)} ways"), table]
+
+
+def _expectations(summary: dict[str, Any]) -> list[RenderableType]:
+    """What was expected and seen; nothing if nothing was."""
+    if not summary["expectations"]:
+        return []
+    table = Table(box=None)
+    for heading in ("expected", "to be", "seen", ""):
+        table.add_column(heading)
+    for one in summary["expectations"]:
+        seen = f"{one['seen']:.6g}" if isinstance(one["seen"], float) else str(one["seen"])
+        mark = Text("holds", style="green") if one["holds"] else Text("does not hold", style="bold red")
+        table.add_row(escape(one["of"]), escape(one["expected"]), escape(seen), mark)
+    return [*_title("What the scenario expects"), table]
 
 
 def _title(text: str) -> list[RenderableType]:

@@ -15,8 +15,8 @@ from fes import identity, keys
 from fes.endpoints import Endpoints, Mode, default_endpoint
 from fes.errors import FesError, Stopped
 
-SUCCESS, FAILURE = 0, 1
-"""Exit codes: success; bad configuration or run-time error."""
+SUCCESS, FAILURE, UNMET = 0, 1, 2
+"""Exit codes: success; bad configuration or run-time error; the run finished, but not as its scenario expects."""
 
 FORCED = 130
 """Exit code after a second signal."""

@@ -41,8 +41,10 @@ CONTRACT = {
     "digest": str,
     "tracking": list,
     "radio": list,
+    "links_gap_longest": float,
+    "expectations": list,
 }
-"""The keys of design.md, section 5, and what they hold in a run that has links; tracking and radio are ours."""
+"""The keys of design.md, section 5, and what they hold in a run that has links; what is after the digest is ours."""
 
 TIMES = {"disagreement_1m", "estimate_1m", "estimate_0_1m", "separation_1m", "separation_0_1m"}
 ERRORS = ("separation_error", "estimate_error")

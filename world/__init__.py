@@ -32,6 +32,7 @@ account     what a run achieved, added up from truth and telemetry
 tracking    how fast and how well the optimum is found, after the start and after each change
 breathing   separations averaged over a period of the dither
 rules       a broken rule, in one line
+expect      what a scenario expects of its run
 events      what changes while a run goes on
 summary     summary.json and scenario.toml of a run directory
 """

@@ -54,6 +54,9 @@ class Tally:
     errors: dict[str, float] = field(default_factory=dict)
     """At the last tick: disagreement (NaN before there are links), estimate_error, separation_error [m]."""
     disk_now: bool = False
+    longest_gap: int = 0
+    """Most ticks in a row at which the links of the robots present were not one component."""
+    _gap: int = 0
     _opened: bool = False
     _disk_always: bool = True
     _links_always: bool = True
@@ -83,7 +86,10 @@ class Tally:
         if open_contacts or len(poses) == 1:
             self._opened = True
             self._disk_always &= self.disk_now
-            self._links_always &= self._links.is_connected(said.links, present)
+            whole = self._links.is_connected(said.links, present)
+            self._links_always &= whole
+            self._gap = 0 if whole else self._gap + 1
+            self.longest_gap = max(self.longest_gap, self._gap)
         self.errors = link_errors(said, separation, optimal)
         self._levels()
         self.ticks += 1

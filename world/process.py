@@ -6,13 +6,15 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: no thread po
 
 import argparse
 import contextlib
+import logging
 from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from fes import bus, identity, keys, process
 from fes.errors import FesError
-from world import access, audit, claim, summary
+from world import access, audit, claim, expect, summary
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
 from world.server import Server
@@ -30,15 +32,19 @@ async def serve(flags: argparse.Namespace, scenario: Scenario) -> int:
             server = Server(opened, scenario, name, run, flags.rtf, recorder)
             if flags.out is not None:
                 server.keep = partial(summary.write_scenario, flags.out)
+            reached = None
             try:
                 await server.gather()
                 await server.run()
             finally:
                 server.dismiss()
                 server.complaints.log_total(server.overflow)
-                _keep(flags.out, server, recorder)
+                reached = _keep(flags.out, server, recorder)
         server.logger.info("the run is over after %d ticks", scenario.ticks)
-    return process.SUCCESS
+    for verdict in reached["expectations"] if reached else []:
+        level = logging.INFO if verdict["holds"] else logging.ERROR
+        server.logger.log(level, "%(of)s is %(seen)s, expected to be %(expected)s", verdict)
+    return process.UNMET if reached and expect.unmet(reached) else process.SUCCESS
 
 
 def _recorder(flags: argparse.Namespace, scenario: Scenario, name: str) -> AbstractContextManager[Recorder | None]:
@@ -48,13 +54,14 @@ def _recorder(flags: argparse.Namespace, scenario: Scenario, name: str) -> Abstr
     return Recorder(flags.out / NAME, scenario, name, "processes")
 
 
-def _keep(out: Path | None, server: Server, recorder: Recorder | None) -> None:
-    """Keep what was reached: the summary."""
+def _keep(out: Path | None, server: Server, recorder: Recorder | None) -> dict[str, Any] | None:
+    """Keep what was reached: the summary, which is returned."""
     reached = server.summarize()
     if recorder is not None:
         recorder.conclude(reached)
     if reached is not None and out is not None:
         summary.write(out, reached)
+    return reached
 
 
 def main() -> None:

@@ -21,6 +21,7 @@ from fes.config import (
 )
 from fes.errors import ScenarioError
 from world.events import EventConfig, Planned, attendance, changed, schedule
+from world.expect import ExpectConfig
 from world.radio_config import RadioConfig
 from world.rules import first_rule
 
@@ -89,6 +90,8 @@ class Scenario(Table):
     formation: FormationConfig = FormationConfig()
     event: list[EventConfig] = Field(default=[])
     """What changes while the run goes on."""
+    expect: list[ExpectConfig] = Field(default=[])
+    """What is expected of the run, at its end."""
 
     @model_validator(mode="after")
     def _channel_at_all_times(self) -> Self:

@@ -10,7 +10,7 @@ import tomli_w
 
 from fes.arrays import Floats
 from fes.edges import Edges
-from world import graphs, metrics
+from world import expect, graphs, metrics
 from world.account import Account
 from world.channel import Radio
 from world.scenario import Scenario
@@ -22,7 +22,7 @@ def summarize(account: Account, name: str, backend: str, wall: float) -> dict[st
     n, links, estimates = scenario.robots.number, account.telemetry.links, account.telemetry.estimates
     separation = account.separation
     simulated = tally.ticks * scenario.run.dt
-    return {
+    found = {
         "scenario": name,
         "seed": scenario.run.seed,
         "backend": backend,
@@ -50,7 +50,9 @@ def summarize(account: Account, name: str, backend: str, wall: float) -> dict[st
         "digest": tally.digest(),
         "tracking": account.tracking.table(),
         "radio": _contacts(final.radio),
+        "links_gap_longest": tally.longest_gap * scenario.run.dt,
     }
+    return {**found, "expectations": expect.verdicts(scenario.expect, found)}
 
 
 def write(directory: Path, summary: dict[str, Any]) -> None:
