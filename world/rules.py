@@ -1,11 +1,15 @@
 """A broken rule of a typed table, in one line."""
 
 import difflib
+import reprlib
 from typing import get_args
 
 from pydantic import ValidationError
 
 from fes.config import Table
+
+LONGEST = 120
+"""Of a field's name in a message [characters]."""
 
 
 def first_rule(error: ValidationError, model: type[Table], whole: str, prefix: str = "") -> str:
@@ -15,8 +19,8 @@ def first_rule(error: ValidationError, model: type[Table], whole: str, prefix: s
     """
     # an unknown field goes first: it may be the missing one, misspelt
     first = min(error.errors(include_url=False), key=lambda found: found["type"] != "extra_forbidden")
-    at = ".".join(str(part) for part in first["loc"]).replace("\n", "\\n")
-    field = prefix + at if at else whole
+    at = ".".join(str(part) for part in first["loc"])
+    field = _short(prefix + at) if at else whole
     if first["type"] == "extra_forbidden":
         near = difflib.get_close_matches(field, _fields(model, prefix), n=1, cutoff=0.4)
         return f"unknown field '{field}'" + (f"; did you mean '{near[0]}'?" if near else "")
@@ -25,7 +29,13 @@ def first_rule(error: ValidationError, model: type[Table], whole: str, prefix: s
         return f"{field}: is required"
     if first["type"] == "value_error":
         return f"{field}: {message}" if at else message
-    return f"{field}: {message}, got {first['input']!r}"
+    return f"{field}: {message}, got {reprlib.repr(first['input'])}"
+
+
+def _short(text: str) -> str:
+    """A field's name as it can be printed."""
+    shown = "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text[: LONGEST + 1])
+    return shown if len(shown) <= LONGEST else shown[: LONGEST - 1] + "…"
 
 
 def _fields(model: type[Table], prefix: str) -> list[str]:
