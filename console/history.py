@@ -1,6 +1,6 @@
 """A run as time series, for figures. A run is a function of its scenario, so it need not have been recorded."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -56,20 +56,27 @@ class Moment(Protocol):
 
 def follow(scenario: Scenario) -> History:
     """Run a scenario in process, and keep its history."""
-    return gather(scenario, inprocess.ticks(scenario))
+    sums = Account(scenario)
+
+    def accounted() -> Iterator[tuple[Moment, Account]]:
+        for tick in inprocess.ticks(scenario):
+            sums.add(tick.state, tick.twists, tick.telemetry)
+            yield tick, sums
+
+    return gather(scenario, accounted())
 
 
 def recorded(log: Log) -> History:
-    """The history of a recorded run."""
-    return gather(log.scenario, reexecution.world(log))
+    """The history of a recorded run; Reports and summary are compared, the digest included."""
+    return gather(log.scenario, reexecution.accounted(log))
 
 
-def gather(scenario: Scenario, moments: Iterable[Moment]) -> History:
-    """The history of a run that is gone through, tick by tick; of one tick at least."""
-    sums = Account(scenario)
+def gather(scenario: Scenario, moments: Iterable[tuple[Moment, Account]]) -> History:
+    """The history of a run that is gone through, tick by tick with the account up to it; of one tick at least."""
+    last = Account(scenario)
     poses, links, rows = [], [], []
-    for tick in moments:
-        sums.add(tick.state, tick.twists, tick.telemetry)
+    for tick, sums in moments:
+        last = sums
         said = tick.telemetry
         poses.append(tick.state.poses)
         links.append(said.links)
@@ -78,7 +85,7 @@ def gather(scenario: Scenario, moments: Iterable[Moment]) -> History:
         rows.append((errors["disagreement"], total, errors["separation_error"]))
     series = np.array(rows).T
     time = scenario.run.dt * np.arange(len(poses), dtype=np.float64)
-    return History(time, np.array(poses), links, series[0], series[1], series[2], sums.optimal, sums.tally.digest())
+    return History(time, np.array(poses), links, series[0], series[1], series[2], last.optimal, last.tally.digest())
 
 
 def ends_at(history: History, tick: int) -> Floats:

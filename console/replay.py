@@ -15,7 +15,6 @@ from console.reexecution import Robots
 from fes import process
 from fes.errors import FesError
 from world.account import Account
-from world.summary import summarize
 
 
 def replay(
@@ -67,22 +66,15 @@ def again(log: Log, everybody: bool = False) -> dict[str, Any]:
 
     Raises Mismatch where a message comes out otherwise, and FesError where a Report or the summary does.
     """
-    sums, elapsed = Account(log.scenario), 0.0
     robots = Robots(log, range(log.scenario.robots.number)) if everybody else None
-    for moment in reexecution.world(log):
+    elapsed, found = 0.0, Account(log.scenario)
+    for moment, sums in reexecution.accounted(log):
         if robots is not None:
             robots.step(moment.recorded)
-        sums.add(moment.state, moment.twists, moment.telemetry)
-        recorded = moment.recorded.report
-        if recorded is not None:
-            elapsed = recorded.elapsed
-            reexecution.check_report(sums, recorded)
-    wall = log.summary["wall_s"] if log.summary else elapsed
-    found: dict[str, Any] = json.loads(json.dumps(summarize(sums, log.name, log.backend, wall)))
-    for key, value in (log.summary or {}).items():
-        if json.dumps(found.get(key)) != json.dumps(value):
-            raise FesError(f"summary: {key} is {value!r} in the log and {found.get(key)!r} executed again")
-    return found
+        found = sums
+        if moment.recorded.report is not None:
+            elapsed = moment.recorded.report.elapsed
+    return reexecution.summary(log, found, elapsed)
 
 
 def _print(screen: Console, json_: bool, result: dict[str, Any], what: str, ticks: int) -> None:
