@@ -17,7 +17,7 @@ from console.doctor.command import doctor
 from console.processes import Launch
 from console.sweep import command
 from fes import bus, keys, process
-from fes.errors import FesError, ScenarioError
+from fes.errors import FesError, ScenarioError, reason
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
 from world.summary import write, write_scenario
@@ -138,7 +138,7 @@ def main() -> None:
         process.complain("fes", str(error))
         code = error.exit_code
     except OSError as error:
-        process.complain("fes", f"{error.strerror}: {error.filename}" if error.filename else str(error))
+        process.complain("fes", reason(error))
         code = process.FAILURE
     except Exception as error:
         # Typer's own complaints about arguments know how to say themselves in one line.

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fes import keys
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
-from fes.errors import FesError
+from fes.errors import FesError, reason
 
 ROOT = Path("runs")
 LATEST = "latest"
@@ -45,7 +45,7 @@ def create(scenario: str, out: Path | None) -> Path:
         _point_at(directory)
         return directory
     except OSError as error:
-        raise FesError(f"cannot create a run directory: {error.strerror}: {error.filename}") from None
+        raise FesError(f"cannot create a run directory: {reason(error)}") from None
 
 
 def announce(directory: Path, address: Address) -> None:

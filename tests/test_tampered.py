@@ -129,9 +129,12 @@ def shown(found: Log) -> None:
 def execute(how: str, path: Path, out: Path) -> None:
     if how == "plot":
         evidence.plot(str(path), out=out)
+    elif how == "alone":
+        replay.alone(log.load(path), 1)
+    elif how == "again":
+        replay.again(log.load(path))
     else:
-        found = log.load(path)
-        {"alone": lambda it: replay.alone(it, 1), "again": replay.again, "player": shown}[how](found)
+        shown(log.load(path))
 
 
 @pytest.mark.parametrize("what", WRONG)

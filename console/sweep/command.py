@@ -18,7 +18,7 @@ from console.sweep.ledger import Ledger
 from console.sweep.table import Format, Row
 from console.sweep.work import Workers
 from fes import process
-from fes.errors import FesError, ScenarioError, Stopped
+from fes.errors import FesError, ScenarioError, Stopped, reason
 
 
 def sweep(
@@ -108,7 +108,7 @@ def _tell(planned: Design, book: Ledger, directory: Path, form: Format, plot: bo
         if plot:
             written += figures.save(picture.sweep_figure(planned, rows, differences), directory / "sweep")
     except OSError as error:
-        raise FesError(f"cannot write the tables: {error.strerror}: {error.filename}") from None
+        raise FesError(f"cannot write the tables: {reason(error)}") from None
     screen = Console()
     screen.print(report.render(planned, spreads, differences))
     for path in written:

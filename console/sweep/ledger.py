@@ -16,7 +16,7 @@ from typing import IO, Any
 
 from console.sweep.design import Design, digest, seeded
 from console.sweep.work import Done
-from fes.errors import FesError
+from fes.errors import FesError, reason
 
 HEADER = "sweep.json"
 LINES = "runs.jsonl"
@@ -67,7 +67,7 @@ def opened(directory: Path, design: Design) -> Iterator[Ledger]:
             _lock(file, directory)
             done = _read(file, directory / LINES)
         except OSError as error:
-            raise FesError(f"cannot keep a sweep: {error.strerror}: {error.filename}") from None
+            raise FesError(f"cannot keep a sweep: {reason(error)}") from None
         yield Ledger(done, file)
 
 
