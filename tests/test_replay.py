@@ -20,6 +20,7 @@ from tests import recordings, session
 from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, alive, children, command, fes, start, until
 from world.recorder import Recorder
+from world.server import Server
 
 SHORT = {"run__duration": 2.0}
 
@@ -92,20 +93,29 @@ def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
             wish = change.encode_change(Change("channel.reference_snr", 2e6))
             await person.ask(keys.change(session.RUN), wish, 5.0)
 
-    async def run() -> dict[str, Any]:
+    async def run() -> tuple[dict[str, Any], Server]:
         with Recorder(tmp_path / "run.mcap", pair, "test", "processes") as recorder:
             summary, server, _ = await session.run(pair, [[0], [1]], disturb, recorder)
             recorder.conclude(summary)
             assert server.scenario.event
-        return summary
+        return summary, server
 
-    summary = asyncio.run(asyncio.wait_for(run(), PATIENCE))
+    summary, server = asyncio.run(asyncio.wait_for(run(), PATIENCE))
     found = log.load(tmp_path / "run.mcap")
     [changes] = [tick.changes for tick in found.ticks() if tick.changes]
     assert changes == [("channel.reference_snr", 2e6)]
     assert found.scenario == pair
     assert summary["digest"] != inprocess.run(pair, "test")["digest"]
     assert replay.again(found, everybody=True) == as_json(summary)
+
+    recordings.record(tmp_path / "again.mcap", server.scenario, "scenario")  # what scenario.toml then holds
+    again = log.load(tmp_path / "again.mcap")
+    assert list(compare.of_scenarios(found, again)) == []
+    assert compare.first_difference(found, again) is None
+    recordings.record(tmp_path / "before.mcap", pair)
+    [(path, mine, theirs)] = compare.of_scenarios(found, log.load(tmp_path / "before.mcap"))
+    assert (path, theirs) == ("event", [])
+    assert mine[0]["set"] == {"channel.reference_snr": 2e6}
 
 
 def test_a_change_is_named_with_tick_robot_field_and_both_values(recorded: Recorded, tampered: Path) -> None:

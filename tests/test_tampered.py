@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from console import evidence, log, replay
+from console import compare, evidence, log, replay
 from console.log import Log
 from console.player import Player
 from fes import messages
@@ -158,6 +158,43 @@ def test_a_summary_that_was_not_reached_is_named_wherever_the_world_is_executed(
     recordings.rewrite(recorded, tmp_path / "run.mcap", lambda topic, tick, data: data, {**summary, key: 0})
     with pytest.raises(FesError, match=rf"^summary: {key} is 0 in the log and "):
         execute(how, tmp_path / "run.mcap", tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("edit", "summary", "expected"),
+    [
+        (on("/report", 10, lambda data: farther(data)), None, (10, "Report", "poses[0]")),
+        (on("/report", 10, lambda data: None), None, (10, "Report", "payload")),
+        (on("/events", 10, told(value=4e6)), None, (10, "events", "what was set")),
+        (on("/events", 10, told(by="person")), None, None),
+        (on("/scenario", 0, told(backend="processes")), {"wall_s": 7.0, "scenario": "x"}, None),
+        (on("/scenario", 0, told()), {"digest": "0"}, (49, "summary", "digest")),
+    ],
+)
+def test_compare_sees_reports_what_was_set_and_the_summary(
+    recorded: Path, tmp_path: Path, edit: Edit, summary: dict[str, Any] | None, expected: Any
+) -> None:
+    one = log.load(recorded)
+    recordings.rewrite(recorded, tmp_path / "run.mcap", edit, (one.summary or {}) | (summary or {}))
+    found = compare.first_difference(one, log.load(tmp_path / "run.mcap"))
+    assert (found and (found.tick, found.message, found.field)) == expected
+
+
+def test_compare_sees_an_end_that_is_not_there_and_messages_before_all_else(recorded: Path, tmp_path: Path) -> None:
+    one = log.load(recorded)
+    recordings.rewrite(recorded, tmp_path / "killed.mcap", lambda topic, tick, data: data, ended=False)
+    found = compare.first_difference(one, log.load(tmp_path / "killed.mcap"))
+    assert found is not None
+    assert found.told("in A", "in B") == "tick 49, end: how it ended is 'at its end' in A and 'nothing' in B"
+
+    def both(topic: str, tick: int, data: bytes) -> bytes | None:
+        moved = recordings.edited("/commands", 40, 1, links)(topic, tick, data)
+        return None if moved is None else on("/events", 10, told(value=4e6))(topic, tick, moved)
+
+    recordings.rewrite(recorded, tmp_path / "both.mcap", both)
+    found = compare.first_difference(one, log.load(tmp_path / "both.mcap"))
+    assert found is not None
+    assert (found.tick, found.message, found.robot) == (40, "Command", 1)
 
 
 def test_a_log_as_it_was_is_what_it_says(recorded: Path, tmp_path: Path) -> None:
