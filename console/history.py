@@ -12,7 +12,7 @@ from fes.arrays import Floats
 from fes.edges import Edges
 from fes.sensing import Telemetry
 from world import metrics
-from world.account import Account
+from world.account import Account, dither_period
 from world.scenario import Scenario
 from world.simulation import State
 
@@ -32,10 +32,12 @@ class History:
     estimate_error: Floats
     """Sum of |r_ij - r*| over both ends of all links [t] [m]."""
     separation_error: Floats
-    """Largest |separation - r*| [t] [m]."""
+    """Largest |separation - r*| [t] [m]; averaged over a dither period where one is over, as in the summary."""
     optimal: float
     """r* [m]."""
     digest: str
+    averaged: bool
+    """Whether the formation breathes, so that separations are averaged over a dither period."""
 
 
 class Moment(Protocol):
@@ -81,11 +83,21 @@ def gather(scenario: Scenario, moments: Iterable[tuple[Moment, Account]]) -> His
         poses.append(tick.state.poses)
         links.append(said.links)
         total = float(np.abs(said.estimates - sums.optimal).sum()) if len(said.links) else np.nan
-        errors = sums.tally.errors
-        rows.append((errors["disagreement"], total, errors["separation_error"]))
+        apart = float(np.abs(sums.separation - sums.optimal).max()) if len(links[-1]) else np.nan
+        rows.append((sums.tally.errors["disagreement"], total, apart))
     series = np.array(rows).T
     time = scenario.run.dt * np.arange(len(poses), dtype=np.float64)
-    return History(time, np.array(poses), links, series[0], series[1], series[2], last.optimal, last.tally.digest())
+    return History(
+        time,
+        np.array(poses),
+        links,
+        series[0],
+        series[1],
+        series[2],
+        last.optimal,
+        last.tally.digest(),
+        dither_period(scenario) > 1,
+    )
 
 
 def ends_at(history: History, tick: int) -> Floats:

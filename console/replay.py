@@ -15,6 +15,7 @@ from console.reexecution import Robots
 from fes import process
 from fes.errors import FesError
 from world.account import Account
+from world.recorder import AT_ITS_END
 
 
 def replay(
@@ -30,6 +31,8 @@ def replay(
     json_: Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else.")] = False,
 ) -> int:
     """Show a recorded run again; or execute it again, bit for bit."""
+    if robot is not None and all_:
+        raise FesError(f"--all executes every robot again, give it or --robot {robot}")
     log = logs.load(target)
     screen = Console(stderr=json_)
     if robot is not None:
@@ -43,6 +46,8 @@ def replay(
         _print(screen, json_, result, f"the world{' and all robots' if all_ else ''}, executed again", ticks)
     else:
         player.play(log, screen, speed)
+    if log.ended not in (None, AT_ITS_END):
+        screen.print(f"the run ended early: {log.ended}", highlight=False, markup=False, soft_wrap=True)
     complaint = log.complaint
     if complaint is not None:
         raise FesError(complaint)

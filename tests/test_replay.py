@@ -261,6 +261,33 @@ def test_the_program_says_it_in_one_line_and_returns_1(tmp_path: Path) -> None:
         assert done.stderr == "fes: error: notes.txt is not a log: it is not an MCAP file\n"
 
 
+def test_robot_and_all_at_once_are_refused(recorded: Recorded) -> None:
+    with pytest.raises(FesError, match=r"^--all executes every robot again, give it or --robot 3$"):
+        replay.replay(recorded[0], robot=3, all_=True)
+
+
+def test_a_run_that_was_stopped_is_said_to_be(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    pair, kept = load("pair.toml", run__duration=1.0), list[dict[str, Any]]()
+
+    def fail(report: object) -> None:
+        raise FesError("there was a [fault]")
+
+    def run() -> None:
+        with Recorder(tmp_path / "run.mcap", pair, "test", "inprocess") as recorder:
+            try:
+                inprocess.run(pair, "test", rtf=5.0, watch=fail, keep=kept.append, recorder=recorder)
+            finally:
+                recorder.conclude(*kept)
+
+    with pytest.raises(FesError, match="fault"):
+        run()
+    [summary] = kept  # whatever ends a run, what was reached is kept
+    replay.replay(tmp_path / "run.mcap", json_=True)
+    out, err = capfd.readouterr()
+    assert json.loads(out) == as_json(summary)
+    assert err == "the run ended early: there was a [fault]\n"
+
+
 def test_figures_are_drawn_from_a_log(recorded: Recorded, tmp_path: Path) -> None:
     evidence.plot(str(recorded[0]), out=tmp_path)
     assert {path.name for path in tmp_path.iterdir()} >= {"formation.png", "convergence.svg"}

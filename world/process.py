@@ -31,9 +31,11 @@ async def serve(flags: argparse.Namespace, scenario: Scenario) -> int:
                 await server.gather()
                 await server.run()
             finally:
-                server.dismiss()
-                server.complaints.log_total(server.overflow)
-                _keep(flags.out, server, recorder)
+                try:
+                    server.dismiss()
+                    server.complaints.log_total(server.overflow)
+                finally:
+                    _keep(flags.out, server, recorder)
         server.logger.info("the run is over after %d ticks", scenario.ticks)
     return process.SUCCESS
 

@@ -105,7 +105,7 @@ def _tell(planned: Design, book: Ledger, directory: Path, form: Format, plot: bo
         ]
         if differences:
             written.append(table.write(directory, "differences", [_contrast(planned, one) for one in differences]))
-        if plot:
+        if plot and picture.drawable(planned, rows):
             written += figures.save(picture.sweep_figure(planned, rows, differences), directory / "sweep")
     except OSError as error:
         raise FesError(f"cannot write the tables: {reason(error)}") from None
@@ -117,7 +117,8 @@ def _tell(planned: Design, book: Ledger, directory: Path, form: Format, plot: bo
     if failed:
         run, why = failed[0]
         told = f"{planned.title(run.cell)}, seed {run.seed}: {why}"
-        raise FesError(f"{len(failed)} of {len(planned.runs)} runs failed, the first {told}")
+        repeat = f"to repeat them, delete the lines with an error in {directory / ledger.LINES}"
+        raise FesError(f"{len(failed)} of {len(planned.runs)} runs failed, the first {told}; {repeat}")
     return process.SUCCESS
 
 

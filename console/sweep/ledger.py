@@ -87,9 +87,9 @@ def _claim(directory: Path, design: Design) -> None:
     """Write the directory's header, or find that it is this design's."""
     path, wanted = directory / HEADER, _identity(design)
     if not path.exists():
-        if any(directory.iterdir()):
-            raise FesError(f"--out {directory}: the directory is not empty, and no sweep's")
         temporary = directory / f".{HEADER}"
+        if any(found != temporary for found in directory.iterdir()):  # that one a kill may have left behind
+            raise FesError(f"--out {directory}: the directory is not empty, and no sweep's")
         temporary.write_text(json.dumps(wanted, indent=1) + "\n", encoding="utf-8")
         os.replace(temporary, path)
         return
