@@ -5,11 +5,14 @@ import json
 import os
 import signal
 import subprocess
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from mcap.exceptions import McapError
+from mcap.reader import NonSeekingReader
 
 from console import compare, evidence, history, inprocess, log, replay
 from console.reexecution import Mismatch
@@ -177,6 +180,15 @@ def test_compare_and_replay_return_1_where_something_differs(recorded: Recorded,
     assert (whole.returncode, json.loads(whole.stdout)) == (0, as_json(recorded[1]))
 
 
+def read_without_an_index(path: Path) -> list[int]:
+    """The ticks of the Commands in a log of a killed run, by the recipe of docs/log.md."""
+    found = []
+    with path.open("rb") as file, suppress(McapError):
+        for _, _, message in NonSeekingReader(file).iter_messages(topics="/commands", log_time_order=False):
+            found.append(message.sequence)
+    return found
+
+
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
 def test_a_log_of_a_world_that_was_ended_holds_what_was_reached(tmp_path: Path, how: signal.Signals) -> None:
     words = ["run", str(CONFIGS / "pair.toml"), "--duration", "100000", "--out", "out", "--headless"]
@@ -196,6 +208,7 @@ def test_a_log_of_a_world_that_was_ended_holds_what_was_reached(tmp_path: Path, 
     assert summary["ticks"] == ticks
     assert summary["digest"] == inprocess.run(load("pair.toml", run__duration=ticks * 0.02), "pair")["digest"]
     if how is signal.SIGKILL:
+        assert read_without_an_index(path) == list(range(ticks))
         assert found.complaint == (
             f"{path} has no end, its run was killed or the file was cut: {ticks} of 5000000 ticks are there"
         )

@@ -224,9 +224,10 @@ def test_a_number_that_no_run_has_is_a_number_in_parquet(tmp_path: Path) -> None
 def test_a_sweep_whose_runs_all_failed_draws_nothing_and_says_how_to_repeat_them(tmp_path: Path) -> None:
     words = ["sweep", PAIR, "--seeds", "0:2", "--set", "formation.linear_gain=1e308", "--set", "run.duration=1"]
     done = call(tmp_path, "fes", *words, "--out", "out", "--plot")
-    told = complaint(done, "fes")
-    assert "2 of 2 runs failed" in told
-    assert told.endswith("to repeat them, delete the lines with an error in out/runs.jsonl")
+    assert done.returncode == 1
+    assert done.stderr.startswith("fes: error: 2 of 2 runs failed, the first ")
+    assert done.stderr.endswith("to repeat them, delete the lines with an error in out/runs.jsonl\n")
+    assert done.stderr.count("\n") == 1
     assert not (tmp_path / "out" / "sweep.png").exists()
 
 
