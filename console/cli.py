@@ -18,7 +18,7 @@ from console.processes import Launch
 from console.rundir import Visitor
 from console.sweep import command
 from fes import bus, keys, process
-from fes.errors import FesError, ScenarioError
+from fes.errors import FesError, ScenarioError, reason
 from fes.identity import OBSERVER
 from world import expect
 from world.recorder import NAME, Recorder
@@ -149,7 +149,7 @@ def main() -> None:
         process.complain("fes", str(error))
         code = error.exit_code
     except OSError as error:
-        process.complain("fes", f"{error.strerror}: {error.filename}" if error.filename else str(error))
+        process.complain("fes", reason(error))
         code = process.FAILURE
     except Exception as error:
         # Typer's own complaints about arguments know how to say themselves in one line.

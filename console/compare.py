@@ -2,18 +2,21 @@
 
 import itertools
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from console import log as logs
-from console.difference import Difference, between
+from console.difference import Difference, between, of_reports, of_summaries
 from console.log import Log, Tick
 from fes import process
 
 MISSING = "nothing"
+
+Setting = tuple[str, Any]
+"""Dotted path and value."""
 
 
 def compare(
@@ -36,9 +39,15 @@ def compare(
 
 
 def of_scenarios(one: Log, other: Log) -> Iterator[tuple[str, Any, Any]]:
-    """Dotted path and both values of each field in which the scenarios differ."""
-    mine, theirs = (_fields(log.scenario.model_dump(mode="json", by_alias=True), "") for log in (one, other))
-    a, b = dict(mine), dict(theirs)
+    """Dotted path and both values of each field in which the scenarios differ.
+
+    What was set at a tick is the same whether it was scheduled or a person set it.
+    """
+    a, b = (
+        dict(_fields(log.scenario.model_dump(mode="json", by_alias=True, exclude={"event"}), ""))
+        for log in (one, other)
+    )
+    a["event"], b["event"] = _events(one), _events(other)
     for path in [*a, *(path for path in b if path not in a)]:
         values = a.get(path, MISSING), b.get(path, MISSING)
         if values[0] != values[1]:
@@ -46,21 +55,76 @@ def of_scenarios(one: Log, other: Log) -> Iterator[tuple[str, Any, Any]]:
 
 
 def first_difference(one: Log, other: Log) -> Difference | None:
-    """The first tick, robot and field in which two logs differ; the end of one of them is a difference, too."""
-    for tick, pair in enumerate(itertools.zip_longest(one.ticks(), other.ticks())):
-        found = _of_ticks(tick, *pair)
+    """The first tick, robot and field in which two logs differ; the end of one of them is a difference, too.
+
+    A difference of Reports, of what was set, of the summary or of the end is told where no message differs.
+    """
+    aside, ticks = None, 0
+    for pair in itertools.zip_longest(one.ticks(), other.ticks()):
+        found = _of_messages(ticks, *pair)
         if found is not None:
             return found
-    return None
+        aside, ticks = aside or _aside(ticks, *pair), ticks + 1
+    return aside or _of_ends(ticks - 1, one, other)
 
 
-def _of_ticks(number: int, one: Tick | None, other: Tick | None) -> Difference | None:
+def _of_messages(number: int, one: Tick | None, other: Tick | None) -> Difference | None:
     if one is None or other is None:
-        return Difference(number, "run", None, "this tick", *("there" if tick else MISSING for tick in (one, other)))
-    found = between(number, one.said, other.said)
-    if found is None and one.changes != other.changes:
-        return Difference(number, "events", None, "what was set", one.changes, other.changes)
-    return found
+        return Difference(number, "run", None, "this tick", *_there(one, other))
+    return between(number, one.said, other.said)
+
+
+def _aside(number: int, one: Tick | None, other: Tick | None) -> Difference | None:
+    """The first difference of two ticks whose messages are the same."""
+    assert one is not None
+    assert other is not None
+    mine, theirs = (_together(tick.scheduled, tick.changes) for tick in (one, other))
+    if mine != theirs:
+        return Difference(number, "events", None, "what was set", mine, theirs)
+    if one.report is None or other.report is None:
+        same = one.report is other.report
+        return None if same else Difference(number, "Report", None, "payload", *_there(one.report, other.report))
+    return of_reports(one.report, other.report)
+
+
+def _of_ends(number: int, one: Log, other: Log) -> Difference | None:
+    """How the ends of two logs differ whose ticks are the same."""
+    if one.ended != other.ended:
+        return Difference(number, "end", None, "how it ended", one.ended or MISSING, other.ended or MISSING)
+    if one.summary is None or other.summary is None:
+        same = one.summary is other.summary
+        return None if same else Difference(number, "summary", None, "it", *_there(one.summary, other.summary))
+    return of_summaries(number, one.summary, other.summary)
+
+
+def _there(*things: object) -> list[str]:
+    return [MISSING if thing is None else "there" for thing in things]
+
+
+def _together(scheduled: Iterable[Setting], by_persons: Iterable[Setting]) -> list[Setting]:
+    """What was set at a tick, by whomever: of two values of a field the later one."""
+    found: dict[str, Any] = {}
+    for path, value in (*scheduled, *by_persons):
+        found.pop(path, None)
+        found[path] = value
+    return list(found.items())
+
+
+def _events(log: Log) -> list[dict[str, Any]]:
+    """What was scheduled or set, as the events of a scenario in which all of it is scheduled."""
+    scenario = log.scenario
+    sets = {tick: list(settings.items()) for tick, settings in scenario.changes.items()}
+    for tick in log.ticks():
+        if tick.changes:
+            sets[tick.number] = _together(sets.get(tick.number, ()), tick.changes)
+    found = [
+        {"at": round(tick * scenario.run.dt, 9), "set": dict(settings)} for tick, settings in sorted(sets.items())
+    ]
+    return found + [
+        {"at": event.at, "kill": event.kill, "restart": event.restart}
+        for event in scenario.event
+        if event.kill or event.restart
+    ]
 
 
 def _fields(value: Any, path: str) -> Iterator[tuple[str, Any]]:

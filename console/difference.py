@@ -1,5 +1,6 @@
 """Where two ticks differ: message, robot, field and both values."""
 
+import json
 import struct
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -17,8 +18,10 @@ _DECODERS: dict[str, Callable[[bytes], Any]] = {
     "Command": messages.decode_command,
 }
 _PARTS = {"pose": ("x", "y", "heading"), "twist": ("linear", "angular")}
-_WALL_CLOCK = {"elapsed", "ticks_per_s", "alive"}
-"""Fields of a Report that are of the machine and not of the run."""
+_OUTSIDE = {"scenario", "elapsed", "ticks_per_s", "alive"}
+"""Fields of a Report that are of the machine or of the scenario's file, and not of the run."""
+_OUTSIDE_SUMMARY = {"scenario", "backend", "wall_s", "ticks_per_s", "real_time_factor"}
+"""The same of a summary."""
 
 
 class Difference(NamedTuple):
@@ -71,11 +74,20 @@ def of_payloads(tick: int, message: str, robot: int, one: bytes, other: bytes) -
 def of_reports(one: Report, other: Report) -> Difference | None:
     """The first difference of two Reports, but for what is of the machine."""
     for field in one.__slots__:
-        if field in _WALL_CLOCK:
+        if field in _OUTSIDE:
             continue
         found = _values(field, getattr(one, field), getattr(other, field))
         if found is not None:
             return Difference(one.tick, "Report", None, *found)
+    return None
+
+
+def of_summaries(tick: int, one: dict[str, Any], other: dict[str, Any]) -> Difference | None:
+    """The first difference of two summaries, but for what is of the machine and the name."""
+    for key in dict.fromkeys([*one, *other]):
+        mine, theirs = one.get(key), other.get(key)
+        if key not in _OUTSIDE_SUMMARY and json.dumps(mine) != json.dumps(theirs):
+            return Difference(tick, "summary", None, key, mine, theirs)
     return None
 
 

@@ -13,7 +13,7 @@ from console import log as logs
 from console.history import History
 from console.log import Log
 from fes import process
-from fes.errors import FesError
+from fes.errors import FesError, reason
 from world.scenario import load
 
 if TYPE_CHECKING:
@@ -39,11 +39,11 @@ def plot(
         directory, drawn = out or (where.parent if where.is_file() else where), _run_figures(where)
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        for name, figure in drawn.items():
-            for path in figures.save(figure, directory / name):
-                print(path)
+        written = [path for name, figure in drawn.items() for path in figures.save(figure, directory / name)]
     except OSError as error:
-        raise FesError(f"cannot write figures: {error.strerror}: {error.filename}") from None
+        raise FesError(f"cannot write figures: {reason(error)}") from None
+    for path in written:
+        print(path)
     return process.SUCCESS
 
 

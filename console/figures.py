@@ -98,10 +98,11 @@ def formation_figure(run: History) -> "Figure":
 
 def convergence_figure(run: History) -> "Figure":
     """The paper's Fig. 6 (a) and (b), and beside them (c), the largest separation error."""
+    averaged = "\naveraged over a dither period" if run.averaged else ""
     series = (
         (r"(a) $\sum|\hat r_{ij}-\hat r_{ji}|$ [m]", run.disagreement),
         (r"(b) $\sum|\hat r_{ij}-r^*|$ [m]", run.estimate_error),
-        (r"(c) max $|r_{ij}-r^*|$ [m]", run.separation_error),
+        (rf"(c) max $|r_{{ij}}-r^*|$ [m]{averaged}", run.separation_error),
     )
     with sheet(10.8, 3.2, columns=3) as (figure, axes):
         for look, (title, values) in zip(axes, series, strict=True):

@@ -1,6 +1,6 @@
 """A run as time series, for figures. A run is a function of its scenario, so it need not have been recorded."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -12,7 +12,7 @@ from fes.arrays import Floats
 from fes.edges import Edges
 from fes.sensing import Telemetry
 from world import metrics
-from world.account import Account
+from world.account import Account, dither_period
 from world.scenario import Scenario
 from world.simulation import State
 
@@ -32,10 +32,12 @@ class History:
     estimate_error: Floats
     """Sum of |r_ij - r*| over both ends of all links [t] [m]."""
     separation_error: Floats
-    """Largest |separation - r*| [t] [m]."""
+    """Largest |separation - r*| [t] [m]; averaged over a dither period where one is over, as in the summary."""
     optimal: float
     """r* [m]."""
     digest: str
+    averaged: bool
+    """Whether the formation breathes, so that separations are averaged over a dither period."""
 
 
 class Moment(Protocol):
@@ -56,29 +58,46 @@ class Moment(Protocol):
 
 def follow(scenario: Scenario) -> History:
     """Run a scenario in process, and keep its history."""
-    return gather(scenario, inprocess.ticks(scenario))
+    sums = Account(scenario)
+
+    def accounted() -> Iterator[tuple[Moment, Account]]:
+        for tick in inprocess.ticks(scenario):
+            sums.add(tick.state, tick.twists, tick.telemetry)
+            yield tick, sums
+
+    return gather(scenario, accounted())
 
 
 def recorded(log: Log) -> History:
-    """The history of a recorded run."""
-    return gather(log.scenario, reexecution.world(log))
+    """The history of a recorded run; Reports and summary are compared, the digest included."""
+    return gather(log.scenario, reexecution.accounted(log))
 
 
-def gather(scenario: Scenario, moments: Iterable[Moment]) -> History:
-    """The history of a run that is gone through, tick by tick; of one tick at least."""
-    sums = Account(scenario)
+def gather(scenario: Scenario, moments: Iterable[tuple[Moment, Account]]) -> History:
+    """The history of a run that is gone through, tick by tick with the account up to it; of one tick at least."""
+    last = Account(scenario)
     poses, links, rows = [], [], []
-    for tick in moments:
-        sums.add(tick.state, tick.twists, tick.telemetry)
+    for tick, sums in moments:
+        last = sums
         said = tick.telemetry
         poses.append(tick.state.poses)
         links.append(said.links)
         total = float(np.abs(said.estimates - sums.optimal).sum()) if len(said.links) else np.nan
-        errors = sums.tally.errors
-        rows.append((errors["disagreement"], total, errors["separation_error"]))
+        apart = float(np.abs(sums.separation - sums.optimal).max()) if len(links[-1]) else np.nan
+        rows.append((sums.tally.errors["disagreement"], total, apart))
     series = np.array(rows).T
     time = scenario.run.dt * np.arange(len(poses), dtype=np.float64)
-    return History(time, np.array(poses), links, series[0], series[1], series[2], sums.optimal, sums.tally.digest())
+    return History(
+        time,
+        np.array(poses),
+        links,
+        series[0],
+        series[1],
+        series[2],
+        last.optimal,
+        last.tally.digest(),
+        dither_period(scenario) > 1,
+    )
 
 
 def ends_at(history: History, tick: int) -> Floats:

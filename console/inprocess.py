@@ -9,7 +9,7 @@ import numpy as np
 
 from agents import assembly, crew
 from fes.arrays import Floats
-from fes.errors import Stopped
+from fes.errors import FesError
 from fes.report import Report
 from fes.sensing import Beacons, Telemetry, of_those, silence
 from world import reporting, simulation, summary, wording
@@ -103,7 +103,7 @@ def run(
                 told_at, told = now, done
             if rtf is not None:
                 time.sleep(max(0.0, begun + done * scenario.run.dt / rtf - time.perf_counter()))
-    except Stopped:
+    except FesError:
         if keep is not None and sums.tally.ticks:
             keep(reached())
         raise

@@ -1,11 +1,13 @@
 """Logs of runs, read back; docs/log.md says what is in them."""
 
+import itertools
 import json
 import struct
 import tomllib
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,14 +18,15 @@ from mcap.records import Channel, Chunk, DataEnd, McapRecord, Message
 from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
 from mcap.writer import MCAP0_MAGIC
 
-from fes.errors import FesError
+from fes.errors import FesError, MessageError
 from fes.report import Report, decode_report
 from world import protobuf, schemas
-from world.recorder import NAME, SUMMARY, Said
+from world.recorder import AT_ITS_END, NAME, SUMMARY, Said
 from world.scenario import Scenario, parse
 
 _EVIDENCE = ("/observations", "/beacons", "/commands")
 _BROKEN = (McapError, CRCValidationError, zstandard.ZstdError, struct.error, UnicodeDecodeError, MemoryError)
+_UNREADABLE = (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError)
 
 
 class Tick(NamedTuple):
@@ -33,6 +36,8 @@ class Tick(NamedTuple):
     said: Said
     changes: list[tuple[str, Any]]
     """What persons set of the channel: path and value."""
+    scheduled: list[tuple[str, Any]]
+    """What was set by the schedule."""
     present: list[int] | None
     """The robots that are there from this tick on, where that changed otherwise than by schedule."""
     report: Report | None
@@ -55,13 +60,19 @@ class Log:
 
     def ticks(self) -> Iterator[Tick]:
         """Its ticks, in order; of a log without an end those that are whole. Raises FesError."""
+        there = 0
         try:
-            for expected, tick in enumerate(_ticks(self.path)):
+            for expected, tick in enumerate(_ticks(self.path, self.scenario.robots.number)):
                 if tick.number != expected:
                     raise FesError(f"{self.path}: after tick {expected - 1} comes tick {tick.number}")
                 yield tick
-        except (ValueError, KeyError, IndexError, TypeError) as error:
-            raise FesError(f"{self.path}: a message is not what its topic promises: {error}") from None
+                there = expected + 1
+        except _UNREADABLE as error:
+            raise FesError(f"{self.path}: a message is not what its topic promises: {_line(error)}") from None
+        if self.summary is not None and there != self.summary.get("ticks"):
+            raise FesError(f"{self.path}: {there} ticks are there, and its summary is of {self.summary.get('ticks')}")
+        if self.ended == AT_ITS_END and there != self.scenario.ticks:
+            raise FesError(f"{self.path}: {there} of {self.scenario.ticks} ticks are there, and no reason why")
 
     @property
     def complaint(self) -> str | None:
@@ -90,11 +101,13 @@ def load(target: Path) -> Log:
         raise FesError(f"{path} is a log of version {told.get('log')}; this fes reads version {schemas.VERSION}")
     ended = _metadata(path)
     try:
-        scenario = parse(tomllib.loads(told["scenario"]), str(path))
         summary = json.loads(ended["summary"]) if ended and "summary" in ended else None
+        if summary is not None and not isinstance(summary, dict):
+            raise TypeError("its summary is not a table")
+        scenario = parse(tomllib.loads(told["scenario"]), str(path))
         log = Log(path, told["name"], told["backend"], scenario, summary, ended["ended"] if ended else None)
-    except (KeyError, TypeError, ValueError) as error:
-        raise FesError(f"{path}: what it says of its run cannot be read: {error}") from None
+    except _UNREADABLE as error:
+        raise FesError(f"{path}: what it says of its run cannot be read: {_line(error)}") from None
     if next(log.ticks(), None) is None:
         raise FesError(log.complaint or f"{path}: the run was over before its first tick")
     return log
@@ -102,7 +115,7 @@ def load(target: Path) -> Log:
 
 def _scenario(path: Path) -> dict[str, Any]:
     """What the log says of its run: its first message."""
-    with suppress(ValueError):
+    with suppress(ValueError, RecursionError):
         for topic, message in _messages(path):
             if topic == "/scenario":
                 told = json.loads(message.data)
@@ -121,27 +134,72 @@ def _metadata(path: Path) -> dict[str, str] | None:
         return None
 
 
-def _ticks(path: Path) -> Iterator[Tick]:
-    number, said, changes, report = -1, dict[str, list[bytes]](), list[tuple[str, Any]](), None
-    present: list[int] | None = None
+def _ticks(path: Path, robots: int) -> Iterator[Tick]:
+    """The ticks of a file; raises FesError, or one of what is unreadable."""
+    for number, found in itertools.groupby(_numbered(path), key=itemgetter(0)):
+        said, set_ = dict[str, list[bytes]](), {"person": list[tuple[str, Any]](), "schedule": []}
+        present: list[int] | None = None
+        report: Report | None = None
+        for _, topic, data in found:
+            if topic in _EVIDENCE:
+                said[topic] = _payloads(path, topic, data, number, robots)
+            elif topic == "/report":
+                try:
+                    report = decode_report(next(iter(_contents(data)), b""))
+                except MessageError as error:
+                    raise FesError(f"{path}: tick {number}: {error}") from None
+            elif (event := json.loads(data))["tick"] == number:
+                if event["what"] == "set":
+                    set_[event["by"]].append((str(event["path"]), event["value"]))
+                elif event["what"] == "present":
+                    present = [int(robot) for robot in event["robots"]]
+        for topic in _EVIDENCE:
+            if topic not in said:
+                raise FesError(f"{path}: tick {number} has no message on {topic}")
+        all_ = Said(*(said[topic] for topic in _EVIDENCE))
+        yield Tick(number, all_, set_["person"], set_["schedule"], present, report)
+
+
+def _numbered(path: Path) -> Iterator[tuple[int, str, bytes]]:
+    """Tick, topic and content of each message that is read back; a tick begins with its Observations."""
+    number = -1
     for topic, message in _messages(path):
-        if topic == _EVIDENCE[0] and said:
-            yield Tick(number, Said(*(said[name] for name in _EVIDENCE)), changes, present, report)
-            said, changes, present, report = {}, [], None, None
-        if topic in _EVIDENCE:
-            fields = list(protobuf.fields(message.data))
-            number = next(int(value) for field, value in fields if field == 1)
-            said[topic] = [bytes(value) for field, value in fields if field == 2]
-        elif topic == "/events":
-            event = json.loads(message.data)
-            if event["what"] == "set" and event["by"] == "person" and event["tick"] == number:
-                changes.append((event["path"], event["value"]))
-            elif event["what"] == "present" and event["tick"] == number:
-                present = event["robots"]
-        elif topic == "/report":
-            report = decode_report(next(bytes(value) for field, value in protobuf.fields(message.data) if field == 2))
-    if said:
-        yield Tick(number, Said(*(said[name] for name in _EVIDENCE)), changes, present, report)
+        if topic == _EVIDENCE[0]:
+            after = _tick(message.data)
+            if after < 0:
+                raise FesError(f"{path}: a message on {topic} has no tick")
+            if after == number:
+                raise FesError(f"{path}: tick {number} has two messages on {topic}")
+            number = after
+        if topic in (*_EVIDENCE, "/report", "/events") and number >= 0:
+            yield number, topic, message.data
+
+
+def _tick(data: bytes) -> int:
+    """The tick in a message of all robots; -1 if there is none."""
+    return next((int(value) for field, value in protobuf.fields(data) if field == 1), -1)
+
+
+def _contents(data: bytes) -> list[bytes]:
+    """The payloads in a message."""
+    return [value for field, value in protobuf.fields(data) if field == 2 and isinstance(value, bytes)]
+
+
+def _payloads(path: Path, topic: str, data: bytes, number: int, robots: int) -> list[bytes]:
+    """The payloads of a message of all robots, which must be of this tick and one a robot."""
+    if _tick(data) != number:
+        raise FesError(f"{path}: tick {number}: the message on {topic} is of tick {_tick(data)}")
+    found = _contents(data)
+    if len(found) != robots:
+        raise FesError(f"{path}: tick {number}: {topic} has {len(found)} payloads, there are {robots} robots")
+    return found
+
+
+def _line(error: Exception) -> str:
+    """An error of whatever cannot be read, in a line."""
+    if isinstance(error, RecursionError):
+        return "it is nested too deeply"
+    return " ".join(f"{type(error).__name__}: {error}".split()) if isinstance(error, KeyError) else str(error)
 
 
 def _messages(path: Path) -> Iterator[tuple[str, Message]]:

@@ -2,6 +2,7 @@
 
 import sys
 import time
+from collections import deque
 from collections.abc import Iterator
 
 from rich.console import Console, Group, RenderableType
@@ -15,7 +16,6 @@ from console.log import Log
 from fes import process
 from fes.errors import Stopped
 from fes.report import Report, decode_report, encode_report
-from world.account import Account
 
 SEEK = 5.0
 """[s]"""
@@ -106,6 +106,8 @@ class Player:
             self._kept.append(encode_report(report))
         self.history.add(report)
         self.tick = report.tick
+        if self.tick + self._stride >= self.ticks:
+            deque(self._reports, maxlen=0)  # nothing more is shown, but the summary is still to be compared
 
 
 def play(log: Log, console: Console, speed: float) -> None:
@@ -140,10 +142,9 @@ def frame(player: Player, width: int, height: int) -> RenderableType:
 
 
 def _reports(log: Log) -> Iterator[Report]:
-    """The Report of each tick."""
-    sums, latest = Account(log.scenario), None
-    for moment in reexecution.world(log):
-        sums.add(moment.state, moment.twists, moment.telemetry)
+    """The Report of each tick; those that were recorded, and at the end the summary, are compared."""
+    latest = None
+    for moment, sums in reexecution.accounted(log):
         latest = moment.recorded.report or latest
         if latest is not None:
             yield reexecution.report(sums, latest)

@@ -3,9 +3,10 @@
 Whatever comes out is compared with the log, to the bit.
 """
 
+import json
 from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -16,17 +17,18 @@ from console.log import Log, Tick
 from fes import messages
 from fes.arrays import Floats
 from fes.errors import FesError, MessageError
-from fes.messages import Command, Observation
+from fes.messages import Beacon, Command, Observation
 from fes.report import Report
 from fes.sensing import Telemetry
 from world import events, reporting, simulation, wording
 from world.account import Account
-from world.recorder import Said
+from world.recorder import Said, report_period
 from world.scenario import agent_config
 from world.simulation import State
+from world.summary import summarize
 from world.wording import Told
 
-T = TypeVar("T")
+T = TypeVar("T", Observation, Beacon, Command)
 
 
 class Mismatch(FesError):
@@ -55,7 +57,11 @@ def world(log: Log) -> Iterator[Moment]:
     """
     again = simulation.create(log.scenario)
     state, told = simulation.start(again), Told(again.ids)
+    before: Moment | None = None
     for tick in log.ticks():
+        if before is not None:  # only now: after the last recorded tick nobody knows what would have come
+            state = simulation.step(again, before.state, before.twists)
+        _check_schedule(log, tick)
         channel = state.channel
         for path, value in tick.changes:
             channel = events.changed(channel, {path: value}, log.scenario.run.dt)
@@ -71,8 +77,35 @@ def world(log: Log) -> Iterator[Moment]:
         for robot, command in zip(here, given, strict=True):
             commands[robot] = command
         twists, telemetry = told.read(commands)
-        yield Moment(tick, state, twists, telemetry)
-        state = simulation.step(again, state, twists)
+        before = Moment(tick, state, twists, telemetry)
+        yield before
+
+
+def accounted(log: Log) -> Iterator[tuple[Moment, Account]]:
+    """Every tick of a log as `world` has it, and the account up to it.
+
+    Raises Mismatch where a Report comes out otherwise, and FesError where one is missing or, when the last tick has
+    been gone through, where the summary is another one.
+    """
+    sums, elapsed, period = Account(log.scenario), 0.0, report_period(log.scenario)
+    for moment in world(log):
+        sums.add(moment.state, moment.twists, moment.telemetry)
+        number, recorded = moment.recorded.number, moment.recorded.report
+        if recorded is not None:
+            elapsed = recorded.elapsed
+            _check_report(sums, recorded)
+        elif number % period == 0 or number == log.scenario.ticks - 1:
+            raise FesError(f"tick {number}: the Report that is due is not in the log")
+        yield moment, sums
+    _check_summary(log, summary(log, sums, elapsed))
+
+
+def summary(log: Log, sums: Account, elapsed: float = 0.0) -> dict[str, Any]:
+    """The summary of the ticks in `sums`, with what is of the machine taken from the log, or from `elapsed` [s]."""
+    wall = (log.summary or {}).get("wall_s")
+    wall = float(wall) if isinstance(wall, int | float) else elapsed
+    found: dict[str, Any] = json.loads(json.dumps(summarize(sums, log.name, log.backend, wall)))
+    return found
 
 
 class Robots:
@@ -129,21 +162,46 @@ def report(sums: Account, like: Report) -> Report:
     return reporting.build(sums, like.scenario, like.alive, like.elapsed, like.ticks_per_s)
 
 
-def check_report(sums: Account, recorded: Report) -> None:
+def _check_report(sums: Account, recorded: Report) -> None:
     """Raise Mismatch unless the Report of the last tick of `sums` is the recorded one."""
     found = of_reports(recorded, report(sums, recorded))
     if found is not None:
         raise Mismatch(found)
 
 
+def _check_summary(log: Log, found: dict[str, Any]) -> None:
+    """Raise FesError unless the summary in the log, if it has one, is the one that was found."""
+    if log.summary is None:
+        return
+    for key in [*log.summary, *(key for key in found if key not in log.summary)]:
+        mine, theirs = (json.dumps(one[key]) if key in one else None for one in (log.summary, found))
+        if mine != theirs:
+            told = [repr(one[key]) if key in one else "missing" for one in (log.summary, found)]
+            raise FesError(f"summary: {key} is {told[0]} in the log and {told[1]} executed again")
+
+
+def _check_schedule(log: Log, tick: Tick) -> None:
+    """Raise Mismatch unless the log says that at this tick was set what the scenario schedules."""
+    planned = list(log.scenario.changes.get(tick.number, {}).items())
+    if tick.scheduled != planned:
+        raise Mismatch(Difference(tick.number, "events", None, "what was scheduled", tick.scheduled, planned))
+
+
 def _decoded(tick: Tick, decode: Callable[[bytes], T], payloads: list[bytes], robots: Iterable[int]) -> list[T]:
-    """The messages of some robots at a tick; raises FesError where one is missing or damaged."""
+    """The messages of some robots at a tick; raises FesError where one is missing, damaged or another's."""
     found = []
     for robot in robots:
         try:
-            found.append(decode(payloads[robot] if robot < len(payloads) else b""))
+            one = decode(payloads[robot])
+            name = type(one).__name__
+            if (one.tick, one.robot) != (tick.number, robot):
+                raise MessageError(name, "is of another tick or robot", f"tick {one.tick}, robot {one.robot}")
+            peers = one.in_range if isinstance(one, Observation) else one.links
+            if len(peers) and not 0 <= peers.min() <= peers.max() < len(payloads):
+                raise MessageError(name, f"names a robot that is not one of {len(payloads)}", str(peers.tolist()))
         except MessageError as error:
             raise FesError(f"tick {tick.number}, robot {robot}: {error}") from None
+        found.append(one)
     return found
 
 

@@ -15,7 +15,7 @@ from console.reexecution import Robots
 from fes import process
 from fes.errors import FesError
 from world.account import Account
-from world.summary import summarize
+from world.recorder import AT_ITS_END
 
 
 def replay(
@@ -31,6 +31,8 @@ def replay(
     json_: Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else.")] = False,
 ) -> int:
     """Show a recorded run again; or execute it again, bit for bit."""
+    if robot is not None and all_:
+        raise FesError(f"--all executes every robot again, give it or --robot {robot}")
     log = logs.load(target)
     screen = Console(stderr=json_)
     if robot is not None:
@@ -44,6 +46,8 @@ def replay(
         _print(screen, json_, result, f"the world{' and all robots' if all_ else ''}, executed again", ticks)
     else:
         player.play(log, screen, speed)
+    if log.ended not in (None, AT_ITS_END):
+        screen.print(f"the run ended early: {log.ended}", highlight=False, markup=False, soft_wrap=True)
     complaint = log.complaint
     if complaint is not None:
         raise FesError(complaint)
@@ -67,22 +71,15 @@ def again(log: Log, everybody: bool = False) -> dict[str, Any]:
 
     Raises Mismatch where a message comes out otherwise, and FesError where a Report or the summary does.
     """
-    sums, elapsed = Account(log.scenario), 0.0
     robots = Robots(log, range(log.scenario.robots.number)) if everybody else None
-    for moment in reexecution.world(log):
+    elapsed, found = 0.0, Account(log.scenario)
+    for moment, sums in reexecution.accounted(log):
         if robots is not None:
             robots.step(moment.recorded)
-        sums.add(moment.state, moment.twists, moment.telemetry)
-        recorded = moment.recorded.report
-        if recorded is not None:
-            elapsed = recorded.elapsed
-            reexecution.check_report(sums, recorded)
-    wall = log.summary["wall_s"] if log.summary else elapsed
-    found: dict[str, Any] = json.loads(json.dumps(summarize(sums, log.name, log.backend, wall)))
-    for key, value in (log.summary or {}).items():
-        if json.dumps(found.get(key)) != json.dumps(value):
-            raise FesError(f"summary: {key} is {value!r} in the log and {found.get(key)!r} executed again")
-    return found
+        found = sums
+        if moment.recorded.report is not None:
+            elapsed = moment.recorded.report.elapsed
+    return reexecution.summary(log, found, elapsed)
 
 
 def _print(screen: Console, json_: bool, result: dict[str, Any], what: str, ticks: int) -> None:

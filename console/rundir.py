@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fes import keys
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
-from fes.errors import FesError
+from fes.errors import FesError, reason
 from fes.identity import security
 
 ROOT = Path("runs")
@@ -61,7 +61,7 @@ def create(scenario: str, out: Path | None) -> Path:
         _point_at(directory)
         return directory
     except OSError as error:
-        raise FesError(f"cannot create a run directory: {error.strerror}: {error.filename}") from None
+        raise FesError(f"cannot create a run directory: {reason(error)}") from None
 
 
 def announce(directory: Path, address: Address) -> None:

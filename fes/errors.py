@@ -16,6 +16,16 @@ class FesError(Exception):
     exit_code = 1
 
 
+def reason(error: OSError) -> str:
+    """What the system says of an error, in a line.
+
+    >>> reason(BrokenPipeError(32, "Broken pipe"))
+    'Broken pipe'
+    """
+    what = error.strerror or str(error)
+    return what if error.filename is None else f"{what}: {error.filename}"
+
+
 class ScenarioError(FesError):
     """A scenario or an override that breaks a rule."""
 

@@ -13,7 +13,7 @@ from typing import NoReturn, TypeVar
 
 from fes import identity, keys
 from fes.endpoints import Endpoints, Mode, default_endpoint
-from fes.errors import FesError, Stopped
+from fes.errors import FesError, Stopped, reason
 
 SUCCESS, FAILURE, UNMET = 0, 1, 2
 """Exit codes: success; bad configuration or run-time error; the run finished, but not as its scenario expects."""
@@ -48,7 +48,7 @@ def leave(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_wit
         complain(name, str(error))
         code = error.exit_code
     except OSError as error:
-        complain(name, f"{error.strerror}: {error.filename}" if error.filename else str(error))
+        complain(name, reason(error))
         code = FAILURE
     with contextlib.suppress(OSError):  # the terminal may be gone
         sys.stdout.flush()

@@ -1,5 +1,6 @@
 """Logs for tests: recorded in one loop, read with the mcap library alone, and written anew with a change."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -32,8 +33,8 @@ def messages(path: Path) -> list[tuple[str, int, bytes]]:
         return [(channel.topic, message.sequence, message.data) for _, channel, message in found]
 
 
-def rewrite(path: Path, to: Path, edit: Edit) -> None:
-    """A copy of a log with messages edited."""
+def rewrite(path: Path, to: Path, edit: Edit, summary: dict[str, Any] | None = None, ended: bool = True) -> None:
+    """A copy of a log with messages edited, with another summary, or as if its run had been killed."""
     with path.open("rb") as file, to.open("wb") as out:
         reader, writer = make_reader(file), Writer(out)
         writer.start("fes")
@@ -48,8 +49,9 @@ def rewrite(path: Path, to: Path, edit: Edit) -> None:
                 writer.add_message(
                     channels[channel.id], message.log_time, payload, message.log_time, message.sequence
                 )
-        for metadata in reader.iter_metadata():
-            writer.add_metadata(metadata.name, metadata.metadata)
+        for metadata in reader.iter_metadata() if ended else ():
+            told = metadata.metadata | ({"summary": json.dumps(summary)} if summary is not None else {})
+            writer.add_metadata(metadata.name, told)
         writer.finish()
 
 

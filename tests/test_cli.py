@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import typer.main
 from rich.console import Console
 
-from console import inprocess, summary
+from console import cli, inprocess, summary
 from tests.loop import CONFIGS, load
 
 PROGRAMS = Path(sysconfig.get_path("scripts"))
@@ -179,6 +180,18 @@ def test_an_agent_that_nobody_answers_says_whom_it_waited_for_and_how_long(tmp_p
 )
 def test_a_bad_endpoint_or_timeout_is_one_line(words: list[str], tmp_path: Path) -> None:
     assert words[-1] in complaint(call(tmp_path, *words), words[0])
+
+
+def test_a_reader_that_went_away_is_said_without_a_file(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def broken() -> None:
+        raise BrokenPipeError(32, "Broken pipe")
+
+    monkeypatch.setattr(typer.main, "get_command", lambda app: lambda standalone_mode: broken())
+    with pytest.raises(SystemExit) as left:
+        cli.main()
+    assert (left.value.code, capsys.readouterr().err) == (1, "fes: error: Broken pipe\n")
 
 
 def test_without_a_command_the_help_is_shown_and_no_empty_error(tmp_path: Path) -> None:

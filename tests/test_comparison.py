@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from console.sweep import comparison, design
+from console.sweep import comparison, design, picture
 from console.sweep.design import Design
 from console.sweep.table import Row
+from fes.arrays import Floats
 from tests.loop import CONFIGS
 
 
@@ -69,6 +70,28 @@ def test_where_nobody_arrives_there_is_no_mean(planned: Design) -> None:
     disk, _ = comparison.spreads(planned, table([None] * 4, [None] * 4))
     assert disk.reached == 0
     assert math.isnan(disk.mean)
+
+
+def test_an_outcome_is_looked_up_once_however_many_cells_there_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    wide = design.plan(CONFIGS / "pair.toml", ["run.dt=0.02,0.01,0.005,0.004"], "0:1", [])
+    rows: list[Row] = [{"seed": 0, "x": 1.0, "y": 2.0} for _ in range(4)]
+    asked, values = [], comparison.values
+
+    def counted(planned: Design, rows: list[Row], outcome: str) -> Floats:
+        asked.append(outcome)
+        return values(planned, rows, outcome)
+
+    monkeypatch.setattr(comparison, "values", counted)
+    assert len(list(comparison.differences(wide, rows))) == 6
+    assert asked == ["x", "y"]
+
+
+def test_the_figure_names_its_axes() -> None:
+    crossed = design.plan(CONFIGS / "pair.toml", ["formation.rule=disk,two_nearest", "run.dt=0.02,0.01"], "0:1", [])
+    rows: list[Row] = [{"seed": 0, "time_to.x": float(cell)} for cell in range(4)]
+    drawn = picture.sweep_figure(crossed, rows, list(comparison.differences(crossed, rows)))
+    [legend] = drawn.legends
+    assert legend.get_title().get_text() == "formation.rule, run.dt"
 
 
 def test_each_axis_is_compared_with_its_first_value_the_others_held() -> None:

@@ -128,6 +128,23 @@ def test_a_person_changes_a_running_world_and_the_run_can_be_run_again_with_what
     assert again["tracking"] == summary["tracking"]
 
 
+def test_what_an_event_that_is_scheduled_would_make_impossible_is_refused_and_the_run_goes_on() -> None:
+    bursts = {"bad_share": 0.1, "mean_length": 1.0, "loss": 0.5}
+    later = {"at": 3.0, "set": {"channel.bursts.bad_share": 0.9}}
+    scenario = load("pair.toml", run__duration=4.0, channel__bursts=bursts, event=[later])
+    short = Change("channel.bursts.mean_length", 0.1)
+    events.changed(scenario.channel, {short.path: short.value}, scenario.run.dt)  # now it is possible
+
+    async def disturb(endpoint: str) -> None:
+        async with session.client(endpoint) as terminal:
+            with pytest.raises(Refused, match=r"^channel\.bursts\.mean_length, with what is scheduled: event: set"):
+                await terminal.ask(keys.change(session.RUN), change.encode_change(short), 10.0)
+
+    summary, server, _ = asyncio.run(session.run(scenario, [[0], [1]], disturb))
+    assert summary["ticks"] == scenario.ticks
+    assert server.scenario == scenario
+
+
 def test_a_value_that_no_message_can_carry_is_one_line() -> None:
     with pytest.raises(MessageError, match="expects numbers, words, lists or tables"):
         change.encode_change(Change("channel.reference_snr", datetime.date(2020, 1, 1)))

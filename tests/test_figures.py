@@ -78,6 +78,20 @@ def test_the_default_sub_step_is_far_below_what_matters_and_converges_fast() -> 
         assert errors[1] < errors[0] / 16.0  # better than fourth order
 
 
+def test_a_run_shorter_than_a_dither_period_has_its_separations_drawn_and_the_title_says_it(seen: History) -> None:
+    short = history.follow(load("measured.toml", run__duration=1.0))
+    assert short.averaged
+    linked = [len(links) > 0 for links in short.links]
+    assert any(linked)
+    np.testing.assert_array_equal(np.isfinite(short.separation_error), linked)
+    for tick in (linked.index(True), len(linked) - 1):
+        ends = history.ends_at(short, tick)
+        expected = np.abs(np.hypot(*(ends[:, 0] - ends[:, 1]).T) - short.optimal).max()
+        assert short.separation_error[tick] == pytest.approx(expected, rel=1e-12)
+    titles = [figures.convergence_figure(run).axes[2].get_title() for run in (short, seen)]
+    assert [title.endswith("averaged over a dither period") for title in titles] == [True, False]
+
+
 def test_the_closed_loop_depends_on_the_tick_to_first_order() -> None:
     closed = load("neighborhood.toml")
     (_, coarse), (_, fine) = study.tick_errors(closed, (0.02, 0.005))

@@ -14,10 +14,13 @@ from mcap.stream_reader import StreamReader
 
 from console import inprocess, log
 from fes import messages
+from fes.errors import FesError
 from tests import recordings
 from tests.loop import load
 from world import protobuf
+from world.container import Container
 from world.scenario import Scenario
+from world.schemas import OWN
 
 DURATION = 20.0  # s
 MAX_BYTES = 200.0  # a robot-tick
@@ -153,6 +156,19 @@ def test_what_was_scheduled_is_told_as_an_event(tmp_path: Path) -> None:
         {"tick": 25, "what": "set", "by": "schedule", "path": "channel.reference_snr", "value": 5e6},
         {"tick": 50, "what": "end"},
     ]
+
+
+def test_a_file_that_cannot_be_written_is_said_once_and_closed() -> None:
+    file = Container(Path("/dev/full"))
+    file.put("/x", OWN["Report"], b"payload", 0, 0)
+    with pytest.raises(FesError, match=r"^cannot write /dev/full: No space left on device$"):
+        file.settle(at_once=True)
+    for _ in range(3):
+        file.put("/x", OWN["Report"], bytes(1000), 0, 0)
+        file.settle(at_once=True)
+    file.finish("end", {})
+    assert file._waiting <= len(b"payload") + 31  # what cannot be written is not kept either
+    assert file._file.closed
 
 
 def test_a_log_is_read_back_with_its_run(recorded: Recorded) -> None:

@@ -119,7 +119,7 @@ def test_a_log_without_an_end_is_played_as_far_as_it_goes(recorded: log.Log, tmp
     def until_tick_100(topic: str, tick: int, payload: bytes) -> bytes | None:
         return payload if tick <= 100 else None
 
-    recordings.rewrite(recorded.path, path, until_tick_100)
+    recordings.rewrite(recorded.path, path, until_tick_100, ended=False)
     shown = Player(log.load(path), 1.0)
     shown.press(RIGHT)
     settle(shown)

@@ -5,11 +5,14 @@ import json
 import os
 import signal
 import subprocess
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from mcap.exceptions import McapError
+from mcap.reader import NonSeekingReader
 
 from console import compare, evidence, history, inprocess, log, replay
 from console.reexecution import Mismatch
@@ -20,6 +23,7 @@ from tests import recordings, session
 from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, alive, children, command, fes, start, until
 from world.recorder import Recorder
+from world.server import Server
 
 SHORT = {"run__duration": 2.0}
 
@@ -92,20 +96,29 @@ def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
             wish = change.encode_change(Change("channel.reference_snr", 2e6))
             await person.ask(keys.change(session.RUN), wish, 5.0)
 
-    async def run() -> dict[str, Any]:
+    async def run() -> tuple[dict[str, Any], Server]:
         with Recorder(tmp_path / "run.mcap", pair, "test", "processes") as recorder:
             summary, server, _ = await session.run(pair, [[0], [1]], disturb, recorder)
             recorder.conclude(summary)
             assert server.scenario.event
-        return summary
+        return summary, server
 
-    summary = asyncio.run(asyncio.wait_for(run(), PATIENCE))
+    summary, server = asyncio.run(asyncio.wait_for(run(), PATIENCE))
     found = log.load(tmp_path / "run.mcap")
     [changes] = [tick.changes for tick in found.ticks() if tick.changes]
     assert changes == [("channel.reference_snr", 2e6)]
     assert found.scenario == pair
     assert summary["digest"] != inprocess.run(pair, "test")["digest"]
     assert replay.again(found, everybody=True) == as_json(summary)
+
+    recordings.record(tmp_path / "again.mcap", server.scenario, "scenario")  # what scenario.toml then holds
+    again = log.load(tmp_path / "again.mcap")
+    assert list(compare.of_scenarios(found, again)) == []
+    assert compare.first_difference(found, again) is None
+    recordings.record(tmp_path / "before.mcap", pair)
+    [(path, mine, theirs)] = compare.of_scenarios(found, log.load(tmp_path / "before.mcap"))
+    assert (path, theirs) == ("event", [])
+    assert mine[0]["set"] == {"channel.reference_snr": 2e6}
 
 
 def test_a_change_is_named_with_tick_robot_field_and_both_values(recorded: Recorded, tampered: Path) -> None:
@@ -167,6 +180,15 @@ def test_compare_and_replay_return_1_where_something_differs(recorded: Recorded,
     assert (whole.returncode, json.loads(whole.stdout)) == (0, as_json(recorded[1]))
 
 
+def read_without_an_index(path: Path) -> list[int]:
+    """The ticks of the Commands in a log of a killed run, by the recipe of docs/log.md."""
+    found = []
+    with path.open("rb") as file, suppress(McapError):
+        for _, _, message in NonSeekingReader(file).iter_messages(topics="/commands", log_time_order=False):
+            found.append(message.sequence)
+    return found
+
+
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
 def test_a_log_of_a_world_that_was_ended_holds_what_was_reached(tmp_path: Path, how: signal.Signals) -> None:
     words = ["run", str(CONFIGS / "pair.toml"), "--duration", "100000", "--out", "out", "--headless"]
@@ -186,6 +208,7 @@ def test_a_log_of_a_world_that_was_ended_holds_what_was_reached(tmp_path: Path, 
     assert summary["ticks"] == ticks
     assert summary["digest"] == inprocess.run(load("pair.toml", run__duration=ticks * 0.02), "pair")["digest"]
     if how is signal.SIGKILL:
+        assert read_without_an_index(path) == list(range(ticks))
         assert found.complaint == (
             f"{path} has no end, its run was killed or the file was cut: {ticks} of 5000000 ticks are there"
         )
@@ -249,6 +272,33 @@ def test_the_program_says_it_in_one_line_and_returns_1(tmp_path: Path) -> None:
         )
         assert (done.returncode, done.stdout) == (1, "")
         assert done.stderr == "fes: error: notes.txt is not a log: it is not an MCAP file\n"
+
+
+def test_robot_and_all_at_once_are_refused(recorded: Recorded) -> None:
+    with pytest.raises(FesError, match=r"^--all executes every robot again, give it or --robot 3$"):
+        replay.replay(recorded[0], robot=3, all_=True)
+
+
+def test_a_run_that_was_stopped_is_said_to_be(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    pair, kept = load("pair.toml", run__duration=1.0), list[dict[str, Any]]()
+
+    def fail(report: object) -> None:
+        raise FesError("there was a [fault]")
+
+    def run() -> None:
+        with Recorder(tmp_path / "run.mcap", pair, "test", "inprocess") as recorder:
+            try:
+                inprocess.run(pair, "test", rtf=5.0, watch=fail, keep=kept.append, recorder=recorder)
+            finally:
+                recorder.conclude(*kept)
+
+    with pytest.raises(FesError, match="fault"):
+        run()
+    [summary] = kept  # whatever ends a run, what was reached is kept
+    replay.replay(tmp_path / "run.mcap", json_=True)
+    out, err = capfd.readouterr()
+    assert json.loads(out) == as_json(summary)
+    assert err == "the run ended early: there was a [fault]\n"
 
 
 def test_figures_are_drawn_from_a_log(recorded: Recorded, tmp_path: Path) -> None:

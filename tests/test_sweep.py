@@ -211,6 +211,26 @@ def test_a_missing_extra_is_named_before_anything_runs(monkeypatch: pytest.Monke
         pass
 
 
+def test_a_number_that_no_run_has_is_a_number_in_parquet(tmp_path: Path) -> None:
+    paths = [
+        table.write(tmp_path, name, [{"time": time, "digest": None, "error": None}], Format.PARQUET)
+        for name, time in (("never", None), ("reached", 1.5))
+    ]
+    never, reached = map(parquet.read_table, paths)
+    assert [str(field.type) for field in never.schema] == ["double", "string", "string"]
+    assert never.schema == reached.schema
+
+
+def test_a_sweep_whose_runs_all_failed_draws_nothing_and_says_how_to_repeat_them(tmp_path: Path) -> None:
+    words = ["sweep", PAIR, "--seeds", "0:2", "--set", "formation.linear_gain=1e308", "--set", "run.duration=1"]
+    done = call(tmp_path, "fes", *words, "--out", "out", "--plot")
+    assert done.returncode == 1
+    assert done.stderr.startswith("fes: error: 2 of 2 runs failed, the first ")
+    assert done.stderr.endswith("to repeat them, delete the lines with an error in out/runs.jsonl\n")
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "out" / "sweep.png").exists()
+
+
 def test_the_table_writes_what_csv_cannot_show_as_an_empty_field(tmp_path: Path) -> None:
     path = table.write(tmp_path, "x", [{"a": None, "b": True, "c": 0.1 + 0.2, "d": 'say "no", twice'}])
     assert path.read_text() == 'a,b,c,d\n,true,0.30000000000000004,"say ""no"", twice"\n'

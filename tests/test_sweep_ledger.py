@@ -12,6 +12,7 @@ from tests.test_cli import PAIR
 def test_a_line_that_a_kill_tore_off_is_dropped_and_written_anew(tmp_path: Path) -> None:
     planned = design.plan(Path(PAIR), [], "0:3", [])
     ended = [work.Done(run.key, {"ticks": run.seed}) for run in planned.runs]
+    (tmp_path / f".{ledger.HEADER}").write_text("{")  # so does one that came while the first file was written
     with ledger.opened(tmp_path, planned) as book:
         book.add(ended)
         book.add(ended)

@@ -47,7 +47,9 @@ class Container:
             self._writer.start(PROFILE, f"fes {version('fes')}; mcap-python {version('mcap')}")
 
     def put(self, topic: str, schema: Schema, payload: bytes, at: int, tick: int) -> None:
-        """Add a message of a topic, `at` a simulated time [ns]."""
+        """Add a message of a topic, `at` a simulated time [ns]; nothing to a file that could not be written."""
+        if self._broken:
+            return
         channel = self._channels.get(topic)
         if channel is None:
             channel = self._channels[topic] = self._register(topic, schema)
@@ -67,6 +69,8 @@ class Container:
         """Close the file, with a record of metadata and an index."""
         self.settle(at_once=True)
         if self._broken:
+            with contextlib.suppress(OSError):
+                self._file.close()
             return
         with self._writing(), self._file:
             self._writer.add_metadata(name, metadata)

@@ -37,9 +37,11 @@ async def serve(flags: argparse.Namespace, scenario: Scenario) -> int:
                 await server.gather()
                 await server.run()
             finally:
-                server.dismiss()
-                server.complaints.log_total(server.overflow)
-                reached = _keep(flags.out, server, recorder)
+                try:
+                    server.dismiss()
+                    server.complaints.log_total(server.overflow)
+                finally:
+                    reached = _keep(flags.out, server, recorder)
         server.logger.info("the run is over after %d ticks", scenario.ticks)
     for verdict in reached["expectations"] if reached else []:
         level = logging.INFO if verdict["holds"] else logging.ERROR

@@ -167,9 +167,13 @@ def parse_override(text: str) -> tuple[str, Any]:
 
 
 def with_event(scenario: Scenario, tick: int, path: str, value: Any) -> Scenario:
-    """The scenario with one more event: what was set while it ran, so that it can be run again."""
-    event = EventConfig.model_validate({"at": round(tick * scenario.run.dt, 9), "set": {path: value}})
-    return scenario.model_copy(update={"event": [*scenario.event, event]})
+    """The scenario with one more event: what was set while it ran, so that it can be run again.
+
+    Raises ScenarioError where an event that is scheduled for later then asks for a channel that cannot be.
+    """
+    event = {"at": round(tick * scenario.run.dt, 9), "set": {path: value}}
+    tables = scenario.model_dump(by_alias=True)
+    return parse({**tables, "event": [*tables["event"], event]}, f"{path}, with what is scheduled")
 
 
 def agent_config(scenario: Scenario) -> AgentConfig:

@@ -50,8 +50,7 @@ class Server:
         rtf: float | None,
         recorder: Recorder | None = None,
     ) -> None:
-        self.scenario = scenario
-        self.name = name
+        self.scenario, self.name = scenario, name
         self.logger = logging.getLogger("world")
         self.complaints = Complaints(self.logger)
         robots = range(scenario.robots.number)
@@ -61,8 +60,7 @@ class Server:
         self._world = simulation.create(scenario)
         self._state = simulation.start(self._world)
         self._sums = Account(scenario)
-        self._told = Told(self._world.ids)
-        self._said = untold(self._world.ids)
+        self._told, self._said = Told(self._world.ids), untold(self._world.ids)
         self._recorder = recorder
         self._ears = Ears(bus, run, len(robots), self.complaints) if recorder is not None else None
         self._inbox = Inbox(asyncio.get_running_loop())
@@ -129,23 +127,23 @@ class Server:
         try:
             change = decode_change(question.payload)
             changed = events.changed(self._state.channel, {change.path: change.value}, self.scenario.run.dt)
+            tick, value = self._state.tick, events.effective(changed, change.path)
+            scenario = with_event(self.scenario, tick, change.path, value)
         except (MessageError, ScenarioError) as error:
             self.complaints.add("Change: refused", f"a change: {error}")
             question.refuse(str(error))
             return
-        tick = self._state.tick
         if tick >= self.scenario.ticks:
             question.refuse("the run is over")
             return
         self._state = replace(self._state, channel=changed)
-        value = events.effective(changed, change.path)
-        self.scenario = with_event(self.scenario, tick, change.path, value)
-        self.keep(self.scenario)
+        self.scenario = scenario
+        self.keep(scenario)
         if self._recorder is not None:
             self._recorder.change(tick, change.path, value)
-        optimal = optimal_separation(self.scenario.objective, changed)
-        self.logger.info("tick %d: %s = %s, r* = %.3f m", tick, change.path, value, optimal)
-        question.answer(encode_effect(Effect(change.path, value, tick, optimal)), "fes.Effect")
+        effect = Effect(change.path, value, tick, optimal_separation(scenario.objective, changed))
+        self.logger.info("tick %d: %s = %s, r* = %.3f m", tick, effect.path, value, effect.optimal_separation)
+        question.answer(encode_effect(effect), "fes.Effect")
 
     def _on_loss(self, robot: int) -> None:
         self._inbox.nudge()
@@ -174,9 +172,8 @@ class Server:
 
     def _publish(self, observations: Observations) -> list[bytes]:
         """Put each robot's observation; returns the payloads, to be sent again if need be."""
-        addressed = (
-            self._state.present | self._attendance.there
-        )  # whom only the scenario has dead must not fall behind
+        # Whom only the scenario has dead must not fall behind.
+        addressed = self._state.present | self._attendance.there
         sent = wording.observations(observations, addressed, self._state.since)
         for put, payload in zip(self._observe, sent, strict=True):
             if payload:
@@ -239,8 +236,7 @@ class Server:
         return command
 
     def _tell(self) -> None:
-        now = time.perf_counter()
-        ticks = self._sums.tally.ticks
+        now, ticks = time.perf_counter(), self._sums.tally.ticks
         rate = (ticks - self._told_tick) / max(now - self._told_at, 1e-9)
         self._told_at, self._told_tick = now, ticks
         report = reporting.build(self._sums, self.name, self._roster.alive, now - self._begun, rate)

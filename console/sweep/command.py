@@ -18,7 +18,7 @@ from console.sweep.ledger import Ledger
 from console.sweep.table import Format, Row
 from console.sweep.work import Workers
 from fes import process
-from fes.errors import FesError, ScenarioError, Stopped
+from fes.errors import FesError, ScenarioError, Stopped, reason
 
 
 def sweep(
@@ -105,10 +105,10 @@ def _tell(planned: Design, book: Ledger, directory: Path, form: Format, plot: bo
         ]
         if differences:
             written.append(table.write(directory, "differences", [_contrast(planned, one) for one in differences]))
-        if plot:
+        if plot and picture.drawable(planned, rows):
             written += figures.save(picture.sweep_figure(planned, rows, differences), directory / "sweep")
     except OSError as error:
-        raise FesError(f"cannot write the tables: {error.strerror}: {error.filename}") from None
+        raise FesError(f"cannot write the tables: {reason(error)}") from None
     screen = Console()
     screen.print(report.render(planned, spreads, differences))
     for path in written:
@@ -117,7 +117,8 @@ def _tell(planned: Design, book: Ledger, directory: Path, form: Format, plot: bo
     if failed:
         run, why = failed[0]
         told = f"{planned.title(run.cell)}, seed {run.seed}: {why}"
-        raise FesError(f"{len(failed)} of {len(planned.runs)} runs failed, the first {told}")
+        repeat = f"to repeat them, delete the lines with an error in {directory / ledger.LINES}"
+        raise FesError(f"{len(failed)} of {len(planned.runs)} runs failed, the first {told}; {repeat}")
     return process.SUCCESS
 
 

@@ -84,9 +84,9 @@ def spreads(design: Design, rows: list[Row]) -> Iterator[Spread]:
 
 def differences(design: Design, rows: list[Row]) -> Iterator[Difference]:
     """Every outcome, for each axis at each of its values but the first, against the first, the other axes held."""
+    columns = {outcome: values(design, rows, outcome) for outcome in outcomes(design, rows)}
     for axis, base, other in _contrasts(design):
-        for outcome in outcomes(design, rows):
-            by_cell = values(design, rows, outcome)
+        for outcome, by_cell in columns.items():
             yield difference(axis, base, other, outcome, by_cell[base], by_cell[other])
 
 

@@ -16,7 +16,7 @@ from typing import IO, Any
 
 from console.sweep.design import Design, digest, seeded
 from console.sweep.work import Done
-from fes.errors import FesError
+from fes.errors import FesError, reason
 
 HEADER = "sweep.json"
 LINES = "runs.jsonl"
@@ -67,7 +67,7 @@ def opened(directory: Path, design: Design) -> Iterator[Ledger]:
             _lock(file, directory)
             done = _read(file, directory / LINES)
         except OSError as error:
-            raise FesError(f"cannot keep a sweep: {error.strerror}: {error.filename}") from None
+            raise FesError(f"cannot keep a sweep: {reason(error)}") from None
         yield Ledger(done, file)
 
 
@@ -87,9 +87,9 @@ def _claim(directory: Path, design: Design) -> None:
     """Write the directory's header, or find that it is this design's."""
     path, wanted = directory / HEADER, _identity(design)
     if not path.exists():
-        if any(directory.iterdir()):
-            raise FesError(f"--out {directory}: the directory is not empty, and no sweep's")
         temporary = directory / f".{HEADER}"
+        if any(found != temporary for found in directory.iterdir()):  # that one a kill may have left behind
+            raise FesError(f"--out {directory}: the directory is not empty, and no sweep's")
         temporary.write_text(json.dumps(wanted, indent=1) + "\n", encoding="utf-8")
         os.replace(temporary, path)
         return

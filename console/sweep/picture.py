@@ -29,10 +29,14 @@ MOST_CELLS = 12
 """Beyond this nobody can tell the lines apart."""
 
 
+def drawable(design: Design, rows: list[Row]) -> bool:
+    """Whether there is something to draw: a run at least has come to its end."""
+    return bool(_outcomes(design, rows))
+
+
 def sweep_figure(design: Design, rows: list[Row], differences: list[Difference]) -> "Figure":
     """Above, by level, the share of a cell's runs that have reached it; below, what the cells differ by."""
-    names = [name for name in comparison.outcomes(design, rows) if name.startswith("time_to.")]
-    names = [name for name in names if np.isfinite(comparison.values(design, rows, name)).any()] or names[:1]
+    names = _outcomes(design, rows)
     cells = range(min(len(design.cells), MOST_CELLS))
     contrasts = list(dict.fromkeys((one.axis, one.base, one.other) for one in differences if one.other in cells))
     below = 0.9 + 0.28 * len(contrasts) if contrasts else 0.0
@@ -50,8 +54,15 @@ def sweep_figure(design: Design, rows: list[Row], differences: list[Difference])
             grid[0, column].tick_params(labelleft=column == 0)
         grid[0, 0].set(ylabel="share of runs")
         lines, labels = grid[0, 0].get_legend_handles_labels()
-        figure.legend(lines, labels, loc="outside upper left", ncols=3, frameon=False)
+        title = ", ".join(design.axes) or None
+        figure.legend(lines, labels, loc="outside upper left", ncols=3, frameon=False, title=title, alignment="left")
     return figure
+
+
+def _outcomes(design: Design, rows: list[Row]) -> list[str]:
+    """The levels that some run has reached, or one if none has."""
+    names = [name for name in comparison.outcomes(design, rows) if name.startswith("time_to.")]
+    return [name for name in names if np.isfinite(comparison.values(design, rows, name)).any()] or names[:1]
 
 
 def _shares(axes: "Axes", design: Design, times: Any) -> None:

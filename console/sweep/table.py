@@ -17,6 +17,9 @@ from fes.errors import FesError
 
 SEED, ERROR = "seed", "error"
 
+TEXTS = frozenset({ERROR, "digest"})
+"""Columns that are text even where no run has a value; others are numbers, so that two sweeps' tables are alike."""
+
 Row = dict[str, Value]
 
 
@@ -71,17 +74,17 @@ def _write_parquet(path: Path, table: Sequence[Row]) -> None:
 
     columns = {name: [row[name] for row in table] for name in (table[0] if table else [])}
     parquet.write_table(
-        pyarrow.table({name: pyarrow.array(*_typed(pyarrow, values)) for name, values in columns.items()}), path
+        pyarrow.table({name: pyarrow.array(*_typed(pyarrow, name, values)) for name, values in columns.items()}), path
     )
 
 
-def _typed(arrow: Any, values: list[Value]) -> tuple[list[Value], Any]:
-    """A column with its type: the narrowest that holds all its values."""
+def _typed(arrow: Any, name: str, values: list[Value]) -> tuple[list[Value], Any]:
+    """A column with its type: the narrowest that holds all its values; numbers where there are none."""
     kinds = {type(value) for value in values if value is not None}
     if kinds == {bool}:
         return values, arrow.bool_()
     if kinds == {int}:
         return values, arrow.int64()
-    if kinds <= {int, float, bool} and kinds:
+    if kinds <= {int, float, bool} and (kinds or name not in TEXTS):
         return [None if value is None else float(value) for value in values], arrow.float64()
     return [None if value is None else str(value) for value in values], arrow.string()

@@ -1,0 +1,40 @@
+"""The summary of a world is kept, whatever goes wrong when it takes its leave."""
+
+import argparse
+import asyncio
+import json
+from pathlib import Path
+
+import pytest
+
+from console.launcher import free_port
+from fes.errors import FesError, TransportError
+from tests import session
+from tests.loop import CONFIGS, load
+from world import process
+from world.server import Server
+
+
+def test_a_farewell_that_fails_does_not_cost_the_summary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    words = {"mode": None, "connect": [], "listen": [endpoint], "config": None, "cfg": [], "timeout": 10.0}
+    own = {"run": session.RUN, "name": None, "scenario": str(CONFIGS / "pair.toml"), "rtf": None}
+    flags = argparse.Namespace(**words, **own, out=tmp_path, no_record=False)
+
+    def broken(server: Server) -> None:
+        raise TransportError("the bus broke")
+
+    monkeypatch.setattr(Server, "dismiss", broken)
+
+    async def main() -> None:
+        world = asyncio.ensure_future(process.serve(flags, load("pair.toml", run__duration=0.4)))
+        await asyncio.sleep(0.5)
+        agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
+        with pytest.raises(FesError, match="the bus broke"):
+            await asyncio.wait_for(world, 20.0)
+        for agent in agents:
+            agent.cancel()
+        await asyncio.gather(*agents, return_exceptions=True)
+
+    asyncio.run(main())
+    assert json.loads((tmp_path / "summary.json").read_text())["ticks"] == 20
