@@ -9,6 +9,7 @@ figures     the paper's figures, and those of a run
 claims      where the paper's text does not hold, as computations
 learning    how robots that count beacons find the optimum, over seeds
 study       how the integration error depends on the step
+options     flags that several commands share
 setting     the command fes set
 evidence    the commands fes plot and fes claims
 keyring     fes keys: certificates in a directory, or of one run

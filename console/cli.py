@@ -14,6 +14,7 @@ from rich.console import Console
 
 from console import compare, evidence, inprocess, keyring, processes, replay, rundir, setting, summary, view
 from console.doctor.command import doctor
+from console.options import Cfg, Config, Connect
 from console.processes import Launch
 from console.rundir import Visitor
 from console.sweep import command
@@ -109,11 +110,9 @@ def run(
 
 @app.command(name="view")
 def view_command(
-    connect: Annotated[
-        list[str] | None, typer.Option("--connect", "-e", metavar="ENDPOINT", help="Where the world listens.")
-    ] = None,
-    config: Annotated[Path | None, typer.Option("--config", "-c", help="Zenoh configuration file.")] = None,
-    cfg: Annotated[list[str] | None, typer.Option(metavar="KEY:VALUE", help="Zenoh setting.")] = None,
+    connect: Connect = None,
+    config: Config = None,
+    cfg: Cfg = None,
     certificates: Annotated[
         Path | None, typer.Option("--keys", metavar="DIR", help="TLS, with the certificate of the observer in DIR.")
     ] = None,

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from console import rundir
+from console.options import Cfg, Config, Connect
 from console.rundir import Visitor
 from fes import bus, change, keys, process
 from fes.change import Change
@@ -17,11 +18,9 @@ from world.scenario import parse_override
 
 def set_command(
     what: Annotated[list[str], typer.Argument(metavar="A.B=C...", help="Such as channel.reference_snr=5e6.")],
-    connect: Annotated[
-        list[str] | None, typer.Option("--connect", "-e", metavar="ENDPOINT", help="Where the world listens.")
-    ] = None,
-    config: Annotated[Path | None, typer.Option("--config", "-c", help="Zenoh configuration file.")] = None,
-    cfg: Annotated[list[str] | None, typer.Option(metavar="KEY:VALUE", help="Zenoh setting.")] = None,
+    connect: Connect = None,
+    config: Config = None,
+    cfg: Cfg = None,
     certificates: Annotated[
         Path | None, typer.Option("--keys", metavar="DIR", help="TLS, with the certificate of the operator in DIR.")
     ] = None,

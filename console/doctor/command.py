@@ -14,6 +14,7 @@ from rich.text import Text
 from console import rundir
 from console.doctor import machine, network
 from console.doctor.finding import Finding, Status
+from console.options import Cfg, Config, Connect
 from console.rundir import Visitor
 from fes import keys, process
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
@@ -23,11 +24,9 @@ STYLES = {Status.OK: "green", Status.WARNING: "yellow", Status.FAILED: "bold red
 
 
 def doctor(
-    connect: Annotated[
-        list[str] | None, typer.Option("--connect", "-e", metavar="ENDPOINT", help="Where the world listens.")
-    ] = None,
-    config: Annotated[Path | None, typer.Option("--config", "-c", help="Zenoh configuration file.")] = None,
-    cfg: Annotated[list[str] | None, typer.Option(metavar="KEY:VALUE", help="Zenoh setting.")] = None,
+    connect: Connect = None,
+    config: Config = None,
+    cfg: Cfg = None,
     certificates: Annotated[
         Path | None, typer.Option("--keys", metavar="DIR", help="TLS, with the certificate of the observer in DIR.")
     ] = None,

@@ -1,0 +1,12 @@
+"""Flags that several commands share: how to reach a run."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Connect = Annotated[
+    list[str] | None, typer.Option("--connect", "-e", metavar="ENDPOINT", help="Where the world listens.")
+]
+Config = Annotated[Path | None, typer.Option("--config", "-c", help="Zenoh configuration file.")]
+Cfg = Annotated[list[str] | None, typer.Option(metavar="KEY:VALUE", help="Zenoh setting.")]
