@@ -54,6 +54,9 @@ class Family:
         self.directory = directory
         self.world: Child | None = None
         self.agents: list[Child] = []
+        self._killed: set[Child] = set()
+        self._grown = asyncio.Event()
+        """Set whenever a child was started."""
         self._logs: list[IO[bytes]] = []
 
     @property
@@ -71,6 +74,15 @@ class Family:
             f"fes-agent --id {ids}", "agents.process", ["--id", ids, *arguments], f"agent-{ids}"
         )
         self.agents.append(child)
+        self._grown.set()
+
+    async def kill_agent(self, ids: str) -> None:
+        """End the agent of `ids` by SIGKILL, as its scenario wants; it is not missed."""
+        for child in self.agents:
+            if child.name == f"fes-agent --id {ids}" and child.process.returncode is None:
+                self._killed.add(child)
+                _signal(child, signal.SIGKILL)
+                await child.process.wait()
 
     async def finish(self) -> None:
         """Wait until the world and all agents have ended well; raises ChildFailed for the first that did not.
@@ -78,17 +90,30 @@ class Family:
         If an agent dies, the world names it; so the world's word is heard first.
         """
         assert self.world is not None
-        waits = {asyncio.ensure_future(child.process.wait()): child for child in self.children}
-        pending = set(waits)
+        waits: dict[asyncio.Task[int], Child] = {}
+        grown = asyncio.ensure_future(self._grown.wait())
         try:
-            while pending:
-                done, pending = await asyncio.wait(pending, return_when=asyncio.FIRST_COMPLETED)
-                failed = [waits[task] for task in done if task.result() not in (SUCCESS, UNMET)]
+            while True:
+                known = set(waits.values())
+                waits |= {asyncio.ensure_future(one.process.wait()): one for one in self.children if one not in known}
+                pending = [task for task in waits if not task.done()]
+                failed = [
+                    child for task, child in waits.items() if task.done() and not self._well(child, task.result())
+                ]
                 if failed:
                     raise ChildFailed(await self._explain(failed[0]))
+                if not pending:
+                    return
+                await asyncio.wait([*pending, grown], return_when=asyncio.FIRST_COMPLETED)
+                if grown.done():
+                    self._grown.clear()
+                    grown = asyncio.ensure_future(self._grown.wait())
         finally:
-            for task in pending:
+            for task in (*waits, grown):
                 task.cancel()
+
+    def _well(self, child: Child, code: int) -> bool:
+        return code in (SUCCESS, UNMET) or child in self._killed
 
     async def stop(self) -> None:
         """End every child: the world first, which dismisses the agents; then, after GRACE, by force."""
@@ -120,7 +145,7 @@ class Family:
 
     async def _start(self, name: str, module: str, arguments: list[str], log: str) -> Child:
         path = self.directory / f"{log}.log"
-        with path.open("wb") as stream:
+        with path.open("ab") as stream:
             process = await asyncio.create_subprocess_exec(
                 sys.executable,
                 "-P",  # a folder called `world` where the person stands is not ours

@@ -4,13 +4,14 @@ import asyncio
 import contextlib
 import json
 import os
+from collections.abc import AsyncIterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 
-from console import keyring, launcher, observer, rundir, view
+from console import faults, keyring, launcher, observer, rundir, view
 from console.launcher import Family
 from console.rundir import Address
 from fes import bus, identity, keys, process
@@ -65,11 +66,42 @@ async def _run(launch: Launch, scenario: Scenario, directory: Path, console: Con
             await family.start_world([*world, "--out", str(directory), "-l", endpoint])
             rundir.announce(directory, address)
             try:
+                joining = ["-e", endpoint, "--timeout", str(JOIN_TIMEOUT), *with_keys]
                 for ids in groups:
-                    await family.start_agent(ids, ["-e", endpoint, "--timeout", str(JOIN_TIMEOUT), *with_keys])
-                await _attend(family, launch, address, console)
+                    await family.start_agent(ids, joining)
+                async with _faults(family, launch, scenario, address, joining):
+                    await _attend(family, launch, address, console)
             finally:
                 rundir.withdraw(directory)
+
+
+@contextlib.asynccontextmanager
+async def _faults(
+    family: Family, launch: Launch, scenario: Scenario, address: Address, joining: list[str]
+) -> AsyncIterator[None]:
+    """While the block lasts, processes die as scheduled, if each robot has its own."""
+    if launch.agents_per_process > 1 or not scenario.attendance:
+        yield
+        return
+
+    async def follow() -> None:
+        async with bus.opened(_visitor(address)) as opened:
+            await faults.enact(
+                opened, RUN, JOIN_TIMEOUT, scenario, family.kill_agent, lambda ids: family.start_agent(ids, joining)
+            )
+
+    following = asyncio.ensure_future(follow())
+    try:
+        yield
+    finally:
+        following.cancel()
+        with contextlib.suppress(asyncio.CancelledError, Exception):  # the world keeps the schedule without us
+            await following
+
+
+def _visitor(address: Address) -> Endpoints:
+    own = identity.security(Path(address.keys) if address.keys else None, identity.OBSERVER)
+    return Endpoints("client", (address.endpoint,), timeout=JOIN_TIMEOUT, security=own)
 
 
 def read_summary(directory: Path) -> dict[str, Any]:
@@ -97,9 +129,7 @@ async def _attend(family: Family, launch: Launch, address: Address, console: Con
 
 async def _show(launch: Launch, address: Address, console: Console) -> None:
     """The dashboard, or a line of progress; a view only, whose failure is not the run's."""
-    own = identity.security(Path(address.keys) if address.keys else None, identity.OBSERVER)
-    endpoints = Endpoints("client", (address.endpoint,), timeout=JOIN_TIMEOUT, security=own)
-    async with bus.opened(endpoints) as opened:
+    async with bus.opened(_visitor(address)) as opened:
         if launch.dashboard:
             with view.Screen(console) as screen:
                 await view.watch(opened, RUN, JOIN_TIMEOUT, screen)

@@ -1,6 +1,8 @@
 """Agents that die, hang and come back while a run goes on, over Zenoh; the log can do it again."""
 
 import asyncio
+import json
+import subprocess
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
@@ -13,9 +15,11 @@ from console import inprocess, log, replay
 from tests import session
 from tests.loop import load
 from tests.session import RUN
+from tests.test_processes import PATIENCE, fes
 from world.recorder import Recorder
 from world.scenario import Scenario
 from world.server import Server
+from world.summary import write_scenario
 
 DEADS: list[dict[str, Any]] = [{"at": 0.6, "kill": [4, 6]}, {"at": 1.2, "restart": [4]}, {"at": 1.6, "restart": [6]}]
 Story = Callable[[Server, list["asyncio.Task[Agent]"], str], Awaitable[None]]
@@ -138,3 +142,16 @@ def test_a_log_of_scheduled_deaths_in_one_loop_is_executed_again(tmp_path: Path)
     found = log.load(tmp_path / "run.mcap")
     assert replay.again(found, everybody=True)["digest"] == summary["digest"]
     assert [replay.alone(found, robot) for robot in (4, 5)] == [120, 120]
+
+
+def test_fes_run_kills_the_processes_that_its_scenario_has_die_and_the_digest_is_the_same(tmp_path: Path) -> None:
+    dying = [{"at": 2.0, "kill": [4, 6]}, {"at": 8.0, "restart": [4]}]
+    scenario = load("neighborhood.toml", run__duration=12.0, event=dying)
+    write_scenario(tmp_path, scenario)
+    words = ["run", "scenario.toml", "--headless", "--json", "--rtf", "4", "--out", "out"]
+    done = subprocess.run(fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout)["digest"] == inprocess.run(scenario, "scenario")["digest"]
+    logs = {robot: (tmp_path / f"out/agent-{robot}.log").read_text() for robot in (4, 5, 6)}
+    assert [logs[robot].count("ready") for robot in (4, 5, 6)] == [2, 1, 1]
+    assert ["the run is over" in logs[robot] for robot in (4, 5, 6)] == [True, True, False]
