@@ -17,7 +17,15 @@ from world.server import Server
 
 def test_a_farewell_that_fails_does_not_cost_the_summary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     endpoint = f"tcp/127.0.0.1:{free_port()}"
-    words = {"mode": None, "connect": [], "listen": [endpoint], "config": None, "cfg": [], "timeout": 10.0}
+    words = {
+        "mode": None,
+        "connect": [],
+        "listen": [endpoint],
+        "config": None,
+        "cfg": [],
+        "timeout": 10.0,
+        "keys": None,
+    }
     own = {"run": session.RUN, "name": None, "scenario": str(CONFIGS / "pair.toml"), "rtf": None}
     flags = argparse.Namespace(**words, **own, out=tmp_path, no_record=False)
 
