@@ -1,0 +1,74 @@
+"""What attackers of a run put on its keys, and a run that is attacked."""
+
+import asyncio
+import struct
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import msgpack
+import numpy as np
+
+from agents.process import Agent
+from fes import keys, messages, wire
+from fes.bus import Bus
+from fes.messages import Beacon, Command, Observation
+from tests import session
+from tests.session import RUN
+from world.scenario import Scenario
+from world.server import Server
+
+ROBOTS = 10
+FLOOD = 10_000
+NOBODY = np.zeros(0, dtype=np.int64)
+NOTHING = np.zeros(0)
+
+Attack = Callable[[Bus], Iterator[tuple[str, bytes]]]
+
+
+def attacked(scenario: Scenario, disturb: Any) -> tuple[str, Server, list[Agent]]:
+    """Digest, world and agents of a run that is disturbed; the disturbance must end before the run is counted."""
+
+    async def bounded() -> Any:
+        async with asyncio.timeout(60.0):
+            return await session.run(scenario, [[robot] for robot in range(ROBOTS)], disturb)
+
+    summary, server, agents = asyncio.run(bounded())
+    return summary["digest"], server, agents
+
+
+def everywhere(payload: bytes, run: str = RUN) -> list[tuple[str, bytes]]:
+    """A payload for every key that somebody listens to."""
+    robots = [key(run, robot) for robot in range(ROBOTS) for key in (keys.beacon, keys.command, keys.observation)]
+    return [(key, payload) for key in [*robots, keys.report(run), keys.welcome(run, "2-3"), keys.change(run)]]
+
+
+def command(tick: int, robot: int, linear: float = 1.0) -> bytes:
+    return messages.encode_command(Command(tick, robot, (linear, 1.0), NOBODY, NOTHING, NOTHING))
+
+
+def beacon(tick: int, robot: int) -> bytes:
+    return messages.encode_beacon(
+        Beacon(tick, robot, (1.0, 2.0, 3.0), NOBODY, NOTHING, NOBODY.astype(np.uint8), NOTHING)
+    )
+
+
+def observation(tick: int, robot: int) -> bytes:
+    nothing = NOBODY.astype(np.uint8)
+    return messages.encode_observation(
+        Observation(tick, robot, (9.0, 9.0, 9.0), NOBODY, nothing, over=False, since=0)
+    )
+
+
+def reversioned(payload: bytes) -> bytes:
+    return msgpack.packb([2, *msgpack.unpackb(payload)[1:]])  # type: ignore[no-any-return]
+
+
+NAN = struct.pack(">d", float("nan"))
+BAD_PAYLOADS = {
+    "junk": (b"\xc1 junk", "Command: is not msgpack (FormatError)"),
+    "empty": (b"", "Command: is not msgpack (ValueError)"),
+    "another protocol version": (reversioned(command(5, 3)), f"Command: {wire.WRONG_VERSION}"),
+    "not a number": (command(5, 3).replace(struct.pack(">d", 1.0), NAN), "Command: expects a finite number"),
+    "a mebibyte of zeros": (bytes(wire.MAX_PAYLOAD - 200), "Command: is not msgpack (ExtraData)"),
+    "a tick long past": (command(0, 3), "Command: came on another robot's key"),
+}

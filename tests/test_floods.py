@@ -1,0 +1,164 @@
+"""Floods of messages on a run that goes on: what is too much is dropped, and no digit changes."""
+
+import asyncio
+import time
+
+import pytest
+import zenoh
+
+from console import inprocess, observer
+from fes import bus, change, keys, messages, wire
+from fes.errors import Absent, FesError, Refused
+from tests import session
+from tests.attackers import (
+    FLOOD,
+    ROBOTS,
+    attacked,
+    everywhere,
+    reversioned,
+)
+from tests.loop import load
+from tests.session import RUN, client
+from world.scenario import Scenario
+
+
+@pytest.fixture(scope="module")
+def paper() -> Scenario:
+    return load("paper.toml", run__duration=2.0)
+
+
+@pytest.fixture(scope="module")
+def expected(paper: Scenario) -> str:
+    return str(inprocess.run(paper, "test")["digest"])
+
+
+def test_a_flood_of_junk_on_all_keys_at_once_changes_no_digit(paper: Scenario, expected: str) -> None:
+    async def disturb(endpoint: str) -> None:
+        targets = everywhere(b"\xc1 junk")
+
+        def flood() -> None:
+            for number in range(FLOOD):
+                vandal._session.put(*targets[number % len(targets)])
+
+        async with client(endpoint) as vandal:
+            await asyncio.to_thread(flood)  # as fast as the network takes it
+
+    digest, server, _ = attacked(paper, disturb)
+    assert digest == expected
+    # a third of the keys are commands; what came when the run was over is not counted
+    assert 0 < server.complaints.counts["Command: is not msgpack (FormatError)"] <= FLOOD
+
+
+@pytest.mark.parametrize("size", [1_000, 60_000])
+def test_a_flood_that_waits_for_room_closes_no_robots_link(paper: Scenario, expected: str, size: int) -> None:
+    """Messages sent with congestion control BLOCK: with two threads for all, two of them stopped the router."""
+
+    async def disturb(endpoint: str) -> None:
+        targets = everywhere(bytes(size))[: 3 * ROBOTS]
+
+        def flood() -> None:
+            for _ in range(6_000_000 // (size * len(targets)) + 5):
+                for key, sent in targets:
+                    vandal._session.put(key, sent, congestion_control=zenoh.CongestionControl.BLOCK)
+
+        async with client(endpoint) as vandal:
+            await asyncio.to_thread(flood)
+
+    digest, _, _ = attacked(paper, disturb)
+    assert digest == expected
+
+
+def test_a_flood_that_pushes_beacons_out_of_full_mailboxes_changes_no_digit(
+    paper: Scenario, expected: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With room for two samples nearly every beacon is lost to junk; each is asked for again."""
+    monkeypatch.setattr(bus, "MAILBOX", 2)
+    flooding = asyncio.Event()
+
+    async def disturb(endpoint: str) -> None:
+        async with client(endpoint) as vandal:
+            for _ in range(150):
+                for robot in range(ROBOTS):
+                    for _ in range(10):
+                        vandal._session.put(keys.beacon(RUN, robot), b"\xc1 junk")
+                await asyncio.sleep(0.001)
+            flooding.set()
+
+    digest, _, agents = attacked(paper, disturb)
+    assert flooding.is_set()
+    assert digest == expected
+    assert sum(agent.complaints.counts["Beacon: recalled"] for agent in agents) > 0
+
+
+def test_a_flood_of_questions_is_refused_and_changes_no_digit(paper: Scenario, expected: str) -> None:
+    refused: list[str] = []
+
+    async def disturb(endpoint: str) -> None:
+        questions = [
+            (keys.welcome(RUN, "2-3"), messages.encode_join((2, 3))),
+            (keys.welcome(RUN, "2-3"), b"\xc1 junk"),
+            (keys.welcome(RUN, "2-3"), reversioned(messages.encode_join((2, 3)))),
+            (keys.change(RUN), change.encode_change(change.Change("channel.no_such", 1.0))),
+            (keys.change(RUN), wire.pack("channel.reference_snr", "NaN")),
+            (keys.change(RUN), wire.pack("channel" + ".a" * 1500, "1")),
+            (keys.recall(RUN, 4), wire.pack("tick")),
+            (keys.recall(RUN, 4), messages.encode_recall(10**9)),
+        ]
+        async with client(endpoint) as vandal:
+            asked = [vandal.ask(*questions[number % len(questions)], 20.0) for number in range(FLOOD // 10)]
+            for outcome in await asyncio.gather(*asked, return_exceptions=True):
+                assert isinstance(outcome, Refused), outcome
+                refused.append(str(outcome))
+
+    digest, server, _ = attacked(paper, disturb)
+    assert digest == expected
+    assert {
+        "robot 2 is hosted by another agent already",
+        "Join: is not msgpack (FormatError)",
+        "Join: speaks protocol 1, got version: 2",
+        "the channel: unknown field 'channel.no_such'; did you mean 'channel.logistic_width'?",
+        "Recall: tick must be an integer from 0: 'tick'",
+        "robot 4 does not remember its beacon of tick 1000000000",
+    } <= set(refused)
+    assert {"Join: refused", "Change: refused"} <= set(server.complaints.counts)
+
+
+def test_more_questions_than_may_wait_are_refused_at_once() -> None:
+    async def main() -> list[str]:
+        async with session.router() as (world, endpoint), client(endpoint) as asker:
+            world.serve("desk", lambda question: question.answer(b"yes", "x"))
+            asked = [asyncio.ensure_future(asker.ask("desk", b"", 10.0)) for _ in range(5 * bus.QUESTIONS)]
+            await asyncio.sleep(0)  # all are asked
+            time.sleep(0.3)  # the loop is busy: none can be answered
+            outcomes = await asyncio.gather(*asked, return_exceptions=True)
+            return [str(outcome) for outcome in outcomes]
+
+    said = asyncio.run(main())
+    assert said.count("b'yes'") == bus.QUESTIONS
+    assert said.count("too many questions at once") == 4 * bus.QUESTIONS
+
+
+def test_an_observer_shows_what_it_can_read_through_a_flood_of_junk_reports(paper: Scenario, expected: str) -> None:
+    seen: list[int] = []
+
+    async def disturb(endpoint: str) -> None:
+        async with client(endpoint) as vandal, client(endpoint) as watcher:
+
+            def flood() -> None:
+                for _ in range(FLOOD):
+                    vandal._session.put(keys.report(RUN), b"\xc1 junk")
+
+            flooding = asyncio.ensure_future(asyncio.to_thread(flood))
+            try:
+                async for report in observer.reports(watcher, RUN, 5.0, 0.2):
+                    if report is not None:
+                        seen.append(report.tick)
+                        if len(seen) > 1:
+                            break
+            except (Absent, FesError):
+                pass
+            await flooding
+
+    digest, _, _ = attacked(paper, disturb)
+    assert digest == expected
+    assert seen
