@@ -21,7 +21,7 @@ from fes.change import Change
 from fes.errors import FesError
 from tests import recordings, session
 from tests.loop import CONFIGS, load
-from tests.test_processes import PATIENCE, alive, children, command, fes, start, until
+from tests.test_processes import PATIENCE, alive, children, fes, start, until
 from world.recorder import Recorder
 from world.server import Server
 
@@ -215,63 +215,6 @@ def test_a_log_of_a_world_that_was_ended_holds_what_was_reached(tmp_path: Path, 
     else:
         assert found.complaint is None
         assert json.loads((tmp_path / "out/summary.json").read_text()) == found.summary == summary
-
-
-def bad(path: Path, good: Path, what: str) -> Path:
-    """Something that is no log, or not a whole one."""
-    if what == "a text file":
-        path.write_text("schema = 1\n")
-    elif what == "cut before the first tick":
-        path.write_bytes(good.read_bytes()[:4000])
-    elif what == "cut":
-        path.write_bytes(good.read_bytes()[:-1000])
-    elif what == "damaged":
-        whole = bytearray(good.read_bytes())
-        whole[len(whole) // 2] ^= 1
-        path.write_bytes(whole)
-    elif what == "a directory":
-        path.mkdir()
-    elif what in ("another version", "somebody else's"):
-
-        def edit(topic: str, tick: int, payload: bytes) -> bytes | None:
-            if topic != "/scenario":
-                return payload
-            told = {**json.loads(payload), "log": 2}
-            return json.dumps(told).encode() if what == "another version" else None
-
-        recordings.rewrite(good, path, edit)
-    return path
-
-
-BAD = {
-    "a text file": "is not a log: it is not an MCAP file",
-    "cut before the first tick": "0 of 100 ticks are there",
-    "cut": "has no end, its run was killed or the file was cut: 100 of 100 ticks are there",
-    "damaged": "is damaged: crc validation failed in Chunk",
-    "a directory": "has no run.mcap: the run was not recorded",
-    "another version": "is a log of version 2; this fes reads version 1",
-    "somebody else's": "is not a log of a run: it does not begin with its scenario",
-    "nothing": "No such file or directory",
-}
-
-
-@pytest.mark.parametrize(("what", "rule"), BAD.items(), ids=BAD.keys())
-def test_what_is_no_whole_log_is_one_line(recorded: Recorded, tmp_path: Path, what: str, rule: str) -> None:
-    path = bad(tmp_path / "bad", recorded[0], what)
-    with pytest.raises(FesError, match=f"^{path}") as caught:
-        replay.replay(path, json_=True, headless=True)
-    assert rule in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
-def test_the_program_says_it_in_one_line_and_returns_1(tmp_path: Path) -> None:
-    (tmp_path / "notes.txt").write_text("hello\n")
-    for words in (["replay", "notes.txt"], ["compare", "notes.txt", "notes.txt"], ["plot", "notes.txt"]):
-        done = subprocess.run(
-            command("console.cli", *words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE
-        )
-        assert (done.returncode, done.stdout) == (1, "")
-        assert done.stderr == "fes: error: notes.txt is not a log: it is not an MCAP file\n"
 
 
 def test_robot_and_all_at_once_are_refused(recorded: Recorded) -> None:
