@@ -36,6 +36,20 @@ def attacked(scenario: Scenario, disturb: Any) -> tuple[str, Server, list[Agent]
     return summary["digest"], server, agents
 
 
+async def ticks_go_by(opened: Bus, count: int) -> None:
+    """Wait until robot 0 has answered `count` ticks more."""
+    loop, done, seen = asyncio.get_running_loop(), asyncio.Event(), set[bytes]()
+
+    def on_command(key: str, payload: bytes | None) -> None:
+        seen.add(payload or b"")
+        if len(seen) > count:  # the first may have been on its way before we listened
+            loop.call_soon_threadsafe(done.set)
+
+    undeclare = opened.subscribe(keys.command(RUN, 0), on_command)
+    await done.wait()
+    undeclare()
+
+
 def everywhere(payload: bytes, run: str = RUN) -> list[tuple[str, bytes]]:
     """A payload for every key that somebody listens to."""
     robots = [key(run, robot) for robot in range(ROBOTS) for key in (keys.beacon, keys.command, keys.observation)]

@@ -17,6 +17,7 @@ from tests.attackers import (
     command,
     everywhere,
     observation,
+    ticks_go_by,
 )
 from tests.loop import load
 from tests.session import RUN, client
@@ -40,7 +41,7 @@ def test_a_bad_payload_on_every_key_is_counted_with_one_line_a_kind_and_changes_
 ) -> None:
     async def disturb(endpoint: str) -> None:
         async with client(endpoint) as vandal:
-            await asyncio.sleep(0.1)  # at tick 0 a command for tick 0 would be one like any other
+            await ticks_go_by(vandal, 2)  # at tick 0 a command for tick 0 would be one like any other
             for _ in range(5):
                 for key, sent in everywhere(payload):
                     vandal._session.put(key, sent)
@@ -67,7 +68,7 @@ def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit(pap
                     kept.append((key, payload))
 
             stop = [echo.subscribe(key(RUN, "*"), keep) for key in (keys.beacon, keys.command, keys.observation)]
-            await asyncio.sleep(0.3)
+            await ticks_go_by(echo, 20)
             for undeclare in stop:
                 undeclare()
             for key, payload in reversed(kept):
@@ -158,7 +159,7 @@ def test_a_key_cannot_forge_a_log_line(paper: Scenario, expected: str, caplog: p
     async def disturb(endpoint: str) -> None:
         async with client(endpoint) as vandal:
             vandal._session.put(forged, b"\xc1")
-            await asyncio.sleep(0.1)
+            await ticks_go_by(vandal, 2)
 
     with caplog.at_level(logging.WARNING):
         digest, server, _ = attacked(paper, disturb)
