@@ -20,9 +20,9 @@ class Mouth:
         self._complaints = complaints
         self._beacon: dict[int, Put] = {}
         self._command: dict[int, Put] = {}
-        self._commands: dict[int, bytes] = {}
+        self._commands: dict[int, dict[int, bytes]] = {}
         self._beacons: dict[int, dict[int, bytes]] = {}
-        """By tick, then by robot."""
+        """Both by tick, then by robot."""
         for robot in robots:
             self._beacon[robot] = bus.publisher(keys.beacon(run, robot), "fes.Beacon")
             self._command[robot] = bus.publisher(keys.command(run, robot), "fes.Command")
@@ -32,17 +32,22 @@ class Mouth:
         """Beacons first, commands last: the world's next tick then follows every beacon of this one."""
         # Remembered before they are put: a peer may ask as soon as one of them arrives.
         self._beacons[tick] = {robot: beacon for robot, beacon, _ in said}
-        self._beacons.pop(tick - REMEMBERED, None)
-        self._commands = {robot: command for robot, _, command in said}
+        self._commands[tick] = {robot: command for robot, _, command in said}
+        for told in (self._beacons, self._commands):
+            told.pop(tick - REMEMBERED, None)
         for robot, beacon, _ in said:
             self._beacon[robot](beacon)
         for robot, _, command in said:
             self._command[robot](command)
 
+    def remembers(self, tick: int) -> bool:
+        """Whether this tick can be answered again."""
+        return tick in self._commands
+
     def repeat(self, tick: int, robot: int) -> None:
-        """Answer a tick again that the world asked for again."""
+        """Answer a tick again that is remembered, as the world asked for it again."""
         self._beacon[robot](self._beacons[tick][robot])
-        self._command[robot](self._commands[robot])
+        self._command[robot](self._commands[tick][robot])
 
     def _listen(self, bus: Bus, key: str, robot: int) -> None:
         """Tell a beacon again to who asks for it by its tick."""

@@ -16,6 +16,7 @@ import numpy as np
 from agents import assembly, contacts, crew
 from agents.assembly import Assembly
 from agents.mouth import Mouth
+from agents.presence import Presence
 from agents.radio import Radio
 from fes import bus, identity, keys, messages, process
 from fes.bus import Bus
@@ -50,18 +51,14 @@ class Agent:
         self._robots = robots
         self._welcome = keys.welcome(run, keys.span(robots))
         self._inbox = Inbox(asyncio.get_running_loop())
-        self._world_here = asyncio.Event()
+        self._world = Presence(f"the world of run '{run}'", self._inbox)
         self._tick = -1
         self._mouth = Mouth(opened, run, robots, self.complaints)
 
     async def join(self, timeout: float) -> Welcome:
         """Wait for the world, and ask it for the robots; raises Absent or Refused."""
-        self._bus.watch(keys.world_alive(self._run), self._on_world)
-        try:
-            async with asyncio.timeout(timeout):
-                await self._world_here.wait()
-        except TimeoutError:
-            raise Absent(f"no world of run '{self._run}' appeared within {timeout:g} s") from None
+        self._bus.watch(keys.world_alive(self._run), lambda key, alive: self._world.told(alive, self._tick))
+        await self._world.appears(timeout)
         question = messages.encode_join(self._robots)
         welcome = messages.decode_welcome(await self._bus.ask(self._welcome, question, timeout))
         if welcome.robots != self._robots:
@@ -87,13 +84,15 @@ class Agent:
                 state, since = crew.forget(robots, state, now != since), now
             heard = self.radio.heard(observations.tick - 1)
             stepped = crew.step(robots, state, observations, stack.beacons(observations.tick - 1, heard))
-            if not contacts.all_here(stepped[0].contacts, observations):
-                # Links are first-in first-out and pass one router: only where a mailbox was flooded can this be.
+            while not contacts.all_here(stepped[0].contacts, observations):
+                # Links are first-in first-out and pass one router: this can be only where a mailbox was flooded, or
+                # the router died with the beacon.
                 heard = await self.radio.recall(observations.tick - 1, heard)
                 stepped = crew.step(robots, state, observations, stack.beacons(observations.tick - 1, heard))
+                if not contacts.all_here(stepped[0].contacts, observations) and not await self._world.comes_back():
+                    # To go on would change digits.
+                    raise Absent(f"a beacon that decoded did not arrive at tick {observations.tick}")
             state, said, twists = stepped
-            if not contacts.all_here(state.contacts, observations):  # to go on would change digits
-                raise Absent(f"a beacon that decoded did not arrive at tick {observations.tick}")
             if observations.in_range is not tuned:
                 tuned = observations.in_range
                 self.radio.tune(set(tuned.peers.tolist()))
@@ -122,12 +121,16 @@ class Agent:
                     waiting.clear()
                 if observation.tick == self._tick + 1:
                     waiting.setdefault(observation.robot, observation)
-                elif observation.tick == self._tick:
-                    self._mouth.repeat(self._tick, observation.robot)
+                elif observation.tick == self._tick or (self._world.is_new and observation.tick < self._tick):
+                    # A world that comes back has gone through what it knew again, a tick less than this at most.
+                    if observation.tick < self._tick and not self._mouth.remembers(observation.tick):
+                        raise Absent(f"the world is back at tick {observation.tick}, and {self._tick} was answered")
+                    self._mouth.repeat(observation.tick, observation.robot)
                 else:
                     self.complaints.add("Observation: is not for this tick", f"{key}: tick {observation.tick}")
             if len(waiting) == len(self._robots):
                 self._tick += 1
+                self._world.is_new = False
                 yield [waiting[robot] for robot in self._robots]
                 waiting.clear()
 
@@ -142,12 +145,6 @@ class Agent:
             self.complaints.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
             return None
         return observation
-
-    def _on_world(self, key: str, alive: bool) -> None:
-        if alive:
-            self._world_here.set()
-        elif self._world_here.is_set():
-            self._inbox.fail(Absent(f"the world of run '{self._run}' left after tick {self._tick}"))
 
 
 async def lease(opened: Bus, run: str, timeout: float) -> int:
@@ -210,7 +207,7 @@ def main() -> None:
         type=process.seconds,
         default=30.0,
         metavar="S",
-        help="give up if the world is not there by then",
+        help="give up if the world is not there by then, at first or when it has left (default: %(default)g s)",
     )
     process.add_network_flags(parser)
     flags = parser.parse_args()

@@ -95,7 +95,7 @@ def gather(scenario: Scenario, moments: Iterable[tuple[Moment, Account]]) -> His
         series[1],
         series[2],
         last.optimal,
-        last.tally.digest(),
+        last.tally.digest.text(),
         dither_period(scenario) > 1,
     )
 

@@ -15,7 +15,7 @@ from typing import IO
 from fes.errors import FesError
 from fes.process import SUCCESS, UNMET
 
-DISMISSAL = 1.0
+DISMISSAL = 5.0
 """Time [s] that agents have to end after their world dismissed them and left."""
 
 SETTLING = 2.0
@@ -104,6 +104,8 @@ class Family:
                     raise ChildFailed(await self._explain(failed[0]))
                 if not pending:
                     return
+                if self._is_over() and not await _gone(self.agents, DISMISSAL):
+                    return  # they wait for a world that nobody brings back
                 await asyncio.wait([*pending, grown], return_when=asyncio.FIRST_COMPLETED)
                 if grown.done():
                     self._grown.clear()
@@ -112,13 +114,17 @@ class Family:
             for task in (*waits, grown):
                 task.cancel()
 
+    def _is_over(self) -> bool:
+        """Whether the world ended well, by itself or by a signal."""
+        return self.world is not None and self.world.process.returncode is not None
+
     def _well(self, child: Child, code: int) -> bool:
         return code in (SUCCESS, UNMET) or child in self._killed
 
     async def stop(self) -> None:
         """End every child: the world first, which dismisses the agents; then, after GRACE, by force."""
         if self.world is not None and self.world.process.returncode is None:
-            _signal(self.world, signal.SIGTERM)
+            _signal(self.world, signal.SIGINT)  # SIGTERM would let the agents wait for a world that goes on
             await _gone([self.world], GRACE)
             if await _gone(self.agents, DISMISSAL):
                 return

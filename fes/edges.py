@@ -32,6 +32,10 @@ class Edges:
     def __len__(self) -> int:
         return len(self.rows)
 
+    def __getstate__(self) -> dict[str, Ints]:
+        # What is derived is derived again.
+        return {"ids": self.ids, "rows": self.rows, "peers": self.peers}
+
     @staticmethod
     def key(robots: Ints, peers: Ints) -> Ints:
         """The key of pairs given by ids; any shape."""

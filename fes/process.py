@@ -85,7 +85,7 @@ async def _until_stopped(main: Callable[[], Coroutine[None, None, T]], exit_with
         told.append(by)
         if len(told) > 1:
             os._exit(FORCED)
-        task.cancel()
+        task.cancel(by)  # who is cancelled can see why
 
     for number in STOP_SIGNALS:
         loop.add_signal_handler(number, stop, number.name)
@@ -123,6 +123,11 @@ def seconds(text: str) -> float:
     if not 0.0 < value <= YEAR:
         raise argparse.ArgumentTypeError(f"expects a positive time in seconds, got '{text}'")
     return value
+
+
+def period(text: str) -> float:
+    """The argument of --checkpoint: a time [s] from 0 to a year; raises ArgumentTypeError."""
+    return 0.0 if text == "0" else seconds(text)
 
 
 def real_time_factor(text: str) -> float | None:

@@ -10,6 +10,7 @@ from console.launcher import free_port
 from fes import bus
 from fes.bus import Bus
 from fes.endpoints import Endpoints
+from world.course import Course
 from world.recorder import Recorder
 from world.scenario import Scenario
 from world.server import Server
@@ -48,7 +49,7 @@ async def run(
     `disturb(endpoint)`, if given, runs beside it, from when all robots are here; `recorder` gets every tick.
     """
     async with router() as (opened, endpoint):
-        server = Server(opened, scenario, "test", RUN, None, recorder)
+        server = Server(opened, Course(scenario, recorder), "test", RUN)
         agents = [asyncio.ensure_future(live(endpoint, robots)) for robots in groups]
         await server.gather()
         other = asyncio.ensure_future(disturb(endpoint)) if disturb is not None else None

@@ -21,6 +21,7 @@ from tests.attackers import (
 )
 from tests.loop import load
 from tests.session import RUN, client
+from world.course import Course
 from world.scenario import Scenario
 from world.server import Server
 
@@ -91,7 +92,7 @@ def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds() -> Non
 
     async def main() -> None:
         async with session.router() as (opened, endpoint), client(endpoint) as puppet:
-            server = Server(opened, endless, "test", RUN, None)
+            server = Server(opened, Course(endless), "test", RUN)
             for robot in (0, 1):
                 puppet.token(keys.robot_alive(RUN, robot))
             await server.gather()
@@ -104,7 +105,7 @@ def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds() -> Non
                     await asyncio.sleep(0.01)
             running.cancel()
             assert server.complaints.counts["Command: came twice"] == 2
-            assert server._state.poses[0, :2].tolist() == [0.0, 0.0]  # the pose of pair.toml: it did not move
+            assert server.course.state.poses[0, :2].tolist() == [0.0, 0.0]  # the pose of pair.toml: it did not move
 
     asyncio.run(main())
 

@@ -16,6 +16,7 @@ from tests import session
 from tests.loop import load
 from tests.session import RUN
 from tests.test_processes import PATIENCE, fes
+from world.course import Course
 from world.recorder import Recorder
 from world.scenario import Scenario
 from world.server import Server
@@ -31,7 +32,7 @@ def live_through(scenario: Scenario, path: Path, story: Story, pace: float = 2.0
     async def main() -> dict[str, Any]:
         async with session.router() as (opened, endpoint), asyncio.timeout(100.0):
             with Recorder(path, scenario, "test", "processes") as recorder:
-                server = Server(opened, scenario, "test", RUN, pace, recorder)
+                server = Server(opened, Course(scenario, recorder), "test", RUN, pace)
                 robots = range(scenario.robots.number)
                 agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in robots]
                 await server.gather()
@@ -49,9 +50,9 @@ def live_through(scenario: Scenario, path: Path, story: Story, pace: float = 2.0
 
 
 async def until(server: Server, holds: Callable[[Any], Any]) -> int:
-    while not holds(server._state):
+    while not holds(server.course.state):
         await asyncio.sleep(0.01)
-    return int(server._state.tick)
+    return int(server.course.state.tick)
 
 
 def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_it_can_be_executed_again(
@@ -63,13 +64,13 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
         await until(server, lambda state: state.tick >= 40)
         agents[4].cancel()
         gone = await until(server, lambda state: not state.present[4])
-        pose = server._state.poses[4].tolist()
+        pose = server.course.state.poses[4].tolist()
         await until(server, lambda state: state.tick >= gone + 60)
-        seen["stood"] = server._state.poses[4].tolist() == pose
+        seen["stood"] = server.course.state.poses[4].tolist() == pose
         agents[4] = asyncio.ensure_future(session.live(endpoint, [4]))
         back = await until(server, lambda state: state.present[4])
         await until(server, lambda state: state.tick >= back + 30)
-        seen["moved"] = server._state.poses[4].tolist() != pose
+        seen["moved"] = server.course.state.poses[4].tolist() != pose
         seen["ticks"] = gone, back
 
     scenario = load("neighborhood.toml", run__duration=6.0)
@@ -87,7 +88,7 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
 def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_when_it_speaks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("world.server.ANSWER_TIMEOUT", 1.0)
+    monkeypatch.setattr("world.lockstep.ANSWER_TIMEOUT", 1.0)
     asleep, say = asyncio.Event(), Mouth.say
     delayed: list[tuple[Mouth, int, Any]] = []
 

@@ -120,10 +120,10 @@ def test_a_person_changes_a_running_world_and_the_run_can_be_run_again_with_what
     assert [disc["x"] for disc in jammers] == list(range(100))
     assert (effect.path, effect.value) == ("channel.reference_snr", 5e6)
     assert effect.optimal_separation == pytest.approx(65.524, abs=1e-3)
-    event = server.scenario.event[0]
+    event = server.course.scenario.event[0]
     assert event.at == pytest.approx(effect.tick * 0.02)
     assert event.settings == {"channel.reference_snr": 5e6}
-    again = inprocess.run(server.scenario, "pair")
+    again = inprocess.run(server.course.scenario, "pair")
     assert again["digest"] == summary["digest"] != inprocess.run(scenario, "pair")["digest"]
     assert again["tracking"] == summary["tracking"]
 
@@ -142,7 +142,7 @@ def test_what_an_event_that_is_scheduled_would_make_impossible_is_refused_and_th
 
     summary, server, _ = asyncio.run(session.run(scenario, [[0], [1]], disturb))
     assert summary["ticks"] == scenario.ticks
-    assert server.scenario == scenario
+    assert server.course.scenario == scenario
 
 
 def test_a_value_that_no_message_can_carry_is_one_line() -> None:

@@ -13,6 +13,7 @@ from fes.errors import Absent, Refused
 from tests import session
 from tests.loop import load
 from tests.session import RUN, client
+from world.course import Course
 from world.server import Server
 
 
@@ -29,7 +30,7 @@ def test_agents_without_an_id_take_the_lowest_free_robots_and_the_digest_is_the_
 
     async def main() -> Any:
         async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
-            server = Server(opened, scenario, "test", RUN, None)
+            server = Server(opened, Course(scenario), "test", RUN)
             named = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 3)]
             await asyncio.sleep(0.3)
             others = [asyncio.ensure_future(any_robot(endpoint)) for _ in range(8)]
@@ -47,7 +48,7 @@ def test_agents_without_an_id_take_the_lowest_free_robots_and_the_digest_is_the_
 def test_a_robot_is_free_again_when_its_agent_is_gone_and_until_then_nobody_gets_it() -> None:
     async def main() -> None:
         async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
-            Server(opened, load("pair.toml", run__duration=1000.0), "test", RUN, None)
+            Server(opened, Course(load("pair.toml", run__duration=1000.0)), "test", RUN)
             first = asyncio.ensure_future(any_robot(endpoint))
             await asyncio.sleep(0.3)
             second = asyncio.ensure_future(any_robot(endpoint))

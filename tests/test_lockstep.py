@@ -15,6 +15,7 @@ from fes.messages import Beacon, Command
 from tests import session
 from tests.loop import load
 from tests.session import RUN, client
+from world.course import Course
 from world.scenario import Scenario
 from world.server import Server
 
@@ -150,7 +151,7 @@ def test_a_world_that_everybody_left_says_so(monkeypatch: pytest.MonkeyPatch) ->
 
     async def main() -> None:
         async with session.router() as (opened, endpoint):
-            server = Server(opened, endless, "test", RUN, None)
+            server = Server(opened, Course(endless), "test", RUN)
             agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
             await server.gather()
             running = asyncio.ensure_future(server.run())
@@ -190,7 +191,7 @@ def test_a_beacon_that_cannot_be_had_is_an_error_and_no_other_digest(monkeypatch
 
     async def main() -> None:
         async with session.router() as (opened, endpoint):
-            server = Server(opened, near, "test", RUN, None)
+            server = Server(opened, Course(near), "test", RUN)
             agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
             await server.gather()
             with pytest.raises(Absent, match=r"^nobody is there any more: the world waited 1 s at tick 42$"):
@@ -204,13 +205,13 @@ def test_a_beacon_that_cannot_be_had_is_an_error_and_no_other_digest(monkeypatch
 
 def test_junk_does_not_keep_a_hung_robot_alive(monkeypatch: pytest.MonkeyPatch) -> None:
     """The barrier's deadline holds although messages keep coming."""
-    monkeypatch.setattr("world.server.ANSWER_TIMEOUT", 1.0)
+    monkeypatch.setattr("world.lockstep.ANSWER_TIMEOUT", 1.0)
     monkeypatch.setattr("world.attendance.RETURN_TIMEOUT", 1.0)
     endless = load("pair.toml", run__duration=1000.0)
 
     async def main() -> None:
         async with session.router() as (opened, endpoint), client(endpoint) as silent, client(endpoint) as vandal:
-            server = Server(opened, endless, "test", RUN, None)
+            server = Server(opened, Course(endless), "test", RUN)
             for robot in (0, 1):
                 silent.token(keys.robot_alive(RUN, robot))  # here, but it never answers
             await server.gather()
@@ -231,8 +232,8 @@ def test_an_agent_whose_world_leaves_says_so() -> None:
 
     async def main() -> None:
         async with session.router() as (opened, endpoint):
-            server = Server(opened, endless, "test", RUN, None)
-            agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
+            server = Server(opened, Course(endless), "test", RUN)
+            agents = [asyncio.ensure_future(session.live(endpoint, [robot], timeout=2.0)) for robot in (0, 1)]
             await server.gather()
             running = asyncio.ensure_future(server.run())
             while server.summarize() is None:

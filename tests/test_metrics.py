@@ -77,8 +77,8 @@ def test_the_digest_is_the_contracts_sum_over_ticks_and_robots() -> None:
     tally, nothing = Tally(DT), layouts.edges(range(4), [])
     for poses, twists in ticks:
         add(tally, poses, nothing, [], twists)
-    assert tally.digest() == contract_digest(ticks)
-    assert tally.digest() != contract_digest(ticks[:-1])
+    assert tally.digest.text() == contract_digest(ticks)
+    assert tally.digest.text() != contract_digest(ticks[:-1])
 
 
 def test_the_digest_of_a_run_is_that_of_its_true_poses_and_twists(monkeypatch: pytest.MonkeyPatch) -> None:

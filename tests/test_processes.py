@@ -207,7 +207,7 @@ def test_a_world_told_to_stop_dismisses_its_agents(tmp_path: Path) -> None:
     assert world.stderr is not None
     while "starts" not in world.stderr.readline():
         assert world.poll() is None
-    world.terminate()
+    world.send_signal(signal.SIGINT)
     for process in (world, agent):
         process.communicate(timeout=PATIENCE)
         assert process.returncode == 0

@@ -100,7 +100,7 @@ def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
         with Recorder(tmp_path / "run.mcap", pair, "test", "processes") as recorder:
             summary, server, _ = await session.run(pair, [[0], [1]], disturb, recorder)
             recorder.conclude(summary)
-            assert server.scenario.event
+            assert server.course.scenario.event
         return summary, server
 
     summary, server = asyncio.run(asyncio.wait_for(run(), PATIENCE))
@@ -111,7 +111,7 @@ def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
     assert summary["digest"] != inprocess.run(pair, "test")["digest"]
     assert replay.again(found, everybody=True) == as_json(summary)
 
-    recordings.record(tmp_path / "again.mcap", server.scenario, "scenario")  # what scenario.toml then holds
+    recordings.record(tmp_path / "again.mcap", server.course.scenario, "scenario")  # what scenario.toml then holds
     again = log.load(tmp_path / "again.mcap")
     assert list(compare.of_scenarios(found, again)) == []
     assert compare.first_difference(found, again) is None

@@ -27,7 +27,7 @@ def test_a_farewell_that_fails_does_not_cost_the_summary(tmp_path: Path, monkeyp
         "keys": None,
     }
     own = {"run": session.RUN, "name": None, "scenario": str(CONFIGS / "pair.toml"), "rtf": None}
-    flags = argparse.Namespace(**words, **own, out=tmp_path, no_record=False)
+    flags = argparse.Namespace(**words, **own, out=tmp_path, no_record=False, checkpoint=10.0)
 
     def broken(server: Server) -> None:
         raise TransportError("the bus broke")
@@ -35,7 +35,8 @@ def test_a_farewell_that_fails_does_not_cost_the_summary(tmp_path: Path, monkeyp
     monkeypatch.setattr(Server, "dismiss", broken)
 
     async def main() -> None:
-        world = asyncio.ensure_future(process.serve(flags, load("pair.toml", run__duration=0.4)))
+        start = process.Start(load("pair.toml", run__duration=0.4), "pair", session.RUN)
+        world = asyncio.ensure_future(process.serve(flags, start))
         await asyncio.sleep(0.5)
         agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
         with pytest.raises(FesError, match="the bus broke"):

@@ -1,7 +1,12 @@
 """Ground truth, the radio channel and the barrier.
 
 process     the shell: fes-world
-server      the lockstep: observations out, commands in, one barrier a tick
+server      the world on the bus: observations out, commands in, tick after tick
+course      one run as the world goes through it
+lockstep    the barrier: every tick waits for all commands
+checkpoint  what a run can be gone on from
+journal     notes of what came from outside since
+resume      a run gone on with
 attendance  who takes part at a tick
 claim       one world a run
 roster      who hosts which robot, and who is alive
@@ -27,7 +32,8 @@ chance      the radio's uniform numbers
 simulation  step(state, twists) -> state
 optimum     r*, the separation that maximizes the index (16)
 graphs      connectivity of a graph, lambda_2
-metrics     what a run achieved, and its digest
+metrics     what a run achieved
+digest      SHA-256 over all ticks
 account     what a run achieved, added up from truth and telemetry
 tracking    how fast and how well the optimum is found, after the start and after each change
 breathing   separations averaged over a period of the dither

@@ -58,7 +58,7 @@ class Attendance:
             self._roster.changed.clear()
             there = self.there
             if there.any() and there[due].all():
-                return there & self._wanted(state.tick)
+                return there & self._wanted(state.tick) & ~self._begin_anew(state, there)
             if time.monotonic() >= end:
                 missing = np.flatnonzero(due & ~there)
                 who = f"robot {missing[0]} did not come back" if len(missing) else "nobody is there any more"
@@ -66,6 +66,22 @@ class Attendance:
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(max(0.0, end - time.monotonic())):
                     await self._roster.changed.wait()
+
+    async def wait_for(self, present: Bools, timeout: float) -> None:
+        """Wait until the robots of `present` [n] are there, for up to `timeout` [s]."""
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(timeout):
+                while not self.there[present].all():
+                    self._roster.changed.clear()
+                    await self._roster.changed.wait()
+
+    def _begin_anew(self, state: State, there: Bools) -> Bools:
+        """Robots that are taken to be there all the time, but have a new process [n]: they miss a tick."""
+        anew = np.zeros(self._robots, dtype=np.bool_)
+        for robot in [robot for robot in self._roster.renewed if there[robot]]:
+            self._roster.renewed.discard(robot)
+            anew[robot] = state.present[robot] and state.since[robot] != state.tick
+        return anew
 
     def told(self, before: State, now: State) -> None:
         """Say who came and who went."""

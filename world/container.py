@@ -8,6 +8,11 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from mcap.records import Channel as McapChannel
+from mcap.records import Chunk
+from mcap.records import Message as McapMessage
+from mcap.records import Schema as McapSchema
+from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.writer import CompressionType, Writer
 
 from fes.errors import FesError
@@ -52,7 +57,7 @@ class Container:
             return
         channel = self._channels.get(topic)
         if channel is None:
-            channel = self._channels[topic] = self._register(topic, schema)
+            channel = self._register(topic, schema)
         self._writer.add_message(channel, at, payload, at, tick)
         self._waiting += len(payload) + _MESSAGE_HEADER
 
@@ -64,6 +69,36 @@ class Container:
             with self._writing():
                 self._writer.flush()
             self._waiting, self._begun = 0, time.monotonic()
+
+    def close_chunk(self) -> int:
+        """Close the chunk; returns how many bytes there are then, all of them whole records."""
+        self.settle(at_once=True)
+        with self._writing():
+            self._file.flush()
+            return self._file.tell()
+        return 0
+
+    @property
+    def fileno(self) -> int:
+        """The number of the open file."""
+        return self._file.fileno()
+
+    def copy(self, path: Path, size: int) -> None:
+        """Take over all messages in the first `size` bytes of another file, chunk by chunk."""
+        schemas, channels = dict[int, McapSchema](), dict[int, McapChannel]()
+        with path.open("rb") as file:
+            for record in StreamReader(file, emit_chunks=True).records:
+                for part in breakup_chunk(record) if isinstance(record, Chunk) else [record]:
+                    if isinstance(part, McapSchema):
+                        schemas[part.id] = part
+                    elif isinstance(part, McapChannel):
+                        channels[part.id] = part
+                    elif isinstance(part, McapMessage):
+                        channel = channels[part.channel_id]
+                        self._again(part, channel, schemas[channel.schema_id])
+                self.settle(at_once=True)
+                if file.tell() >= size:
+                    return
 
     def finish(self, name: str, metadata: dict[str, str]) -> None:
         """Close the file, with a record of metadata and an index."""
@@ -78,13 +113,20 @@ class Container:
 
     def _register(self, topic: str, schema: Schema) -> int:
         if isinstance(schema, Message):
-            name, encoding, kind = schema.name, "protobuf", "protobuf"
-        else:
-            name, encoding, kind = schema["title"], "json", "jsonschema"
+            return self._declare(topic, "protobuf", schema.name, "protobuf", describe(schema))
+        return self._declare(topic, "json", schema["title"], "jsonschema", json.dumps(schema).encode())
+
+    def _declare(self, topic: str, encoding: str, name: str, kind: str, described: bytes) -> int:
         if name not in self._schemas:
-            described = describe(schema) if isinstance(schema, Message) else json.dumps(schema).encode()
             self._schemas[name] = self._writer.register_schema(name, kind, described)
-        return self._writer.register_channel(topic, encoding, self._schemas[name])
+        channel = self._channels[topic] = self._writer.register_channel(topic, encoding, self._schemas[name])
+        return channel
+
+    def _again(self, message: McapMessage, like: McapChannel, schema: McapSchema) -> None:
+        channel = self._channels.get(like.topic)
+        if channel is None:
+            channel = self._declare(like.topic, like.message_encoding, schema.name, schema.encoding, schema.data)
+        self._writer.add_message(channel, message.log_time, message.data, message.publish_time, message.sequence)
 
     @contextlib.contextmanager
     def _writing(self) -> Iterator[None]:

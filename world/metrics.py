@@ -1,6 +1,5 @@
-"""What a run achieves: errors, connectivity, times to reach them, and the digest."""
+"""What a run achieves: errors, connectivity, and times to reach them."""
 
-import hashlib
 import math
 from dataclasses import dataclass, field
 
@@ -11,6 +10,7 @@ from fes.arrays import Bools, Floats, Ints
 from fes.edges import Edges
 from fes.sensing import Telemetry
 from world import graphs
+from world.digest import Digest
 from world.proximity import Proximity
 
 HOLD = 10.0
@@ -53,6 +53,7 @@ class Tally:
     ticks: int = 0
     errors: dict[str, float] = field(default_factory=dict)
     """At the last tick: disagreement (NaN before there are links), estimate_error, separation_error [m]."""
+    digest: Digest = field(default_factory=Digest)
     disk_now: bool = False
     longest_gap: int = 0
     """Most ticks in a row at which the links of the robots present were not one component."""
@@ -62,7 +63,6 @@ class Tally:
     _links_always: bool = True
     _since: dict[str, int | None] = field(default_factory=lambda: dict.fromkeys(LEVELS))
     _reached: dict[str, int] = field(default_factory=dict)
-    _hash: "hashlib._Hash" = field(default_factory=hashlib.sha256)
     _disk: Graph = field(default_factory=Graph)
     _links: Graph = field(default_factory=Graph)
 
@@ -81,7 +81,7 @@ class Tally:
 
         `separation` are the links' own [u] [m], one for each of `said.links.undirected`; `optimal` is r* [m].
         """
-        self._digest(poses, twists)
+        self.digest.add(self.ticks, poses, twists)
         self.disk_now = self._disk.is_connected(near.edges, present)
         if open_contacts or len(poses) == 1:
             self._opened = True
@@ -108,14 +108,6 @@ class Tally:
         """For each level the first time [s] from which it held for HOLD, or to the end; None if it never did."""
         found = {name: self._reached.get(name, self._since[name]) for name in LEVELS}
         return {name: None if tick is None else round(tick * self.dt, 9) for name, tick in found.items()}
-
-    def digest(self) -> str:
-        """SHA-256 over the ticks so far; the README has its layout."""
-        return self._hash.hexdigest()
-
-    def _digest(self, poses: Floats, twists: Floats) -> None:
-        self._hash.update(np.int64(self.ticks).astype("<i8").tobytes())
-        self._hash.update(np.concatenate([poses, twists], axis=1).astype("<f8", copy=False).tobytes())
 
     def _levels(self) -> None:
         hold = math.ceil(HOLD / self.dt)

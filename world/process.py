@@ -5,40 +5,63 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: no thread pool for arrays this small
 
 import argparse
+import asyncio
 import contextlib
 import logging
+import math
+import signal
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from fes import bus, identity, keys, process
 from fes.errors import FesError
-from world import access, audit, claim, expect, summary
+from world import access, audit, claim, expect, resume, summary
+from world.checkpoint import PERIOD, Keeper, Snapshot
+from world.course import Course
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
 from world.server import Server
 
 
-async def serve(flags: argparse.Namespace, scenario: Scenario) -> int:
+@dataclass(frozen=True, eq=False)
+class Start:
+    """A run that is to be started, or gone on with."""
+
+    scenario: Scenario
+    name: str
+    run: str
+    kept: Snapshot | None = None
+
+
+async def serve(flags: argparse.Namespace, start: Start) -> int:
     """One world process, from start to exit code."""
-    run, name = keys.check_run(flags.run), flags.name or Path(flags.scenario).stem
+    run, scenario = start.run, start.scenario
     rules = access.control(run, scenario.robots.number, identity.crews(flags.keys)) if flags.keys else None
     endpoints = process.world_endpoints(flags, rules)
     async with audit.kept() if flags.keys else contextlib.nullcontext(), bus.opened(endpoints) as opened:
         connected = bool(flags.connect or flags.config or flags.cfg) or flags.mode not in (None, "router")
         await claim.claim(opened, run, connected=connected)
-        with _recorder(flags, scenario, name) as recorder:
-            server = Server(opened, scenario, name, run, flags.rtf, recorder)
+        with _recorder(flags, start) as recorder:
+            course, keeper = _course(flags, start, recorder)
+            elapsed = start.kept.elapsed if start.kept is not None else 0.0
+            server = Server(opened, course, start.name, run, flags.rtf, keeper, elapsed)
             if flags.out is not None:
                 server.keep = partial(summary.write_scenario, flags.out)
-            reached = None
+            reached, pausing = None, False
             try:
                 await server.gather()
                 await server.run()
+            except asyncio.CancelledError as stopped:
+                pausing = keeper is not None and stopped.args == (signal.SIGTERM.name,)
+                raise
             finally:
                 try:
-                    server.dismiss()
+                    server.save()
+                    if not pausing:  # else the robots wait for a world that goes on
+                        server.dismiss()
                     server.complaints.log_total(server.overflow)
                 finally:
                     reached = _keep(flags.out, server, recorder)
@@ -49,11 +72,25 @@ async def serve(flags: argparse.Namespace, scenario: Scenario) -> int:
     return process.UNMET if reached and expect.unmet(reached) else process.SUCCESS
 
 
-def _recorder(flags: argparse.Namespace, scenario: Scenario, name: str) -> AbstractContextManager[Recorder | None]:
+def _recorder(flags: argparse.Namespace, start: Start) -> AbstractContextManager[Recorder | None]:
     """The log of the run, or none."""
+    if start.kept is not None:
+        return resume.recorder(flags.out, start.kept) or nullcontext()
     if flags.out is None or flags.no_record:
         return nullcontext()
-    return Recorder(flags.out / NAME, scenario, name, "processes")
+    return Recorder(flags.out / NAME, start.scenario, start.name, "processes")
+
+
+def _course(flags: argparse.Namespace, start: Start, recorder: Recorder | None) -> tuple[Course, Keeper | None]:
+    """The run, from its start or from where it was left, and who keeps it."""
+    if start.kept is not None:
+        return resume.course(flags.out, start.kept, recorder, flags.checkpoint or math.inf)
+    course = Course(start.scenario, recorder)
+    if flags.out is None or not flags.checkpoint:
+        return course, None
+    keeper = Keeper(flags.out, flags.checkpoint, start.name, start.run)
+    keeper.begin(course)
+    return course, keeper
 
 
 def _keep(out: Path | None, server: Server, recorder: Recorder | None) -> dict[str, Any] | None:
@@ -66,25 +103,47 @@ def _keep(out: Path | None, server: Server, recorder: Recorder | None) -> dict[s
     return reached
 
 
-def main() -> None:
-    """Entry point of fes-world."""
-    parser = process.OneLineParser(prog="fes-world", description="Ground truth and radio channel of a run.")
-    parser.add_argument("scenario", metavar="SCENARIO", help="a scenario file, such as configs/paper.toml")
-    parser.add_argument("--name", help="name of the scenario in the summary (default: that of its file)")
-    add_scenario_flags(parser)
-    parser.add_argument("--rtf", type=process.real_time_factor, metavar="max|X", help="pace: simulated s per s")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="where to leave scenario, summary and log")
-    parser.add_argument("--no-record", action="store_true", help="write no log (run.mcap)")
-    process.add_network_flags(parser)
-    flags = parser.parse_args()
-    try:
+def _start(flags: argparse.Namespace) -> Start:
+    """What the flags ask for; raises FesError."""
+    if flags.resume is None:
+        if flags.scenario is None:
+            raise FesError("give a SCENARIO, or --resume RUN_DIR")
         scenario = load(Path(flags.scenario), overrides(flags))
         if flags.out is not None:
             flags.out.mkdir(parents=True, exist_ok=True)
             summary.write_scenario(flags.out, scenario)
+        return Start(scenario, flags.name or Path(flags.scenario).stem, keys.check_run(flags.run))
+    if flags.scenario is not None or flags.out is not None or overrides(flags):
+        raise FesError("--resume goes on with the run as it was: no SCENARIO, --out, --set, --seed or --duration")
+    kept = resume.load(flags.resume)
+    flags.out = flags.resume
+    return Start(kept.scenario, kept.name, kept.run, kept)
+
+
+def main() -> None:
+    """Entry point of fes-world."""
+    parser = process.OneLineParser(prog="fes-world", description="Ground truth and radio channel of a run.")
+    parser.add_argument("scenario", nargs="?", metavar="SCENARIO", help="a scenario file, such as configs/paper.toml")
+    parser.add_argument("--resume", type=Path, metavar="RUN_DIR", help="go on with a run whose world ended before it")
+    parser.add_argument("--name", help="name of the scenario in the summary (default: that of its file)")
+    add_scenario_flags(parser)
+    parser.add_argument("--rtf", type=process.real_time_factor, metavar="max|X", help="pace: simulated s per s")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="where to leave scenario, summary and log")
+    parser.add_argument(
+        "--checkpoint",
+        type=process.period,
+        default=PERIOD,
+        metavar="S",
+        help="time between two checkpoints in --out [s]; 0 for none (default: %(default)g)",
+    )
+    parser.add_argument("--no-record", action="store_true", help="write no log (run.mcap)")
+    process.add_network_flags(parser)
+    flags = parser.parse_args()
+    try:
+        start = _start(flags)
     except (FesError, OSError) as error:
         parser.error(str(error))
-    process.run("fes-world", lambda: serve(flags, scenario), exit_with_stdin=flags.exit_with_stdin)
+    process.run("fes-world", lambda: serve(flags, start), exit_with_stdin=flags.exit_with_stdin)
 
 
 def add_scenario_flags(parser: argparse.ArgumentParser) -> None:

@@ -8,6 +8,7 @@ the file can be read up to its last chunk.
 
 import json
 import platform
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple, Self
@@ -45,10 +46,30 @@ class Said(NamedTuple):
     commands: list[bytes]
 
 
+@dataclass(frozen=True)
+class Unfinished:
+    """A log up to one tick, to be gone on with."""
+
+    size: int
+    """Bytes of the file that are whole."""
+    tick: int
+    told: tuple[int, float]
+    pending: list[tuple[int, str, Any]]
+    present: dict[int, list[int]]
+
+
 class Recorder:
     """Writes the log of one run while the block lasts; raises FesError where the file cannot be written."""
 
-    def __init__(self, path: Path, scenario: Scenario, name: str, backend: str) -> None:
+    def __init__(
+        self,
+        path: Path,
+        scenario: Scenario,
+        name: str,
+        backend: str,
+        before: tuple[Path, Unfinished] | None = None,
+    ) -> None:
+        """`before` is the log so far, in another file, where a run is gone on with."""
         self._scenario, self._name = scenario, name
         self._changes = scenario.changes
         self._period = report_period(scenario)
@@ -59,7 +80,13 @@ class Recorder:
         self._tick = -1
         self._told = (0, 0.0)
         self._file = Container(path)
-        self._begin(backend)
+        if before is None:
+            self._begin(backend)
+            return
+        source, kept = before
+        self._file.copy(source, kept.size)
+        self._tick, self._told = kept.tick, kept.told
+        self._pending, self._present = list(kept.pending), dict(kept.present)
 
     def __enter__(self) -> Self:
         return self
@@ -97,6 +124,15 @@ class Recorder:
     def attend(self, tick: int, robots: list[int]) -> None:
         """From `tick` on, which has not been added yet, these robots take part, otherwise than by schedule."""
         self._present[tick] = robots
+
+    @property
+    def fileno(self) -> int:
+        """The number of the open file."""
+        return self._file.fileno
+
+    def pause(self) -> Unfinished:
+        """The log up to the last tick that was added: from now on a reader finds all of it."""
+        return Unfinished(self._file.close_chunk(), self._tick, self._told, list(self._pending), dict(self._present))
 
     def conclude(self, summary: dict[str, Any] | None) -> None:
         """Keep the summary of what was reached."""

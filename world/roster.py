@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -23,7 +23,16 @@ LEASE = 5.0
 class Roster:
     """The robots of a run, and the agents that host them."""
 
-    def __init__(self, bus: Bus, run: str, robots: int, config: AgentConfig, complaints: Complaints) -> None:
+    def __init__(
+        self,
+        bus: Bus,
+        run: str,
+        robots: int,
+        config: AgentConfig,
+        complaints: Complaints,
+        groups: Iterable[tuple[int, ...]] = (),
+    ) -> None:
+        """`groups` are the robots of the agents that joined before this world came, if any did."""
         self.alive: Bytes = np.zeros(robots, dtype=np.uint8)
         self.complete = asyncio.Event()
         self.changed = asyncio.Event()
@@ -37,6 +46,11 @@ class Roster:
         self._promised: dict[int, float] = {}
         self._group: dict[int, tuple[int, ...]] = {robot: (robot,) for robot in range(robots)}
         """The robots that share a process with each."""
+        self._group.update((robot, group) for group in groups for robot in group)
+        self.renewed: set[int] = set()
+        """Robots whose agents are new, and have not taken part yet."""
+        self.on_join: Callable[[tuple[int, ...]], None] = lambda robots: None
+        """Called with the robots of each agent that joins."""
         self._leased: dict[int, float] = {}
         self._on_loss: Callable[[int], None] | None = None
         bus.serve(keys.welcome(run, "*"), self._on_question)
@@ -47,6 +61,11 @@ class Roster:
     def report_losses_to(self, on_loss: Callable[[int], None]) -> None:
         """From now on `on_loss` is called with each robot that is lost."""
         self._on_loss = on_loss
+
+    @property
+    def groups(self) -> list[tuple[int, ...]]:
+        """The robots of each agent."""
+        return sorted(set(self._group.values()))
 
     def group(self, robot: int) -> tuple[int, ...]:
         """The robots that share a process with this one: they come and go together."""
@@ -82,6 +101,8 @@ class Roster:
         for robot in wanted:
             self._promised[robot] = time.monotonic() + LEASE
             self._group[robot] = wanted
+        self.renewed.update(wanted)
+        self.on_join(wanted)
         question.answer(messages.encode_welcome(Welcome(wanted, self._config)), "fes.Welcome")
 
     def _refusal(self, wanted: tuple[int, ...]) -> str:

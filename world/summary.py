@@ -47,7 +47,7 @@ def summarize(account: Account, name: str, backend: str, wall: float) -> dict[st
         "beacons_sent": final.sent,
         "beacons_decoded": final.decoded,
         "time_to": tally.times(),
-        "digest": tally.digest(),
+        "digest": tally.digest.text(),
         "tracking": account.tracking.table(),
         "radio": _contacts(final.radio),
         "links_gap_longest": tally.longest_gap * scenario.run.dt,

@@ -1,0 +1,293 @@
+"""Worlds that die and are gone on with: real ones, killed, and one stopped after every tick."""
+
+import json
+import os
+import pickle
+import shutil
+import signal
+import subprocess
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from agents import assembly, crew
+from console import inprocess, log, replay
+from console.launcher import free_port
+from fes import messages
+from fes.errors import FesError
+from fes.sensing import silence
+from tests.loop import CONFIGS, load
+from tests.test_processes import PATIENCE, command, fes, start, until
+from world import checkpoint, journal, resume, simulation
+from world.checkpoint import FOLDER, Keeper
+from world.course import Course
+from world.process import main
+from world.recorder import NAME, Recorder
+from world.scenario import Scenario, agent_config
+
+MACHINE = ("backend", "wall_s", "ticks_per_s", "real_time_factor")
+"""What of a summary is of the machine."""
+
+
+class Team:
+    """A crew in one loop with a course."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.crew = crew.assemble(agent_config(scenario), np.arange(scenario.robots.number))
+        self.minds, self.said = crew.start(self.crew), silence()
+
+    def step(self, course: Course) -> None:
+        """Go through one tick."""
+        sent = course.observations(course.state.present)
+        self.minds, self.said, twists = crew.step(self.crew, self.minds, simulation.observe(course.state), self.said)
+        learnt = crew.telemetry(self.crew, self.minds).learnt
+        spoken = [payload for _, *payload in assembly.payloads(self.said, twists, learnt)]
+        course.take(sent, [(messages.decode_command(told), told) for _, told in spoken])
+        alive = np.ones(len(sent), dtype=np.uint8)
+        course.account(lambda tick, present: [beacon for beacon, _ in spoken], alive, 0.1)
+
+
+@pytest.mark.parametrize("name", ["paper.toml", "measured.toml"])
+@pytest.mark.parametrize("recorded", [True, False], ids=["recorded", "not recorded"])
+def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, recorded: bool) -> None:
+    bursts = {"bad_share": 0.2, "mean_length": 0.1}
+    scenario = load(name, run__duration=0.8, channel__bursts=bursts)
+    first, second = tmp_path / "first", tmp_path / "second"
+    first.mkdir()
+    team = Team(scenario)
+    with Recorder(first / NAME, scenario, name, "processes") as recorder:
+        course = Course(scenario, recorder if recorded else None)
+        keeper = Keeper(first, 1e9, name, "main")
+        keeper.begin(course)
+        for tick in range(scenario.ticks):
+            if tick == 13:
+                course.change("channel.reference_snr", 2e6)
+            if tick % 7 == 5:
+                keeper.save(course, [], 0.1, at_once=True)
+            team.step(course)
+            shutil.rmtree(second, ignore_errors=True)
+            shutil.copytree(first, second)
+            snapshot = resume.load(second)
+            assert snapshot.state.tick == max(0, (tick + 2) // 7 * 7 - 2 if tick >= 5 else 0)
+            again = resume.recorder(second, snapshot)
+            assert (again is not None) == recorded
+            other, kept = resume.course(second, snapshot, again, 1e9)
+            assert other.state.tick == tick + 1
+            assert other.state.poses.tobytes() == course.state.poses.tobytes()
+            assert other.state.radio.burst.tobytes() == course.state.radio.burst.tobytes()
+            assert other.state.channel == course.state.channel
+            assert other.scenario == course.scenario
+            assert other.sums.tally.digest.text() == course.sums.tally.digest.text()
+            assert other.sums.tracking.table() == course.sums.tracking.table()
+            if again is not None:
+                with suppress(FesError), again:
+                    raise FesError("it was stopped")
+                whole = log.load(second / NAME)
+                assert sum(1 for _ in whole.ticks()) == tick + 1
+                again_of_it = replay.again(whole, everybody=True)
+                assert again_of_it["digest"] == course.sums.tally.digest.text()
+            kept.discard(other)
+            assert not (second / FOLDER).exists()
+        keeper.discard(course)
+
+
+class Run:
+    """fes-world and its agents, started by hand."""
+
+    def __init__(self, where: Path, scenario: str, *words: str) -> None:
+        self.where, self.words = where, words
+        self.out = where / "out"
+        self.endpoint = f"tcp/127.0.0.1:{free_port()}"
+        self.scenario = scenario
+        self.agents: dict[int, subprocess.Popen[str]] = {}
+        self.world = self.start(str(CONFIGS / scenario), "--out", str(self.out), *words)
+
+    def start(self, *words: str) -> "subprocess.Popen[str]":
+        """A world; this one looks after the run from now on."""
+        flags = ["-l", self.endpoint, "--checkpoint", "0.5", "--rtf", "8"]
+        self.world = start(command("world.process", *words, *flags), self.where)
+        return self.world
+
+    def join(self, robot: int) -> None:
+        """An agent."""
+        words = ["--id", str(robot), "-e", self.endpoint]
+        self.agents[robot] = start(command("agents.process", *words), self.where)
+
+    def end(self, how: signal.Signals) -> None:
+        """End the world, by the present checkpoint's successor at the earliest."""
+        state = self.out / FOLDER / "state"
+        until(state.exists)
+        seen = state.stat().st_ino
+        until(lambda: state.stat().st_ino != seen)
+        self.world.send_signal(how)
+        self.world.communicate(timeout=PATIENCE)
+
+    def finish(self) -> dict[str, Any]:
+        """The summary, when all have ended well."""
+        for process in (self.world, *self.agents.values()):
+            _, err = process.communicate(timeout=PATIENCE)
+            assert process.returncode == 0, err
+        assert not (self.out / FOLDER).exists()
+        found: dict[str, Any] = json.loads((self.out / "summary.json").read_text())
+        return found
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Iterator[Run]:
+    going = Run(tmp_path, "neighborhood.toml", "--duration", "40")
+    try:
+        yield going
+    finally:
+        for process in (going.world, *going.agents.values()):
+            if process.poll() is None:
+                process.kill()
+            process.communicate()
+
+
+def test_a_run_whose_world_is_killed_and_told_to_stop_comes_to_the_same_digest(run: Run) -> None:
+    robots = load("neighborhood.toml").robots.number
+    for robot in range(robots):
+        run.join(robot)
+    for how in (signal.SIGKILL, signal.SIGTERM, signal.SIGKILL):
+        run.end(how)
+        assert run.world.returncode == (0 if how is signal.SIGTERM else -how)
+        assert all(agent.poll() is None for agent in run.agents.values())
+        run.start("--resume", str(run.out))
+    summary = run.finish()
+    whole = inprocess.run(load("neighborhood.toml", run__duration=40), "neighborhood")
+    assert {**summary, **dict.fromkeys(MACHINE)} == {**whole, **dict.fromkeys(MACHINE)}
+    assert replay.again(log.load(run.out / NAME), everybody=True)["digest"] == whole["digest"]
+
+
+def test_what_a_person_set_and_who_died_meanwhile_is_not_forgotten(run: Run) -> None:
+    for robot in range(load("neighborhood.toml").robots.number):
+        run.join(robot)
+    state = run.out / FOLDER / "state"
+    until(state.exists)
+    told = subprocess.run(
+        fes("set", "channel.reference_snr=2e6", "-e", run.endpoint), capture_output=True, text=True, check=False
+    )
+    assert told.returncode == 0, told.stderr
+    run.end(signal.SIGKILL)
+    run.agents[1].kill()
+    run.agents[1].communicate()
+    run.start("--resume", str(run.out))
+    run.join(1)  # a new process, which knows nothing
+    summary = run.finish()
+    assert summary["ticks"] == 2000
+    assert "2000000.0" in (run.out / "scenario.toml").read_text()
+    found = log.load(run.out / NAME)
+    assert [change for tick in found.ticks() for change in tick.changes] == [("channel.reference_snr", 2e6)]
+    [gone, back] = [tick for tick in found.ticks() if tick.present is not None]
+    assert 1 not in (gone.present or [])
+    assert 1 in (back.present or [])
+    assert replay.again(found, everybody=True)["digest"] == summary["digest"]
+
+
+def test_a_world_that_knows_less_than_its_robots_says_so_and_they_end(run: Run, tmp_path: Path) -> None:
+    for robot in range(load("neighborhood.toml").robots.number):
+        run.join(robot)
+    state = run.out / FOLDER / "state"
+    until(state.exists)
+    shutil.copytree(run.out / FOLDER, tmp_path / "old")
+    run.end(signal.SIGKILL)
+    shutil.rmtree(run.out / FOLDER)
+    shutil.copytree(tmp_path / "old", run.out / FOLDER)  # as after a loss of power that took what was not on disk yet
+    run.start("--resume", str(run.out))
+    for agent in run.agents.values():
+        _, err = agent.communicate(timeout=PATIENCE)
+        assert agent.returncode == 1
+        assert "the world is back at tick" in err.splitlines()[-1]
+    run.world.send_signal(signal.SIGINT)
+    run.world.communicate(timeout=PATIENCE)
+
+
+def test_the_last_note_may_be_torn(tmp_path: Path) -> None:
+    path = tmp_path / "journal"
+    kept = journal.Journal(path)
+    notes: list[list[Any]] = [["attend", 3, [0, 1]], ["tick", 3, [b"\x00\xff", b""], []]]
+    ends = []
+    for note in notes:
+        kept.add(note)
+        ends.append(path.stat().st_size)
+    kept.close()
+    whole = path.read_bytes()
+    for length in range(len(whole) + 1):
+        path.write_bytes(whole[:length])
+        assert list(journal.notes(path)) == notes[: sum(end <= length for end in ends)]
+    path.write_bytes(whole[:-1] + b"x")
+    assert list(journal.notes(path)) == notes[:1]
+
+
+def begun(where: Path) -> Path:
+    """A run directory with a checkpoint."""
+    where.mkdir()
+    course = Course(load("pair.toml"))
+    keeper = Keeper(where, 1e9, "pair", "main")
+    keeper.begin(course)
+    keeper.close(course)
+    return where / FOLDER / "state"
+
+
+class Trap:
+    """Runs a command when it is unpickled."""
+
+    def __reduce__(self) -> Any:
+        return os.mkdir, ("trapped",)
+
+
+def test_a_checkpoint_cannot_run_anything(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    state = begun(tmp_path / "run")
+    magic, version, _ = state.read_bytes().split(b"\n", 2)
+    state.write_bytes(b"\n".join([magic, version, pickle.dumps(Trap())]))
+    with pytest.raises(FesError, match=r"is damaged: UnpicklingError$"):
+        resume.load(tmp_path / "run")
+    assert not Path("trapped").exists()
+
+
+def test_what_cannot_be_gone_on_from_is_one_line(tmp_path: Path) -> None:
+    with pytest.raises(FesError, match=r"has no checkpoint: its run is over, or kept none$"):
+        resume.load(tmp_path)
+    state = begun(tmp_path / "run")
+    whole = state.read_bytes()
+    magic, _, told = whole.split(b"\n", 2)
+    for damaged, complaint in [
+        (b"", "is not a checkpoint$"),
+        (b"fes checkpoint 9\n1\n", "is not a checkpoint that this fes can read$"),
+        (magic + b"\n9.9\n" + told, "was kept by fes 9.9, this is "),
+        (whole[:-10], "is damaged: "),
+        (magic + b"\n" + whole.split(b"\n")[1] + b"\n" + pickle.dumps(3), "is not a checkpoint$"),
+    ]:
+        state.write_bytes(damaged)
+        with pytest.raises(FesError, match=complaint):
+            resume.load(tmp_path / "run")
+    state.write_bytes(whole)
+    snapshot = resume.load(tmp_path / "run")
+    notes = journal.Journal(checkpoint.journals(tmp_path / "run", 0)[-1])
+    notes.add(["tick", 7, [], []])
+    notes.close()
+    with pytest.raises(FesError, match=r"are damaged: a note of tick 7 stands at tick 0$"):
+        resume.course(tmp_path / "run", snapshot, None, 1e9)
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        ([], "give a SCENARIO, or --resume RUN_DIR"),
+        (["--resume", "nowhere"], "nowhere has no checkpoint"),
+        (["x.toml", "--resume", "nowhere"], "--resume goes on with the run as it was"),
+        (["--resume", "nowhere", "--seed", "3"], "--resume goes on with the run as it was"),
+    ],
+)
+def test_flags_that_do_not_go_together_are_one_line(
+    words: list[str], complaint: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.argv", ["fes-world", *words])
+    with pytest.raises(SystemExit):
+        main()
+    assert complaint in capsys.readouterr().err

@@ -1,0 +1,191 @@
+"""What a run can be gone on from if its world dies: a checkpoint, and the notes made since.
+
+The folder `checkpoint` of a run directory holds
+
+    state        the run at one tick: complete, or the one before it
+    journal-<k>  notes made since checkpoint k (world.journal)
+    trail        what went into the digest until then (world.digest)
+    log-<k>      the log as checkpoint k knew it, while it is copied
+
+Checkpoint k is written beside the run while journal k is already in use, and replaces its predecessor in one step;
+journals before k are then of no use. So at every moment a checkpoint and all notes since are there.
+"""
+
+import asyncio
+import os
+import pickle
+import shutil
+import threading
+import time
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from fes.errors import FesError, reason
+from world.account import Account
+from world.course import Course
+from world.journal import Journal
+from world.recorder import NAME, Unfinished
+from world.scenario import Scenario
+from world.simulation import State
+
+FOLDER = "checkpoint"
+STATE, TRAIL = "state", "trail"
+
+PERIOD = 10.0
+"""Time between two checkpoints [s]."""
+
+JOIN = "join"
+"""Kind of a note beside those of a course: [JOIN, robots]: an agent hosts these from now on."""
+
+MAGIC = b"fes checkpoint 1"
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """A run at one tick."""
+
+    number: int
+    """Which checkpoint of the run it is."""
+    name: str
+    """Of the scenario."""
+    run: str
+    scenario: Scenario
+    """As the run began."""
+    now: Scenario
+    """With what persons have set since."""
+    state: State
+    sums: Account
+    groups: list[tuple[int, ...]]
+    """Robots that share a process."""
+    log: Unfinished | None
+    elapsed: float
+    """Wall-clock time since tick 0 [s]."""
+
+
+class Keeper:
+    """Keeps a run in the folder of its run directory."""
+
+    def __init__(self, directory: Path, period: float, name: str, run: str, *, number: int = 0) -> None:
+        self._folder = directory / FOLDER
+        self._period, self._name, self._run = period, name, run
+        self._number = number
+        self._saved = time.monotonic()
+        self._writing: asyncio.Future[None] | None = None
+        self._lock = threading.Lock()
+        self._journal: Journal | None = None
+        self._trail: BinaryIO | None = None
+        self.groups: list[tuple[int, ...]] = []
+        """The robots of each agent, as the run was when it began to be kept."""
+
+    def begin(self, course: Course) -> None:
+        """Keep a run that begins; whatever is in the folder is of another one."""
+        try:
+            shutil.rmtree(self._folder, ignore_errors=True)
+            self._folder.mkdir()
+            self.follow(course, course.sums.tally.digest.leave_in(self._folder / TRAIL), [])
+        except OSError as error:
+            raise FesError(f"cannot keep checkpoints: {reason(error)}") from None
+
+    def follow(self, course: Course, trail: BinaryIO, groups: list[tuple[int, ...]], elapsed: float = 0.0) -> None:
+        """Take notes of a run from its present tick on, and keep it as it is."""
+        self._trail, self.groups = trail, groups
+        self.save(course, groups, elapsed, at_once=True)
+        course.note = self.note
+
+    @property
+    def due(self) -> bool:
+        """Whether it is time for another checkpoint."""
+        busy = self._writing is not None and not self._writing.done()
+        return not busy and time.monotonic() - self._saved >= self._period
+
+    def note(self, note: list[Any]) -> None:
+        """Keep a note."""
+        if self._journal is not None:
+            self._journal.add(note)
+
+    def save(self, course: Course, groups: list[tuple[int, ...]], elapsed: float, *, at_once: bool = False) -> None:
+        """Keep the run as it is between two ticks, beside it or `at_once`; raises FesError where that fails."""
+        if self._writing is not None and self._writing.done():
+            self._writing.result()
+        self._number += 1
+        self._saved = time.monotonic()
+        snapshot = Snapshot(
+            self._number,
+            self._name,
+            self._run,
+            course.world.scenario,
+            course.scenario,
+            course.state,
+            course.sums,
+            groups,
+            course.recorder.pause() if course.recorder is not None else None,
+            elapsed,
+        )
+        told = b"\n".join([MAGIC, version("fes").encode(), pickle.dumps(snapshot, protocol=5)])
+        before, self._journal = self._journal, Journal(self._folder / f"journal-{self._number}")
+        if before is not None:
+            before.close()
+        assert self._trail is not None
+        self._trail.flush()
+        files = [self._trail.fileno()] + ([course.recorder.fileno] if course.recorder is not None else [])
+        if at_once:
+            self._write(self._number, told, files)
+        else:
+            self._writing = asyncio.get_running_loop().run_in_executor(None, self._write, self._number, told, files)
+
+    def close(self, course: Course) -> None:
+        """Keep no more of a run."""
+        with self._lock:
+            course.note = lambda note: None
+            course.sums.tally.digest.close()
+            if self._journal is not None:
+                self._journal.close()
+                self._journal = None
+
+    def discard(self, course: Course) -> None:
+        """The run is over: there is nothing to go on from."""
+        self.close(course)
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def _write(self, number: int, told: bytes, files: list[int]) -> None:
+        with self._lock:
+            try:
+                for number_of_file in files:
+                    os.fsync(number_of_file)
+                part = self._folder / f".{STATE}"
+                with part.open("wb") as file:
+                    file.write(told)
+                    file.flush()
+                    os.fsync(file.fileno())
+                os.replace(part, self._folder / STATE)
+            except OSError as error:
+                raise FesError(f"cannot keep a checkpoint: {reason(error)}") from None
+            for old in [*self._folder.glob("journal-*"), *self._folder.glob("log-*")]:
+                if _number(old) < number:
+                    old.unlink(missing_ok=True)
+
+
+def journals(directory: Path, number: int) -> list[Path]:
+    """The journals of a run directory that belong to its checkpoint `number`, in order."""
+    found = sorted((directory / FOLDER).glob("journal-*"), key=_number)
+    return [path for path in found if _number(path) >= number]
+
+
+def last(directory: Path, number: int) -> int:
+    """The number of the last checkpoint that was begun after checkpoint `number`, or of this one."""
+    return max([number, *map(_number, journals(directory, number))])
+
+
+def set_log_aside(directory: Path, number: int) -> Path:
+    """The log as checkpoint `number` knew it, where nobody writes any more; raises OSError."""
+    aside = directory / FOLDER / f"log-{number}"
+    if not aside.exists():
+        os.replace(directory / NAME, aside)
+    return aside
+
+
+def _number(path: Path) -> int:
+    text = path.name.rpartition("-")[2]
+    return int(text) if text.isascii() and text.isdigit() else -1

@@ -1,0 +1,113 @@
+"""One run as the world goes through it: the truth at this tick, the account of it, and what is kept of both.
+
+Nothing here waits for anybody. What comes in from outside, and is not a function of the scenario, is noted before it
+is relied on: from a checkpoint and those notes a run is gone through again, to the bit (`world.resume`).
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fes.arrays import Bools, Bytes, Floats
+from fes.change import Effect
+from fes.messages import Command
+from fes.sensing import Telemetry, untold
+from world import events, simulation, wording
+from world.account import Account
+from world.optimum import optimal_separation
+from world.recorder import Recorder, Said
+from world.scenario import Scenario, with_event
+from world.simulation import State
+from world.wording import Told
+
+Answer = tuple[Command, bytes]
+"""A command, and the payload that it came in."""
+
+Note = Callable[[list[Any]], None]
+Heard = Callable[[int, Bools], list[bytes]]
+"""The payloads of the beacons of a tick, of the robots that are present [n], in id order."""
+
+ATTEND, SET, TICK = "attend", "set", "tick"
+"""Kinds of notes: [ATTEND, tick, robots], [SET, tick, path, value], [TICK, tick, commands, beacons]."""
+
+
+class _Gone(NamedTuple):
+    """A tick that is over, and not accounted for yet."""
+
+    state: State
+    twists: Floats
+    observations: list[bytes]
+    commands: list[bytes]
+
+
+class Course:
+    """The state of one run, moved by the robots' commands."""
+
+    def __init__(self, scenario: Scenario, recorder: Recorder | None = None) -> None:
+        self.scenario = scenario
+        """With what persons have set until now."""
+        self.world = simulation.create(scenario)
+        self.state = simulation.start(self.world)
+        self.sums = Account(scenario)
+        self.said: Telemetry = untold(self.world.ids)
+        self.recorder = recorder
+        self.note: Note = lambda note: None
+        """Called with each note, as soon as what it is about holds."""
+        self._told = Told(self.world.ids)
+        self._gone: _Gone | None = None
+
+    @property
+    def is_over(self) -> bool:
+        """Whether all ticks of the scenario are done."""
+        return self.state.tick >= self.scenario.ticks
+
+    def attend(self, present: Bools) -> None:
+        """The robots of `present` [n] take part from this tick on."""
+        if (present == self.state.present).all():
+            return
+        robots = np.flatnonzero(present).tolist()
+        self.state = simulation.attend(self.state, present)
+        self.note([ATTEND, self.state.tick, robots])
+        if self.recorder is not None:
+            self.recorder.attend(self.state.tick, robots)
+
+    def change(self, path: str, value: Any) -> Effect:
+        """Set a field of the channel from this tick on; raises ScenarioError where it cannot be."""
+        tick = self.state.tick
+        channel = events.changed(self.state.channel, {path: value}, self.scenario.run.dt)
+        value = events.effective(channel, path)
+        self.scenario = with_event(self.scenario, tick, path, value)
+        self.state = replace(self.state, channel=channel)
+        self.note([SET, tick, path, value])
+        if self.recorder is not None:
+            self.recorder.change(tick, path, value)
+        return Effect(path, value, tick, optimal_separation(self.scenario.objective, channel))
+
+    def observations(self, addressed: Bools) -> list[bytes]:
+        """The payload of each robot's Observation of this tick, in id order; empty for all but `addressed` [n]."""
+        return wording.observations(simulation.observe(self.state), addressed, self.state.since)
+
+    def take(self, sent: list[bytes], answers: list[Answer | None]) -> None:
+        """Go on to the next tick with the robots' `answers` to what was `sent`; who did not answer stands still."""
+        twists, self.said = self._told.read([answer and answer[0] for answer in answers])
+        commands = [answer[1] if answer else b"" for answer in answers]
+        present = self.state.present.tolist()
+        sensed = [payload if here else b"" for payload, here in zip(sent, present, strict=True)]
+        self._gone = _Gone(self.state, twists, sensed, commands)
+        self.state = simulation.step(self.world, self.state, twists)
+
+    def account(self, heard: Heard, alive: Bytes, elapsed: float) -> None:
+        """Add the tick that is over to the account, if that was not done yet.
+
+        `heard` is asked for its beacons if there is a recorder; `alive` [n]; `elapsed` [s; wall clock] since tick 0.
+        """
+        if self._gone is None:
+            return
+        (state, twists, observations, commands), self._gone = self._gone, None
+        beacons = heard(state.tick, state.present) if self.recorder is not None else []
+        self.note([TICK, state.tick, commands, beacons])
+        self.sums.add(state, twists, self.said)
+        if self.recorder is not None:
+            self.recorder.add(self.sums, twists, Said(observations, beacons, commands), alive, elapsed)

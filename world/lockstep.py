@@ -1,0 +1,89 @@
+"""The barrier of the lockstep: every tick waits for the commands of all robots that are there."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from fes.complaints import Complaints
+from fes.errors import MessageError
+from fes.inbox import Inbox
+from fes.messages import Command
+from world import wording
+from world.attendance import Attendance
+from world.course import Answer
+from world.simulation import State
+
+ANSWER_TIMEOUT = 10.0
+"""A living robot that does not answer a tick for this long [s] is hung, for its liveliness token may stay: it is left
+out until it speaks again."""
+
+ASK_AGAIN = 0.5
+"""An observation is sent again to robots that did not answer it for this long [s], then for twice as long, ..."""
+
+Ask = Callable[[int, bytes], None]
+"""Send a robot its observation."""
+
+
+class Barrier:
+    """Gathers the commands of a tick."""
+
+    def __init__(self, inbox: Inbox, attendance: Attendance, complaints: Complaints, ask: Ask) -> None:
+        self._inbox, self._attendance = inbox, attendance
+        self._complaints = complaints
+        self._ask = ask
+        self._asked: dict[int, int] = {}  # the last tick that each robot was asked for again
+
+    async def collect(self, state: State, sent: list[bytes]) -> list[Answer | None]:
+        """Every robot's command for this tick and its payload, in id order; None for those that are not there.
+
+        A robot that is lost or does not answer in time is not there from this tick on.
+        """
+        answers: list[Answer | None] = [None] * len(sent)
+        waited = state.present.copy()
+        missing, begun, patience = int(waited.sum()), time.monotonic(), ASK_AGAIN
+        ask_at = begun + patience
+        while missing:
+            # Messages are only counted here, so junk may wake us too: time is looked at on every pass.
+            await self._inbox.wait(missing, max(0.0, ask_at - time.monotonic()))
+            for key, payload in self._inbox.drain():
+                command = self._read(state, key, payload)
+                if command is not None and payload is not None and waited[command.robot]:
+                    answers[command.robot] = command, payload
+                    waited[command.robot] = False
+                    missing -= 1
+                elif (
+                    command is not None and answers[command.robot] and self._asked.get(command.robot) != command.tick
+                ):
+                    self._complaints.add("Command: came twice", f"{key}: a second command for tick {command.tick}")
+            if missing:
+                waited &= self._attendance.there
+                missing = int(waited.sum())
+            if missing and time.monotonic() >= ask_at:
+                if time.monotonic() - begun >= ANSWER_TIMEOUT:
+                    self._attendance.hang(waited)
+                    break
+                for robot in np.flatnonzero(waited).tolist():
+                    self._ask(robot, sent[robot])
+                    self._asked[robot] = state.tick
+                patience *= 2.0
+                ask_at = min(time.monotonic() + patience, begun + ANSWER_TIMEOUT)
+        return answers
+
+    def _read(self, state: State, key: str, payload: bytes | None) -> Command | None:
+        """The command in a message if it is one for this tick; anything else is dropped and counted.
+
+        A second answer to the last tick is no fault: its robot was asked again just when it answered.
+        """
+        try:
+            command = wording.command(key, payload, len(state.present))
+            asked = command.tick == state.tick - 1 == self._asked.get(command.robot)
+            absent = not state.present[command.robot] and command.tick <= state.tick
+            if self._attendance.woke(command.robot) or asked or absent:
+                return None
+            if command.tick != state.tick:
+                raise MessageError("Command", "is not for this tick", str(command.tick))
+        except MessageError as error:
+            self._complaints.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
+            return None
+        return command
