@@ -123,6 +123,11 @@ def all_here(contacts: Contacts, observations: Observations) -> bool:
     return bool(present.all() or present[observations.reception == DECODED].all())
 
 
+def missing(contacts: Contacts, observations: Observations) -> int:
+    """How many beacons were decoded, says the world, and had not come."""
+    return int(np.count_nonzero((observations.reception == DECODED) & ~contacts.lookup.present))
+
+
 def _look_up(edges: Edges, beacons: Beacons) -> Lookup:
     if len(beacons.ids) == 0:
         nowhere = np.zeros(len(edges), dtype=np.int64)

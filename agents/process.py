@@ -9,7 +9,6 @@ import asyncio
 import logging
 import re
 import time
-from collections.abc import AsyncIterator
 
 import numpy as np
 
@@ -18,12 +17,13 @@ from agents.assembly import Assembly
 from agents.mouth import Mouth
 from agents.presence import Presence
 from agents.radio import Radio
+from agents.turns import Turns
 from fes import bus, identity, keys, messages, process
 from fes.bus import Bus
 from fes.complaints import Complaints
 from fes.errors import Absent, FesError, MessageError, Refused
 from fes.inbox import Inbox
-from fes.messages import Observation, Welcome
+from fes.messages import Welcome
 
 MAX_ROBOTS = 100_000
 _NUMBER = re.compile("[0-9]{1,9}")
@@ -33,9 +33,6 @@ AUTO = "auto"
 
 PATIENCE = 1.0
 """How long [s] an agent without an id waits before it asks again."""
-
-SILENCE_TIMEOUT = 3600.0
-"""An agent that hears nothing from a living world for this long [s] gives up."""
 
 
 class Agent:
@@ -52,12 +49,13 @@ class Agent:
         self._welcome = keys.welcome(run, keys.span(robots))
         self._inbox = Inbox(asyncio.get_running_loop())
         self._world = Presence(f"the world of run '{run}'", self._inbox)
-        self._tick = -1
         self._mouth = Mouth(opened, run, robots, self.complaints)
+        self._turns = Turns(robots, self._inbox, self._mouth, self.complaints)
+        self._late = 0
 
     async def join(self, timeout: float) -> Welcome:
         """Wait for the world, and ask it for the robots; raises Absent or Refused."""
-        self._bus.watch(keys.world_alive(self._run), lambda key, alive: self._world.told(alive, self._tick))
+        self._bus.watch(keys.world_alive(self._run), lambda key, alive: self._world.told(alive, self._turns.tick))
         await self._world.appears(timeout)
         question = messages.encode_join(self._robots)
         welcome = messages.decode_welcome(await self._bus.ask(self._welcome, question, timeout))
@@ -77,7 +75,8 @@ class Agent:
             self._bus.token(keys.robot_alive(self._run, robot))
         self.logger.info("ready")
         tuned, since = None, np.zeros(len(ids), dtype=np.int64)
-        async for received in self._ticks():
+        lockstep = welcome.config.clock == "lockstep"
+        async for received in self._turns.lockstep(self._world) if lockstep else self._turns.live(self._world):
             observations = stack.observations(received)
             now = np.array([message.since for message in received])
             if (now != since).any():  # they were away
@@ -85,6 +84,9 @@ class Agent:
             heard = self.radio.heard(observations.tick - 1)
             stepped = crew.step(robots, state, observations, stack.beacons(observations.tick - 1, heard))
             while not contacts.all_here(stepped[0].contacts, observations):
+                if not lockstep:  # what comes late is lost
+                    self._late += contacts.missing(stepped[0].contacts, observations)
+                    break
                 # Links are first-in first-out and pass one router: this can be only where a mailbox was flooded, or
                 # the router died with the beacon.
                 heard = await self.radio.recall(observations.tick - 1, heard)
@@ -100,51 +102,16 @@ class Agent:
             self._mouth.say(observations.tick, list(assembly.payloads(said, twists, learnt)))
 
     @property
+    def lag(self) -> str:
+        """What the live clock did not wait for, in words; empty if nothing."""
+        if self._late or self._turns.skipped:
+            return f"{self._late} beacons came too late, {self._turns.skipped} ticks were skipped"
+        return ""
+
+    @property
     def overflow(self) -> int:
         """Messages that found no room to wait."""
         return self._inbox.dropped
-
-    async def _ticks(self) -> AsyncIterator[list[Observation]]:
-        """The observations of each tick, one per robot in id order. Ticks that come again are answered again."""
-        waiting: dict[int, Observation] = {}
-        while True:
-            if not await self._inbox.wait(len(self._robots) - len(waiting), SILENCE_TIMEOUT):
-                raise Absent(f"the world said nothing for {SILENCE_TIMEOUT:g} s after tick {self._tick}")
-            for key, payload in self._inbox.drain():
-                observation = self._read(key, payload)
-                if observation is None:
-                    continue
-                if observation.over:
-                    return
-                if observation.tick > self._tick + 1 and observation.since == observation.tick:
-                    self._tick = observation.tick - 1  # the run went on without it
-                    waiting.clear()
-                if observation.tick == self._tick + 1:
-                    waiting.setdefault(observation.robot, observation)
-                elif observation.tick == self._tick or (self._world.is_new and observation.tick < self._tick):
-                    # A world that comes back has gone through what it knew again, a tick less than this at most.
-                    if observation.tick < self._tick and not self._mouth.remembers(observation.tick):
-                        raise Absent(f"the world is back at tick {observation.tick}, and {self._tick} was answered")
-                    self._mouth.repeat(observation.tick, observation.robot)
-                else:
-                    self.complaints.add("Observation: is not for this tick", f"{key}: tick {observation.tick}")
-            if len(waiting) == len(self._robots):
-                self._tick += 1
-                self._world.is_new = False
-                yield [waiting[robot] for robot in self._robots]
-                waiting.clear()
-
-    def _read(self, key: str, payload: bytes | None) -> Observation | None:
-        try:
-            if payload is None:
-                raise MessageError("Observation", "a deletion is not an observation")
-            observation = messages.decode_observation(payload)
-            if keys.robot_of(key) != observation.robot:
-                raise MessageError("Observation", "came on another robot's key", key)
-        except MessageError as error:
-            self.complaints.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
-            return None
-        return observation
 
 
 async def lease(opened: Bus, run: str, timeout: float) -> int:
@@ -180,6 +147,8 @@ async def serve(flags: argparse.Namespace) -> int:
             agent.logger.info("the run is over")
         finally:
             agent.complaints.log_total(agent.overflow)
+            if agent.lag:
+                agent.logger.info("%s", agent.lag)
     return process.SUCCESS
 
 

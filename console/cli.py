@@ -89,6 +89,10 @@ def run(
     pace = _pace(rtf)
     if secure and backend is Backend.INPROCESS:
         raise FesError("--secure needs --backend processes: what stays in one loop needs no certificates")
+    if backend is Backend.INPROCESS:
+        inprocess.check(loaded)
+    elif loaded.run.clock == "live" and pace is not None:
+        raise FesError("--rtf does not go with the live clock: its pace is that of the wall clock")
     directory = rundir.create(scenario.stem, out)
     write_scenario(directory, loaded)
     screen = Console(stderr=json_)

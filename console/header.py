@@ -47,6 +47,13 @@ def _facts(report: Report, width: int) -> Line:
         ("ticks/s", number(report.ticks_per_s, ",.0f"), ""),
         ("real time", f"×{number(report.ticks_per_s * report.dt, ',.3g')}", ""),
     ]
+    if len(report.missed):
+        worst = int(np.argmax(report.missed))
+        due = max(1, (report.tick + 1) * len(report.missed))
+        missed = int(report.missed.sum())
+        told = f"{missed:,}, {missed / due:.2%}" + (f", robot {worst} {report.missed[worst]:,}" if missed else "")
+        late = f"{int(report.late.sum()):,}"
+        pace = [("live, deadlines missed", told, "bold red" if missed > due / 1000 else ""), ("late", late, "")]
     choices = [
         [*team, *pace, ("beacons decoded/sent", f"{decoded:,}/{sent:,}, {ratio}", "")],
         [*team, *pace, ("decoded/sent", f"{decoded:,}/{sent:,}", "")],

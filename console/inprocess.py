@@ -9,7 +9,7 @@ import numpy as np
 
 from agents import assembly, crew
 from fes.arrays import Floats
-from fes.errors import FesError
+from fes.errors import FesError, ScenarioError
 from fes.report import Report
 from fes.sensing import Beacons, Telemetry, of_those, silence
 from world import reporting, simulation, summary, wording
@@ -34,6 +34,12 @@ class Tick:
     """Of the robots that are present."""
     learnt: Floats
     """What all have learnt, on each of `said.links` [2, l]; [2, 0] where nobody measures."""
+
+
+def check(scenario: Scenario) -> None:
+    """Raise ScenarioError if a scenario cannot be run in one loop."""
+    if scenario.run.clock == "live":
+        raise ScenarioError("run.clock", "'live' needs processes: what is in one loop cannot be late")
 
 
 def ticks(scenario: Scenario) -> Iterator[Tick]:

@@ -15,7 +15,7 @@ from agents.assembly import Assembly
 from console.difference import Difference, between, of_payloads, of_reports
 from console.log import Log, Tick
 from fes import messages
-from fes.arrays import Floats
+from fes.arrays import Floats, Ints
 from fes.errors import FesError, MessageError
 from fes.messages import Beacon, Command, Observation
 from fes.report import Report
@@ -48,6 +48,8 @@ class Moment:
     twists: Floats
     """[n, 2] [m/s, rad/s]"""
     telemetry: Telemetry
+    spoken: Ints
+    """Tick of the command that each robot follows [n], -1 for none."""
 
 
 def world(log: Log) -> Iterator[Moment]:
@@ -58,6 +60,7 @@ def world(log: Log) -> Iterator[Moment]:
     again = simulation.create(log.scenario)
     state, told = simulation.start(again), Told(again.ids)
     before: Moment | None = None
+    live = log.scenario.run.clock == "live"
     for tick in log.ticks():
         if before is not None:  # only now: after the last recorded tick nobody knows what would have come
             state = simulation.step(again, before.state, before.twists)
@@ -73,11 +76,14 @@ def world(log: Log) -> Iterator[Moment]:
         _compare(tick, tick.said._replace(observations=sensed))
         commands: list[Command | None] = [None] * len(again.ids)
         here = np.flatnonzero(state.present).tolist()
-        given = _decoded(tick, messages.decode_command, tick.said.commands, here)
+        if live:  # whoever is not heard of stops
+            here = [robot for robot in here if tick.said.commands[robot]]
+        given = _decoded(tick, messages.decode_command, tick.said.commands, here, held=live)
         for robot, command in zip(here, given, strict=True):
             commands[robot] = command
         twists, telemetry = told.read(commands)
-        before = Moment(tick, state, twists, telemetry)
+        spoken = np.array([-1 if command is None else command.tick for command in commands])
+        before = Moment(tick, state, twists, telemetry, spoken)
         yield before
 
 
@@ -89,7 +95,7 @@ def accounted(log: Log) -> Iterator[tuple[Moment, Account]]:
     """
     sums, elapsed, period = Account(log.scenario), 0.0, report_period(log.scenario)
     for moment in world(log):
-        sums.add(moment.state, moment.twists, moment.telemetry)
+        sums.add(moment.state, moment.twists, moment.telemetry, moment.spoken)
         number, recorded = moment.recorded.number, moment.recorded.report
         if recorded is not None:
             elapsed = recorded.elapsed
@@ -104,6 +110,10 @@ def summary(log: Log, sums: Account, elapsed: float = 0.0) -> dict[str, Any]:
     """The summary of the ticks in `sums`, with what is of the machine taken from the log, or from `elapsed` [s]."""
     wall = (log.summary or {}).get("wall_s")
     wall = float(wall) if isinstance(wall, int | float) else elapsed
+    kept = (log.summary or {}).get("deadlines")
+    if sums.deadlines is not None and isinstance(kept, dict):  # the log cannot tell how late what came late was
+        sums.deadlines.late = np.array(kept.get("late"), dtype=np.int64)
+        sums.deadlines.slipped = float(kept.get("slipped_s", 0.0))
     found: dict[str, Any] = json.loads(json.dumps(summarize(sums, log.name, log.backend, wall)))
     return found
 
@@ -112,6 +122,8 @@ class Robots:
     """Some robots of a log, executed again tick by tick by their own code."""
 
     def __init__(self, log: Log, ids: Collection[int]) -> None:
+        if log.scenario.run.clock == "live":
+            raise FesError(f"{log.path} is of the live clock: what came too late for a robot is not in it")
         robots = np.array(sorted(ids), dtype=np.int64)
         self._crew = crew.assemble(agent_config(log.scenario), robots)
         self._state = crew.start(self._crew)
@@ -159,6 +171,8 @@ def _absent(tick: int, robot: int) -> Observation:
 
 def report(sums: Account, like: Report) -> Report:
     """The Report of the last tick of `sums`, with what is of the machine taken from `like`."""
+    if sums.deadlines is not None and len(like.late):
+        sums.deadlines.late = like.late
     return reporting.build(sums, like.scenario, like.alive, like.elapsed, like.ticks_per_s)
 
 
@@ -187,14 +201,20 @@ def _check_schedule(log: Log, tick: Tick) -> None:
         raise Mismatch(Difference(tick.number, "events", None, "what was scheduled", tick.scheduled, planned))
 
 
-def _decoded(tick: Tick, decode: Callable[[bytes], T], payloads: list[bytes], robots: Iterable[int]) -> list[T]:
-    """The messages of some robots at a tick; raises FesError where one is missing, damaged or another's."""
+def _decoded(
+    tick: Tick, decode: Callable[[bytes], T], payloads: list[bytes], robots: Iterable[int], held: bool = False
+) -> list[T]:
+    """The messages of some robots at a tick; raises FesError where one is missing, damaged or another's.
+
+    With `held` they may be of earlier ticks.
+    """
     found = []
     for robot in robots:
         try:
             one = decode(payloads[robot])
             name = type(one).__name__
-            if (one.tick, one.robot) != (tick.number, robot):
+            of_now = one.tick <= tick.number if held else one.tick == tick.number
+            if not of_now or one.robot != robot:
                 raise MessageError(name, "is of another tick or robot", f"tick {one.tick}, robot {one.robot}")
             peers = one.in_range if isinstance(one, Observation) else one.links
             if len(peers) and not 0 <= peers.min() <= peers.max() < len(payloads):

@@ -127,11 +127,26 @@ def _facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("algebraic connectivity", "not computed" if connectivity is None else f"{connectivity:.4f}"),
         ("beacons decoded", f"{summary['beacons_decoded']} of {sent}"),
     ]
+    kept = summary["deadlines"]
+    if kept is not None:
+        facts.append(("deadlines missed", _deadlines(kept)))
     facts += [
         (label, "never" if summary["time_to"][name] is None else f"at {summary['time_to'][name]:.2f} s, to hold")
         for name, label in _TIMES.items()
     ]
     return facts
+
+
+def _deadlines(kept: dict[str, Any]) -> str:
+    """How the robots kept the pace of the live clock, and which one did worst."""
+    missed = kept["missed"]
+    share = "none due" if kept["missed_share"] is None else f"{kept['missed_share']:.3%}"
+    worst = max(range(len(missed)), key=missed.__getitem__)
+    of_worst = f" (robot {worst}: {missed[worst]:,})" if missed[worst] else ""
+    return (
+        f"{sum(missed):,}, {share}{of_worst}; {sum(kept['late']):,} commands late, "
+        f"{sum(kept['stopped']):,} ticks without one; the world slipped by {kept['slipped_s']:.3f} s"
+    )
 
 
 def _meters(value: float | None, digits: int) -> str:

@@ -15,6 +15,10 @@ Cutoff = Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
+Clock = Literal["lockstep", "live"]
+"""`lockstep`: a tick waits for all robots, and simulated time for the slowest. `live`: ticks are due at times of the
+wall clock, and wait for nobody."""
+
 MAX_SUB_STEP_PHASE = 2.0
 """Dither phase [rad] that one step of the integration may span before the integration aliases it."""
 
@@ -152,5 +156,6 @@ class AgentConfig(Table):
     formation: FormationConfig
     channel: ChannelConfig | None
     """The true channel, for the oracle index only."""
+    clock: Clock = "lockstep"
     clock_skew: NonNegative = 0.0
     """How far each robot's own clock may be off the team's [s]; a robot draws its skew from the seed."""

@@ -101,6 +101,10 @@ class Report:
     """When the channel last changed, or the start [s]."""
     tracking_time: float
     """How long after that the mean estimate came within 1 m of r*, to stay [s]; NaN if it is not there yet."""
+    missed: Ints
+    """Deadlines of the live clock that each robot missed [n]; [0] in lockstep."""
+    late: Ints
+    """Commands of each robot that came after their deadline [n]; [0] in lockstep."""
     disk_connected: bool
     """Whether the graph of all robots in range is connected."""
 
@@ -120,14 +124,16 @@ def encode_report(report: Report) -> bytes:
         report.beacons_sent,
         report.beacons_decoded,
         report.disk_connected,
+        [report.missed.astype("<i8").tobytes(), report.late.astype("<i8").tobytes()],
     )
 
 
 def decode_report(payload: bytes) -> Report:
     """The Report in a payload; raises MessageError."""
     name = "Report"
-    fields = wire.unpack(name, payload, 12)
-    scenario, tick, ticks, numbers, alive, poses, a, b, arrays, sent, decoded, connected = fields
+    fields = wire.unpack(name, payload, 13)
+    scenario, tick, ticks, numbers, alive, poses, a, b, arrays, sent, decoded, connected, deadlines = fields
+    wire.check(name, type(deadlines) is list and len(deadlines) == 2, "expects missed and late", deadlines)
     wire.check(name, type(scenario) is str, "expects the scenario's name", scenario)
     wire.check(name, type(numbers) is list and len(numbers) == len(_NUMBERS), "expects numbers", numbers)
     wire.check(name, all(type(value) is float for value in numbers), "expects numbers", numbers)
@@ -151,6 +157,8 @@ def decode_report(payload: bytes) -> Report:
         **links,
         beacons_sent=wire.tick(name, sent),
         beacons_decoded=wire.tick(name, decoded),
+        missed=_counts(name, deadlines[0], robots),
+        late=_counts(name, deadlines[1], robots),
         disk_connected=wire.flag(name, connected),
     )
 
@@ -161,6 +169,13 @@ def _ids(name: str, blob: Any, robots: int) -> Ints:
     inside = bool(((found >= 0) & (found < robots)).all())  # whoever draws a link looks up both its ends
     wire.check(name, inside, f"expects links between its {robots} robots", found.tolist())
     return found
+
+
+def _counts(name: str, blob: Any, robots: int) -> Ints:
+    """Counts of all robots [n], or of none [0]."""
+    fits = type(blob) is bytes and len(blob) in (0, 8 * robots)
+    wire.check(name, fits, f"expects {robots} int64, or none", blob)
+    return np.frombuffer(blob, dtype="<i8").astype(np.int64)
 
 
 def _floats(name: str, blob: Any, count: int) -> Floats:

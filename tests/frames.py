@@ -65,6 +65,8 @@ def a_report(positions: Pairs, links: Sequence[tuple[int, int]] | Ints = (), **f
         disagreement=2.5,
         estimate_error_max=math.nan,
         separation_error_max=float(np.abs(separation - OPTIMUM).max(initial=0.0)),
+        missed=np.zeros(0, dtype=np.int64),
+        late=np.zeros(0, dtype=np.int64),
         disk_connected=True,
     )
     return replace(report, **fields)  # type: ignore[arg-type]

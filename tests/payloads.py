@@ -107,6 +107,9 @@ def team_reports(draw: st.DrawFn) -> Report:
         found[end] = np.array(
             draw(st.lists(st.integers(0, max(n - 1, 0)), min_size=links, max_size=links)), dtype=np.int64
         )
+    counted = n if draw(st.booleans()) else 0  # the live clock, or lockstep
+    counts = st.lists(st.integers(0, 2**53), min_size=counted, max_size=counted)
+    found |= {name: np.array(draw(counts), dtype=np.int64) for name in ("missed", "late")}
     found |= {"alive": draw(codes(n, 1)), "poses": draw(floats(3 * n)).reshape(n, 3)}
     return Report(scenario=draw(st.text()), disk_connected=draw(st.booleans()), **found)
 

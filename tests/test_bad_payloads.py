@@ -34,6 +34,7 @@ PLAIN: dict[str, list[Any]] = {
     "Report": [
         *(1, "pair", 7, 9, [0.02, 68.0, 1.0, 50.0, *[math.nan, math.inf] * 4], b"\1\0"),
         *(float64(*range(6)), int32(0), int32(1), [float64(math.nan)] * 10, 8, 6, True),
+        [struct.pack("<2q", 3, 0), struct.pack("<2q", 1, 0)],
     ],
 }
 BIG = b"\0" * (wire.MAX_PAYLOAD + 1)
@@ -78,6 +79,8 @@ BROKEN: list[tuple[str, int, Any, str]] = [
     ("Report", 9, [float64(1.0)] * 9, "link arrays"),
     ("Report", 9, [float64(1.0, 2.0)] * 10, "1 float64"),
     ("Report", 12, 1, "flag"),
+    *(("Report", 13, value, "missed and late") for value in ([], [b""], b"", None)),
+    *(("Report", 13, [b"", value], "2 int64, or none") for value in (b"1", bytes(8), bytes(24), None)),
 ]
 
 

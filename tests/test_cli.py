@@ -116,7 +116,7 @@ def test_the_tables_show_the_whole_digest_and_the_units(part: str) -> None:
         (["run", PAIR, "--seed", "x"], ["--seed", "integer"]),
         (["run", PAIR, "--rtf", "0"], ["--rtf", "'max'", "'0'"]),
         (["run", PAIR, "--rtf", "nan"], ["--rtf", "'max'", "'nan'"]),
-        (["run", PAIR, "--clock", "live"], ["run.clock", "'live'"]),
+        (["run", PAIR, "--clock", "slow"], ["run.clock", "'slow'"]),
         (["run", PAIR, "--backend", "threads"], ["--backend", "'threads'", "'inprocess'"]),
         (["run", PAIR, "--agents-per-process", "0"], ["--agents-per-process", "1"]),
         (["run", PAIR, "--fast"], ["No such option", "--fast"]),

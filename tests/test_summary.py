@@ -41,6 +41,7 @@ CONTRACT = {
     "digest": str,
     "tracking": list,
     "radio": list,
+    "deadlines": type(None),
     "links_gap_longest": float,
     "expectations": list,
 }

@@ -4,6 +4,8 @@ process     the shell: fes-world
 server      the world on the bus: observations out, commands in, tick after tick
 course      one run as the world goes through it
 lockstep    the barrier: every tick waits for all commands
+live        the live clock: ticks wait for nobody
+deadlines   how robots keep its pace
 checkpoint  what a run can be gone on from
 journal     notes of what came from outside since
 resume      a run gone on with

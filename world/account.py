@@ -5,10 +5,10 @@ import math
 import numpy as np
 
 from fes import objective
-from fes.arrays import Floats
+from fes.arrays import Floats, Ints
 from fes.edges import Edges
 from fes.sensing import Telemetry
-from world import metrics
+from world import deadlines, metrics
 from world.breathing import Breathing
 from world.channel import Radio
 from world.metrics import Tally
@@ -38,9 +38,16 @@ class Account:
         """r* of the channel at the last tick [m]."""
         self._breathing = Breathing(dither_period(scenario))
         self._channel: RadioConfig | None = None
+        self.deadlines = deadlines.none(scenario.robots.number) if scenario.run.clock == "live" else None
+        """Where the clock is live."""
 
-    def add(self, state: State, twists: Floats, telemetry: Telemetry) -> None:
-        """Add a tick: the state, the twists [n, 2] of the robots in it, and what they said."""
+    def add(self, state: State, twists: Floats, telemetry: Telemetry, spoken: Ints | None = None) -> None:
+        """Add a tick: the state, the twists [n, 2] of the robots in it, and what they said.
+
+        Where the clock is live, `spoken` [n] is the tick of the command that each follows, -1 for none.
+        """
+        if self.deadlines is not None and spoken is not None:
+            self.deadlines.add(state.tick, state.present, spoken)
         changed = state.channel is not self._channel and state.channel != self._channel
         if changed:
             self._channel = state.channel

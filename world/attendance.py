@@ -67,6 +67,11 @@ class Attendance:
                 async with asyncio.timeout(max(0.0, end - time.monotonic())):
                     await self._roster.changed.wait()
 
+    def now(self, state: State) -> Bools:
+        """Who takes part at the tick of `state` [n], without waiting for anybody."""
+        there = self.there
+        return there & self._wanted(state.tick) & ~self._begin_anew(state, there)
+
     async def wait_for(self, present: Bools, timeout: float) -> None:
         """Wait until the robots of `present` [n] are there, for up to `timeout` [s]."""
         with contextlib.suppress(TimeoutError):

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fes.arrays import Bools, Bytes, Floats
+from fes.arrays import Bools, Bytes, Floats, Ints
 from fes.change import Effect
 from fes.messages import Command
 from fes.sensing import Telemetry, untold
@@ -40,6 +40,8 @@ class _Gone(NamedTuple):
     twists: Floats
     observations: list[bytes]
     commands: list[bytes]
+    spoken: Ints
+    """Tick of each robot's command [n], -1 for none."""
 
 
 class Course:
@@ -95,7 +97,8 @@ class Course:
         commands = [answer[1] if answer else b"" for answer in answers]
         present = self.state.present.tolist()
         sensed = [payload if here else b"" for payload, here in zip(sent, present, strict=True)]
-        self._gone = _Gone(self.state, twists, sensed, commands)
+        spoken = np.array([answer[0].tick if answer else -1 for answer in answers])
+        self._gone = _Gone(self.state, twists, sensed, commands, spoken)
         self.state = simulation.step(self.world, self.state, twists)
 
     def account(self, heard: Heard, alive: Bytes, elapsed: float) -> None:
@@ -105,9 +108,9 @@ class Course:
         """
         if self._gone is None:
             return
-        (state, twists, observations, commands), self._gone = self._gone, None
+        (state, twists, observations, commands, spoken), self._gone = self._gone, None
         beacons = heard(state.tick, state.present) if self.recorder is not None else []
         self.note([TICK, state.tick, commands, beacons])
-        self.sums.add(state, twists, self.said)
+        self.sums.add(state, twists, self.said, spoken)
         if self.recorder is not None:
             self.recorder.add(self.sums, twists, Said(observations, beacons, commands), alive, elapsed)

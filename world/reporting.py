@@ -28,6 +28,8 @@ def build(account: Account, name: str, alive: Bytes, elapsed: float, ticks_per_s
     here, there = _place(radio.edges, low, high), _place(radio.edges, high, low)
     scale = scenario.seeking.reference_separation
     learnt = [_mean(_pick(row, ab), _pick(row, ba)) for row in said.learnt]
+    none = np.zeros(0, dtype=np.int64)
+    missed, late = (account.deadlines.missed, account.deadlines.late) if account.deadlines else (none, none)
     level, exponent = learnt if said.learnt.size else [np.full(len(low), np.nan)] * 2
     true_level, true_exponent = _reception_line(state.channel, scale)
     return Report(
@@ -62,6 +64,8 @@ def build(account: Account, name: str, alive: Bytes, elapsed: float, ticks_per_s
         disagreement=account.tally.errors["disagreement"],
         estimate_error_max=account.tally.errors["estimate_error"],
         separation_error_max=account.tally.errors["separation_error"],
+        missed=missed.copy(),
+        late=late.copy(),
         disk_connected=account.tally.disk_now,
     )
 

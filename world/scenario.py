@@ -12,6 +12,7 @@ from fes import draws
 from fes.arrays import Floats
 from fes.config import (
     AgentConfig,
+    Clock,
     FormationConfig,
     NonNegative,
     ObjectiveConfig,
@@ -39,7 +40,7 @@ class RunConfig(Table):
     duration: Positive = 60.0
     """[s]; a whole number of ticks is run."""
     seed: int = Field(default=0, ge=0, lt=2**63)
-    clock: Literal["lockstep"] = "lockstep"
+    clock: Clock = "lockstep"
     clock_skew: Annotated[float, Field(ge=0, le=10)] = 0.0
     """How far robots' own clocks may be off the team's [s]: each has a skew of its own, seeded, in +- this."""
 
@@ -185,6 +186,7 @@ def agent_config(scenario: Scenario) -> AgentConfig:
         seeking=scenario.seeking,
         formation=scenario.formation,
         channel=scenario.channel.formula if scenario.seeking.index == "oracle" else None,
+        clock=scenario.run.clock,
         clock_skew=scenario.run.clock_skew,
     )
 

@@ -21,6 +21,7 @@ from world.attendance import RETURN_TIMEOUT, Attendance
 from world.checkpoint import JOIN, Keeper
 from world.course import Course
 from world.ears import Ears
+from world.live import Held
 from world.lockstep import Barrier
 from world.roster import Roster
 from world.scenario import Scenario, agent_config
@@ -59,6 +60,10 @@ class Server:
         bus.token(keys.world_alive(run))  # last: it says that everything above is in place
         self._attendance = Attendance(self._roster, course.scenario)
         self._barrier = Barrier(self._inbox, self._attendance, self.complaints, self._ask)
+        self._held: Held | None = None
+        if course.sums.deadlines is not None:
+            dt = course.scenario.run.dt
+            self._held = Held(self._inbox, self._attendance, self.complaints, course.sums.deadlines, dt)
         self._elapsed = elapsed
         self._begun = self._told_at = self._ended = 0.0
         self._told_tick = course.sums.tally.ticks
@@ -85,13 +90,20 @@ class Server:
         self._begun = self._told_at = time.perf_counter()
         self._first = course.state.tick
         while not course.is_over:
-            self._attend(await self._attendance.assemble(course.state))
+            if self._held is not None:
+                self._attend(self._attendance.now(course.state))
+            else:
+                self._attend(await self._attendance.assemble(course.state))
             sent = self._publish()
             self._account()  # for the last tick, while the robots think about this one
-            answers = await self._barrier.collect(course.state, sent)
-            self._attend(course.state.present & np.array([answer is not None for answer in answers]))
+            if self._held is not None and course.state.tick > self._first:
+                answers = await self._held.collect(course.state, sent)
+            else:  # the live clock starts when everybody has answered once
+                answers = await self._barrier.collect(course.state, sent)
+                self._attend(course.state.present & np.array([answer is not None for answer in answers]))
             course.take(sent, answers)
-            await self._pace()
+            if self._held is None:
+                await self._pace()
         self._account()
         self._ended = time.perf_counter()
 

@@ -50,6 +50,7 @@ def summarize(account: Account, name: str, backend: str, wall: float) -> dict[st
         "digest": tally.digest.text(),
         "tracking": account.tracking.table(),
         "radio": _contacts(final.radio),
+        "deadlines": None if account.deadlines is None else account.deadlines.table(),
         "links_gap_longest": tally.longest_gap * scenario.run.dt,
     }
     return {**found, "expectations": expect.verdicts(scenario.expect, found)}

@@ -12,6 +12,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from console import inprocess
 from fes.errors import ScenarioError
 from world.scenario import Scenario, load, parse_override
 
@@ -101,6 +102,7 @@ def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design
     cells = []
     for combination in itertools.product(*fields.values()):
         scenario = load(path, {**fixed, **dict(zip(fields, combination, strict=True))})
+        inprocess.check(scenario)
         cells.append(Cell(tuple(_value(scenario, field) for field in fields), scenario))
     design = Design(path.stem, tuple(fields), cells, numbers)
     for at, (field, values) in enumerate(fields.items()):
