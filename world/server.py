@@ -165,7 +165,7 @@ class Server:
         self._unaccounted = None
         self._sums.add(state, twists, self._said)
         if self._recorder is not None and self._ears is not None:
-            said = Said(sent, self._ears.heard(state.tick, state.present), answers)
+            said = Said(sent, self._ears.heard(state.tick, state.legible), answers)
             self._recorder.add(self._sums, twists, said, self._roster.alive, time.perf_counter() - self._begun)
         if time.perf_counter() - self._told_at >= reporting.PERIOD:
             self._tell()
