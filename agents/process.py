@@ -33,6 +33,10 @@ AUTO = "auto"
 PATIENCE = 1.0
 """How long [s] an agent without an id waits before it asks again."""
 
+WORLD_RETURN = 3.0
+"""A world that is not seen for this long [s] has left. Before, only the connection may be lost: an agent that was
+suspended finds its world again when it goes on."""
+
 SILENCE_TIMEOUT = 3600.0
 """An agent that hears nothing from a living world for this long [s] gives up."""
 
@@ -51,6 +55,8 @@ class Agent:
         self._welcome = keys.welcome(run, keys.span(robots))
         self._inbox = Inbox(asyncio.get_running_loop())
         self._world_here = asyncio.Event()
+        self._missed: asyncio.TimerHandle | None = None
+        """Runs while the world is not seen."""
         self._tick = -1
         self._mouth = Mouth(opened, run, robots, self.complaints)
 
@@ -144,10 +150,16 @@ class Agent:
         return observation
 
     def _on_world(self, key: str, alive: bool) -> None:
+        if self._missed is not None:
+            self._missed.cancel()
+            self._missed = None
         if alive:
             self._world_here.set()
         elif self._world_here.is_set():
-            self._inbox.fail(Absent(f"the world of run '{self._run}' left after tick {self._tick}"))
+            self._missed = asyncio.get_running_loop().call_later(WORLD_RETURN, self._on_world_gone)
+
+    def _on_world_gone(self) -> None:
+        self._inbox.fail(Absent(f"the world of run '{self._run}' left after tick {self._tick}"))
 
 
 async def lease(opened: Bus, run: str, timeout: float) -> int:
