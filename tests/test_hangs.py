@@ -1,0 +1,113 @@
+"""Robots that hang by schedule: their processes really stop, hold nobody up, go on in time, and are not left behind."""
+
+import json
+import os
+import signal
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from console import inprocess
+from tests.loop import load
+from tests.test_processes import PATIENCE, alive, children, fes, start, until
+from world.scenario import Scenario
+from world.summary import write_scenario
+
+HANG = {"at": 2.0, "hang": [4, 6]}
+
+
+def state(pid: int) -> str:
+    """R, S, T (stopped), Z, ...; X once it is gone."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
+    except OSError:
+        return "X"
+
+
+class Watched:
+    """A run of a scenario in processes, and its agents' pids."""
+
+    def __init__(self, where: Path, scenario: Scenario, pace: float) -> None:
+        write_scenario(where, scenario)
+        words = ["run", "scenario.toml", "--headless", "--json", "--rtf", f"{pace:g}", "--out", "out"]
+        self.where, self.running = where, start(fes(*words), where)
+
+    def agent(self, robot: int) -> int:
+        """The pid of a robot's agent, once there is one."""
+
+        def found() -> list[int]:
+            return [
+                pid for pid, line in children(self.running.pid).items() if f"agents.process --id {robot} " in line
+            ]
+
+        until(found)
+        return found()[0]
+
+    def outcome(self) -> dict[str, Any]:
+        said, complained = self.running.communicate(timeout=PATIENCE)
+        assert (self.running.returncode, complained) == (0, "")
+        found: dict[str, Any] = json.loads(said)
+        return found
+
+    def log(self, robot: int) -> str:
+        return (self.where / f"out/agent-{robot}.log").read_text()
+
+
+@pytest.mark.parametrize("wake", [6.0, 22.0], ids=["briefly", "longer than its lease"])
+def test_fes_run_stops_processes_that_hang_and_continues_them_and_the_digest_is_the_same(
+    wake: float, tmp_path: Path
+) -> None:
+    events = [HANG, {"at": wake, "wake": [4]}, {"at": wake + 1.0, "wake": [6]}]
+    scenario = load("neighborhood.toml", run__duration=wake + 3.0, event=events)
+    watched = Watched(tmp_path, scenario, 4.0 if wake > 10.0 else 1.0)
+    pids = {robot: watched.agent(robot) for robot in (4, 5, 6)}
+    until(lambda: state(pids[4]) == state(pids[6]) == "T")
+    assert state(pids[5]) != "T"
+    until(lambda: state(pids[4]) != "T" and state(pids[6]) != "T")
+    assert watched.outcome()["digest"] == inprocess.run(scenario, "scenario")["digest"]
+    for robot in (4, 5, 6):  # it is the same process that goes on
+        assert watched.log(robot).count("ready") == watched.log(robot).count("the run is over") == 1
+        assert "dropped" not in watched.log(robot)
+    assert "WARNING" not in (tmp_path / "out/world.log").read_text()
+
+
+def test_robots_that_hang_to_the_end_do_not_hold_up_the_end(tmp_path: Path) -> None:
+    scenario = load("neighborhood.toml", run__duration=12.0, event=[HANG])
+    watched = Watched(tmp_path, scenario, 4.0)
+    pids = [watched.agent(robot) for robot in (4, 6)]
+    until(lambda: all(state(pid) == "T" for pid in pids))
+    assert watched.outcome()["digest"] == inprocess.run(scenario, "scenario")["digest"]
+    assert not any(alive(pid) for pid in pids)
+    assert "the run is over" not in watched.log(4)
+
+
+def test_a_world_in_which_all_robots_hang_goes_on_and_gets_them_back(tmp_path: Path) -> None:
+    events = [{"at": 1.0, "hang": [0, 1]}, {"at": 13.0, "wake": [0, 1]}]
+    scenario = load("pair.toml", run__duration=14.0, event=events)
+    watched = Watched(tmp_path, scenario, 4.0)
+    pids = [watched.agent(robot) for robot in (0, 1)]
+    until(lambda: all(state(pid) == "T" for pid in pids))
+    assert watched.outcome()["digest"] == inprocess.run(scenario, "scenario")["digest"]
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT], ids=lambda how: how.name)
+def test_nobody_outlives_a_launcher_that_ends_while_a_robot_hangs(how: signal.Signals, tmp_path: Path) -> None:
+    watched = Watched(tmp_path, load("pair.toml", run__duration=1e5, event=[{"at": 0.5, "hang": [1]}]), 1.0)
+    pids = [watched.agent(robot) for robot in (0, 1)]
+    until(lambda: state(pids[1]) == "T")
+    everybody = list(children(watched.running.pid))
+    assert set(pids) <= set(everybody)
+    os.kill(watched.running.pid, how)
+    watched.running.communicate(timeout=PATIENCE)
+    until(lambda: not any(alive(pid) for pid in everybody))
+
+
+def test_a_crew_of_several_robots_is_not_stopped(tmp_path: Path) -> None:
+    scenario = load("neighborhood.toml", run__duration=6.0, event=[HANG, {"at": 4.0, "wake": [4, 6]}])
+    write_scenario(tmp_path, scenario)
+    words = ["run", "scenario.toml", "--headless", "--json", "--agents-per-process", "5", "--out", "out"]
+    done = subprocess.run(fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout)["digest"] == inprocess.run(scenario, "scenario")["digest"]
