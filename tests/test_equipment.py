@@ -42,7 +42,7 @@ def test_a_transmitter_loses_its_share_at_every_receiver_and_nobody_elses() -> N
     sent, decoded = (getattr(after, name)[stayed] - getattr(before, name)[at[stayed]] for name in ("sent", "decoded"))
     for sender in range(10):
         mine = after.edges.peers[stayed] == sender
-        assert sent[mine].sum() >= 4000
+        assert sent[mine].sum() >= 3900
         share = decoded[mine].sum() / sent[mine].sum()
         # a standard deviation of 0.0077 at most
         assert share == (pytest.approx(0.6, abs=0.04) if sender == 3 else 1.0)
