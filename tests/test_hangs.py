@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import subprocess
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,7 @@ class Watched:
         write_scenario(where, scenario)
         words = ["run", "scenario.toml", "--headless", "--json", "--rtf", f"{pace:g}", "--out", "out"]
         self.where, self.running = where, start(fes(*words), where)
+        self.agents: list[int] = []
 
     def agent(self, robot: int) -> int:
         """The pid of a robot's agent, once there is one."""
@@ -42,7 +44,8 @@ class Watched:
             return [pid for pid, line in children(self.running.pid).items() if words in line]
 
         until(found)
-        return found()[0]
+        self.agents += found()
+        return self.agents[-1]
 
     def outcome(self) -> dict[str, Any]:
         said, complained = self.running.communicate(timeout=PATIENCE)
@@ -53,14 +56,39 @@ class Watched:
     def log(self, robot: int) -> str:
         return (self.where / f"out/agent-{robot}.log").read_text()
 
+    def end(self) -> None:
+        """Leave nobody behind, where a test has failed."""
+        if self.running.poll() is None:
+            self.running.kill()
+        self.running.communicate()
+        for pid in self.agents:
+            if alive(pid):
+                os.kill(pid, signal.SIGKILL)
 
-@pytest.mark.parametrize("wake", [6.0, 22.0], ids=["briefly", "longer than its lease"])
+
+Watch = Callable[[Scenario, float], Watched]
+
+
+@pytest.fixture
+def watch(tmp_path: Path) -> Iterator[Watch]:
+    begun: list[Watched] = []
+
+    def begin(scenario: Scenario, pace: float) -> Watched:
+        begun.append(Watched(tmp_path, scenario, pace))
+        return begun[-1]
+
+    yield begin
+    for one in begun:
+        one.end()
+
+
+@pytest.mark.parametrize("wake", [6.0, 18.0], ids=["briefly", "longer than its lease"])
 def test_fes_run_stops_processes_that_hang_and_continues_them_and_the_digest_is_the_same(
-    wake: float, tmp_path: Path
+    wake: float, watch: Watch
 ) -> None:
     events = [HANG, {"at": wake, "wake": [4]}, {"at": wake + 1.0, "wake": [6]}]
     scenario = load("neighborhood.toml", run__duration=wake + 3.0, event=events)
-    watched = Watched(tmp_path, scenario, 4.0 if wake > 10.0 else 1.0)
+    watched = watch(scenario, 4.0 if wake > 10.0 else 2.0)
     pids = {robot: watched.agent(robot) for robot in (4, 5, 6)}
     until(lambda: state(pids[4]) == state(pids[6]) == "T")
     assert state(pids[5]) != "T"
@@ -69,14 +97,14 @@ def test_fes_run_stops_processes_that_hang_and_continues_them_and_the_digest_is_
     for robot in (4, 5, 6):  # it is the same process that goes on
         assert watched.log(robot).count("ready") == watched.log(robot).count("the run is over") == 1
         assert "dropped" not in watched.log(robot)
-    world = (tmp_path / "out/world.log").read_text()
+    world = (watched.where / "out/world.log").read_text()
     assert "starts" in world
     assert not any(words in world for words in ("is not there", "does not answer", "dropped"))
 
 
-def test_robots_that_hang_to_the_end_do_not_hold_up_the_end(tmp_path: Path) -> None:
+def test_robots_that_hang_to_the_end_do_not_hold_up_the_end(watch: Watch) -> None:
     scenario = load("neighborhood.toml", run__duration=12.0, event=[HANG])
-    watched = Watched(tmp_path, scenario, 4.0)
+    watched = watch(scenario, 4.0)
     pids = [watched.agent(robot) for robot in (4, 6)]
     until(lambda: all(state(pid) == "T" for pid in pids))
     assert watched.outcome()["digest"] == inprocess.run(scenario, "scenario")["digest"]
@@ -84,18 +112,18 @@ def test_robots_that_hang_to_the_end_do_not_hold_up_the_end(tmp_path: Path) -> N
     assert "the run is over" not in watched.log(4)
 
 
-def test_a_world_in_which_all_robots_hang_goes_on_and_gets_them_back(tmp_path: Path) -> None:
+def test_a_world_in_which_all_robots_hang_goes_on_and_gets_them_back(watch: Watch) -> None:
     events = [{"at": 1.0, "hang": [0, 1]}, {"at": 13.0, "wake": [0, 1]}]
     scenario = load("pair.toml", run__duration=14.0, event=events)
-    watched = Watched(tmp_path, scenario, 4.0)
+    watched = watch(scenario, 4.0)
     pids = [watched.agent(robot) for robot in (0, 1)]
     until(lambda: all(state(pid) == "T" for pid in pids))
     assert watched.outcome()["digest"] == inprocess.run(scenario, "scenario")["digest"]
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT], ids=lambda how: how.name)
-def test_nobody_outlives_a_launcher_that_ends_while_a_robot_hangs(how: signal.Signals, tmp_path: Path) -> None:
-    watched = Watched(tmp_path, load("pair.toml", run__duration=1e5, event=[{"at": 0.5, "hang": [1]}]), 1.0)
+def test_nobody_outlives_a_launcher_that_ends_while_a_robot_hangs(how: signal.Signals, watch: Watch) -> None:
+    watched = watch(load("pair.toml", run__duration=1e5, event=[{"at": 0.5, "hang": [1]}]), 1.0)
     pids = [watched.agent(robot) for robot in (0, 1)]
     until(lambda: state(pids[1]) == "T")
     everybody = list(children(watched.running.pid))
