@@ -8,7 +8,7 @@ from fes import messages
 from fes.arrays import Floats, Ints
 from fes.edges import Stack
 from fes.messages import Beacon, Command, Observation
-from fes.sensing import Beacons, Observations, silence
+from fes.sensing import Beacons, Observations, Telemetry, silence
 
 
 class Assembly:
@@ -53,17 +53,14 @@ class Assembly:
         return np.array([one if len(one) == q else np.zeros(q) for one in received]).reshape(len(received), q)
 
 
-def payloads(said: Beacons, twists: Floats, learnt: Floats) -> Iterator[tuple[int, bytes, bytes]]:
-    """For each robot its id, and the payloads of its beacon and its command.
-
-    `learnt` is that of the crew's telemetry: [2, l], or [2, 0] where nobody measures.
-    """
+def payloads(said: Beacons, twists: Floats, told: Telemetry) -> Iterator[tuple[int, bytes, bytes]]:
+    """For each robot its id, and the payloads of its beacon and its command; `told` is the crew's telemetry."""
     named = said.named.view(np.uint8)
-    rows = zip(
-        said.ids.tolist(), said.poses.tolist(), twists.tolist(), said.links.spans, said.statistics, strict=True
-    )
-    for robot, pose, twist, span, statistics in rows:
-        links, estimates = said.links.peers[span], said.estimates[span]
-        beacon = Beacon(said.tick, robot, tuple(pose), links, estimates, named[span], statistics)
-        command = Command(said.tick, robot, tuple(twist), links, estimates, learnt[:, span].ravel())
+    spans = zip(said.links.spans, told.links.spans, strict=True)  # they are others where a transmitter is late
+    rows = zip(said.ids.tolist(), said.poses.tolist(), twists.tolist(), spans, said.statistics, strict=True)
+    for robot, pose, twist, (at, own), statistics in rows:
+        links, estimates = said.links.peers[at], said.estimates[at]
+        beacon = Beacon(said.tick, robot, tuple(pose), links, estimates, named[at], statistics)
+        links, estimates = told.links.peers[own], told.estimates[own]
+        command = Command(said.tick, robot, tuple(twist), links, estimates, told.learnt[:, own].ravel())
         yield robot, messages.encode_beacon(beacon), messages.encode_command(command)

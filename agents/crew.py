@@ -10,13 +10,15 @@ from functools import partial
 
 import numpy as np
 
-from agents import contacts, counting, formation, links, neighbors, reception, seeking
+from agents import clocks, contacts, counting, formation, links, neighbors, reception, seeking, transmitter
+from agents.clocks import Clocks
 from agents.contacts import Contacts
 from agents.links import Links
 from agents.neighbors import Witnesses
 from agents.reception import Reception
 from agents.seeking import Index, Seeker
-from fes import draws, geometry, objective
+from agents.transmitter import Memory, Transmitters
+from fes import geometry, objective
 from fes.arrays import Bools, Floats, Ints
 from fes.config import AgentConfig
 from fes.edges import Edges
@@ -39,8 +41,8 @@ class Crew:
     """[ticks]"""
     statistics: int
     """Numbers that a beacon carries of what was measured."""
-    skew: Floats
-    """How far each robot's clock is ahead of the team's [n] [s]."""
+    clocks: Clocks
+    transmitters: Transmitters
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +59,8 @@ class State:
     """Tick of each robot's first link [n]; a large number before."""
     since: Ints
     """Tick of each robot's first step [n]; a large number before."""
+    unsent: Memory
+    """What late transmitters have still to send."""
 
 
 def assemble(config: AgentConfig, ids: Ints) -> Crew:
@@ -64,13 +68,7 @@ def assemble(config: AgentConfig, ids: Ints) -> Crew:
     seeker = Seeker(config.seeking, _index(config), config.dt)
     statistics = reception.SUMS if config.seeking.index == "measured" and config.seeking.pooling == "network" else 0
     timeout = math.ceil(config.formation.contact_timeout / config.dt)
-    return Crew(config, ids, seeker, timeout, statistics, skew(config, ids))
-
-
-def skew(config: AgentConfig, ids: Ints) -> Floats:
-    """How far the clock of each robot is ahead of the team's [n] [s]: a function of (seed, robot)."""
-    ahead = 2.0 * draws.uniform_pairs(draws.key(config.seed, "clock skew"), ids, ids) - 1.0
-    return config.clock_skew * ahead
+    return Crew(config, ids, seeker, timeout, statistics, clocks.of(config, ids), transmitter.of(config, ids))
 
 
 def start(crew: Crew) -> State:
@@ -81,7 +79,7 @@ def start(crew: Crew) -> State:
     if not _pooled(crew):
         known = reception.nothing(reception.ALONE, 0)
     none = links.none(nobody)
-    return State(np.zeros((len(crew.ids), 3)), nobody, Witnesses(nobody.edges), none, known, never, never)
+    return State(np.zeros((len(crew.ids), 3)), nobody, Witnesses(nobody.edges), none, known, never, never, {})
 
 
 def forget(crew: Crew, state: State, who: Bools) -> State:
@@ -99,11 +97,12 @@ def forget(crew: Crew, state: State, who: Bools) -> State:
         measured,
         np.where(who, blank.linked_since, state.linked_since),
         np.where(who, blank.since, state.since),
+        transmitter.forget(state.unsent, who),
     )
 
 
 def telemetry(crew: Crew, state: State) -> Telemetry:
-    """What the robots said of themselves in their last beacons and have learnt until then."""
+    """What the robots have to say of themselves in their last beacons, and have learnt until then."""
     edges = state.links.edges
     learnt = np.zeros((2, 0))
     if crew.config.seeking.index == "measured":
@@ -115,7 +114,7 @@ def telemetry(crew: Crew, state: State) -> Telemetry:
 def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -> tuple[State, Beacons, Floats]:
     """One tick: from what the robots sense now and heard of the last tick, to what they say and do.
 
-    Returns the next state, the beacons of this tick, and the twists [n, 2] [m/s, rad/s].
+    Returns the next state, the beacons of this tick as they go on the air, and the twists [n, 2] [m/s, rad/s].
     """
     tick, config = observations.tick, crew.config
     begun = np.minimum(state.since, tick)
@@ -148,8 +147,9 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
         statistics = measured.sums
     named = named.take(used.contact)
     beacons = Beacons(tick, crew.ids, observations.poses, used.edges, said, named, statistics)
+    beacons, unsent = transmitter.send(crew.transmitters, state.unsent, beacons)
     used = replace(used, state=_seek(crew, tick, known, used, measured), said=said)
-    return State(observations.poses, known, witnesses, used, measured, since, begun), beacons, twists
+    return State(observations.poses, known, witnesses, used, measured, since, begun, unsent), beacons, twists
 
 
 def _desired(crew: Crew, tick: int, links: Links) -> Floats:
@@ -157,15 +157,10 @@ def _desired(crew: Crew, tick: int, links: Links) -> Floats:
     estimates: Floats = links.state[seeking.ESTIMATE]
     if crew.config.seeking.index == "oracle":
         return estimates
-    time = tick * crew.config.dt + _skew(crew, links.edges)
+    time = tick * crew.config.dt + clocks.skew(crew.clocks, tick, links.edges)
     if crew.config.seeking.index == "measured" and crew.config.seeking.pooling == "none":
         time = time + seeking.stagger(crew.seeker, crew.config.seed, links.edges)
     return estimates + seeking.dither(crew.seeker, time)
-
-
-def _skew(crew: Crew, edges: Edges) -> Floats:
-    """How far each link's clock is ahead [l] [s], or [1] if all are right."""
-    return crew.skew.take(edges.rows) if crew.config.clock_skew > 0.0 else seeking.ON_TIME
 
 
 def _pooled(crew: Crew) -> bool:
@@ -210,7 +205,8 @@ def _seek(crew: Crew, tick: int, known: Contacts, links: Links, measured: Recept
     index = None
     if config.seeking.index == "sampled":
         index = _held(counting.sample(known, tick, links.contact, config.objective))
-    return seeking.advance(crew.seeker, tick, links.state, theirs, _skew(crew, links.edges), index)
+    skew = clocks.skew(crew.clocks, tick, links.edges)
+    return seeking.advance(crew.seeker, tick, links.state, theirs, skew, index)
 
 
 def _held(sample: Floats) -> Index:

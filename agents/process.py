@@ -12,7 +12,7 @@ import time
 
 import numpy as np
 
-from agents import assembly, contacts, crew
+from agents import assembly, contacts, crew, transmitter
 from agents.assembly import Assembly
 from agents.mouth import Mouth
 from agents.presence import Presence
@@ -98,8 +98,8 @@ class Agent:
             if observations.in_range is not tuned:
                 tuned = observations.in_range
                 self.radio.tune(set(tuned.peers.tolist()))
-            learnt = crew.telemetry(robots, state).learnt
-            self._mouth.say(observations.tick, list(assembly.payloads(said, twists, learnt)))
+            spoken = list(assembly.payloads(said, twists, crew.telemetry(robots, state)))
+            self._mouth.say(observations.tick, transmitter.on_air(robots.transmitters, observations.tick, spoken))
 
     @property
     def lag(self) -> str:

@@ -84,8 +84,8 @@ def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
             read = clock()
             minds[robot], said, twists = crew.step(crews[robot], minds[robot], seen, heard)
             stepped = clock()
-            learnt = crew.telemetry(crews[robot], minds[robot]).learnt
-            [(_, beacon, command)] = assembly.payloads(said, twists, learnt)
+            told = crew.telemetry(crews[robot], minds[robot])
+            [(_, beacon, command)] = assembly.payloads(said, twists, told)
             costs.say.append(clock() - stepped)
             costs.step.append(stepped - read)
             costs.read.append(read - begun)

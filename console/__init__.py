@@ -3,7 +3,7 @@
 cli         the commands
 processes   fes run with real processes
 launcher    child processes, never left behind
-faults      scheduled deaths, for real
+faults      scheduled deaths and hangs, for real
 inprocess   the same world and crew in one loop, without Zenoh
 history     a run as time series
 figures     the paper's figures, and those of a run

@@ -1,29 +1,83 @@
-"""Scheduled deaths, for real: `fes run` kills the processes that its scenario has die, and starts them again.
+"""Scheduled deaths and hangs, for real: `fes run` does to processes what its scenario has happen to robots.
 
-The world decides from which tick on a robot takes part; what happens to processes here changes no digit.
+A robot that dies has its process killed, and a new one started where it is to come back; one that hangs has its
+process stopped, and continued in time. The world decides from which tick on a robot takes part: what happens to
+processes here changes no digit.
 """
 
+import contextlib
 from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
 
 import numpy as np
 
-from console import observer, view
+from console import observer
 from fes.bus import Bus
+from fes.errors import Absent
+from fes.report import Report
+from world.events import Planned
 from world.scenario import Scenario
 
-Act = Callable[[str], Awaitable[None]]
+AHEAD = 1.0
+"""So long [s; wall clock] before its tick a process is continued: one that was stopped for longer than its lease has
+a new session to open."""
+
+STALLED = 1.0
+"""When no report comes for this long [s], the world may be waiting for a process that is stopped."""
 
 
-async def enact(bus: Bus, run: str, timeout: float, scenario: Scenario, kill: Act, start: Act) -> None:
-    """Follow a run of one process a robot until it is over, and `kill` and `start` agents by their `--id`.
+@dataclass(frozen=True)
+class Hands:
+    """What can be done to the agent of an `--id`."""
+
+    kill: Callable[[str], Awaitable[None]]
+    start: Callable[[str], Awaitable[None]]
+    stop: Callable[[str], None]
+    """It goes no further, without ending."""
+    proceed: Callable[[str], None]
+
+
+async def enact(bus: Bus, run: str, timeout: float, scenario: Scenario, hands: Hands) -> None:
+    """Follow a run of one process a robot until it is over, and do to its agents what their robots go through.
 
     A robot that is to come back has a new process as soon as its old one is gone: it joins, and waits for its tick.
+    One that hangs until the end is killed then, as nobody could tell it that the run is over. However this ends, no
+    process stays stopped.
     """
-    due = [(tick, planned.gone) for tick, planned in scenario.attendance.items() if planned.gone.any()]
-    async for report in observer.reports(bus, run, timeout, view.IDLE):
-        while report is not None and due and report.tick >= due[0][0]:
-            tick, gone = due.pop(0)
-            for robot in np.flatnonzero(gone).tolist():
-                await kill(str(robot))
-                if any(at > tick and planned.back[robot] for at, planned in scenario.attendance.items()):
-                    await start(str(robot))
+    schedule = scenario.attendance
+    due = [(tick, planned) for tick, planned in schedule.items() if planned.gone.any()]
+    stopped: dict[int, int | None] = {}
+    try:
+        with contextlib.suppress(Absent):  # it left early: that is for others to tell
+            async for report in observer.reports(bus, run, timeout, STALLED):
+                while report is not None and due and report.tick >= due[0][0]:
+                    tick, planned = due.pop(0)
+                    for robot in np.flatnonzero(planned.gone & ~planned.hung).tolist():
+                        await hands.kill(str(robot))
+                        if _back(schedule, robot, tick) is not None:
+                            await hands.start(str(robot))
+                    for robot in np.flatnonzero(planned.hung).tolist():
+                        hands.stop(str(robot))
+                        stopped[robot] = _back(schedule, robot, tick)
+                for robot in _needed(stopped, report):
+                    del stopped[robot]
+                    hands.proceed(str(robot))
+        for robot in stopped:
+            await hands.kill(str(robot))
+    finally:
+        for robot in stopped:
+            hands.proceed(str(robot))
+
+
+def _back(schedule: dict[int, Planned], robot: int, after: int) -> int | None:
+    """The tick after `after` at which a robot comes back; None if it does not."""
+    return next((tick for tick, planned in schedule.items() if tick > after and planned.back[robot]), None)
+
+
+def _needed(stopped: dict[int, int | None], report: Report | None) -> list[int]:
+    """Which of the `stopped` robots, each with the tick at which it is to go on, the world needs now or soon."""
+    waking = {robot: tick for robot, tick in stopped.items() if tick is not None}
+    if not waking:
+        return []
+    soon = report.tick + report.ticks_per_s * AHEAD if report is not None else min(waking.values())
+    return [robot for robot, tick in waking.items() if tick <= soon]

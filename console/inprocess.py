@@ -32,8 +32,6 @@ class Tick:
     """[n, 2] [m/s, rad/s]"""
     telemetry: Telemetry
     """Of the robots that are present."""
-    learnt: Floats
-    """What all have learnt, on each of `said.links` [2, l]; [2, 0] where nobody measures."""
 
 
 def check(scenario: Scenario) -> None:
@@ -63,15 +61,15 @@ def tick(state: State, said: Beacons, twists: Floats, told: Telemetry) -> Tick:
     """A tick, of what a crew said and did, absent robots included."""
     present = state.present
     shown = told if present.all() else of_those(told, present)
-    return Tick(state, said, simulation.held(state, twists), shown, told.learnt)
+    return Tick(state, said, simulation.held(state, twists), shown)
 
 
 def said(tick: Tick) -> Said:
     """What would have crossed the bus at a tick, to the byte."""
-    present = tick.state.present
-    spoken = list(assembly.payloads(tick.said, tick.twists, tick.learnt))
+    present, legible = tick.state.present, tick.state.legible
+    spoken = list(assembly.payloads(tick.said, tick.twists, tick.telemetry))
     sensed = wording.observations(simulation.observe(tick.state), present, tick.state.since)
-    beacons = [beacon if here else b"" for (_, beacon, _), here in zip(spoken, present.tolist(), strict=True)]
+    beacons = [beacon if whole else b"" for (_, beacon, _), whole in zip(spoken, legible.tolist(), strict=True)]
     commands = [command if here else b"" for (_, _, command), here in zip(spoken, present.tolist(), strict=True)]
     return Said(sensed, beacons, commands)
 

@@ -84,6 +84,19 @@ class Family:
                 _signal(child, signal.SIGKILL)
                 await child.process.wait()
 
+    def stop_agent(self, ids: str) -> None:
+        """Have the agent of `ids` go no further, as one that hangs."""
+        self._signal_agent(ids, signal.SIGSTOP)
+
+    def continue_agent(self, ids: str) -> None:
+        """Have the agent of `ids` go on."""
+        self._signal_agent(ids, signal.SIGCONT)
+
+    def _signal_agent(self, ids: str, number: signal.Signals) -> None:
+        for child in self.agents:
+            if child.name == f"fes-agent --id {ids}":
+                _signal(child, number)
+
     async def finish(self) -> None:
         """Wait until the world and all agents have ended well; raises ChildFailed for the first that did not.
 

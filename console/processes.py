@@ -79,16 +79,20 @@ async def _run(launch: Launch, scenario: Scenario, directory: Path, console: Con
 async def _faults(
     family: Family, launch: Launch, scenario: Scenario, address: Address, joining: list[str]
 ) -> AsyncIterator[None]:
-    """While the block lasts, processes die as scheduled, if each robot has its own."""
+    """While the block lasts, processes die and hang as scheduled, if each robot has its own."""
     if launch.agents_per_process > 1 or not scenario.attendance:
         yield
         return
 
     async def follow() -> None:
         async with bus.opened(_visitor(address)) as opened:
-            await faults.enact(
-                opened, RUN, JOIN_TIMEOUT, scenario, family.kill_agent, lambda ids: family.start_agent(ids, joining)
+            hands = faults.Hands(
+                family.kill_agent,
+                lambda ids: family.start_agent(ids, joining),
+                family.stop_agent,
+                family.continue_agent,
             )
+            await faults.enact(opened, RUN, JOIN_TIMEOUT, scenario, hands)
 
     following = asyncio.ensure_future(follow())
     try:

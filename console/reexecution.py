@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from agents import assembly, contacts, crew
+from agents import assembly, contacts, crew, transmitter
 from agents.assembly import Assembly
 from console.difference import Difference, between, of_payloads, of_reports
 from console.log import Log, Tick
@@ -152,10 +152,12 @@ class Robots:
         self._state, said, twists = crew.step(self._crew, self._state, observations, beacons)
         if not contacts.all_here(self._state.contacts, observations):
             raise FesError(f"tick {tick.number - 1}: a Beacon that was decoded is not in the log")
-        learnt = crew.telemetry(self._crew, self._state).learnt
-        for robot, beacon, command in assembly.payloads(said, twists, learnt):
+        told = crew.telemetry(self._crew, self._state)
+        broken = transmitter.damaging(self._crew.transmitters, tick.number)
+        for robot, whole, command in assembly.payloads(said, twists, told):
             if robot not in sensed:
                 continue
+            beacon = b"" if robot in broken else whole
             recorded = tick.said.beacons[robot], tick.said.commands[robot]
             for message, one, other in zip(("Beacon", "Command"), recorded, (beacon, command), strict=True):
                 if one != other:

@@ -4,6 +4,7 @@ The world's scenario is built from the same tables. Every model is frozen, compl
 fields. Symbols in brackets are the paper's.
 """
 
+from collections.abc import Collection
 from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -18,6 +19,12 @@ NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Clock = Literal["lockstep", "live"]
 """`lockstep`: a tick waits for all robots, and simulated time for the slowest. `live`: ticks are due at times of the
 wall clock, and wait for nobody."""
+
+MAX_DELAY = 10_000
+"""Longest delay of a transmitter [ticks]: so much it has to remember."""
+
+MAX_SKEW = 10.0
+"""Farthest that a clock may be off [s]."""
 
 MAX_SUB_STEP_PHASE = 2.0
 """Dither phase [rad] that one step of the integration may span before the integration aliases it."""
@@ -144,6 +151,19 @@ class FormationConfig(Table):
     """A peer unheard for this long [s] is no longer a contact."""
 
 
+class EquipmentConfig(Table):
+    """All that is wrong with a robot's transmitter and clock from a tick on, until the next one of its robot."""
+
+    tick: int = Field(ge=0)
+    robot: int = Field(ge=0)
+    delay: int = Field(default=0, ge=0, le=MAX_DELAY)
+    """Its transmitter sends what it was given so many ticks ago [ticks]."""
+    corrupt: bool = False
+    """Its beacons are damaged on their way."""
+    skew: Annotated[float, Field(ge=-MAX_SKEW, le=MAX_SKEW)] | None = None
+    """How far its clock is ahead of the team's [s]; None: as it was drawn."""
+
+
 class AgentConfig(Table):
     """What the world tells an agent when it joins, and all that it ever knows of the run's settings."""
 
@@ -159,3 +179,12 @@ class AgentConfig(Table):
     clock: Clock = "lockstep"
     clock_skew: NonNegative = 0.0
     """How far each robot's own clock may be off the team's [s]; a robot draws its skew from the seed."""
+    faults: list[EquipmentConfig] = Field(default=[])
+    """What goes wrong with the robots' own equipment, by tick. It makes the equipment fail: no robot reads it."""
+
+
+def own(config: AgentConfig, robots: Collection[int]) -> AgentConfig:
+    """What only the agent of these robots is told: of the faults, theirs."""
+    if not config.faults:
+        return config
+    return config.model_copy(update={"faults": [fault for fault in config.faults if fault.robot in robots]})

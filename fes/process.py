@@ -3,6 +3,7 @@
 import argparse
 import asyncio
 import contextlib
+import fcntl
 import logging
 import os
 import signal
@@ -92,6 +93,7 @@ async def _until_stopped(main: Callable[[], Coroutine[None, None, T]], exit_with
     if exit_with_stdin:
         try:
             loop.add_reader(sys.stdin.fileno(), lambda: _at_end_of_stdin(loop, stop))
+            _wake_at_end_of_stdin()
         except (OSError, AttributeError, ValueError):
             raise FesError("--exit-with-stdin: standard input must be a pipe or a terminal") from None
     task = asyncio.ensure_future(main())
@@ -105,6 +107,18 @@ def _at_end_of_stdin(loop: asyncio.AbstractEventLoop, stop: Callable[[str], None
     if not os.read(sys.stdin.fileno(), 4096):
         loop.remove_reader(sys.stdin.fileno())
         stop("the end of standard input")
+
+
+def _wake_at_end_of_stdin() -> None:
+    """Have the system continue this process when its standard input ends: a process that is stopped would not see it.
+
+    Only Linux can.
+    """
+    if sys.platform == "linux" and not sys.stdin.isatty():
+        stdin = sys.stdin.fileno()
+        fcntl.fcntl(stdin, fcntl.F_SETOWN, os.getpid())
+        fcntl.fcntl(stdin, fcntl.F_SETSIG, signal.SIGCONT)
+        fcntl.fcntl(stdin, fcntl.F_SETFL, fcntl.fcntl(stdin, fcntl.F_GETFL) | os.O_ASYNC)
 
 
 def complain(name: str, message: str) -> None:

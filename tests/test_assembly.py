@@ -10,7 +10,7 @@ from agents.assembly import Assembly, payloads
 from fes import messages
 from fes.arrays import Bytes, Floats, Ints
 from fes.messages import Beacon, Observation
-from fes.sensing import Beacons
+from fes.sensing import Beacons, Telemetry
 from tests import layouts
 
 Pairs = set[tuple[int, int]]
@@ -38,9 +38,14 @@ def say(crew: set[int], pairs: Pairs, seed: int, tick: int = 7) -> tuple[Beacons
     return said, wild(rng, len(crew), 2)
 
 
+def told(said: Beacons, learnt: Floats) -> Telemetry:
+    """What a crew says of itself to its world, where its transmitters are healthy."""
+    return Telemetry(said.links, said.estimates, learnt)
+
+
 def sent(said: Beacons, twists: Floats) -> list[Beacon]:
     """The crew's beacons, each decoded from its payload."""
-    return [messages.decode_beacon(beacon) for _, beacon, _ in payloads(said, twists, np.zeros((2, 0)))]
+    return [messages.decode_beacon(beacon) for _, beacon, _ in payloads(said, twists, told(said, np.zeros((2, 0))))]
 
 
 def bits(array: Floats | Ints | Bytes) -> tuple[str, tuple[int, ...], bytes]:
@@ -64,7 +69,8 @@ def test_beacons_split_into_payloads_and_stacked_again_are_the_same_bits(
 def test_each_command_holds_its_own_robots_twist_and_telemetry(crew: set[int], pairs: Pairs, seed: int) -> None:
     said, twists = say(crew, pairs, seed)
     estimates = dict(zip(sorted(layouts.pairs_of(said.links)), said.estimates.tolist(), strict=True))
-    for at, (robot, _, payload) in enumerate(payloads(said, twists, np.stack([said.estimates, -said.estimates]))):
+    learnt = np.stack([said.estimates, -said.estimates])
+    for at, (robot, _, payload) in enumerate(payloads(said, twists, told(said, learnt))):
         command = messages.decode_command(payload)
         assert (command.robot, command.tick, robot) == (sorted(crew)[at], 7, sorted(crew)[at])
         assert bits(command.learnt) == bits(np.concatenate([command.estimates, -command.estimates]))

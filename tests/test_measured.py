@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from agents import crew
+from agents import clocks
 from console import inprocess
 from console.sweep import stack
 from tests.loop import CONFIGS, load
@@ -77,7 +77,7 @@ def test_a_channel_outside_the_family_of_the_fit_biases_them_by_less_than_a_fift
 @pytest.mark.slow
 def test_clocks_that_are_fifty_milliseconds_off_do_no_harm() -> None:
     plain, skewed = (load("measured.toml", run__duration=2, run__clock_skew=skew) for skew in (0.0, 0.05))
-    ahead = crew.skew(agent_config(skewed), np.arange(10))
+    ahead = clocks.drawn(agent_config(skewed), np.arange(10))
     assert len(set(ahead.tolist())) == 10
     assert 0.02 < np.abs(ahead).max() <= 0.05
     assert inprocess.run(plain, "on time")["digest"] != inprocess.run(skewed, "off")["digest"]

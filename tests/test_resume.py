@@ -18,6 +18,7 @@ from agents import assembly, crew
 from console import inprocess, log, replay
 from console.launcher import free_port
 from fes import messages
+from fes.arrays import Bools
 from fes.errors import FesError
 from fes.sensing import silence
 from tests.loop import CONFIGS, load
@@ -44,18 +45,26 @@ class Team:
         """Go through one tick."""
         sent = course.observations(course.state.present)
         self.minds, self.said, twists = crew.step(self.crew, self.minds, simulation.observe(course.state), self.said)
-        learnt = crew.telemetry(self.crew, self.minds).learnt
-        spoken = [payload for _, *payload in assembly.payloads(self.said, twists, learnt)]
-        course.take(sent, [(messages.decode_command(told), told) for _, told in spoken])
+        told = crew.telemetry(self.crew, self.minds)
+        spoken = [payload for _, *payload in assembly.payloads(self.said, twists, told)]
+        course.take(sent, [(messages.decode_command(command), command) for _, command in spoken])
         alive = np.ones(len(sent), dtype=np.uint8)
-        course.account(lambda tick, present: [beacon for beacon, _ in spoken], alive, 0.1)
+
+        def heard(tick: int, legible: Bools) -> list[bytes]:
+            return [beacon if good else b"" for (beacon, _), good in zip(spoken, legible.tolist(), strict=True)]
+
+        course.account(heard, alive, 0.1)
 
 
 @pytest.mark.parametrize("name", ["paper.toml", "measured.toml"])
 @pytest.mark.parametrize("recorded", [True, False], ids=["recorded", "not recorded"])
 def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, recorded: bool) -> None:
     bursts = {"bad_share": 0.2, "mean_length": 0.1}
-    scenario = load(name, run__duration=0.8, channel__bursts=bursts)
+    faults = [
+        {"at": 0.3, "transmitter": {"robot": 2, "loss": 0.5}},
+        {"at": 0.5, "transmitter": {"robot": 3, "corrupt": True}},
+    ]
+    scenario = load(name, run__duration=0.8, channel__bursts=bursts, event=faults)
     first, second = tmp_path / "first", tmp_path / "second"
     first.mkdir()
     team = Team(scenario)

@@ -42,5 +42,6 @@ breathing   separations averaged over a period of the dither
 rules       a broken rule, in one line
 expect      what a scenario expects of its run
 events      what changes while a run goes on
+equipment   faulty transmitters, and clocks that are off
 summary     summary.json and scenario.toml of a run directory
 """

@@ -1,4 +1,4 @@
-"""Who takes part in a run: all that are there, unless the scenario has them dead."""
+"""Who takes part in a run: all that are there, unless the scenario has them dead or hung."""
 
 import asyncio
 import contextlib
@@ -26,12 +26,18 @@ class Attendance:
         self._schedule = scenario.attendance
         self._robots = scenario.robots.number
         self._hung = np.zeros(self._robots, dtype=np.bool_)
+        self._asleep = np.zeros(self._robots, dtype=np.bool_)
+        """Who hangs by the schedule at this tick, and has a process of its own [n]."""
         self._logger = logging.getLogger("world")
 
     @property
     def there(self) -> Bools:
-        """Which robots can answer, and all that share their process with them [n]."""
-        return self._roster.whole & ~self._hung
+        """Which robots can answer, and all that share their process with them [n].
+
+        Not a process that hangs by the schedule: nothing may wait in its queues. One of several robots goes on, as
+        the others' does.
+        """
+        return self._roster.whole & ~self._hung & ~self._asleep
 
     def hang(self, silent: Bools) -> None:
         """The `silent` robots [n] did not answer in time: they are left out, and all that share their process."""
@@ -54,11 +60,12 @@ class Attendance:
         planned = self._schedule.get(state.tick)
         due = planned.back if planned is not None else np.zeros(self._robots, dtype=np.bool_)
         end = time.monotonic() + RETURN_TIMEOUT
+        wanted, self._asleep = self._planned(state.tick)
         while True:
             self._roster.changed.clear()
-            there = self.there
+            there = self._roster.whole & ~self._hung
             if there.any() and there[due].all():
-                return there & self._wanted(state.tick) & ~self._begin_anew(state, there)
+                return there & wanted & ~self._begin_anew(state, there)
             if time.monotonic() >= end:
                 missing = np.flatnonzero(due & ~there)
                 who = f"robot {missing[0]} did not come back" if len(missing) else "nobody is there any more"
@@ -69,8 +76,9 @@ class Attendance:
 
     def now(self, state: State) -> Bools:
         """Who takes part at the tick of `state` [n], without waiting for anybody."""
-        there = self.there
-        return there & self._wanted(state.tick) & ~self._begin_anew(state, there)
+        wanted, self._asleep = self._planned(state.tick)
+        there = self._roster.whole & ~self._hung
+        return there & wanted & ~self._begin_anew(state, there)
 
     async def wait_for(self, present: Bools, timeout: float) -> None:
         """Wait until the robots of `present` [n] are there, for up to `timeout` [s]."""
@@ -95,10 +103,14 @@ class Attendance:
         for robot in np.flatnonzero(now.present & ~before.present).tolist():
             self._logger.info("robot %d is back from tick %d on", robot, now.tick)
 
-    def _wanted(self, tick: int) -> Bools:
-        """Whom the schedule does not have dead at a tick [n]."""
+    def _planned(self, tick: int) -> tuple[Bools, Bools]:
+        """Whom the schedule does not have dead or hung at a tick [n], and who hangs in a process of its own [n]."""
         wanted = np.ones(self._robots, dtype=np.bool_)
+        hung = ~wanted
         for at, planned in self._schedule.items():
             if at <= tick:
                 wanted = events.attended(wanted, planned)
-        return wanted
+                hung = (hung & ~planned.back) | planned.hung
+        for robot in np.flatnonzero(hung).tolist():
+            hung[robot] = len(self._roster.group(robot)) == 1
+        return wanted, hung

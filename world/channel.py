@@ -50,7 +50,7 @@ class Radio:
     decoded: Ints
     """Beacons decoded on it [m]."""
     probability: Floats
-    """True reception probability of the previous tick's beacon, shadowing and jammers included, bursts as their
+    """True reception probability of the previous tick's beacon, all that lies over it included, bursts as their
     average over the stationary law; NaN before the first [m]."""
     outage_sum: Floats
     """Sum of 1 - probability over the beacons sent: the number that is lost on average [m]."""
@@ -96,22 +96,26 @@ def transmit(
     present: Bools,
     before: Proximity,
     after: Proximity,
+    kept: Floats | None = None,
 ) -> Radio:
     """The radio at tick + 1: what became of the beacons of `tick`, sent from `poses` [n, 3] among `before`.
 
-    Robots that are not `present` [n] neither send nor hear: their peers' code is LOST, but nothing was sent.
+    Robots that are not `present` [n] neither send nor hear: their peers' code is LOST, but nothing was sent. `kept`
+    [n]: what each robot's own transmitter leaves of the reception probability; None where all are healthy.
     """
     edges, age = before.edges, radio.age + 1
     is_open = age >= OPENING_TICKS
     on_air = is_open if present.all() else is_open & among(edges, present)
     probability = reception_probability(medium, config, poses, before)
+    if kept is not None:
+        probability *= kept.take(_senders(edges))
     average, burst = probability, radio.burst
     if config.bursts is not None:
         burst = bursts.step(burst, config.bursts, medium.dt, medium.bursts.at(tick, edges))
         average = probability * bursts.kept_on_average(config.bursts)
         probability = probability * bursts.kept(burst, config.bursts)
     heard = on_air
-    if not config.is_certain:
+    if kept is not None or not config.is_certain:
         heard = on_air & (medium.fading.at(tick, edges) < probability)
     gap = (radio.gap + 1) * (on_air ^ heard)
     now = Radio(
@@ -137,12 +141,14 @@ def reception_probability(medium: Medium, config: RadioConfig, poses: Floats, ne
     probability = outage.reception_probability(separation.take(near.pair), config)
     if config.jammers:
         probability *= _left_by(config.jammers, poses).take(near.edges.rows)
+    if config.partition:
+        probability *= _on_one_side(config.partition, near.edges)
     return probability
 
 
 def among(edges: Edges, present: Bools) -> Bools:
     """Which edges [m] stand between robots that are `present` [n]."""
-    return present[edges.rows] & present[np.searchsorted(edges.ids, edges.peers)]
+    return present[edges.rows] & present[_senders(edges)]
 
 
 def reopen(radio: Radio, back: Bools) -> Radio:
@@ -175,6 +181,20 @@ def _left_by(jammers: list[JammerConfig], poses: Floats) -> Floats:
         away = geometry.separation(poses[:, geometry.X] - jammer.x, poses[:, geometry.Y] - jammer.y)
         left[away <= jammer.radius] *= jammer.reception_factor
     return left
+
+
+def _on_one_side(partition: list[list[int]], edges: Edges) -> Bools:
+    """Which edges [m] stand between robots of one group."""
+    side = np.zeros(len(edges.ids), dtype=np.int64)
+    for number, group in enumerate(partition, 1):
+        side[np.searchsorted(edges.ids, group)] = number
+    same: Bools = side[edges.rows] == side[_senders(edges)]
+    return same
+
+
+def _senders(edges: Edges) -> Ints:
+    """Row of each edge's sender [m]."""
+    return np.searchsorted(edges.ids, edges.peers)
 
 
 def _carry(radio: Radio, edges: Edges) -> Radio:

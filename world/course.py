@@ -109,7 +109,7 @@ class Course:
         if self._gone is None:
             return
         (state, twists, observations, commands, spoken), self._gone = self._gone, None
-        beacons = heard(state.tick, state.present) if self.recorder is not None else []
+        beacons = heard(state.tick, state.legible) if self.recorder is not None else []
         self.note([TICK, state.tick, commands, beacons])
         self.sums.add(state, twists, self.said, spoken)
         if self.recorder is not None:

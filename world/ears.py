@@ -19,11 +19,11 @@ class Ears:
         """The beacon of the next tick of a robot that is quick."""
         self._complaints = complaints
 
-    def heard(self, tick: int, present: Bools) -> list[bytes]:
-        """The payload of each robot's beacon of a tick, in id order; empty for those that are not `present` [n]."""
-        found = [self._beacon(robot, tick) if here else b"" for robot, here in enumerate(present.tolist())]
+    def heard(self, tick: int, legible: Bools) -> list[bytes]:
+        """The payload of each robot's beacon of a tick, in id order; empty for those that are not `legible` [n]."""
+        found = [self._beacon(robot, tick) if here else b"" for robot, here in enumerate(legible.tolist())]
         for robot, payload in enumerate(found):
-            if not payload and present[robot]:
+            if not payload and legible[robot]:
                 self._complaints.add("Beacon: not recorded", f"no beacon of robot {robot} for tick {tick}")
         return found
 

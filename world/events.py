@@ -9,14 +9,13 @@ from pydantic import Field, ValidationError, model_validator
 from fes.arrays import Bools
 from fes.config import Table
 from fes.errors import ScenarioError
+from world import equipment
+from world.equipment import ClockConfig, Part, RobotId, TransmitterConfig
 from world.radio_config import RadioConfig
 from world.rules import first_rule
 
 PREFIX = "channel."
 """What can be changed: the rest is what the robots were told when they joined."""
-
-
-RobotId = Annotated[int, Field(ge=0)]
 
 
 class EventConfig(Table):
@@ -30,14 +29,34 @@ class EventConfig(Table):
     """Robots whose processes die: their bodies stop, their radios are silent."""
     restart: list[RobotId] = Field(default=[])
     """Robots that come back, where they are, knowing nothing."""
+    hang: list[RobotId] = Field(default=[])
+    """Robots whose processes stop without dying; for the others it is the same."""
+    wake: list[RobotId] = Field(default=[])
+    """Robots whose processes go on; for the others they come back."""
+    transmitter: TransmitterConfig | None = None
+    clock: ClockConfig | None = None
 
     @model_validator(mode="after")
     def _something(self) -> Self:
-        if not (self.settings or self.kill or self.restart):
-            raise ValueError("give at least one of set, kill and restart")
-        if set(self.kill) & set(self.restart):
-            raise ValueError(f"robot {min(set(self.kill) & set(self.restart))} cannot both be killed and restarted")
+        if not (self.settings or self.parts or any(robots for _, robots in self.verbs)):
+            raise ValueError("give at least one of set, kill, restart, hang, wake, transmitter and clock")
+        seen: dict[int, str] = {}
+        for verb, robots in self.verbs:
+            for robot in robots:
+                if robot in seen:
+                    raise ValueError(f"robot {robot} is named in {seen[robot]} and in {verb}: once is enough")
+                seen[robot] = verb
         return self
+
+    @property
+    def verbs(self) -> list[tuple[str, list[int]]]:
+        """Who dies, hangs and comes back."""
+        return [("kill", self.kill), ("hang", self.hang), ("restart", self.restart), ("wake", self.wake)]
+
+    @property
+    def parts(self) -> list[Part]:
+        """What becomes of robots' equipment."""
+        return [part for part in (self.transmitter, self.clock) if part is not None]
 
 
 def changed(channel: RadioConfig, settings: dict[str, Any], dt: float) -> RadioConfig:
@@ -77,12 +96,14 @@ def effective(channel: RadioConfig, path: str) -> Any:
 
 
 class Planned(NamedTuple):
-    """Who dies and who comes back at a tick."""
+    """Who goes and who comes back at a tick."""
 
     gone: Bools
-    """[n]"""
+    """Who dies or hangs [n]."""
     back: Bools
-    """[n]"""
+    """Who is restarted or wakes [n]."""
+    hung: Bools
+    """Of those gone, who hangs: its process is there [n]."""
 
 
 def attended(present: Bools, planned: Planned) -> Bools:
@@ -91,24 +112,45 @@ def attended(present: Bools, planned: Planned) -> Bools:
     return after
 
 
+_BECOMES = {
+    "kill": ("alive", "dead"),
+    "hang": ("alive", "hung"),
+    "restart": ("dead", "alive"),
+    "wake": ("hung", "alive"),
+}
+"""What a robot must be, and what it then is."""
+
+
 def attendance(events: Iterable[EventConfig], robots: int, dt: float) -> dict[int, Planned]:
-    """Tick -> who dies and who comes back, in order; raises ScenarioError in one line."""
-    present, found = np.ones(robots, dtype=np.bool_), dict[int, Planned]()
-    for event in sorted((event for event in events if event.kill or event.restart), key=lambda event: event.at):
-        nobody = np.zeros(robots, dtype=np.bool_)
-        planned = found.setdefault(round(event.at / dt), Planned(nobody, nobody.copy()))
-        for verb, named, alive in (("kill", event.kill, True), ("restart", event.restart, False)):
+    """Tick -> who goes and who comes back, in order; raises ScenarioError in one line."""
+    states, found = ["alive"] * robots, dict[int, Planned]()
+    for event in sorted(events, key=lambda event: event.at):
+        for verb, named in event.verbs:
+            before, after = _BECOMES[verb]
             for robot in named:
                 if robot >= robots:
                     raise ScenarioError("event", f"{verb}: robot {robot} does not exist, there are {robots}")
-                if present[robot] != alive:
-                    state = "dead" if alive else "alive"
-                    raise ScenarioError("event", f"{verb}: robot {robot} is {state} already at {event.at:g} s")
+                if states[robot] != before:
+                    state = states[robot] + (" already" if states[robot] == after else "")
+                    raise ScenarioError("event", f"{verb}: robot {robot} is {state} at {event.at:g} s")
+                tick = round(event.at / dt)
+                if tick not in found:
+                    found[tick] = Planned(*(np.zeros(robots, dtype=np.bool_) for _ in Planned._fields))
+                planned = found[tick]
                 if planned.gone[robot] or planned.back[robot]:
-                    raise ScenarioError("event", f"{verb}: robot {robot} dies and comes back in one tick")
-                present[robot] = not alive
-                (planned.gone if alive else planned.back)[robot] = True
+                    raise ScenarioError("event", f"{verb}: robot {robot} goes and comes back in one tick")
+                states[robot] = after
+                (planned.back if after == "alive" else planned.gone)[robot] = True
+                planned.hung[robot] = after == "hung"
     return found
+
+
+def parts(events: Iterable[EventConfig], robots: int, dt: float) -> list[tuple[int, Part]]:
+    """What becomes of robots' equipment, with its tick, in order; raises ScenarioError in one line."""
+    found = [(round(event.at / dt), part) for event in events for part in event.parts]
+    for _, part in found:
+        equipment.check(part, robots, dt)
+    return sorted(found, key=lambda one: one[0])
 
 
 def schedule(events: Iterable[EventConfig], dt: float) -> dict[int, dict[str, Any]]:

@@ -1,8 +1,9 @@
 """The world's radio: the channel's formula, and what no robot is ever told of it: a scenario's table [channel]."""
 
-from typing import Annotated
+from itertools import chain
+from typing import Annotated, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from fes.config import ChannelConfig, Positive, Table
 
@@ -48,6 +49,16 @@ class RadioConfig(ChannelConfig):
     shadowing: ShadowingConfig | None = None
     bursts: BurstConfig | None = None
     jammers: list[JammerConfig] = Field(default=[])
+    partition: list[list[Annotated[int, Field(ge=0)]]] = Field(default=[])
+    """Groups of robots between which no beacon decodes; those in none are one more group."""
+
+    @model_validator(mode="after")
+    def _each_once(self) -> Self:
+        named = list(chain.from_iterable(self.partition))
+        twice = {robot for robot in named if named.count(robot) > 1}
+        if twice:
+            raise ValueError(f"partition: robot {min(twice)} is there twice")
+        return self
 
     @property
     def formula(self) -> ChannelConfig:
@@ -57,7 +68,7 @@ class RadioConfig(ChannelConfig):
     @property
     def is_certain(self) -> bool:
         """Whether every beacon in range decodes."""
-        return self.model == "perfect" and self.bursts is None and not self.jammers
+        return self.model == "perfect" and self.bursts is None and not (self.jammers or self.partition)
 
     def check(self, dt: float) -> None:
         """Raises ValueError if ticks of `dt` [s] are too long for the chain of the bursts."""

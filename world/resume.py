@@ -124,6 +124,6 @@ class _Tables(pickle.Unpickler):
         if (module, name) in _OTHERS:
             return found
         ours = module.split(".")[0] in ("fes", "world") and isinstance(found, type) and found.__module__ == module
-        if ours and (is_dataclass(found) or issubclass(found, BaseModel) or found in _PLAIN):
+        if ours and (is_dataclass(found) or issubclass(found, (BaseModel, tuple)) or found in _PLAIN):
             return found
         raise pickle.UnpicklingError(f"{module}.{name}")

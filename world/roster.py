@@ -12,7 +12,7 @@ from fes.about import encode_about, here
 from fes.arrays import Bools, Bytes
 from fes.bus import Bus, Question
 from fes.complaints import Complaints
-from fes.config import AgentConfig
+from fes.config import AgentConfig, own
 from fes.errors import MessageError
 from fes.messages import Welcome
 
@@ -103,7 +103,7 @@ class Roster:
             self._group[robot] = wanted
         self.renewed.update(wanted)
         self.on_join(wanted)
-        question.answer(messages.encode_welcome(Welcome(wanted, self._config)), "fes.Welcome")
+        question.answer(messages.encode_welcome(Welcome(wanted, own(self._config, wanted))), "fes.Welcome")
 
     def _refusal(self, wanted: tuple[int, ...]) -> str:
         robots = len(self.alive)

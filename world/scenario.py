@@ -13,6 +13,7 @@ from fes.arrays import Floats
 from fes.config import (
     AgentConfig,
     Clock,
+    EquipmentConfig,
     FormationConfig,
     NonNegative,
     ObjectiveConfig,
@@ -21,6 +22,8 @@ from fes.config import (
     Table,
 )
 from fes.errors import ScenarioError
+from world import equipment, events
+from world.equipment import Transmission
 from world.events import EventConfig, Planned, attendance, changed, schedule
 from world.expect import ExpectConfig
 from world.radio_config import RadioConfig
@@ -97,14 +100,17 @@ class Scenario(Table):
     @model_validator(mode="after")
     def _channel_at_all_times(self) -> Self:
         self.channel.check(self.run.dt)
-        channel = self.channel
+        channel, robots = self.channel, self.robots.number
+        _check_partition(channel, robots)
         for settings in self.changes.values():
             try:
                 channel = changed(channel, settings, self.run.dt)
             except ScenarioError as error:
                 raise ValueError(f"event: set {error}") from None
+            _check_partition(channel, robots)
         try:
-            attendance(self.event, self.robots.number, self.run.dt)
+            attendance(self.event, robots, self.run.dt)
+            events.parts(self.event, robots, self.run.dt)
         except ScenarioError as error:
             raise ValueError(str(error)) from None
         return self
@@ -116,8 +122,19 @@ class Scenario(Table):
 
     @property
     def attendance(self) -> dict[int, Planned]:
-        """Tick -> who dies and who comes back, in order."""
+        """Tick -> who goes and who comes back, in order."""
         return attendance(self.event, self.robots.number, self.run.dt)
+
+    @property
+    def transmissions(self) -> dict[int, Transmission | None]:
+        """Tick -> what transmitters do from it on, in order; None where all are healthy."""
+        robots = self.robots.number
+        return equipment.transmissions(events.parts(self.event, robots, self.run.dt), robots)
+
+    @property
+    def faults(self) -> list[EquipmentConfig]:
+        """What agents are told of their robots' equipment, in order of time."""
+        return equipment.told(events.parts(self.event, self.robots.number, self.run.dt), self.run.dt)
 
     @property
     def ticks(self) -> int:
@@ -188,6 +205,7 @@ def agent_config(scenario: Scenario) -> AgentConfig:
         channel=scenario.channel.formula if scenario.seeking.index == "oracle" else None,
         clock=scenario.run.clock,
         clock_skew=scenario.run.clock_skew,
+        faults=scenario.faults,
     )
 
 
@@ -204,6 +222,12 @@ def initial_poses(scenario: Scenario) -> Floats:
     x = robots.spacing * (ids % width) + robots.jitter * (2.0 * dx - 1.0)
     y = robots.spacing * (ids // width) + robots.jitter * (2.0 * dy - 1.0)
     return np.stack([x, y, 2.0 * math.pi * turn - math.pi], axis=1)
+
+
+def _check_partition(channel: RadioConfig, robots: int) -> None:
+    unknown = [robot for group in channel.partition for robot in group if robot >= robots]
+    if unknown:
+        raise ValueError(f"channel.partition: robot {unknown[0]} does not exist, there are {robots}")
 
 
 def _override(tables: dict[str, Any], dotted: str, value: Any) -> None:

@@ -9,6 +9,7 @@ from fes.arrays import Bools, Floats, Ints
 from fes.sensing import DECODED, Observations
 from world import channel, events, kinematics, proximity
 from world.channel import Medium, Radio
+from world.equipment import Transmission
 from world.events import Planned
 from world.proximity import Proximity
 from world.radio_config import RadioConfig
@@ -26,7 +27,9 @@ class World:
     changes: dict[int, dict[str, Any]]
     """Tick -> what is set of the channel from it on."""
     attendance: dict[int, Planned]
-    """Tick -> who dies and who comes back."""
+    """Tick -> who goes and who comes back."""
+    transmissions: dict[int, Transmission | None]
+    """Tick -> what transmitters do from it on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,13 +52,20 @@ class State:
     """Beacons sent on open contacts so far."""
     decoded: int
     """Of them, decoded."""
+    transmission: Transmission | None = None
+    """What the robots' transmitters do from this tick on; None while all are healthy."""
+
+    @property
+    def legible(self) -> Bools:
+        """Whose beacon of this tick can be read by whoever gets its bytes [n]."""
+        return self.present if self.transmission is None else self.present & ~self.transmission.damaged
 
 
 def create(scenario: Scenario) -> World:
     """The world of a scenario."""
     ids = np.arange(scenario.robots.number)
     medium = channel.medium(scenario.run.seed, scenario.run.dt)
-    return World(scenario, ids, medium, scenario.changes, scenario.attendance)
+    return World(scenario, ids, medium, scenario.changes, scenario.attendance, scenario.transmissions)
 
 
 def start(world: World) -> State:
@@ -75,7 +85,15 @@ def step(world: World, state: State, twists: Floats) -> State:
     poses = kinematics.move(state.poses, twists, world.scenario.run.dt)
     near = proximity.measure(world.ids, poses, state.channel.communication_range, state.proximity)
     radio = channel.transmit(
-        world.medium, state.channel, state.radio, state.tick, state.poses, state.present, state.proximity, near
+        world.medium,
+        state.channel,
+        state.radio,
+        state.tick,
+        state.poses,
+        state.present,
+        state.proximity,
+        near,
+        state.transmission.kept if state.transmission is not None else None,
     )
     on_air = radio.reception
     if not state.present.all():
@@ -110,10 +128,12 @@ def observe(state: State) -> Observations:
 
 
 def _changed(world: World, state: State) -> State:
-    """The state with what is to be set at its tick, and who is to be there."""
+    """The state with what is to be set at its tick, who is to be there, and what becomes of transmitters."""
     planned, settings = world.attendance.get(state.tick), world.changes.get(state.tick)
     if planned is not None:
         state = attend(state, events.attended(state.present, planned))
+    if state.tick in world.transmissions:
+        state = replace(state, transmission=world.transmissions[state.tick])
     if settings is None:
         return state
     return replace(state, channel=events.changed(state.channel, settings, world.scenario.run.dt))

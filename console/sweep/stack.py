@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from agents import crew, seeking
+from agents import clocks, crew, seeking
 from agents.crew import Crew
 from console import inprocess
 from console.inprocess import Tick
@@ -88,11 +88,19 @@ def _assemble(scenarios: Sequence[Scenario], places: _Places) -> Crew:
         runs = zip(seeds, _parts(links, places), strict=True)
         return np.concatenate([seeking.pair_numbers(seed, stream, part) for seed, part in runs])
 
-    together = crew.assemble(agent_config(scenarios[0]), np.arange(places.first[-1]))
-    skew = np.concatenate(
-        [crew.skew(agent_config(scenario), own) for scenario, own in zip(scenarios, places.own, strict=True)]
+    config = agent_config(scenarios[0])
+    faults = [
+        fault.model_copy(update={"robot": fault.robot + first})
+        for first in places.first[:-1].tolist()
+        for fault in config.faults
+    ]
+    together = crew.assemble(config.model_copy(update={"faults": faults}), np.arange(places.first[-1]))
+    drawn = [clocks.drawn(agent_config(scenario), own) for scenario, own in zip(scenarios, places.own, strict=True)]
+    return replace(
+        together,
+        seeker=replace(together.seeker, numbers=numbers),
+        clocks=replace(together.clocks, drawn=np.concatenate(drawn)),
     )
-    return replace(together, seeker=replace(together.seeker, numbers=numbers), skew=skew)
 
 
 def _parts(edges: Edges, places: _Places) -> list[Edges]:
@@ -141,8 +149,7 @@ class _Split:
         self._cuts: list[slice] = []
 
     def beacons(self, said: Beacons) -> list[Beacons]:
-        if said.links is not self._links:
-            self._take_in(said.links)
+        self._take_in(said.links)
         by_robot = zip(self._places.own, *map(self._places.rows, (said.poses, said.statistics)), strict=True)
         return [
             Beacons(said.tick, own, poses, links, said.estimates[cut], said.named[cut], statistics)
@@ -150,11 +157,13 @@ class _Split:
         ]
 
     def telemetry(self, said: Telemetry) -> list[Telemetry]:
-        """That of the beacons split last."""
+        self._take_in(said.links)  # those of the beacons, unless a transmitter is late
         rows = zip(self._parts, self._cuts, strict=True)
         return [Telemetry(links, said.estimates[cut], said.learnt[:, cut]) for links, cut in rows]
 
     def _take_in(self, links: Edges) -> None:
+        if links is self._links:
+            return
         parts = _parts(links, self._places)
         if self._parts:
             parts = [old if _same(old, new) else new for old, new in zip(self._parts, parts, strict=True)]

@@ -1,0 +1,142 @@
+"""Robots that hang by schedule: their processes stop, hold nobody up, go on in time, and are not left behind."""
+
+import json
+import os
+import signal
+import subprocess
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from console import inprocess
+from tests.loop import load
+from tests.test_processes import PATIENCE, alive, children, fes, start, until
+from world.scenario import Scenario
+from world.summary import write_scenario
+
+HANG = {"at": 2.0, "hang": [4, 6]}
+
+
+def state(pid: int) -> str:
+    """R, S, T (stopped), Z, ...; X once it is gone."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
+    except OSError:
+        return "X"
+
+
+class Watched:
+    """A run of a scenario in processes, and its agents' pids."""
+
+    def __init__(self, where: Path, scenario: Scenario, pace: float) -> None:
+        write_scenario(where, scenario)
+        words = ["run", "scenario.toml", "--headless", "--json", "--rtf", f"{pace:g}", "--out", "out"]
+        self.where, self.running = where, start(fes(*words), where)
+        self.agents: list[int] = []
+
+    def agent(self, robot: int) -> int:
+        """The pid of a robot's agent, once there is one."""
+
+        def found() -> list[int]:
+            words = f"agents.process --id {robot} "
+            return [pid for pid, line in children(self.running.pid).items() if words in line]
+
+        until(found)
+        self.agents += found()
+        return self.agents[-1]
+
+    def outcome(self) -> dict[str, Any]:
+        said, complained = self.running.communicate(timeout=PATIENCE)
+        assert (self.running.returncode, complained) == (0, "")
+        found: dict[str, Any] = json.loads(said)
+        return found
+
+    def log(self, robot: int) -> str:
+        return (self.where / f"out/agent-{robot}.log").read_text()
+
+    def end(self) -> None:
+        """Leave nobody behind, where a test has failed."""
+        if self.running.poll() is None:
+            self.running.kill()
+        self.running.communicate()
+        for pid in self.agents:
+            if alive(pid):
+                os.kill(pid, signal.SIGKILL)
+
+
+Watch = Callable[[Scenario, float], Watched]
+
+
+@pytest.fixture
+def watch(tmp_path: Path) -> Iterator[Watch]:
+    begun: list[Watched] = []
+
+    def begin(scenario: Scenario, pace: float) -> Watched:
+        begun.append(Watched(tmp_path, scenario, pace))
+        return begun[-1]
+
+    yield begin
+    for one in begun:
+        one.end()
+
+
+@pytest.mark.parametrize("wake", [6.0, 18.0], ids=["briefly", "longer than its lease"])
+def test_fes_run_stops_processes_that_hang_and_continues_them_and_the_digest_is_the_same(
+    wake: float, watch: Watch
+) -> None:
+    events = [HANG, {"at": wake, "wake": [4]}, {"at": wake + 1.0, "wake": [6]}]
+    scenario = load("neighborhood.toml", run__duration=wake + 3.0, event=events)
+    watched = watch(scenario, 4.0 if wake > 10.0 else 2.0)
+    pids = {robot: watched.agent(robot) for robot in (4, 5, 6)}
+    until(lambda: state(pids[4]) == state(pids[6]) == "T")
+    assert state(pids[5]) != "T"
+    until(lambda: state(pids[4]) != "T" and state(pids[6]) != "T")
+    assert watched.outcome()["digest"] == inprocess.run(scenario, "scenario")["digest"]
+    for robot in (4, 5, 6):  # it is the same process that goes on
+        assert watched.log(robot).count("ready") == watched.log(robot).count("the run is over") == 1
+        assert "dropped" not in watched.log(robot)
+    world = (watched.where / "out/world.log").read_text()
+    assert "starts" in world
+    assert not any(words in world for words in ("is not there", "does not answer", "dropped"))
+
+
+def test_robots_that_hang_to_the_end_do_not_hold_up_the_end(watch: Watch) -> None:
+    scenario = load("neighborhood.toml", run__duration=12.0, event=[HANG])
+    watched = watch(scenario, 4.0)
+    pids = [watched.agent(robot) for robot in (4, 6)]
+    until(lambda: all(state(pid) == "T" for pid in pids))
+    assert watched.outcome()["digest"] == inprocess.run(scenario, "scenario")["digest"]
+    assert not any(alive(pid) for pid in pids)
+    assert "the run is over" not in watched.log(4)
+
+
+def test_a_world_in_which_all_robots_hang_goes_on_and_gets_them_back(watch: Watch) -> None:
+    events = [{"at": 1.0, "hang": [0, 1]}, {"at": 13.0, "wake": [0, 1]}]
+    scenario = load("pair.toml", run__duration=14.0, event=events)
+    watched = watch(scenario, 4.0)
+    pids = [watched.agent(robot) for robot in (0, 1)]
+    until(lambda: all(state(pid) == "T" for pid in pids))
+    assert watched.outcome()["digest"] == inprocess.run(scenario, "scenario")["digest"]
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT], ids=lambda how: how.name)
+def test_nobody_outlives_a_launcher_that_ends_while_a_robot_hangs(how: signal.Signals, watch: Watch) -> None:
+    watched = watch(load("pair.toml", run__duration=1e5, event=[{"at": 0.5, "hang": [1]}]), 1.0)
+    pids = [watched.agent(robot) for robot in (0, 1)]
+    until(lambda: state(pids[1]) == "T")
+    everybody = list(children(watched.running.pid))
+    assert set(pids) <= set(everybody)
+    os.kill(watched.running.pid, how)
+    watched.running.communicate(timeout=PATIENCE)
+    until(lambda: not any(alive(pid) for pid in everybody))
+
+
+def test_a_crew_of_several_robots_is_not_stopped(tmp_path: Path) -> None:
+    scenario = load("neighborhood.toml", run__duration=6.0, event=[HANG, {"at": 4.0, "wake": [4, 6]}])
+    write_scenario(tmp_path, scenario)
+    words = ["run", "scenario.toml", "--headless", "--json", "--agents-per-process", "5", "--out", "out"]
+    done = subprocess.run(fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout)["digest"] == inprocess.run(scenario, "scenario")["digest"]
