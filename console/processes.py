@@ -67,9 +67,9 @@ async def _run(launch: Launch, scenario: Scenario, directory: Path, console: Con
             rundir.announce(directory, address)
             try:
                 joining = ["-e", endpoint, "--timeout", str(JOIN_TIMEOUT), *with_keys]
-                for ids in groups:
-                    await family.start_agent(ids, joining)
-                async with _faults(family, launch, scenario, address, joining):
+                async with _faults(family, launch, scenario, address, joining):  # first: to be there when it begins
+                    for ids in groups:
+                        await family.start_agent(ids, joining)
                     await _attend(family, launch, address, console)
             finally:
                 rundir.withdraw(directory)

@@ -74,4 +74,5 @@ def test_an_agent_is_told_no_position_and_no_duration() -> None:
         "formation",
         "channel",
         "clock_skew",
+        "faults",
     }
