@@ -73,6 +73,7 @@ def test_an_agent_is_told_no_position_and_no_duration() -> None:
         "seeking",
         "formation",
         "channel",
+        "clock",
         "clock_skew",
         "faults",
     }
