@@ -6,11 +6,12 @@ import json
 import os
 import threading
 
-# Four threads instead of seven, set before the first session opens. One of them only sends: else two messages that
-# wait for room in full queues leave nobody to empty these, and Zenoh closes links of robots that did no wrong.
+# Set before the first session opens. One thread only sends: else messages that wait for room in full queues leave
+# nobody to empty these, and Zenoh closes links of robots that did no wrong. The others are eight, since each may wait
+# up to 10 s while Zenoh takes down a session that ended without a word: with two, two robots that hang hold up all.
 os.environ.setdefault(
     "ZENOH_RUNTIME",
-    "(rx:(handover:app),acc:(handover:app),tx:(worker_threads:1),net:(handover:app),app:(worker_threads:2))",
+    "(rx:(handover:app),acc:(handover:app),tx:(worker_threads:1),net:(handover:app),app:(worker_threads:8))",
 )
 
 import zenoh
