@@ -1,0 +1,4 @@
+"""compose.yaml on a real container engine: `tests/compose/run` starts the engine, then this package tries the claims.
+
+They need nothing but Python's own library, for the machine's Python has no other.
+"""
