@@ -24,6 +24,6 @@ RUN groupadd --gid 10001 fes && useradd --uid 10001 --gid fes --no-create-home -
         install -d -o fes -g fes -m 700 "/keys/$role"; done
 WORKDIR /work
 COPY configs configs
-COPY --chmod=755 deploy/issue-keys /usr/local/bin/issue-keys
+COPY deploy/issue-keys /usr/local/bin/issue-keys
 USER fes
 CMD ["fes", "--help"]
