@@ -4,9 +4,11 @@ DOCKER_HOST is an engine in that network namespace.
 """
 
 import json
+import os
 import re
 import sys
 import time
+import traceback
 from typing import Any
 
 from tests.compose.engine import Beside, Broken, Network, Team, call, claim, output, wait
@@ -224,23 +226,25 @@ def secure(network: Network) -> None:
     team.end()
 
 
-def main() -> int:
-    """The claims; returns 1 at the first that does not hold, and shows what the containers had to say."""
-    network, only, begun = Network(sys.argv[1]), sys.argv[2:], time.monotonic()
-    for part in (static, formation, verdict, scale, secure):
-        if only and part.__name__ not in only:
-            continue
+PARTS = (static, formation, verdict, scale, secure)
+
+
+def main() -> None:
+    """The claims; ends with 1 at the first that does not hold, and shows what the containers had to say."""
+    network, parts, begun = Network(sys.argv[1]), {part.__name__: part for part in PARTS}, time.monotonic()
+    for part in [parts[name] for name in sys.argv[2:]] or PARTS:
         print(f"compose: [{time.monotonic() - begun:.0f} s] {(part.__doc__ or '').splitlines()[0]}", flush=True)
         try:
             part(network)
-        except Broken as error:
+        except Exception as error:
+            if not isinstance(error, Broken):
+                traceback.print_exc()
             print(call("docker", "compose", "--profile", "*", "logs", "--no-color", "--tail", "40").stdout)
             print(call("docker", "ps", "-a").stdout)
             print(f"compose: FAILED: {error}", flush=True)
-            return 1
+            os._exit(1)  # an ordinary exit would wait for the commands that go on beside; tests/compose/run ends them
     print(f"compose: [{time.monotonic() - begun:.0f} s] done", flush=True)
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()
