@@ -17,6 +17,7 @@ keys        every key expression, in one table
 identity    who a process is: the certificate of its role
 endpoints   how a process takes part in the network
 handshake   why a session did not open
+health      whether a port is listened at, or a connection stands: for health checks
 bus         a session of Zenoh: everything it declares, and its way to asyncio
 session     how it is opened
 inbox       from Zenoh's threads to the loop, one wake-up a tick

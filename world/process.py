@@ -100,6 +100,8 @@ def _keep(out: Path | None, server: Server, recorder: Recorder | None) -> dict[s
         recorder.conclude(reached)
     if reached is not None and out is not None:
         summary.write(out, reached)
+    for line in summary.lines(reached) if reached is not None else []:
+        server.logger.info("summary: %s", line)
     return reached
 
 

@@ -63,6 +63,23 @@ def write(directory: Path, summary: dict[str, Any]) -> None:
     os.replace(temporary, directory / "summary.json")
 
 
+def lines(summary: dict[str, Any]) -> list[str]:
+    """What was reached, in the few lines of a log."""
+    links, time = len(summary["edges"]), f"{summary['simulated_s']:g} s in {summary['wall_s']:.1f} s"
+    found = [
+        f"{summary['scenario']}, {summary['robots']} robots, seed {summary['seed']}: {time}",
+        f"{links} links, r* = {summary['optimal_separation']:.3f} m",
+    ]
+    if links:
+        errors = (
+            (error.replace("_", " "), summary[f"{error}_max"]) for error in ("separation_error", "estimate_error")
+        )
+        found += [f"largest {error}: {largest:.4f} m" for error, largest in errors]
+    held = summary["time_to"]["separation_0_1m"]
+    found.append("separation error < 0.1 m: " + ("never" if held is None else f"from {held:.2f} s on"))
+    return [*found, f"digest {summary['digest']}"]
+
+
 def write_scenario(directory: Path, scenario: Scenario) -> None:
     """Write scenario.toml, complete or not at all: the scenario as it is run, with every default and override."""
     tables = scenario.model_dump(mode="json", by_alias=True, exclude_none=True)

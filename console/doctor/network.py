@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from console.doctor.finding import Finding, failed, ok, warning
-from fes import about, bus, keys
+from fes import about, bus, health, keys
 from fes.about import About
 from fes.bus import Bus
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
@@ -57,15 +57,11 @@ def exposure(endpoint: str, table: str | None = None) -> Finding:
 
 def _listening(port: int, table: str | None) -> Iterator[str]:
     """The addresses, in hexadecimal, on which somebody listens at a port."""
-    if table is None:
-        try:
-            table = Path("/proc/net/tcp").read_text(encoding="ascii")
-        except OSError:
-            return  # another system than Linux
-    for line in table.splitlines()[1:]:
-        address, _, at = line.split()[1].partition(":")
-        if line.split()[3] == "0A" and int(at, 16) == port:
-            yield address
+    try:
+        found = health.sockets([Path("/proc/net/tcp").read_text(encoding="ascii") if table is None else table])
+    except OSError:
+        return  # another system than Linux
+    yield from (one.address for one in found if one.state == health.LISTEN and one.port == port)
 
 
 class Answer(NamedTuple):

@@ -1,0 +1,29 @@
+# One image for every role: fes-world, fes-agent and fes. What must be written goes to /work/runs or /tmp.
+FROM python:3.11-slim-bookworm
+
+ENV PIP_NO_CACHE_DIR=1 PIP_ROOT_USER_ACTION=ignore
+
+# The libraries first: they change less often than the source, and are the larger part.
+WORKDIR /source
+COPY pyproject.toml ./
+RUN python -c "import tomllib; project = tomllib.load(open('pyproject.toml', 'rb'))['project']; \
+print(*project['dependencies'], *project['optional-dependencies']['security'], sep='\n')" > wanted.txt \
+    && pip install -r wanted.txt
+
+COPY README.md LICENSE ./
+COPY fes fes
+COPY agents agents
+COPY world world
+COPY console console
+RUN pip install --no-deps .
+
+# Docker gives a new volume the owner of the folder it is mounted on, so the folders of all volumes are made here.
+RUN groupadd --gid 10001 fes && useradd --uid 10001 --gid fes --no-create-home --home-dir /tmp fes \
+    && install -d -o fes -g fes /work/runs \
+    && for role in authority world observer operator $(seq -f robot-%g 0 9); do \
+        install -d -o fes -g fes -m 700 "/keys/$role"; done
+WORKDIR /work
+COPY configs configs
+COPY deploy/issue-keys /usr/local/bin/issue-keys
+USER fes
+CMD ["fes", "--help"]

@@ -1,0 +1,61 @@
+"""What compose.yaml runs, and what its log says: the parts of a deployment that need no container engine."""
+
+import re
+from pathlib import Path
+
+from console import inprocess
+from tests import loop
+from world import expect, summary
+
+ROOT = Path(__file__).parent.parent
+
+
+def test_the_scenario_of_compose_reaches_its_formation_and_says_so() -> None:
+    found = inprocess.run(loop.load("compose.toml"), "compose")
+    assert not expect.unmet(found)
+    assert expect.unmet(inprocess.run(loop.load("compose.toml", run__duration=5.0), "compose"))
+
+
+def test_the_lines_of_a_log_have_the_numbers_of_the_summary() -> None:
+    found = inprocess.run(loop.load("pair.toml", run__duration=20.0), "pair")
+    said = "\n".join(summary.lines(found))
+    for number in (
+        f"2 robots, seed 1: {found['simulated_s']:g} s in",
+        "1 links, r* = 68.114 m",
+        f"largest separation error: {found['separation_error_max']:.4f} m",
+        f"largest estimate error: {found['estimate_error_max']:.4f} m",
+        f"from {found['time_to']['separation_0_1m']:.2f} s on",
+        f"digest {found['digest']}",
+    ):
+        assert number in said
+
+
+def test_a_run_without_links_has_lines_without_errors() -> None:
+    alone = loop.load("pair.toml", run__duration=0.5, channel__communication_range=10.0)
+    said = summary.lines(inprocess.run(alone, "pair"))
+    assert "0 links" in said[1]
+    assert not any("largest" in line for line in said)
+    assert "separation error < 0.1 m: never" in said
+
+
+def test_compose_has_an_agent_for_each_robot_of_its_scenario_and_each_role_its_own_volume() -> None:
+    robots = loop.load("compose.toml").robots.number
+    text = (ROOT / "compose.yaml").read_text(encoding="utf-8")
+    assert f"deploy: {{replicas: {robots}}}" in text
+    assert f"issue-keys {robots} secure-world" in text
+    secure = re.findall(
+        r"secure-agent-(\d+):\n.*\n    command: fes-agent --id (\d+) --keys /keys/robot-(\d+) .*\n"
+        r'    volumes: \["keys-robot-(\d+):/keys/robot-(\d+):ro"\]',
+        text,
+    )
+    assert secure == [(str(robot),) * 5 for robot in range(robots)]
+    made = re.search(r"seq -f robot-%g 0 (\d+)", (ROOT / "Dockerfile").read_text(encoding="utf-8"))
+    assert made is not None
+    assert int(made[1]) == robots - 1
+
+
+def test_every_published_port_is_on_the_loopback_interface() -> None:
+    text = (ROOT / "compose.yaml").read_text(encoding="utf-8")
+    ports = re.findall(r"^ *ports: \[(.*)\]$", text, re.MULTILINE)
+    assert len(ports) == text.count("ports:") == 2
+    assert all(port.startswith('"127.0.0.1:') and "," not in port for port in ports)
