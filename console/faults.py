@@ -35,16 +35,21 @@ class Hands:
     stop: Callable[[str], None]
     """It goes no further, without ending."""
     proceed: Callable[[str], None]
+    away: Callable[[float], Awaitable[None]]
+    """The world dies, and another goes on after so long [s]."""
 
 
-async def enact(bus: Bus, run: str, timeout: float, scenario: Scenario, hands: Hands) -> None:
-    """Follow a run of one process a robot until it is over, and do to its agents what their robots go through.
+async def enact(bus: Bus, run: str, timeout: float, scenario: Scenario, hands: Hands, alone: bool) -> None:
+    """Follow a run until it is over, and do to its processes what their robots and its world go through.
+
+    What only robots go through is done where each has a process `alone`.
 
     A robot that is to come back has a new process as soon as its old one is gone: it joins, and waits for its tick.
     One that hangs until the end is killed then, as nobody could tell it that the run is over. However this ends, no
     process stays stopped.
     """
-    schedule = scenario.attendance
+    schedule = scenario.attendance if alone else {}
+    deaths = list(scenario.world_deaths.items())
     due = [(tick, planned) for tick, planned in schedule.items() if planned.gone.any()]
     stopped: dict[int, int | None] = {}
     try:
@@ -59,6 +64,8 @@ async def enact(bus: Bus, run: str, timeout: float, scenario: Scenario, hands: H
                     for robot in np.flatnonzero(planned.hung).tolist():
                         hands.stop(str(robot))
                         stopped[robot] = _back(schedule, robot, tick)
+                while report is not None and deaths and report.tick >= deaths[0][0]:
+                    await hands.away(deaths.pop(0)[1])
                 for robot in _needed(stopped, report):
                     del stopped[robot]
                     hands.proceed(str(robot))

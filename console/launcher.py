@@ -84,6 +84,17 @@ class Family:
                 _signal(child, signal.SIGKILL)
                 await child.process.wait()
 
+    async def replace_world(self, seconds: float, arguments: list[str]) -> None:
+        """End the world by SIGKILL, as its scenario wants, and start another after a while [s]; it is not missed."""
+        if self.world is None or self.world.process.returncode is not None:
+            return
+        self._killed.add(self.world)
+        _signal(self.world, signal.SIGKILL)
+        await self.world.process.wait()
+        await asyncio.sleep(seconds)
+        await self.start_world(arguments)
+        self._grown.set()
+
     def stop_agent(self, ids: str) -> None:
         """Have the agent of `ids` go no further, as one that hangs."""
         self._signal_agent(ids, signal.SIGSTOP)
@@ -129,7 +140,8 @@ class Family:
 
     def _is_over(self) -> bool:
         """Whether the world ended well, by itself or by a signal."""
-        return self.world is not None and self.world.process.returncode is not None
+        gone = self.world is not None and self.world.process.returncode is not None
+        return gone and self.world not in self._killed
 
     def _well(self, child: Child, code: int) -> bool:
         return code in (SUCCESS, UNMET) or child in self._killed

@@ -14,8 +14,9 @@ MAX_WAITING = 64
 """Reports that may wait for a slow observer; older ones are forgotten."""
 
 
-RETURN = 3.0
-"""A world that is not seen for this long [s] has left; before, only the connection may have been lost."""
+RETURN = 15.0
+"""A world that is not seen for this long [s] has left; before, only the connection may have been lost, or another
+world goes on with the run."""
 
 
 async def reports(bus: Bus, run: str, timeout: float, idle: float) -> AsyncIterator[Report | None]:

@@ -61,13 +61,15 @@ async def _run(launch: Launch, scenario: Scenario, directory: Path, console: Con
         endpoint = f"{'tls' if kept else 'tcp'}/127.0.0.1:{launcher.free_port()}"
         address = Address(endpoint, RUN, os.getpid(), str(kept) if kept else None)
         async with launcher.family(directory) as family:
-            world = [str(directory / "scenario.toml"), "--name", launch.name, "--rtf", launch.rtf, *with_keys]
-            world += [] if launch.record else ["--no-record"]
-            await family.start_world([*world, "--out", str(directory), "-l", endpoint])
+            flags = ["-l", endpoint, "--rtf", launch.rtf, *with_keys]
+            world = [str(directory / "scenario.toml"), "--name", launch.name, "--out", str(directory)]
+            resuming = ["--resume", str(directory), *flags]
+            await family.start_world([*world, *([] if launch.record else ["--no-record"]), *flags])
             rundir.announce(directory, address)
             try:
                 joining = ["-e", endpoint, "--timeout", str(JOIN_TIMEOUT), *with_keys]
-                async with _faults(family, launch, scenario, address, joining):  # first: to be there when it begins
+                # First, to be there when the run begins.
+                async with _faults(family, launch, scenario, address, joining, resuming):
                     for ids in groups:
                         await family.start_agent(ids, joining)
                     await _attend(family, launch, address, console)
@@ -77,10 +79,11 @@ async def _run(launch: Launch, scenario: Scenario, directory: Path, console: Con
 
 @contextlib.asynccontextmanager
 async def _faults(
-    family: Family, launch: Launch, scenario: Scenario, address: Address, joining: list[str]
+    family: Family, launch: Launch, scenario: Scenario, address: Address, joining: list[str], resuming: list[str]
 ) -> AsyncIterator[None]:
-    """While the block lasts, processes die and hang as scheduled, if each robot has its own."""
-    if launch.agents_per_process > 1 or not scenario.attendance:
+    """While the block lasts, processes die and hang as scheduled: the world's, and robots' if each has its own."""
+    alone = launch.agents_per_process == 1
+    if not (scenario.world_deaths or (alone and scenario.attendance)):
         yield
         return
 
@@ -91,8 +94,9 @@ async def _faults(
                 lambda ids: family.start_agent(ids, joining),
                 family.stop_agent,
                 family.continue_agent,
+                lambda seconds: family.replace_world(seconds, resuming),
             )
-            await faults.enact(opened, RUN, JOIN_TIMEOUT, scenario, hands)
+            await faults.enact(opened, RUN, JOIN_TIMEOUT, scenario, hands, alone)
 
     following = asyncio.ensure_future(follow())
     try:

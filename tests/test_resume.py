@@ -29,6 +29,7 @@ from world.course import Course
 from world.process import main
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, agent_config
+from world.summary import write_scenario
 
 MACHINE = ("backend", "wall_s", "ticks_per_s", "real_time_factor")
 """What of a summary is of the machine."""
@@ -170,6 +171,31 @@ def test_a_run_whose_world_is_killed_and_told_to_stop_comes_to_the_same_digest(r
     whole = inprocess.run(load("neighborhood.toml", run__duration=40), "neighborhood")
     assert {**summary, **dict.fromkeys(MACHINE)} == {**whole, **dict.fromkeys(MACHINE)}
     assert replay.again(log.load(run.out / NAME), everybody=True)["digest"] == whole["digest"]
+
+
+def test_fes_run_kills_the_world_that_its_scenario_has_die_and_the_digest_is_the_same(tmp_path: Path) -> None:
+    deaths = [{"at": 2.0, "world_away": 0.5}, {"at": 6.0, "world_away": 0.1}]
+    scenario = load("neighborhood.toml", run__duration=12.0, event=deaths)
+    write_scenario(tmp_path, scenario)
+    words = ["run", "scenario.toml", "--rtf", "4", "--headless", "--json", "--out", "out"]
+    words += ["--agents-per-process", "5"]
+        "run",
+        "scenario.toml",
+        "--rtf",
+        "4",
+        "--headless",
+        "--json",
+        "--out",
+        "out",
+        "--agents-per-process",
+        "5",
+    ]
+    ended = subprocess.run(
+        fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE + 30, check=False
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert json.loads(ended.stdout)["digest"] == inprocess.run(scenario, "scenario")["digest"]
+    assert (tmp_path / "out" / "world.log").read_text().count("goes on at tick") == 2
 
 
 def test_what_a_person_set_and_who_died_meanwhile_is_not_forgotten(run: Run) -> None:

@@ -35,11 +35,15 @@ class EventConfig(Table):
     """Robots whose processes go on; for the others they come back."""
     transmitter: TransmitterConfig | None = None
     clock: ClockConfig | None = None
+    world_away: Annotated[float, Field(gt=0, le=10)] | None = None
+    """The world's process dies, and another goes on after so long [s; wall clock]. It moves nothing: simulated time
+    stands still."""
 
     @model_validator(mode="after")
     def _something(self) -> Self:
-        if not (self.settings or self.parts or any(robots for _, robots in self.verbs)):
-            raise ValueError("give at least one of set, kill, restart, hang, wake, transmitter and clock")
+        acts = (self.settings, self.parts, self.world_away, any(robots for _, robots in self.verbs))
+        if not any(acts):
+            raise ValueError("give at least one of set, kill, restart, hang, wake, transmitter, clock and world_away")
         seen: dict[int, str] = {}
         for verb, robots in self.verbs:
             for robot in robots:

@@ -126,6 +126,12 @@ class Scenario(Table):
         return attendance(self.event, self.robots.number, self.run.dt)
 
     @property
+    def world_deaths(self) -> dict[int, float]:
+        """Tick -> for how long the world's process is away from it on [s; wall clock], in order."""
+        at = {round(one.at / self.run.dt): one.world_away for one in self.event if one.world_away is not None}
+        return dict(sorted(at.items()))
+
+    @property
     def transmissions(self) -> dict[int, Transmission | None]:
         """Tick -> what transmitters do from it on, in order; None where all are healthy."""
         robots = self.robots.number
