@@ -179,17 +179,6 @@ def test_fes_run_kills_the_world_that_its_scenario_has_die_and_the_digest_is_the
     write_scenario(tmp_path, scenario)
     words = ["run", "scenario.toml", "--rtf", "4", "--headless", "--json", "--out", "out"]
     words += ["--agents-per-process", "5"]
-        "run",
-        "scenario.toml",
-        "--rtf",
-        "4",
-        "--headless",
-        "--json",
-        "--out",
-        "out",
-        "--agents-per-process",
-        "5",
-    ]
     ended = subprocess.run(
         fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE + 30, check=False
     )
