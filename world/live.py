@@ -18,6 +18,10 @@ from world.course import Answer
 from world.deadlines import COMMAND_TIMEOUT, Deadlines
 from world.simulation import State
 
+WARM_UP = 25
+"""The first ticks of a run, and those after a world came back, are in lockstep: contacts open, subscriptions are
+made, and everything runs for the first time, on a machine that has just started eleven interpreters."""
+
 HANG_TIMEOUT = 2.0
 """A living robot that says nothing for this long [s] is left out until it speaks again, and then begins anew."""
 

@@ -21,7 +21,7 @@ from world.attendance import RETURN_TIMEOUT, Attendance
 from world.checkpoint import JOIN, Keeper
 from world.course import Course
 from world.ears import Ears
-from world.live import Held
+from world.live import WARM_UP, Held
 from world.lockstep import Barrier
 from world.roster import Roster
 from world.scenario import Scenario, agent_config
@@ -96,9 +96,9 @@ class Server:
                 self._attend(await self._attendance.assemble(course.state))
             sent = self._publish()
             self._account()  # for the last tick, while the robots think about this one
-            if self._held is not None and course.state.tick > self._first:
+            if self._held is not None and course.state.tick >= self._first + WARM_UP:
                 answers = await self._held.collect(course.state, sent)
-            else:  # the live clock starts when everybody has answered once
+            else:
                 answers = await self._barrier.collect(course.state, sent)
                 self._attend(course.state.present & np.array([answer is not None for answer in answers]))
             course.take(sent, answers)
