@@ -6,13 +6,25 @@ twentieth of the way; a line through the second half says how much it grows.
 """
 
 import argparse
+import asyncio
 import gc
+import io
+import os
+import signal
+import subprocess
+import sys
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
+from rich.console import Console
 
-from console import inprocess
+from console import dashboard, inprocess, observer
+from console.launcher import free_port
+from fes import bus, keys
+from fes.endpoints import Endpoints
+from world import reporting
 from world.account import Account
 from world.recorder import NAME, Recorder
 from world.scenario import load
@@ -34,11 +46,12 @@ def growth(ticks: list[int], memory: list[float]) -> float:
 
 
 def in_one_loop(ticks: int, recorded: bool) -> None:
-    """Everything in one process."""
+    """Everything in one process, the dashboard drawn every fiftieth tick."""
     scenario = load(SCENARIO, {"run.duration": ticks * 0.02})
     at: list[int] = []
     memory: list[float] = []
     alive = np.ones(scenario.robots.number, dtype=np.uint8)
+    paper, shown = Console(file=io.StringIO(), width=120, height=40), dashboard.History()
     with tempfile.TemporaryDirectory() as folder:
         recorder = Recorder(Path(folder) / NAME, scenario, "memory", "inprocess") if recorded else None
         sums = Account(scenario)
@@ -46,21 +59,74 @@ def in_one_loop(ticks: int, recorded: bool) -> None:
             sums.add(tick.state, tick.twists, tick.telemetry)
             if recorder is not None:
                 recorder.add(sums, tick.twists, inprocess.said(tick), alive, 0.0)
+            if done % 50 == 0:
+                shown.add(reporting.build(sums, "memory", alive, 0.02 * done, 50.0))
+                paper.print(dashboard.render(shown, 120, 40))
+                paper.file = io.StringIO()
             if done % (ticks // READINGS) == 0:
                 gc.collect()
                 at.append(done)
                 memory.append(resident())
     told = " ".join(f"{value:.0f}" for value in memory)
-    print(f"one loop, log {'on' if recorded else 'off'}: {told} MB; {growth(at, memory):+.2f} MB a million ticks")
+    print(f"one loop, log {'on' if recorded else 'off'}: {told} MB")
+    print(f"  {growth(at, memory):+.2f} MB a million ticks", flush=True)
+
+
+def in_processes(minutes: float) -> None:
+    """A world that keeps log and checkpoints, ten agents, and a viewer, at full speed."""
+    with tempfile.TemporaryDirectory() as folder:
+        out, endpoint = Path(folder) / "run", f"tcp/127.0.0.1:{free_port()}"
+        words = {"world": ["world.process", str(SCENARIO), "--duration", "1e6", "--out", str(out), "-l", endpoint]}
+        robots = load(SCENARIO).robots.number
+        words |= {f"agent {robot}": ["agents.process", "--id", str(robot), "-e", endpoint] for robot in range(robots)}
+        children = {
+            name: subprocess.Popen([sys.executable, "-P", "-m", *line], stderr=subprocess.DEVNULL)
+            for name, line in words.items()
+        }
+        try:
+            asyncio.run(_watch({name: child.pid for name, child in children.items()}, endpoint, minutes))
+        finally:
+            children["world"].send_signal(signal.SIGINT)
+            for child in children.values():
+                child.wait()
+
+
+async def _watch(pids: dict[str, int], endpoint: str, minutes: float) -> None:
+    """Look at reports as the dashboard does, and at everybody's memory."""
+    at: list[int] = []
+    memory: dict[str, list[float]] = {name: [] for name in (*pids, "viewer")}
+    paper, shown = Console(file=io.StringIO(), width=120, height=40), dashboard.History()
+    begun = time.monotonic()
+    async with bus.opened(Endpoints("client", (endpoint,), timeout=30.0)) as opened:
+        async for report in observer.reports(opened, keys.DEFAULT_RUN, 60.0, 1.0):
+            if report is None:
+                continue
+            shown.add(report)
+            paper.print(dashboard.render(shown, 120, 40))
+            paper.file = io.StringIO()
+            if time.monotonic() - begun >= 60.0 * minutes / READINGS * (len(at) + 1):
+                at.append(report.tick)
+                for name, pid in {**pids, "viewer": os.getpid()}.items():
+                    memory[name].append(resident(pid))
+            if len(at) == READINGS:
+                break
+    print(f"processes, {at[-1]:,} ticks in {minutes:g} minutes; first and last reading, and growth:")
+    for name, readings in memory.items():
+        grows = f"{growth(at, readings):+8.2f} MB a million ticks"
+        print(f"  {name:>8} {readings[0]:6.1f} {readings[-1]:6.1f} MB {grows}")
 
 
 def main() -> None:
     """Print the readings."""
     parser = argparse.ArgumentParser(prog="python -m bench.memory", description=__doc__.splitlines()[0])
     parser.add_argument("--ticks", type=int, default=1_000_000)
+    parser.add_argument("--minutes", type=float, default=20.0)
     flags = parser.parse_args()
     for recorded in (False, True):
-        in_one_loop(flags.ticks, recorded)
+        if flags.ticks:
+            in_one_loop(flags.ticks, recorded)
+    if flags.minutes:
+        in_processes(flags.minutes)
 
 
 if __name__ == "__main__":
