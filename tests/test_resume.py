@@ -116,9 +116,9 @@ class Run:
         self.agents: dict[int, subprocess.Popen[str]] = {}
         self.world = self.start(str(CONFIGS / scenario), "--out", str(self.out), *words)
 
-    def start(self, *words: str) -> "subprocess.Popen[str]":
-        """A world; this one looks after the run from now on."""
-        flags = ["-l", self.endpoint, "--checkpoint", "0.5", "--rtf", "8"]
+    def start(self, *words: str, every: str = "0.5") -> "subprocess.Popen[str]":
+        """A world; this one looks after the run from now on, with a checkpoint `every` so often [s]."""
+        flags = ["-l", self.endpoint, "--checkpoint", every, "--rtf", "8"]
         self.world = start(command("world.process", *words, *flags), self.where)
         return self.world
 
@@ -210,6 +210,36 @@ def test_what_a_person_set_and_who_died_meanwhile_is_not_forgotten(run: Run) -> 
     assert 1 not in (gone.present or [])
     assert 1 in (back.present or [])
     assert replay.again(found, everybody=True)["digest"] == summary["digest"]
+
+
+def test_robots_that_came_and_went_since_the_checkpoint_come_and_go_again(run: Run) -> None:
+    run.world.kill()
+    run.world.communicate()
+    shutil.rmtree(run.out, ignore_errors=True)
+    run.start(str(CONFIGS / run.scenario), "--out", str(run.out), *run.words, every="1000")
+    for robot in range(load("neighborhood.toml").robots.number):
+        run.join(robot)
+    state = run.out / FOLDER / "state"
+    until(state.exists)
+
+    def notes() -> list[str]:
+        return [note[0] for path in checkpoint.journals(run.out, 0) for note in journal.notes(path)]
+
+    until(lambda: notes().count("tick") > 20)
+    run.agents[2].kill()
+    run.agents[2].communicate()
+    until(lambda: notes().count("attend") == 1)
+    run.join(2)
+    until(lambda: notes().count("attend") == 2)
+    seen = len(notes())
+    until(lambda: len(notes()) > seen + 20)
+    run.world.kill()
+    run.world.communicate()
+    run.start("--resume", str(run.out))
+    summary = run.finish()
+    found = log.load(run.out / NAME)
+    assert replay.again(found, everybody=True)["digest"] == summary["digest"]
+    assert len([tick for tick in found.ticks() if tick.present is not None]) == 2
 
 
 def test_a_world_that_knows_less_than_its_robots_says_so_and_they_end(run: Run, tmp_path: Path) -> None:

@@ -67,6 +67,7 @@ class Course:
 
     def attend(self, present: Bools) -> None:
         """The robots of `present` [n] take part from this tick on."""
+        assert self._gone is None, "the tick before is to be accounted for first: notes are in order"
         if (present == self.state.present).all():
             return
         robots = np.flatnonzero(present).tolist()
@@ -77,6 +78,7 @@ class Course:
 
     def change(self, path: str, value: Any) -> Effect:
         """Set a field of the channel from this tick on; raises ScenarioError where it cannot be."""
+        assert self._gone is None, "the tick before is to be accounted for first: notes are in order"
         tick = self.state.tick
         channel = events.changed(self.state.channel, {path: value}, self.scenario.run.dt)
         value = events.effective(channel, path)

@@ -151,6 +151,7 @@ class Server:
             if self.course.is_over:
                 question.refuse("the run is over")
                 return
+            self._account()
             effect = self.course.change(change.path, change.value)
         except (MessageError, ScenarioError) as error:
             self.complaints.add("Change: refused", f"a change: {error}")
@@ -172,6 +173,9 @@ class Server:
     def _attend(self, present: Bools) -> None:
         """These robots take part from this tick on."""
         before = self.course.state
+        if (present == before.present).all():
+            return
+        self._account()  # what is noted of a tick comes after all of the one before
         self.course.attend(present)
         self._attendance.told(before, self.course.state)
 
