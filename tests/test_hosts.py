@@ -23,6 +23,22 @@ pytestmark = pytest.mark.skipif(bool(WHY_NOT), reason=f"many hosts: skipped, bec
 SECONDS = 3.0
 LISTENING = ["-l", "tcp/0.0.0.0:7447"]
 
+WATCH = """
+import asyncio, sys
+from console import observer
+from fes import bus
+from fes.endpoints import Endpoints
+
+async def main(endpoint, tick):
+    async with bus.opened(Endpoints("client", (endpoint,))) as opened:
+        async for report in observer.reports(opened, "main", 30.0, 30.0):
+            if report is not None and report.tick >= tick:
+                return
+
+asyncio.run(main(sys.argv[1], int(sys.argv[2])))
+"""
+"""Ends when a run has reached a tick."""
+
 
 class Team:
     """A world, and agents for robots that share a process or not, on machines of a network."""
@@ -38,6 +54,11 @@ class Team:
     def agent(self, host: str, ids: str, endpoint: str) -> None:
         words = command("agents.process", "--id", ids, "-e", endpoint, "--exit-with-stdin")
         self.processes.append(self.net.start(host, words, self.where / f"agent-{ids}.log"))
+
+    def reaches(self, tick: int, host: str, endpoint: str) -> None:
+        """Wait until an observer on a machine sees that the run has reached a tick."""
+        watching = self.net.start(host, [sys.executable, "-c", WATCH, endpoint, str(tick)], self.where / "watch.log")
+        assert watching.wait(PATIENCE) == 0, self.all_said()
 
     def said(self, who: str = "world") -> str:
         return (self.where / f"{who}.log").read_text()
@@ -119,7 +140,8 @@ def test_two_sites_with_a_router_each_lose_no_beacon_and_come_to_the_same_digest
 def test_beacons_that_go_another_and_slower_way_than_ticks_are_recalled_and_change_no_digit(
     team: Team, net: Internet
 ) -> None:
-    """Three sites in a ring: the beacons from one to the next have a way of their own, here a very slow one."""
+    """Three sites in a ring: beacons from one to the next have a way of their own, here a very slow one."""
+    seconds = 1.0
     sites(net, team.where, ("east", "west"), ("east", "south"), ("south", "west"))
     for site in ("south", "west"):
         slow = [
@@ -131,7 +153,7 @@ def test_beacons_that_go_another_and_slower_way_than_ticks_are_recalled_and_chan
             "root",
             "tbf",
             "rate",
-            "200kbit",
+            "400kbit",
             "burst",
             "2kb",
             "latency",
@@ -140,12 +162,12 @@ def test_beacons_that_go_another_and_slower_way_than_ticks_are_recalled_and_chan
         subprocess.run([*net.hosts[f"{site}-router"].enter, *slow], check=True, capture_output=True)
     team.world(
         "east-world", "paper.toml", "-m", "client", "-e", net.hosts["east-router"].endpoint(),
-        "--duration", str(SECONDS),
+        "--duration", str(seconds),
     )  # fmt: skip
     for robot in range(10):
         site = "west" if robot % 2 else "south"
         team.agent(f"{site}-{robot // 5}", str(robot), net.hosts[f"{site}-router"].endpoint())
-    assert team.summary()["digest"] == digest("paper.toml")
+    assert team.summary()["digest"] == digest("paper.toml", seconds)
     assert "recalled" in team.all_said()
 
 
@@ -155,11 +177,32 @@ def test_a_robot_whose_cable_is_cut_is_left_out_until_it_is_plugged_in_again(tea
     team.world("world", "hundred.toml", *LISTENING, *words)
     for robot in range(3):
         team.agent(f"robot-{robot}", str(robot), net.hosts["world"].endpoint())
-    until(lambda: "all robots are here" in team.said())
+    team.reaches(50, "world", net.hosts["world"].endpoint())
     net.pull("robot-1")
     until(lambda: "robot 1 is not there from tick" in team.said())
     net.plug("robot-1")
     until(lambda: "robot 1 is back from tick" in team.said())
+    team.processes[0].send_signal(signal.SIGINT)
+    found = team.summary()
+    assert "robot 0 is not there" not in team.said()
+    recorded = log.load(team.where / "out/run.mcap")
+    assert replay.again(recorded, everybody=True)["digest"] == found["digest"]
+
+
+def test_a_site_that_is_cut_off_is_left_out_until_it_can_be_reached_again(team: Team, net: Internet) -> None:
+    sites(net, team.where, ("east", "west"))
+    team.world(
+        "east-world", "hundred.toml", "-m", "client", "-e", net.hosts["east-router"].endpoint(),
+        "--set", "robots.count=4", "--duration", "100000", "--rtf", "1",
+    )  # fmt: skip
+    for robot, site in enumerate(("east", "east", "west", "west")):
+        team.agent(f"{site}-{robot % 2}", str(robot), net.hosts[f"{site}-router"].endpoint())
+    team.reaches(50, "east-world", net.hosts["east-router"].endpoint())
+    router = net.hosts["west-router"]
+    router.ip("link", "set", "lan2", "down")
+    until(lambda: all(f"robot {robot} is not there from tick" in team.said() for robot in (2, 3)))
+    router.ip("link", "set", "lan2", "up")
+    until(lambda: all(f"robot {robot} is back from tick" in team.said() for robot in (2, 3)))
     team.processes[0].send_signal(signal.SIGINT)
     found = team.summary()
     assert "robot 0 is not there" not in team.said()
