@@ -21,7 +21,7 @@ from agents.turns import Turns
 from fes import bus, identity, keys, messages, process
 from fes.bus import Bus
 from fes.complaints import Complaints
-from fes.errors import Absent, FesError, MessageError, Refused
+from fes.errors import Absent, Busy, FesError, MessageError, Refused
 from fes.inbox import Inbox
 from fes.messages import Welcome
 
@@ -32,7 +32,7 @@ AUTO = "auto"
 """Instead of an id: the lowest robot that is free."""
 
 PATIENCE = 1.0
-"""How long [s] an agent without an id waits before it asks again."""
+"""How long [s] an agent waits before it asks again, without an id, or where too many ask at once: then at most."""
 
 
 class Agent:
@@ -58,7 +58,16 @@ class Agent:
         self._bus.watch(keys.world_alive(self._run), lambda key, alive: self._world.told(alive, self._turns.tick))
         await self._world.appears(timeout)
         question = messages.encode_join(self._robots)
-        welcome = messages.decode_welcome(await self._bus.ask(self._welcome, question, timeout))
+        end = time.monotonic() + timeout
+        while True:
+            try:
+                answer = await self._bus.ask(self._welcome, question, timeout)
+                break
+            except Busy:  # the agents of a large team that waited for the world all ask when it comes
+                if time.monotonic() > end:
+                    raise
+                await asyncio.sleep(PATIENCE * (1 + self._robots[0] % 10) / 10)  # not all at once again
+        welcome = messages.decode_welcome(answer)
         if welcome.robots != self._robots:
             raise MessageError("Welcome", "is for other robots than asked for", str(welcome.robots[:5]))
         return welcome

@@ -6,5 +6,6 @@ robot       what one robot's process computes in a tick, and what the world's do
 compute     crew.step, in-process rates, cost per robot-tick from 10 to 10,000 robots
 recording   the lockstep with and without a log, in turn; bytes a robot-tick
 secure      what TLS, access control and the audit cost, plain and secure runs in turn
+growth      messages and bytes a tick at the router, from 10 to 100 robots
 startup     time and memory until an agent is ready
 """

@@ -113,11 +113,11 @@ class Internet:
 
     def start(self, name: str, words: list[str], log: Path) -> "subprocess.Popen[str]":
         """A process on a machine, to end with its standard input; what it says goes to `log`."""
-        with log.open("w") as stream:
+        entered = [*self.hosts[name].enter, *words]
+        with log.open("w") as out:
             process = subprocess.Popen(
-                [*self.hosts[name].enter, *words], cwd=log.parent, stdin=subprocess.PIPE, stdout=stream, stderr=stream,
-                text=True,
-            )  # fmt: skip
+                entered, cwd=log.parent, stdin=subprocess.PIPE, stdout=out, stderr=out, text=True
+            )
         self.started.append(process)
         return process
 

@@ -1,4 +1,4 @@
-"""A run over several machines, each a network namespace: routers, sites, a slow way between them, a cable that is cut."""
+"""A run over several machines, each a network namespace: routers, sites, a slow way, a cable that is cut."""
 
 import json
 import os
@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -121,7 +122,11 @@ def sites(net: Internet, where: Path, *links: tuple[str, str]) -> None:
         reached[other].append(f"tcp/10.77.{len(names) + number}.1:7447")
     for name in names:
         net.router(f"{name}-router", where / f"router-{name}.log", *reached[name])
-        until(lambda name=name: "ready" in (where / f"router-{name}.log").read_text())
+        until(partial(_ready, where / f"router-{name}.log"))
+
+
+def _ready(said: Path) -> bool:
+    return "ready" in said.read_text()
 
 
 def test_two_sites_with_a_router_each_lose_no_beacon_and_come_to_the_same_digest(team: Team, net: Internet) -> None:
