@@ -98,7 +98,7 @@ def forged(keyed: Path, text: str, endpoint: str) -> set[str]:
                 while (
                     keys.command(RUN, 1),
                     b"own",
-                ) not in heard:  # what was put before it has come too, or never will
+                ) not in heard:  # what was put before has come, or never will
                     await asyncio.sleep(0.01)
 
     with zenoh.open(zenoh.Config.from_json5(text)):
