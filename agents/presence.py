@@ -22,14 +22,14 @@ class Presence:
         self._name, self._inbox = name, inbox
         self._here = asyncio.Event()
         self._loop = asyncio.get_running_loop()
-        self._patience = 0.0
+        self.patience = 0.0
+        """How long it may be away [s]."""
         self._came = -GRACE
         self._giving_up: asyncio.TimerHandle | None = None
         self._logger = logging.getLogger("agent")
 
     async def appears(self, timeout: float) -> None:
-        """Wait for it; raises Absent after `timeout` [s]. Later, too, it may be away for so long."""
-        self._patience = timeout
+        """Wait for it; raises Absent after `timeout` [s]."""
         try:
             async with asyncio.timeout(timeout):
                 await self._here.wait()
@@ -47,15 +47,15 @@ class Presence:
             self._here.set()
         elif self._here.is_set():
             self._here.clear()
-            self._logger.info("%s left after tick %d: waiting %g s for it", self._name, tick, self._patience)
+            self._logger.info("%s left after tick %d: waiting %g s for it", self._name, tick, self.patience)
             gone = Absent(f"{self._name} left after tick {tick}")
-            self._giving_up = self._loop.call_later(self._patience, self._inbox.fail, gone)
+            self._giving_up = self._loop.call_later(self.patience, self._inbox.fail, gone)
 
     async def comes_back(self) -> bool:
         """Whether there is hope that what was lost can be had: it was away, and now is back."""
         if not self._here.is_set():
             try:
-                async with asyncio.timeout(self._patience):
+                async with asyncio.timeout(self.patience):
                     await self._here.wait()
             except TimeoutError:
                 return False

@@ -21,7 +21,7 @@ from agents.turns import Turns
 from fes import bus, identity, keys, messages, process
 from fes.bus import Bus
 from fes.complaints import Complaints
-from fes.errors import Absent, FesError, MessageError, Refused
+from fes.errors import Absent, Busy, FesError, MessageError, Refused
 from fes.inbox import Inbox
 from fes.messages import Welcome
 
@@ -31,8 +31,11 @@ _NUMBER = re.compile("[0-9]{1,9}")
 AUTO = "auto"
 """Instead of an id: the lowest robot that is free."""
 
+ANSWER_TIMEOUT = 5.0
+"""A world that is there and does not answer a join for so long [s] is asked again."""
+
 PATIENCE = 1.0
-"""How long [s] an agent without an id waits before it asks again."""
+"""How long [s] an agent waits before it asks again, without an id, or where too many ask at once: then at most."""
 
 
 class Agent:
@@ -56,9 +59,19 @@ class Agent:
     async def join(self, timeout: float) -> Welcome:
         """Wait for the world, and ask it for the robots; raises Absent or Refused."""
         self._bus.watch(keys.world_alive(self._run), lambda key, alive: self._world.told(alive, self._turns.tick))
-        await self._world.appears(timeout)
+        self._world.patience = timeout
         question = messages.encode_join(self._robots)
-        welcome = messages.decode_welcome(await self._bus.ask(self._welcome, question, timeout))
+        end = time.monotonic() + timeout
+        while True:
+            await self._world.appears(max(0.0, end - time.monotonic()))
+            try:
+                answer = await self._bus.ask(self._welcome, question, ANSWER_TIMEOUT)
+                break
+            except (Absent, Busy):  # it may just have left; or all agents of a large team ask at once
+                if time.monotonic() > end:
+                    raise
+                await asyncio.sleep(PATIENCE * (1 + self._robots[0] % 10) / 10)  # not all at once again
+        welcome = messages.decode_welcome(answer)
         if welcome.robots != self._robots:
             raise MessageError("Welcome", "is for other robots than asked for", str(welcome.robots[:5]))
         return welcome

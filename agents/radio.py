@@ -41,7 +41,9 @@ class Radio:
         return [beacon for beacon in found if beacon is not None]
 
     async def recall(self, tick: int, heard: list[Beacon]) -> list[Beacon]:
-        """The beacons of `tick`, those that are not in `heard` asked for anew; for when junk pushed them out."""
+        """The beacons of `tick`, those that are not in `heard` asked for anew; for when junk pushed them out, or
+        they took a slower way than the tick.
+        """
         found = {beacon.robot: beacon for beacon in heard}
         for peer in self._boxes.keys() - found.keys():
             try:
@@ -52,7 +54,7 @@ class Radio:
             if beacon is not None and beacon.tick == tick:
                 found[peer] = beacon
                 self._complaints.add(
-                    "Beacon: recalled", f"by a full mailbox: a beacon of robot {peer}; asked for anew"
+                    "Beacon: recalled", f"by a full mailbox, or late: a beacon of robot {peer}; asked for anew"
                 )
         return [found[peer] for peer in self._boxes if peer in found]
 

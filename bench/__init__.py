@@ -7,5 +7,6 @@ compute     crew.step, in-process rates, cost per robot-tick from 10 to 10,000 r
 recording   the lockstep with and without a log, in turn; bytes a robot-tick
 secure      what TLS, access control and the audit cost, plain and secure runs in turn
 memory      whether it grows with the length of a run: python -m bench.memory, half an hour
+growth      messages and bytes a tick at the router, from 10 to 100 robots
 startup     time and memory until an agent is ready
 """

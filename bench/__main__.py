@@ -1,6 +1,6 @@
 """All benchmarks, one after the other: `python -m bench`."""
 
-from bench import compute, lockstep, recording, secure, startup
+from bench import compute, growth, lockstep, recording, secure, startup
 
 if __name__ == "__main__":
     compute.main()
@@ -8,3 +8,4 @@ if __name__ == "__main__":
     lockstep.main()
     recording.main()
     secure.main()
+    growth.main()

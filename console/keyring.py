@@ -1,20 +1,24 @@
 """fes keys: certificates in a directory, and those that live as long as one run."""
 
 import contextlib
+import json
 import os
 import shutil
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
 from rich.table import Table
 
 from fes import identity, process
+from fes.endpoints import Endpoints
 from fes.errors import FesError
-from fes.identity import AUTHORITY, OBSERVER, OPERATOR, WORLD
+from fes.identity import AUTHORITY, OBSERVER, OPERATOR, WORLD, Identity
+from fes.keys import DEFAULT_RUN, check_run
+from world import access
 
 if TYPE_CHECKING:
     from console.authority import Authority, Issued
@@ -81,6 +85,35 @@ def show(keys: Directory = DIRECTORY) -> int:
     screen = Console(highlight=False)
     screen.print(table) if screen.is_terminal else Console(width=200, highlight=False).print(table)
     return process.SUCCESS
+
+
+@app.command()
+def rules(
+    robots: Annotated[int, typer.Option(min=1, max=100_000, help="Robots 0 to N-1 may take part.")],
+    run: Annotated[str, typer.Option(help="Name of the run.")] = DEFAULT_RUN,
+    listen: Annotated[str, typer.Option(help="Where the router listens.")] = "tls/0.0.0.0:7447",
+    connect: Annotated[list[str] | None, typer.Option(help="Another router to link to.")] = None,
+    keys: Directory = DIRECTORY,
+) -> int:
+    """Print the configuration of a Zenoh router of your own (zenohd -c FILE): TLS, and who may say and hear what."""
+    certificate = Identity(keys, WORLD).settings()
+    control = access.control(check_run(run), robots, identity.crews(keys), world=True)
+    ends = Endpoints("router", tuple(connect or ()), (listen,), security={**certificate, **control})
+    settings = {**ends.house_rules(), "connect/timeout_ms": -1}  # it waits for other routers for ever
+    print(json.dumps(_nested(settings), indent=2))
+    return process.SUCCESS
+
+
+def _nested(settings: Mapping[str, object]) -> dict[str, object]:
+    """Settings by Zenoh's key, as its file has them."""
+    found: dict[str, object] = {}
+    for key, value in settings.items():
+        *path, last = key.split("/")
+        inner: Any = found
+        for part in path:
+            inner = inner.setdefault(part, {})
+        inner[last] = value
+    return found
 
 
 @contextlib.contextmanager

@@ -17,7 +17,7 @@ import zenoh.handlers
 
 from fes import session
 from fes.endpoints import Endpoints
-from fes.errors import Absent, Refused
+from fes.errors import Absent, Busy, Refused
 
 MAILBOX = 64
 """Samples that may wait in a mailbox; peers are a tick ahead at most, and 64 of the longest are 64 MiB."""
@@ -27,6 +27,9 @@ QUESTIONS = 64
 
 REFUSED = b"refused: "
 """How an answer begins that turns the asker away."""
+
+CROWDED = "too many questions at once"
+"""Why it is, where it may ask again."""
 
 LOCKSTEP = zenoh.Priority.INTERACTIVE_HIGH
 """Of all messages of the lockstep, one for all, as order holds within a priority only. What strangers put at Zenoh's
@@ -144,7 +147,7 @@ class Bus:
 
         def on_query(query: zenoh.Query) -> None:
             if len(waiting) >= QUESTIONS:
-                Question(key, b"", query).refuse("too many questions at once")
+                Question(key, b"", query).refuse(CROWDED)
                 return
             payload = query.payload.to_bytes() if query.payload is not None else b""
             waiting.append(Question(str(query.key_expr), payload, query))
@@ -153,7 +156,7 @@ class Bus:
         self._held.append(self._session.declare_queryable(key, zenoh.handlers.Callback(on_query, indirect=False)))
 
     async def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
-        """The answer to a question on `key`; raises Refused, or Absent after `timeout` [s]."""
+        """The answer to a question on `key`; raises Refused, Busy, or Absent after `timeout` [s]."""
         future: asyncio.Future[zenoh.Reply | None] = self._loop.create_future()
 
         def settle(reply: zenoh.Reply | None) -> None:
@@ -173,7 +176,8 @@ class Bus:
             return reply.ok.payload.to_bytes()
         said = reply.err.payload.to_bytes() if reply.err is not None else b""
         if said.startswith(REFUSED):
-            raise Refused(said.removeprefix(REFUSED).decode(errors="replace"))
+            why = said.removeprefix(REFUSED).decode(errors="replace")
+            raise Busy(why) if why == CROWDED else Refused(why)
         raise Absent(f"nobody answered on {key} within {timeout:g} s")  # Zenoh's own word for it is an error reply
 
 

@@ -6,6 +6,7 @@ FesError                 something a person can act on: one line, exit code 1
 ├── TransportError       the bus could not be opened, or broke
 ├── Absent               somebody who was waited for did not come, or left
 ├── Refused              the world turned a robot away
+│   └── Busy             for now: too many ask at once
 └── Stopped              a signal ended it before its end
 """
 
@@ -54,6 +55,10 @@ class Absent(FesError):
 
 class Refused(FesError):
     """The world turned a robot away."""
+
+
+class Busy(Refused):
+    """Too many ask at once: who asks again later may be heard."""
 
 
 class Stopped(FesError):

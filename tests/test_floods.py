@@ -8,7 +8,7 @@ import zenoh
 
 from console import inprocess, observer
 from fes import bus, change, keys, messages, wire
-from fes.errors import Absent, FesError, Refused
+from fes.errors import Absent, Busy, FesError, Refused
 from tests import session
 from tests.attackers import (
     FLOOD,
@@ -136,6 +136,27 @@ def test_more_questions_than_may_wait_are_refused_at_once() -> None:
     said = asyncio.run(main())
     assert said.count("b'yes'") == bus.QUESTIONS
     assert said.count("too many questions at once") == 4 * bus.QUESTIONS
+
+
+def test_agents_that_all_ask_at_once_when_their_world_comes_ask_again(
+    monkeypatch: pytest.MonkeyPatch, paper: Scenario, expected: str
+) -> None:
+    busy = 0
+    ask = bus.Bus.ask
+
+    async def counted(asker: bus.Bus, key: str, payload: bytes, timeout: float) -> bytes:
+        nonlocal busy
+        try:
+            return await ask(asker, key, payload, timeout)
+        except Busy:
+            busy += 1
+            raise
+
+    monkeypatch.setattr(bus, "QUESTIONS", 1)
+    monkeypatch.setattr(bus.Bus, "ask", counted)
+    summary, _, _ = asyncio.run(session.run(paper, [[robot] for robot in range(ROBOTS)]))
+    assert busy > 0
+    assert summary["digest"] == expected
 
 
 def test_an_observer_shows_what_it_can_read_through_a_flood_of_junk_reports(paper: Scenario, expected: str) -> None:

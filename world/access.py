@@ -1,7 +1,8 @@
 """Who may say and hear what: Zenoh's access control, from the table of keys.
 
 It acts where messages enter and leave the world's router, by the common name of each link's certificate, and denies
-what it does not name. What the world itself publishes passes no link, and no rule.
+what it does not name. What the world itself publishes passes no link, and no rule; where the router is another
+process, the world is one more role, which may do all.
 
 | role        | may say                       | may hear                                     | may ask              |
 |-------------|-------------------------------|----------------------------------------------|----------------------|
@@ -13,19 +14,25 @@ what it does not name. What the world itself publishes passes no link, and no ru
 from collections.abc import Iterable, Sequence
 
 from fes import keys
-from fes.identity import OBSERVER, OPERATOR, robot_role
+from fes.identity import OBSERVER, OPERATOR, WORLD, robot_role
 
 Rule = dict[str, object]
 
 
-def control(run: str, robots: int, crews: Iterable[Sequence[int]] = ()) -> dict[str, object]:
-    """The access control of a run of so many robots, each an agent of its own or hosted by one of `crews`."""
+def control(run: str, robots: int, crews: Iterable[Sequence[int]] = (), *, world: bool = False) -> dict[str, object]:
+    """The access control of a run of so many robots, each an agent of its own or hosted by one of `crews`.
+
+    With `world` it is for a router that is not the world: the world comes over a link too, as do further routers,
+    which show the world's certificate.
+    """
     who: dict[str, Sequence[int]] = {robot_role([robot]): range(robot, robot + 1) for robot in range(robots)}
     who |= {robot_role(crew): crew for crew in crews if max(crew) < robots}
     told = _all_are_told(run)
     rules = {role: [*_robot(run, role, hosted), *told] for role, hosted in who.items()}
     rules[OBSERVER] = [*_observer(run), *told]
     rules[OPERATOR] = [*rules[OBSERVER], *_operator(run)]
+    if world:
+        rules[WORLD] = [_everything(run)]
     every = {str(rule["id"]): rule for mine in rules.values() for rule in mine}
     settings = {
         "enabled": True,
@@ -76,6 +83,15 @@ def _operator(run: str) -> list[Rule]:
         _allow("operators ask", "ingress", ["query"], [keys.change(run)]),
         _allow("operators are answered", "egress", ["reply"], [keys.change(run)]),
     ]
+
+
+def _everything(run: str) -> Rule:
+    """What the world may do, and is told: all that there is of its run."""
+    said = ["put", "delete", "query", "reply", "liveliness_token", "liveliness_query"]
+    declared = ["declare_subscriber", "declare_queryable", "declare_liveliness_subscriber"]
+    return _allow("the world does all", "ingress", [*said, *declared], [keys.tree(run)]) | {
+        "flows": ["ingress", "egress"]
+    }
 
 
 def _all_are_told(run: str) -> list[Rule]:

@@ -24,7 +24,7 @@ from typing import Any, BinaryIO
 
 from fes.errors import FesError, reason
 from world.account import Account
-from world.course import Course
+from world.course import TICK, Course
 from world.journal import Journal
 from world.recorder import NAME, Unfinished
 from world.scenario import Scenario
@@ -59,6 +59,8 @@ class Snapshot:
     sums: Account
     groups: list[tuple[int, ...]]
     """Robots that share a process."""
+    renewed: list[int]
+    """Robots whose agents have joined, and answered no tick yet."""
     log: Unfinished | None
     elapsed: float
     """Wall-clock time since tick 0 [s]."""
@@ -78,19 +80,28 @@ class Keeper:
         self._trail: BinaryIO | None = None
         self.groups: list[tuple[int, ...]] = []
         """The robots of each agent, as the run was when it began to be kept."""
+        self.renewed: set[int] = set()
+        """Robots whose agents have joined, and answered no tick yet."""
 
     def begin(self, course: Course) -> None:
         """Keep a run that begins; whatever is in the folder is of another one."""
         try:
             shutil.rmtree(self._folder, ignore_errors=True)
             self._folder.mkdir()
-            self.follow(course, course.sums.tally.digest.leave_in(self._folder / TRAIL), [])
+            self.follow(course, course.sums.tally.digest.leave_in(self._folder / TRAIL), [], set())
         except OSError as error:
             raise FesError(f"cannot keep checkpoints: {reason(error)}") from None
 
-    def follow(self, course: Course, trail: BinaryIO, groups: list[tuple[int, ...]], elapsed: float = 0.0) -> None:
+    def follow(
+        self,
+        course: Course,
+        trail: BinaryIO,
+        groups: list[tuple[int, ...]],
+        renewed: set[int],
+        elapsed: float = 0.0,
+    ) -> None:
         """Take notes of a run from its present tick on, and keep it as it is."""
-        self._trail, self.groups = trail, groups
+        self._trail, self.groups, self.renewed = trail, groups, renewed
         self.save(course, groups, elapsed, at_once=True)
         course.note = self.note
 
@@ -102,6 +113,7 @@ class Keeper:
 
     def note(self, note: list[Any]) -> None:
         """Keep a note."""
+        renew(self.renewed, note)
         if self._journal is not None:
             self._journal.add(note)
 
@@ -120,6 +132,7 @@ class Keeper:
             course.state,
             course.sums,
             groups,
+            sorted(self.renewed),
             course.recorder.pause() if course.recorder is not None else None,
             elapsed,
         )
@@ -165,6 +178,14 @@ class Keeper:
             for old in [*self._folder.glob("journal-*"), *self._folder.glob("log-*")]:
                 if _number(old) < number:
                     old.unlink(missing_ok=True)
+
+
+def renew(renewed: set[int], note: list[Any]) -> None:
+    """Bring the robots whose agents are new up to date with a note."""
+    if note[0] == JOIN:
+        renewed.update(note[1])
+    elif note[0] == TICK and renewed:
+        renewed.difference_update([robot for robot, command in enumerate(note[2]) if command])
 
 
 def journals(directory: Path, number: int) -> list[Path]:

@@ -75,11 +75,12 @@ def course(directory: Path, snapshot: Snapshot, recorder: Recorder | None, perio
     """
     run = Course(snapshot.scenario, recorder)
     run.scenario, run.state, run.sums = snapshot.now, snapshot.state, snapshot.sums
-    groups = dict.fromkeys(snapshot.groups)
+    groups, renewed = dict.fromkeys(snapshot.groups), set(snapshot.renewed)
     try:
         trail = run.sums.tally.digest.take_up(directory / FOLDER / TRAIL)
         for path in checkpoint.journals(directory, snapshot.number):
             for note in journal.notes(path):
+                checkpoint.renew(renewed, note)
                 if note[0] == JOIN:
                     groups[tuple(note[1])] = None
                 else:
@@ -92,7 +93,7 @@ def course(directory: Path, snapshot: Snapshot, recorder: Recorder | None, perio
         raise FesError(f"the notes in {directory / FOLDER} are damaged: {error}") from None
     number = checkpoint.last(directory, snapshot.number)
     keeper = Keeper(directory, period, snapshot.name, snapshot.run, number=number)
-    keeper.follow(run, trail, list(groups), snapshot.elapsed)
+    keeper.follow(run, trail, list(groups), renewed, snapshot.elapsed)
     return run, keeper
 
 

@@ -31,8 +31,11 @@ class Roster:
         config: AgentConfig,
         complaints: Complaints,
         groups: Iterable[tuple[int, ...]] = (),
+        renewed: Iterable[int] = (),
     ) -> None:
-        """`groups` are the robots of the agents that joined before this world came, if any did."""
+        """`groups` are the robots of the agents that joined before this world came, if any did; `renewed` those that
+        have not taken part yet.
+        """
         self.alive: Bytes = np.zeros(robots, dtype=np.uint8)
         self.complete = asyncio.Event()
         self.changed = asyncio.Event()
@@ -47,7 +50,7 @@ class Roster:
         self._group: dict[int, tuple[int, ...]] = {robot: (robot,) for robot in range(robots)}
         """The robots that share a process with each."""
         self._group.update((robot, group) for group in groups for robot in group)
-        self.renewed: set[int] = set()
+        self.renewed = set(renewed)
         """Robots whose agents are new, and have not taken part yet."""
         self.on_join: Callable[[tuple[int, ...]], None] = lambda robots: None
         """Called with the robots of each agent that joins."""

@@ -17,7 +17,7 @@ from fes.errors import MessageError, ScenarioError
 from fes.inbox import Inbox
 from fes.report import encode_report
 from world import reporting, summary, wording
-from world.attendance import RETURN_TIMEOUT, Attendance
+from world.attendance import Attendance
 from world.checkpoint import JOIN, Keeper
 from world.course import Course
 from world.ears import Ears
@@ -25,6 +25,9 @@ from world.live import WARM_UP, Held
 from world.lockstep import Barrier
 from world.roster import Roster
 from world.scenario import Scenario, agent_config
+
+RESUME_TIMEOUT = 10.0
+"""A world that goes on with a run waits for its robots this long [s]; they try to find it twice a second."""
 
 
 class Server:
@@ -53,8 +56,8 @@ class Server:
         self._observe = [bus.publisher(keys.observation(run, robot), "fes.Observation") for robot in robots]
         self._report = bus.publisher(keys.report(run), "fes.Report", drop=True)
         bus.subscribe(keys.command(run, "*"), self._inbox.put)
-        groups = keeper.groups if keeper is not None else []
-        self._roster = Roster(bus, run, len(robots), agent_config(course.scenario), self.complaints, groups)
+        before = (keeper.groups, keeper.renewed) if keeper is not None else ()
+        self._roster = Roster(bus, run, len(robots), agent_config(course.scenario), self.complaints, *before)
         self._roster.on_join = self._on_join
         bus.serve(keys.change(run), self._on_change)
         bus.token(keys.world_alive(run))  # last: it says that everything above is in place
@@ -79,10 +82,11 @@ class Server:
             self._roster.renewed.clear()
         else:
             self.logger.info("waiting for %d robots to come back", np.count_nonzero(present))
-            await self._attendance.wait_for(present, RETURN_TIMEOUT)
+            await self._attendance.wait_for(present, RESUME_TIMEOUT)
         self._roster.report_losses_to(self._on_loss)
-        at = f"goes on at tick {tick}" if tick else "starts"
-        self.logger.info("all robots are here: %s %s", self.name, at)
+        missing = np.flatnonzero(present & ~self._attendance.there).tolist() if tick else []
+        here = f"all robots but {missing} are here" if missing else "all robots are here"
+        self.logger.info("%s: %s %s", here, self.name, f"goes on at tick {tick}" if tick else "starts")
 
     async def run(self) -> None:
         """All ticks of the scenario; ends early, with what was reached, if it is cancelled."""

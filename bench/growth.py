@@ -1,0 +1,198 @@
+"""How a run grows: messages and bytes a tick at the world's router, for 10 to 100 robots with a session each.
+
+Robots and world are those of fes, each robot with a session and a connection of its own, but in one process, so that
+a hundred need no hundred interpreters. Messages are counted where they are put and taken; bytes are those that the
+system counted on the router's connections (`ss`, of iproute2), with Zenoh's framing, without TCP's and IP's headers.
+"""
+
+import asyncio
+import re
+import subprocess
+import tempfile
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from agents.process import Agent
+from console import inprocess
+from console.launcher import free_port
+from fes import bus
+from fes.bus import Bus, Handler, Mailbox
+from fes.endpoints import Endpoints
+from world import simulation
+from world.course import Course
+from world.recorder import NAME, Recorder
+from world.scenario import Scenario, load
+from world.server import Server
+from world.simulation import State
+
+RUN = "growth"
+SCENARIO = Path("configs/hundred.toml")
+ROBOTS = (10, 25, 50, 100)
+FIRST, TICKS = 20, 60
+"""The window that is counted [ticks]."""
+
+LATER = 60.0
+"""When the formation stands, for its contacts and its log [s]."""
+
+KINDS = ("observation", "beacon", "command")
+
+Counts = Counter[str]
+
+
+class Counted(Bus):
+    """A bus that counts what robots put and take, by kind."""
+
+    def __init__(self, opened: Bus, counts: Counts) -> None:
+        self.__dict__.update(opened.__dict__)
+        self.counts = counts
+
+    def publisher(self, key: str, schema: str, *, drop: bool = False) -> Callable[[bytes], None]:
+        """As a bus does."""
+        put, kind = super().publisher(key, schema, drop=drop), key.rpartition("/")[2]
+
+        def counted(payload: bytes) -> None:
+            self._count(f"{kind} put", payload)
+            put(payload)
+
+        return counted
+
+    def subscribe(self, key: str, handler: Handler) -> Callable[[], None]:
+        """As a bus does."""
+        kind = key.rpartition("/")[2]
+
+        def counted(sample: str, payload: bytes | None) -> None:
+            self._count(f"{kind} taken", payload)
+            handler(sample, payload)
+
+        return super().subscribe(key, counted)
+
+    def mailbox(self, key: str) -> Mailbox:
+        """As a bus does."""
+        box = super().mailbox(key)
+        take = box.take
+
+        def counted() -> tuple[str, bytes | None] | None:
+            sample = take()
+            if sample is not None:
+                self._count("beacon taken", sample[1])
+            return sample
+
+        box.take = counted  # type: ignore[method-assign]
+        return box
+
+    def _count(self, what: str, payload: bytes | None) -> None:
+        self.counts[what] += 1
+        self.counts[f"{what}, bytes"] += len(payload or b"")
+
+
+@dataclass(frozen=True)
+class Grown:
+    """What a tick of so many robots costs the router."""
+
+    robots: int
+    contacts: float
+    """Peers in range of a robot, the mean."""
+    counts: dict[str, float]
+    """Messages and bytes of payload a tick, by kind."""
+    received: float
+    """Bytes a tick on the router's connections."""
+    sent: float
+
+    @property
+    def incoming(self) -> float:
+        """Messages from robots to the router a tick."""
+        return self.counts["beacon put"] + self.counts["command put"]
+
+    @property
+    def outgoing(self) -> float:
+        """Messages from the router to robots a tick."""
+        return self.counts["beacon taken"] + self.counts["observation taken"]
+
+
+def measure(scenario: Scenario) -> Grown:
+    """Run a few ticks, and count."""
+    return asyncio.run(_measure(scenario))
+
+
+async def _measure(scenario: Scenario) -> Grown:
+    counts: Counts = Counter()
+    port, robots = free_port(), scenario.robots.number
+    async with bus.opened(Endpoints("router", (), (f"tcp/127.0.0.1:{port}",))) as opened, asyncio.timeout(120.0):
+        server = Server(Counted(opened, counts), Course(scenario), "growth", RUN)
+        agents = [asyncio.ensure_future(_live(port, robot, counts)) for robot in range(robots)]
+        await server.gather()
+        running = asyncio.ensure_future(server.run())
+        before, degrees = await _snapshot(server, FIRST, port, counts), []
+        while server.course.state.tick < FIRST + TICKS:
+            degrees.append(_contacts(server.course.state))
+            await asyncio.sleep(0.0)
+        after = await _snapshot(server, FIRST + TICKS, port, counts)
+        await running
+        server.dismiss()
+        await asyncio.gather(*agents)
+    ticks = after["tick"] - before["tick"]
+    spent = {what: (after[what] - before[what]) / ticks for what in after}
+    return Grown(robots, sum(degrees) / len(degrees), spent, spent.pop("received"), spent.pop("sent"))
+
+
+async def _live(port: int, robot: int, counts: Counts) -> None:
+    async with bus.opened(Endpoints("client", (f"tcp/127.0.0.1:{port}",))) as opened:
+        agent = Agent(Counted(opened, counts), RUN, (robot,))
+        await agent.live(await agent.join(60.0))
+
+
+async def _snapshot(server: Server, tick: int, port: int, counts: Counts) -> Counts:
+    while server.course.state.tick < tick:
+        await asyncio.sleep(0.0)
+    said = subprocess.run(["ss", "-Htin", f"sport = :{port}"], check=True, capture_output=True, text=True).stdout
+    found = Counter(counts)
+    found["tick"] = server.course.state.tick
+    for what in ("received", "sent"):
+        found[what] = sum(int(number) for number in re.findall(rf"bytes_{what}:(\d+)", said))
+    return found
+
+
+def _contacts(state: State) -> float:
+    near = simulation.observe(state).in_range
+    return len(near.peers) / len(near.ids)
+
+
+def standing(robots: int) -> tuple[float, float]:
+    """Contacts of a robot when the formation stands, the mean; and the log of that time, bytes a robot-tick."""
+    scenario = load(SCENARIO, {"robots.count": robots, "run.duration": LATER})
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / NAME
+        with Recorder(path, scenario, SCENARIO.stem, "inprocess") as recorder:
+            inprocess.run(scenario, SCENARIO.stem, recorder=recorder)
+        size = path.stat().st_size / (scenario.ticks * robots)
+    *_, last = inprocess.ticks(scenario)
+    return _contacts(last.state), size
+
+
+def main() -> None:
+    """Print what was counted beside what the code says: n observations and commands, n beacons to k peers each."""
+    print(f"growth: {SCENARIO}, ticks {FIRST} to {FIRST + TICKS}, the world as router; messages and bytes a tick")
+    for robots in ROBOTS:
+        found = measure(load(SCENARIO, {"robots.count": robots, "run.duration": (FIRST + TICKS + 10) * 0.02}))
+        n, k, counts = found.robots, found.contacts, found.counts
+        print(
+            f"  {n:4d} robots, {k:5.2f} contacts: in {found.incoming:6.1f} (2 n = {2 * n}), "
+            f"out {found.outgoing:7.1f} (n (1 + k) = {n * (1 + k):7.1f}); "
+            f"bytes in {found.received:7.0f}, out {found.sent:7.0f}",
+            flush=True,
+        )
+        said = [f"{kind} {counts[f'{kind} put, bytes'] / counts[f'{kind} put']:.0f}" for kind in KINDS]
+        inside = [(found.received, "beacon put", "command put"), (found.sent, "beacon taken", "observation taken")]
+        around = [
+            (total - counts[f"{one}, bytes"] - counts[f"{other}, bytes"]) / (counts[one] + counts[other])
+            for total, one, other in inside
+        ]
+        print(f"       bytes of payload: {', '.join(said)}; around each: in {around[0]:.0f}, out {around[1]:.0f}")
+        contacts, size = standing(robots)
+        print(f"       after {LATER:g} s: {contacts:.2f} contacts; log: {size:.0f} bytes a robot-tick", flush=True)
+
+
+if __name__ == "__main__":
+    main()

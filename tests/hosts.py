@@ -1,0 +1,154 @@
+"""Machines that are none: a network namespace each, joined by cables, for what crosses a network.
+
+A namespace stands as long as a process in it. The first one here waits for the end of its standard input, a pipe that
+this process holds, so all of them go when it ends, however it does; no name and no interface is left on the machine.
+"""
+
+import itertools
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+TOOLS = ("ip", "unshare", "nsenter")
+
+ROUTER = """
+import asyncio, sys
+from fes import bus
+from fes.endpoints import Endpoints
+
+async def main(listen, *connect):
+    async with bus.opened(Endpoints("router", connect, (listen,))):
+        print("ready", flush=True)
+        await asyncio.to_thread(sys.stdin.read)
+
+asyncio.run(main(*sys.argv[1:]))
+"""
+"""A router that belongs to no world: it stands for zenohd, whose router is the same code."""
+
+
+def why_not() -> str:
+    """Why there can be no such machines here; empty if there can."""
+    missing = [tool for tool in TOOLS if shutil.which(tool) is None]
+    if missing:
+        return f"there is no {missing[0]}"
+    if os.geteuid() != 0:
+        return "only root can make network namespaces"
+    tried = subprocess.run(["unshare", "--net", "ip", "link", "show"], capture_output=True, text=True)
+    return f"no network namespace can be made: {tried.stderr.strip()}" if tried.returncode != 0 else ""
+
+
+@dataclass
+class Host:
+    """A namespace, and what runs in it."""
+
+    name: str
+    holder: "subprocess.Popen[bytes]"
+    addresses: list[str] = field(default_factory=list)
+
+    @property
+    def enter(self) -> list[str]:
+        """Before a command: run it there."""
+        return ["nsenter", f"--net=/proc/{self.holder.pid}/ns/net", "--"]
+
+    def ip(self, *words: str) -> None:
+        """Change its network."""
+        subprocess.run([*self.enter, "ip", *words], check=True, capture_output=True, timeout=10)
+
+    def endpoint(self, network: int = 0) -> str:
+        """Where a router on it listens, as those on its nth network see it."""
+        return f"tcp/{self.addresses[network]}:7447"
+
+
+class Internet:
+    """Hosts, and the cables and switches between them; private addresses, and no way out."""
+
+    def __init__(self) -> None:
+        self.started: list[subprocess.Popen[str]] = []
+        self.hosts: dict[str, Host] = {}
+        self._networks = itertools.count()
+
+    def host(self, name: str) -> Host:
+        """Another machine."""
+        holder = subprocess.Popen(
+            ["unshare", "--net", "sh", "-c", "echo; exec cat"], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        )
+        assert holder.stdout is not None
+        self.hosts[name] = made = Host(name, holder)
+        holder.stdout.readline()  # from here on it is in its namespace
+        made.ip("link", "set", "lo", "up")
+        return made
+
+    def switch(self, *names: str) -> None:
+        """Join machines, old or new, to one network; the cable of each is named as it is."""
+        network = next(self._networks)
+        middle = self.host(f"switch {network}")
+        middle.ip("link", "add", "lan", "type", "bridge")
+        middle.ip("link", "set", "lan", "up")
+        for number, name in enumerate(names, start=1):
+            host = self.hosts.get(name) or self.host(name)
+            self._plug(host, f"lan{network}", middle, name)
+            middle.ip("link", "set", "dev", name, "master", "lan", "up")
+            self._address(host, f"lan{network}", f"10.77.{network}.{number}")
+
+    def cable(self, one: str, other: str) -> None:
+        """Join two machines by a network of their own, `lan<number>` at both ends."""
+        network = next(self._networks)
+        ends = self.hosts[one], self.hosts[other]
+        self._plug(ends[0], f"lan{network}", ends[1], f"lan{network}")
+        for number, host in enumerate(ends, start=1):
+            self._address(host, f"lan{network}", f"10.77.{network}.{number}")
+
+    def pull(self, name: str, network: int = 0) -> None:
+        """Pull the cable of a machine at its switch."""
+        self.hosts[f"switch {network}"].ip("link", "set", "dev", name, "down")
+
+    def plug(self, name: str, network: int = 0) -> None:
+        """Put it back."""
+        self.hosts[f"switch {network}"].ip("link", "set", "dev", name, "up")
+
+    def start(self, name: str, words: list[str], log: Path) -> "subprocess.Popen[str]":
+        """A process on a machine, to end with its standard input; what it says goes to `log`."""
+        entered = [*self.hosts[name].enter, *words]
+        with log.open("w") as out:
+            process = subprocess.Popen(
+                entered, cwd=log.parent, stdin=subprocess.PIPE, stdout=out, stderr=out, text=True
+            )
+        self.started.append(process)
+        return process
+
+    def router(self, name: str, log: Path, *connect: str) -> None:
+        """A router on a machine, linked to others."""
+        self.start(name, [sys.executable, "-c", ROUTER, "tcp/0.0.0.0:7447", *connect], log)
+
+    def close(self) -> None:
+        """End every process here and on the machines, and with them the machines."""
+        for process in self.started:
+            if process.poll() is None:
+                process.kill()
+            process.communicate()
+        for host in self.hosts.values():
+            host.holder.communicate(timeout=10)
+
+    def _plug(self, one: Host, at_one: str, other: Host, at_other: str) -> None:
+        ends = [at_one, "netns", str(one.holder.pid)], [at_other, "netns", str(other.holder.pid)]
+        one.ip("link", "add", *ends[0], "type", "veth", "peer", "name", *ends[1])
+
+    def _address(self, host: Host, interface: str, address: str) -> None:
+        host.ip("addr", "add", f"{address}/24", "dev", interface)
+        host.ip("link", "set", interface, "up")
+        host.addresses.append(address)
+
+
+@contextmanager
+def internet() -> Iterator[Internet]:
+    """Machines for the length of a block."""
+    made = Internet()
+    try:
+        yield made
+    finally:
+        made.close()

@@ -1,0 +1,118 @@
+"""A Zenoh router of one's own, configured by `fes keys rules`: it carries a run, and no forgery."""
+
+import asyncio
+import json
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+import zenoh
+
+from agents.process import Agent
+from console import authority, inprocess
+from console.launcher import free_port
+from fes import bus, keys
+from fes.bus import Bus
+from fes.endpoints import Endpoints
+from tests import certificates
+from tests.loop import load
+from tests.test_cli import call
+from world.course import Course
+from world.server import Server
+
+RUN = "lab"
+FORGED = [keys.command(RUN, 0), keys.beacon(RUN, 0), keys.report(RUN), keys.observation(RUN, 0)]
+ROLES = ["world", "robot-0", "robot-1"]
+
+
+@pytest.fixture(scope="module")
+def keyed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return certificates.directory(tmp_path_factory.mktemp("pki") / "keys", authority.found(1.0), ROLES)
+
+
+def configuration(keyed: Path, endpoint: str, *words: str) -> str:
+    """What the command prints, for a run of two robots."""
+    done = call(keyed.parent, "fes", "keys", "rules", "--robots", "2", "--run", RUN, "--listen", endpoint, *words)
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout
+
+
+@asynccontextmanager
+async def client(keyed: Path, role: str, endpoint: str) -> AsyncIterator[Bus]:
+    own = certificates.security(keyed, role)
+    async with bus.opened(Endpoints("client", (endpoint,), timeout=10.0, security=own)) as opened:
+        yield opened
+
+
+async def live(keyed: Path, robot: int, endpoint: str) -> None:
+    async with client(keyed, f"robot-{robot}", endpoint) as opened:
+        agent = Agent(opened, RUN, (robot,))
+        await agent.live(await agent.join(20.0))
+
+
+async def carried(keyed: Path, near: str, far: str) -> str:
+    """The digest of a run with the world at one router and its robots at another, or the same."""
+    async with client(keyed, "world", near) as opened, asyncio.timeout(60.0):
+        server = Server(opened, Course(load("pair.toml", run__duration=2.0)), "pair", RUN)
+        agents = [asyncio.ensure_future(live(keyed, robot, far)) for robot in range(2)]
+        await server.gather()
+        await server.run()
+        server.dismiss()
+        await asyncio.gather(*agents)
+        summary = server.summarize()
+        assert summary is not None
+        return str(summary["digest"])
+
+
+def expected() -> str:
+    return str(inprocess.run(load("pair.toml", run__duration=2.0), "pair")["digest"])
+
+
+def test_a_router_with_the_printed_rules_carries_a_run_to_the_same_digest(keyed: Path) -> None:
+    endpoint = f"tls/127.0.0.1:{free_port()}"
+    with zenoh.open(zenoh.Config.from_json5(configuration(keyed, endpoint))):
+        assert asyncio.run(carried(keyed, endpoint, endpoint)) == expected()
+
+
+def test_two_routers_with_the_printed_rules_are_linked_and_carry_a_run(keyed: Path) -> None:
+    near, far = (f"tls/127.0.0.1:{free_port()}" for _ in range(2))
+    with (
+        zenoh.open(zenoh.Config.from_json5(configuration(keyed, near))),
+        zenoh.open(zenoh.Config.from_json5(configuration(keyed, far, "--connect", near))),
+    ):
+        assert asyncio.run(carried(keyed, near, far)) == expected()
+
+
+def forged(keyed: Path, text: str, endpoint: str) -> set[str]:
+    """The keys on which a world behind a router hears what robot 1 has no right to say."""
+    heard: list[tuple[str, bytes | None]] = []
+
+    async def main() -> None:
+        async with client(keyed, "world", endpoint) as world, client(keyed, "robot-1", endpoint) as forger:
+            world.subscribe(keys.tree(RUN), lambda key, payload: heard.append((key, payload)))
+            for key in FORGED:
+                forger.publisher(key, "x")(b"forged")
+            forger.publisher(keys.command(RUN, 1), "x")(b"own")
+            async with asyncio.timeout(10.0):
+                while (
+                    keys.command(RUN, 1),
+                    b"own",
+                ) not in heard:  # what was put before has come, or never will
+                    await asyncio.sleep(0.01)
+
+    with zenoh.open(zenoh.Config.from_json5(text)):
+        asyncio.run(main())
+    return {key for key, payload in heard if payload == b"forged"}
+
+
+def test_forged_messages_do_not_pass_a_router_with_the_printed_rules(keyed: Path) -> None:
+    endpoint = f"tls/127.0.0.1:{free_port()}"
+    assert forged(keyed, configuration(keyed, endpoint), endpoint) == set()
+
+
+def test_without_the_rules_they_would(keyed: Path) -> None:
+    endpoint = f"tls/127.0.0.1:{free_port()}"
+    text = json.loads(configuration(keyed, endpoint))
+    text["access_control"]["enabled"] = False
+    assert forged(keyed, json.dumps(text), endpoint) == set(FORGED)
