@@ -34,7 +34,8 @@ class Mouth:
         self._beacons[tick] = {robot: beacon for robot, beacon, _ in said}
         self._commands[tick] = {robot: command for robot, _, command in said}
         for told in (self._beacons, self._commands):
-            told.pop(tick - REMEMBERED, None)
+            for old in [known for known in told if known <= tick - REMEMBERED]:
+                del told[old]
         for robot, beacon, _ in said:
             self._beacon[robot](beacon)
         for robot, _, command in said:

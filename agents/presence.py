@@ -29,12 +29,12 @@ class Presence:
         self._logger = logging.getLogger("agent")
 
     async def appears(self, timeout: float) -> None:
-        """Wait for it; raises Absent after `timeout` [s]."""
+        """Wait for it; raises Absent after `timeout` [s], which belong to a patience that may be longer."""
         try:
             async with asyncio.timeout(timeout):
                 await self._here.wait()
         except TimeoutError:
-            raise Absent(f"no {self._name.removeprefix('the ')} appeared within {timeout:g} s") from None
+            raise Absent(f"no {self._name.removeprefix('the ')} appeared within {self.patience:g} s") from None
 
     def told(self, alive: bool, tick: int) -> None:
         """Its token came or went, after `tick` was answered."""

@@ -23,6 +23,7 @@ class Turns:
         self._complaints = complaints
         self.tick = -1
         """The last one."""
+        self._forgotten = -1
         self.skipped = 0
         """Ticks that nobody answered, as a newer one was there already."""
 
@@ -40,9 +41,10 @@ class Turns:
                     waiting.setdefault(observation.robot, observation)
                 elif observation.tick == self.tick or (world.is_new and observation.tick < self.tick):
                     # A world that comes back has gone through what it knew again, a tick less than this at most.
-                    if observation.tick < self.tick and not self._mouth.remembers(observation.tick):
-                        raise Absent(f"the world is back at tick {observation.tick}, and {self.tick} was answered")
-                    self._mouth.repeat(observation.tick, observation.robot)
+                    if self._mouth.remembers(observation.tick):
+                        self._mouth.repeat(observation.tick, observation.robot)
+                    elif observation.tick < self.tick:
+                        self._behind(key, observation.tick)
                 else:
                     self._complaints.add("Observation: is not for this tick", f"{key}: tick {observation.tick}")
             if len(waiting) == len(self._robots):
@@ -72,6 +74,13 @@ class Turns:
                     self.skipped += tick - before - 1
                 self.tick = tick
                 yield observations
+
+    def _behind(self, key: str, tick: int) -> None:
+        """A world that is back asks for a tick that is forgotten: if it does so again, it cannot go on with us."""
+        if tick == self._forgotten:
+            raise Absent(f"the world is back at tick {tick}, and {self.tick} was answered")
+        self._forgotten = tick
+        self._complaints.add("Observation: is not for this tick", f"{key}: tick {tick}")
 
     async def _received(self, count: int) -> AsyncIterator[tuple[str, Observation]]:
         """Wait for that many messages; the key and content of all that are here and can be read."""

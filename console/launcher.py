@@ -88,9 +88,10 @@ class Family:
         """End the world by SIGKILL, as its scenario wants, and start another after a while [s]; it is not missed."""
         if self.world is None or self.world.process.returncode is not None:
             return
-        self._killed.add(self.world)
         _signal(self.world, signal.SIGKILL)
-        await self.world.process.wait()
+        if await self.world.process.wait() >= 0:
+            return  # it was over just then
+        self._killed.add(self.world)
         await asyncio.sleep(seconds)
         await self.start_world(arguments)
         self._grown.set()

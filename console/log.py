@@ -38,8 +38,8 @@ class Tick(NamedTuple):
     """What persons set of the channel: path and value."""
     scheduled: list[tuple[str, Any]]
     """What was set by the schedule."""
-    present: list[int] | None
-    """The robots that are there from this tick on, where that changed otherwise than by schedule."""
+    attended: list[list[int]]
+    """The robots that are there from this tick on, each time that changed otherwise than by schedule, in order."""
     report: Report | None
     """At one of several ticks."""
 
@@ -138,7 +138,7 @@ def _ticks(path: Path, robots: int) -> Iterator[Tick]:
     """The ticks of a file; raises FesError, or one of what is unreadable."""
     for number, found in itertools.groupby(_numbered(path), key=itemgetter(0)):
         said, set_ = dict[str, list[bytes]](), {"person": list[tuple[str, Any]](), "schedule": []}
-        present: list[int] | None = None
+        attended: list[list[int]] = []
         report: Report | None = None
         for _, topic, data in found:
             if topic in _EVIDENCE:
@@ -152,12 +152,12 @@ def _ticks(path: Path, robots: int) -> Iterator[Tick]:
                 if event["what"] == "set":
                     set_[event["by"]].append((str(event["path"]), event["value"]))
                 elif event["what"] == "present":
-                    present = [int(robot) for robot in event["robots"]]
+                    attended.append([int(robot) for robot in event["robots"]])
         for topic in _EVIDENCE:
             if topic not in said:
                 raise FesError(f"{path}: tick {number} has no message on {topic}")
         all_ = Said(*(said[topic] for topic in _EVIDENCE))
-        yield Tick(number, all_, set_["person"], set_["schedule"], present, report)
+        yield Tick(number, all_, set_["person"], set_["schedule"], attended, report)
 
 
 def _numbered(path: Path) -> Iterator[tuple[int, str, bytes]]:

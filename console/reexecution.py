@@ -70,8 +70,8 @@ def world(log: Log) -> Iterator[Moment]:
             channel = events.changed(channel, {path: value}, log.scenario.run.dt)
         if channel is not state.channel:
             state = replace(state, channel=channel)
-        if tick.present is not None:
-            state = simulation.attend(state, np.isin(again.ids, tick.present))
+        for robots in tick.attended:
+            state = simulation.attend(state, np.isin(again.ids, robots))
         sensed = wording.observations(simulation.observe(state), state.present, state.since)
         _compare(tick, tick.said._replace(observations=sensed))
         commands: list[Command | None] = [None] * len(again.ids)

@@ -134,7 +134,7 @@ class Trouble:
         if robot < 0:
             how = self._chance.choice([signal.SIGKILL, signal.SIGTERM])
             self._team.world.send_signal(how)
-            code = self._team.world.wait()
+            code = self._team.world.wait(PATIENCE)
             self._expect(code in (0, -how), f"the world ended with {code}")  # -how: one that is hardly there yet
             self._later.append((soon, "resume", robot))
             self.counts["worlds killed" if how is signal.SIGKILL else "worlds told to stop"] += 1
@@ -180,7 +180,7 @@ def soak(out: Path, minutes: float, seed: int) -> dict[str, Any]:
     try:
         trouble.rage(60.0 * minutes)
         team.world.send_signal(signal.SIGTERM)  # the rest at full speed
-        assert team.world.wait() == 0
+        assert team.world.wait(PATIENCE) in (0, -signal.SIGTERM)
         team.resume("max")
         codes = {"world": team.world.wait(PATIENCE)}
         codes |= {f"agent {robot}": agent.wait(PATIENCE) for robot, agent in team.agents.items()}
@@ -191,7 +191,7 @@ def soak(out: Path, minutes: float, seed: int) -> dict[str, Any]:
         team.end()
     summary = json.loads((out / "summary.json").read_text())
     whole = log.load(out / NAME)
-    changes = sum(tick.present is not None for tick in whole.ticks())
+    changes = sum(bool(tick.attended) for tick in whole.ticks())
     assert summary["ticks"] == whole.scenario.ticks == sum(1 for _ in whole.ticks())
     assert replay.again(whole, everybody=True)["digest"] == summary["digest"]
     assert summary["separation_error_rms"] < 0.5, summary["separation_error_rms"]

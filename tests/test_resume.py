@@ -48,13 +48,12 @@ class Team:
         self.minds, self.said, twists = crew.step(self.crew, self.minds, simulation.observe(course.state), self.said)
         told = crew.telemetry(self.crew, self.minds)
         spoken = [payload for _, *payload in assembly.payloads(self.said, twists, told)]
-        course.take(sent, [(messages.decode_command(command), command) for _, command in spoken])
-        alive = np.ones(len(sent), dtype=np.uint8)
 
         def heard(tick: int, legible: Bools) -> list[bytes]:
             return [beacon if good else b"" for (beacon, _), good in zip(spoken, legible.tolist(), strict=True)]
 
-        course.account(heard, alive, 0.1)
+        course.take(sent, [(messages.decode_command(command), command) for _, command in spoken], heard, 0.1)
+        course.account(np.ones(len(sent), dtype=np.uint8))
 
 
 @pytest.mark.parametrize("name", ["paper.toml", "measured.toml"])
@@ -77,7 +76,7 @@ def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, r
             if tick == 13:
                 course.change("channel.reference_snr", 2e6)
             if tick % 7 == 5:
-                keeper.save(course, [], 0.1, at_once=True)
+                keeper.save(course, {}, 0.1, at_once=True)
             team.step(course)
             shutil.rmtree(second, ignore_errors=True)
             shutil.copytree(first, second)
@@ -85,7 +84,7 @@ def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, r
             assert snapshot.state.tick == max(0, (tick + 2) // 7 * 7 - 2 if tick >= 5 else 0)
             again = resume.recorder(second, snapshot)
             assert (again is not None) == recorded
-            other, kept = resume.course(second, snapshot, again, 1e9)
+            other, kept, _ = resume.course(second, snapshot, again, 1e9)
             assert other.state.tick == tick + 1
             assert other.state.poses.tobytes() == course.state.poses.tobytes()
             assert other.state.radio.burst.tobytes() == course.state.radio.burst.tobytes()
@@ -206,9 +205,9 @@ def test_what_a_person_set_and_who_died_meanwhile_is_not_forgotten(run: Run) -> 
     assert "2000000.0" in (run.out / "scenario.toml").read_text()
     found = log.load(run.out / NAME)
     assert [change for tick in found.ticks() for change in tick.changes] == [("channel.reference_snr", 2e6)]
-    [gone, back] = [tick for tick in found.ticks() if tick.present is not None]
-    assert 1 not in (gone.present or [])
-    assert 1 in (back.present or [])
+    [gone, back] = [tick for tick in found.ticks() if tick.attended]
+    assert 1 not in gone.attended[-1]
+    assert 1 in back.attended[-1]
     assert replay.again(found, everybody=True)["digest"] == summary["digest"]
 
 
@@ -239,7 +238,7 @@ def test_robots_that_came_and_went_since_the_checkpoint_come_and_go_again(run: R
     summary = run.finish()
     found = log.load(run.out / NAME)
     assert replay.again(found, everybody=True)["digest"] == summary["digest"]
-    assert len([tick for tick in found.ticks() if tick.present is not None]) == 2
+    assert len([tick for tick in found.ticks() if tick.attended]) == 2
 
 
 def test_a_world_that_knows_less_than_its_robots_says_so_and_they_end(run: Run, tmp_path: Path) -> None:

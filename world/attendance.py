@@ -40,10 +40,17 @@ class Attendance:
         return self._roster.whole & ~self._hung & ~self._asleep
 
     def hang(self, silent: Bools) -> None:
-        """The `silent` robots [n] did not answer in time: they are left out, and all that share their process."""
-        for robot in np.flatnonzero(silent).tolist():
+        """The `silent` robots [n] did not answer in time: they are left out, and all that share their process.
+
+        Not those whose process is gone: they are out already, and come back with their token.
+        """
+        for robot in np.flatnonzero(silent & (self._roster.alive == 1)).tolist():
             self._hung[list(self._roster.group(robot))] = True
             self._logger.warning("robot %d does not answer", robot)
+
+    def lost(self, robot: int) -> None:
+        """The process of this robot is gone: the next one does not hang."""
+        self._hung[list(self._roster.group(robot))] = False
 
     def woke(self, robot: int) -> bool:
         """Whether this robot, which was just heard of, was hung until now."""

@@ -57,7 +57,7 @@ class Snapshot:
     """With what persons have set since."""
     state: State
     sums: Account
-    groups: list[tuple[int, ...]]
+    groups: dict[int, tuple[int, ...]]
     """Robots that share a process."""
     renewed: list[int]
     """Robots whose agents have joined, and answered no tick yet."""
@@ -76,10 +76,11 @@ class Keeper:
         self._saved = time.monotonic()
         self._writing: asyncio.Future[None] | None = None
         self._lock = threading.Lock()
+        self._written = 0
         self._journal: Journal | None = None
         self._trail: BinaryIO | None = None
-        self.groups: list[tuple[int, ...]] = []
-        """The robots of each agent, as the run was when it began to be kept."""
+        self.groups: dict[int, tuple[int, ...]] = {}
+        """The robots that share a process with each, as the run was when it began to be kept."""
         self.renewed: set[int] = set()
         """Robots whose agents have joined, and answered no tick yet."""
 
@@ -88,7 +89,7 @@ class Keeper:
         try:
             shutil.rmtree(self._folder, ignore_errors=True)
             self._folder.mkdir()
-            self.follow(course, course.sums.tally.digest.leave_in(self._folder / TRAIL), [], set())
+            self.follow(course, course.sums.tally.digest.leave_in(self._folder / TRAIL), {}, set())
         except OSError as error:
             raise FesError(f"cannot keep checkpoints: {reason(error)}") from None
 
@@ -96,7 +97,7 @@ class Keeper:
         self,
         course: Course,
         trail: BinaryIO,
-        groups: list[tuple[int, ...]],
+        groups: dict[int, tuple[int, ...]],
         renewed: set[int],
         elapsed: float = 0.0,
     ) -> None:
@@ -117,7 +118,9 @@ class Keeper:
         if self._journal is not None:
             self._journal.add(note)
 
-    def save(self, course: Course, groups: list[tuple[int, ...]], elapsed: float, *, at_once: bool = False) -> None:
+    def save(
+        self, course: Course, groups: dict[int, tuple[int, ...]], elapsed: float, *, at_once: bool = False
+    ) -> None:
         """Keep the run as it is between two ticks, beside it or `at_once`; raises FesError where that fails."""
         if self._writing is not None and self._writing.done():
             self._writing.result()
@@ -151,6 +154,7 @@ class Keeper:
     def close(self, course: Course) -> None:
         """Keep no more of a run."""
         with self._lock:
+            self._written = self._number + 1  # whatever is still to be written is not
             course.note = lambda note: None
             course.sums.tally.digest.close()
             if self._journal is not None:
@@ -164,6 +168,9 @@ class Keeper:
 
     def _write(self, number: int, told: bytes, files: list[int]) -> None:
         with self._lock:
+            if number < self._written:
+                return  # a later one was quicker
+            self._written = number
             try:
                 for number_of_file in files:
                     os.fsync(number_of_file)

@@ -8,6 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from mcap.exceptions import EndOfFile
 from mcap.records import Channel as McapChannel
 from mcap.records import Chunk
 from mcap.records import Message as McapMessage
@@ -99,6 +100,7 @@ class Container:
                 self.settle(at_once=True)
                 if file.tell() >= size:
                     return
+        raise EndOfFile
 
     def finish(self, name: str, metadata: dict[str, str]) -> None:
         """Close the file, with a record of metadata and an index."""

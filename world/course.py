@@ -30,7 +30,7 @@ Heard = Callable[[int, Bools], list[bytes]]
 """The payloads of the beacons of a tick, of the robots that are present [n], in id order."""
 
 ATTEND, SET, TICK = "attend", "set", "tick"
-"""Kinds of notes: [ATTEND, tick, robots], [SET, tick, path, value], [TICK, tick, commands, beacons]."""
+"""Kinds of notes: [ATTEND, tick, robots], [SET, tick, path, value], [TICK, tick, commands, beacons, elapsed]."""
 
 
 class _Gone(NamedTuple):
@@ -40,8 +40,10 @@ class _Gone(NamedTuple):
     twists: Floats
     observations: list[bytes]
     commands: list[bytes]
+    beacons: list[bytes]
     spoken: Ints
     """Tick of each robot's command [n], -1 for none."""
+    elapsed: float
 
 
 class Course:
@@ -67,7 +69,6 @@ class Course:
 
     def attend(self, present: Bools) -> None:
         """The robots of `present` [n] take part from this tick on."""
-        assert self._gone is None, "the tick before is to be accounted for first: notes are in order"
         if (present == self.state.present).all():
             return
         robots = np.flatnonzero(present).tolist()
@@ -78,7 +79,6 @@ class Course:
 
     def change(self, path: str, value: Any) -> Effect:
         """Set a field of the channel from this tick on; raises ScenarioError where it cannot be."""
-        assert self._gone is None, "the tick before is to be accounted for first: notes are in order"
         tick = self.state.tick
         channel = events.changed(self.state.channel, {path: value}, self.scenario.run.dt)
         value = events.effective(channel, path)
@@ -93,26 +93,28 @@ class Course:
         """The payload of each robot's Observation of this tick, in id order; empty for all but `addressed` [n]."""
         return wording.observations(simulation.observe(self.state), addressed, self.state.since)
 
-    def take(self, sent: list[bytes], answers: list[Answer | None]) -> None:
-        """Go on to the next tick with the robots' `answers` to what was `sent`; who did not answer stands still."""
-        twists, self.said = self._told.read([answer and answer[0] for answer in answers])
-        commands = [answer[1] if answer else b"" for answer in answers]
-        present = self.state.present.tolist()
-        sensed = [payload if here else b"" for payload, here in zip(sent, present, strict=True)]
-        spoken = np.array([answer[0].tick if answer else -1 for answer in answers])
-        self._gone = _Gone(self.state, twists, sensed, commands, spoken)
-        self.state = simulation.step(self.world, self.state, twists)
+    def take(self, sent: list[bytes], answers: list[Answer | None], heard: Heard, elapsed: float) -> None:
+        """Go on to the next tick with the robots' `answers` to what was `sent`; who did not answer stands still.
 
-    def account(self, heard: Heard, alive: Bytes, elapsed: float) -> None:
-        """Add the tick that is over to the account, if that was not done yet.
-
-        `heard` is asked for its beacons if there is a recorder; `alive` [n]; `elapsed` [s; wall clock] since tick 0.
+        `heard` is asked for their beacons if there is a recorder; `elapsed` [s; wall clock] since tick 0. What came
+        from outside is noted before anything follows from it.
         """
+        state = self.state
+        commands = [answer[1] if answer else b"" for answer in answers]
+        beacons = heard(state.tick, state.legible) if self.recorder is not None else []
+        self.note([TICK, state.tick, commands, beacons, elapsed])
+        twists, self.said = self._told.read([answer and answer[0] for answer in answers])
+        sensed = [payload if here else b"" for payload, here in zip(sent, state.present.tolist(), strict=True)]
+        spoken = np.array([answer[0].tick if answer else -1 for answer in answers])
+        self._gone = _Gone(state, twists, sensed, commands, beacons, spoken, elapsed)
+        self.state = simulation.step(self.world, state, twists)
+
+    def account(self, alive: Bytes) -> None:
+        """Add the tick that is over to the account, if that was not done yet; `alive` [n]."""
         if self._gone is None:
             return
-        (state, twists, observations, commands, spoken), self._gone = self._gone, None
-        beacons = heard(state.tick, state.legible) if self.recorder is not None else []
-        self.note([TICK, state.tick, commands, beacons])
-        self.sums.add(state, twists, self.said, spoken)
+        gone, self._gone = self._gone, None
+        self.sums.add(gone.state, gone.twists, self.said, gone.spoken)
         if self.recorder is not None:
-            self.recorder.add(self.sums, twists, Said(observations, beacons, commands), alive, elapsed)
+            said = Said(gone.observations, gone.beacons, gone.commands)
+            self.recorder.add(self.sums, gone.twists, said, alive, gone.elapsed)

@@ -30,10 +30,13 @@ class Journal:
     def add(self, note: list[Any]) -> None:
         """Append a note of numbers, text, bytes, and lists of them."""
         packed = msgpack.packb(note)
+        framed = _FRAME.pack(len(packed), zlib.crc32(packed)) + packed
         try:
-            self._file.write(_FRAME.pack(len(packed), zlib.crc32(packed)) + packed)
+            written = self._file.write(framed)
         except OSError as error:
             raise FesError(f"cannot write {self.path}: {reason(error)}") from None
+        if written != len(framed):
+            raise FesError(f"cannot write {self.path}: there is no room")
 
     def close(self) -> None:
         """Write no more."""

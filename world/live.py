@@ -55,6 +55,10 @@ class Held:
             self._attendance.hang(silent)
         return answers
 
+    def follow(self, answers: list[Answer | None]) -> None:
+        """Commands that were waited for, before the clock was live."""
+        self._last.update((robot, answer) for robot, answer in enumerate(answers) if answer is not None)
+
     async def _end_of_tick(self) -> None:
         now = time.monotonic()
         if self._due == 0.0:

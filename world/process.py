@@ -45,26 +45,32 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
         connected = bool(flags.connect or flags.config or flags.cfg) or flags.mode not in (None, "router")
         await claim.claim(opened, run, connected=connected)
         with _recorder(flags, start) as recorder:
-            course, keeper = _course(flags, start, recorder)
-            elapsed = start.kept.elapsed if start.kept is not None else 0.0
+            course, keeper, elapsed = _course(flags, start, recorder)
             server = Server(opened, course, start.name, run, flags.rtf, keeper, elapsed)
             if flags.out is not None:
                 server.keep = partial(summary.write_scenario, flags.out)
+                server.keep(course.scenario)
             reached, pausing = None, False
             try:
-                await server.gather()
+                if not course.is_over:
+                    await server.gather()
                 await server.run()
             except asyncio.CancelledError as stopped:
-                pausing = keeper is not None and stopped.args == (signal.SIGTERM.name,)
+                pausing = keeper is not None and stopped.args == (signal.SIGTERM.name,) and not course.is_over
+                if not course.is_over:
+                    server.save()
                 raise
             finally:
                 try:
-                    server.save()
                     if not pausing:  # else the robots wait for a world that goes on
                         server.dismiss()
                     server.complaints.log_total(server.overflow)
                 finally:
                     reached = _keep(flags.out, server, recorder)
+                    if keeper is not None:
+                        keeper.close(course)
+        if keeper is not None:  # last of all: until here it can be gone on with
+            keeper.discard(course)
         server.logger.info("the run is over after %d ticks", scenario.ticks)
     for verdict in reached["expectations"] if reached else []:
         level = logging.INFO if verdict["holds"] else logging.ERROR
@@ -81,16 +87,18 @@ def _recorder(flags: argparse.Namespace, start: Start) -> AbstractContextManager
     return Recorder(flags.out / NAME, start.scenario, start.name, "processes")
 
 
-def _course(flags: argparse.Namespace, start: Start, recorder: Recorder | None) -> tuple[Course, Keeper | None]:
-    """The run, from its start or from where it was left, and who keeps it."""
+def _course(
+    flags: argparse.Namespace, start: Start, recorder: Recorder | None
+) -> tuple[Course, Keeper | None, float]:
+    """The run, from its start or from where it was left, who keeps it, and the time since tick 0 [s]."""
     if start.kept is not None:
         return resume.course(flags.out, start.kept, recorder, flags.checkpoint or math.inf)
     course = Course(start.scenario, recorder)
     if flags.out is None or not flags.checkpoint:
-        return course, None
+        return course, None, 0.0
     keeper = Keeper(flags.out, flags.checkpoint, start.name, start.run)
     keeper.begin(course)
-    return course, keeper
+    return course, keeper, 0.0
 
 
 def _keep(out: Path | None, server: Server, recorder: Recorder | None) -> dict[str, Any] | None:
@@ -111,15 +119,22 @@ def _start(flags: argparse.Namespace) -> Start:
         if flags.scenario is None:
             raise FesError("give a SCENARIO, or --resume RUN_DIR")
         scenario = load(Path(flags.scenario), overrides(flags))
+        _check_pace(flags, scenario)
         if flags.out is not None:
             flags.out.mkdir(parents=True, exist_ok=True)
             summary.write_scenario(flags.out, scenario)
         return Start(scenario, flags.name or Path(flags.scenario).stem, keys.check_run(flags.run))
-    if flags.scenario is not None or flags.out is not None or overrides(flags):
-        raise FesError("--resume goes on with the run as it was: no SCENARIO, --out, --set, --seed or --duration")
+    if flags.scenario or flags.out or flags.name or flags.no_record or overrides(flags):
+        raise FesError("--resume goes on with the run as it was: no SCENARIO, and no flag about it")
     kept = resume.load(flags.resume)
+    _check_pace(flags, kept.scenario)
     flags.out = flags.resume
     return Start(kept.scenario, kept.name, kept.run, kept)
+
+
+def _check_pace(flags: argparse.Namespace, scenario: Scenario) -> None:
+    if flags.rtf is not None and scenario.run.clock == "live":
+        raise FesError("--rtf does not go with the live clock: its pace is that of the wall clock")
 
 
 def main() -> None:

@@ -55,7 +55,7 @@ class Unfinished:
     tick: int
     told: tuple[int, float]
     pending: list[tuple[int, str, Any]]
-    present: dict[int, list[int]]
+    present: dict[int, list[list[int]]]
 
 
 class Recorder:
@@ -76,7 +76,7 @@ class Recorder:
         self._viewed = scenario.robots.number <= MAX_VIEWED
         self._summary: dict[str, Any] | None = None
         self._pending: list[tuple[int, str, Any]] = []
-        self._present: dict[int, list[int]] = {}
+        self._present: dict[int, list[list[int]]] = {}
         self._tick = -1
         self._told = (0, 0.0)
         self._file = Container(path)
@@ -108,8 +108,7 @@ class Recorder:
         for path, value in self._changes.get(tick, {}).items():
             self._set(tick, "schedule", path, value)
         self._set_by_persons(tick)
-        if tick in self._present:
-            robots = self._present.pop(tick)
+        for robots in self._present.pop(tick, []):
             event = {"tick": tick, "what": "present", "robots": robots}
             self._put("/events", schemas.EVENT, json.dumps(event).encode())
             self._remark(views.WARNING, f"{len(robots)} robots take part from tick {tick} on: {robots}")
@@ -123,7 +122,7 @@ class Recorder:
 
     def attend(self, tick: int, robots: list[int]) -> None:
         """From `tick` on, which has not been added yet, these robots take part, otherwise than by schedule."""
-        self._present[tick] = robots
+        self._present.setdefault(tick, []).append(robots)
 
     @property
     def fileno(self) -> int:

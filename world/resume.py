@@ -2,12 +2,15 @@
 
 import io
 import pickle
+import struct
 from dataclasses import is_dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import zstandard
+from mcap.exceptions import EndOfFile, McapError
 from pydantic import BaseModel
 
 from fes import messages
@@ -64,27 +67,29 @@ def recorder(directory: Path, snapshot: Snapshot) -> Recorder | None:
     try:
         before = checkpoint.set_log_aside(directory, snapshot.number)
         return Recorder(directory / NAME, snapshot.scenario, snapshot.name, "processes", (before, snapshot.log))
-    except OSError as error:
-        raise FesError(f"the log of {directory} cannot be gone on with: {reason(error)}") from None
+    except (OSError, EndOfFile, McapError, UnicodeDecodeError, struct.error, zstandard.ZstdError) as error:
+        raise FesError(f"the log of {directory} cannot be gone on with: {_line(error)}") from None
 
 
-def course(directory: Path, snapshot: Snapshot, recorder: Recorder | None, period: float) -> tuple[Course, Keeper]:
-    """The run as it was when its world ended, and who keeps it from now on; raises FesError.
+def course(
+    directory: Path, snapshot: Snapshot, recorder: Recorder | None, period: float
+) -> tuple[Course, Keeper, float]:
+    """The run as it was when its world ended, who keeps it from now on, and the time since tick 0 [s].
 
-    Since the checkpoint it has been noted what came from outside: the rest is a function of that.
+    Raises FesError. Since the checkpoint it has been noted what came from outside: the rest is a function of that.
     """
     run = Course(snapshot.scenario, recorder)
     run.scenario, run.state, run.sums = snapshot.now, snapshot.state, snapshot.sums
-    groups, renewed = dict.fromkeys(snapshot.groups), set(snapshot.renewed)
+    groups, renewed, elapsed = dict(snapshot.groups), set(snapshot.renewed), snapshot.elapsed
     try:
         trail = run.sums.tally.digest.take_up(directory / FOLDER / TRAIL)
         for path in checkpoint.journals(directory, snapshot.number):
             for note in journal.notes(path):
                 checkpoint.renew(renewed, note)
                 if note[0] == JOIN:
-                    groups[tuple(note[1])] = None
+                    groups.update(dict.fromkeys(note[1], tuple(note[1])))
                 else:
-                    _again(run, note, snapshot.elapsed)
+                    elapsed = _again(run, note, elapsed)
     except (OSError, EOFError) as error:
         run.sums.tally.digest.close()
         raise FesError(f"the checkpoint of {directory} cannot be gone on from: {error}") from None
@@ -93,12 +98,12 @@ def course(directory: Path, snapshot: Snapshot, recorder: Recorder | None, perio
         raise FesError(f"the notes in {directory / FOLDER} are damaged: {error}") from None
     number = checkpoint.last(directory, snapshot.number)
     keeper = Keeper(directory, period, snapshot.name, snapshot.run, number=number)
-    keeper.follow(run, trail, list(groups), renewed, snapshot.elapsed)
-    return run, keeper
+    keeper.follow(run, trail, groups, renewed, elapsed)
+    return run, keeper, elapsed
 
 
-def _again(run: Course, note: list[Any], elapsed: float) -> None:
-    """Go through what was noted."""
+def _again(run: Course, note: list[Any], elapsed: float) -> float:
+    """Go through what was noted, `elapsed` [s; wall clock] after tick 0; returns how long after it then is."""
     kind, tick, *rest = note
     if tick != run.state.tick:
         raise ValueError(f"a note of tick {tick} stands at tick {run.state.tick}")
@@ -107,12 +112,19 @@ def _again(run: Course, note: list[Any], elapsed: float) -> None:
     elif kind == SET:
         run.change(*rest)
     elif kind == TICK:
-        commands, beacons = rest
+        commands, beacons, elapsed = rest
         answers = [(messages.decode_command(payload), payload) if payload else None for payload in commands]
-        run.take(run.observations(run.state.present), answers)
-        run.account(lambda tick, present: beacons, run.state.present.astype(np.uint8), elapsed)
+        alive = run.state.present.astype(np.uint8)
+        run.take(run.observations(run.state.present), answers, lambda tick, legible: beacons, elapsed)
+        run.account(alive)
+        return float(elapsed)
     else:
         raise ValueError(f"a note of kind {kind!r}")
+    return elapsed
+
+
+def _line(error: Exception) -> str:
+    return reason(error) if isinstance(error, OSError) else f"it is damaged ({type(error).__name__})"
 
 
 class _Tables(pickle.Unpickler):

@@ -3,7 +3,8 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from types import MappingProxyType
 
 import numpy as np
 
@@ -30,7 +31,7 @@ class Roster:
         robots: int,
         config: AgentConfig,
         complaints: Complaints,
-        groups: Iterable[tuple[int, ...]] = (),
+        groups: Mapping[int, tuple[int, ...]] = MappingProxyType({}),
         renewed: Iterable[int] = (),
     ) -> None:
         """`groups` are the robots of the agents that joined before this world came, if any did; `renewed` those that
@@ -49,7 +50,7 @@ class Roster:
         self._promised: dict[int, float] = {}
         self._group: dict[int, tuple[int, ...]] = {robot: (robot,) for robot in range(robots)}
         """The robots that share a process with each."""
-        self._group.update((robot, group) for group in groups for robot in group)
+        self._group.update(groups)
         self.renewed = set(renewed)
         """Robots whose agents are new, and have not taken part yet."""
         self.on_join: Callable[[tuple[int, ...]], None] = lambda robots: None
@@ -66,9 +67,9 @@ class Roster:
         self._on_loss = on_loss
 
     @property
-    def groups(self) -> list[tuple[int, ...]]:
-        """The robots of each agent."""
-        return sorted(set(self._group.values()))
+    def groups(self) -> dict[int, tuple[int, ...]]:
+        """The robots that share a process with each."""
+        return dict(self._group)
 
     def group(self, robot: int) -> tuple[int, ...]:
         """The robots that share a process with this one: they come and go together."""

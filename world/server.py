@@ -100,12 +100,16 @@ class Server:
                 self._attend(await self._attendance.assemble(course.state))
             sent = self._publish()
             self._account()  # for the last tick, while the robots think about this one
+            if self._keeper is not None and self._keeper.due:
+                self._keeper.save(course, self._roster.groups, self.elapsed)
             if self._held is not None and course.state.tick >= self._first + WARM_UP:
                 answers = await self._held.collect(course.state, sent)
             else:
                 answers = await self._barrier.collect(course.state, sent)
+                if self._held is not None:
+                    self._held.follow(answers)
                 self._attend(course.state.present & np.array([answer is not None for answer in answers]))
-            course.take(sent, answers)
+            course.take(sent, answers, self._heard, self.elapsed)
             if self._held is None:
                 await self._pace()
         self._account()
@@ -138,15 +142,10 @@ class Server:
             put(payload)
 
     def save(self) -> None:
-        """Keep what the run can be gone on from; nothing of one that is over."""
-        if self._keeper is None:
-            return
+        """Keep the run as it is, to be gone on with."""
         self._account()
-        if self.course.is_over:
-            self._keeper.discard(self.course)
-        else:
+        if self._keeper is not None:
             self._keeper.save(self.course, self._roster.groups, self.elapsed, at_once=True)
-            self._keeper.close(self.course)
 
     def _on_change(self, question: Question) -> None:
         """Somebody wants the channel to be another one; it is from the tick that goes on, beacons of it included."""
@@ -155,7 +154,6 @@ class Server:
             if self.course.is_over:
                 question.refuse("the run is over")
                 return
-            self._account()
             effect = self.course.change(change.path, change.value)
         except (MessageError, ScenarioError) as error:
             self.complaints.add("Change: refused", f"a change: {error}")
@@ -172,6 +170,7 @@ class Server:
             self._keeper.note([JOIN, list(robots)])
 
     def _on_loss(self, robot: int) -> None:
+        self._attendance.lost(robot)
         self._inbox.nudge()
 
     def _attend(self, present: Bools) -> None:
@@ -179,15 +178,12 @@ class Server:
         before = self.course.state
         if (present == before.present).all():
             return
-        self._account()  # what is noted of a tick comes after all of the one before
         self.course.attend(present)
         self._attendance.told(before, self.course.state)
 
     def _account(self) -> None:
         """Account for the last tick, and keep the run and report to observers if it is time."""
-        self.course.account(self._heard, self._roster.alive, self.elapsed)
-        if self._keeper is not None and self._keeper.due and not self.course.is_over:
-            self._keeper.save(self.course, self._roster.groups, self.elapsed)
+        self.course.account(self._roster.alive)
         if time.perf_counter() - self._told_at >= reporting.PERIOD and self.course.sums.tally.ticks:
             self._tell()
 
