@@ -7,5 +7,7 @@ compute     crew.step, in-process rates, cost per robot-tick from 10 to 10,000 r
 recording   the lockstep with and without a log, in turn; bytes a robot-tick
 secure      what TLS, access control and the audit cost, plain and secure runs in turn
 growth      messages and bytes a tick at the router, from 10 to 100 robots
+cost        CPU time of a world and of a router of its own; the lockstep behind a delay
+own_router  that router, as a small program
 startup     time and memory until an agent is ready
 """

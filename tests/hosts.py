@@ -14,21 +14,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from bench.own_router import SOURCE
+
 TOOLS = ("ip", "unshare", "nsenter")
-
-ROUTER = """
-import asyncio, sys
-from fes import bus
-from fes.endpoints import Endpoints
-
-async def main(listen, *connect):
-    async with bus.opened(Endpoints("router", connect, (listen,))):
-        print("ready", flush=True)
-        await asyncio.to_thread(sys.stdin.read)
-
-asyncio.run(main(*sys.argv[1:]))
-"""
-"""A router that belongs to no world: it stands for zenohd, whose router is the same code."""
 
 
 def why_not() -> str:
@@ -123,7 +111,7 @@ class Internet:
 
     def router(self, name: str, log: Path, *connect: str) -> None:
         """A router on a machine, linked to others."""
-        self.start(name, [sys.executable, "-c", ROUTER, "tcp/0.0.0.0:7447", *connect], log)
+        self.start(name, [sys.executable, "-c", SOURCE, "tcp/0.0.0.0:7447", *connect], log)
 
     def close(self) -> None:
         """End every process here and on the machines, and with them the machines."""
