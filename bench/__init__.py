@@ -8,5 +8,7 @@ recording   the lockstep with and without a log, in turn; bytes a robot-tick
 secure      what TLS, access control and the audit cost, plain and secure runs in turn
 memory      whether it grows with the length of a run: python -m bench.memory, half an hour
 growth      messages and bytes a tick at the router, from 10 to 100 robots
+cost        CPU time of a world and of a router of its own; the lockstep behind a delay
+own_router  that router, as a small program
 startup     time and memory until an agent is ready
 """

@@ -1,6 +1,6 @@
 """All benchmarks, one after the other: `python -m bench`."""
 
-from bench import compute, growth, lockstep, recording, secure, startup
+from bench import compute, cost, growth, lockstep, recording, secure, startup
 
 if __name__ == "__main__":
     compute.main()
@@ -9,3 +9,4 @@ if __name__ == "__main__":
     recording.main()
     secure.main()
     growth.main()
+    cost.main()

@@ -39,6 +39,7 @@ LATER = 60.0
 KINDS = ("observation", "beacon", "command")
 
 Counts = Counter[str]
+"""Messages, and their bytes, by what was done with them."""
 
 
 class Counted(Bus):

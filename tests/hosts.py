@@ -14,21 +14,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from bench.own_router import SOURCE
+
 TOOLS = ("ip", "unshare", "nsenter")
-
-ROUTER = """
-import asyncio, sys
-from fes import bus
-from fes.endpoints import Endpoints
-
-async def main(listen, *connect):
-    async with bus.opened(Endpoints("router", connect, (listen,))):
-        print("ready", flush=True)
-        await asyncio.to_thread(sys.stdin.read)
-
-asyncio.run(main(*sys.argv[1:]))
-"""
-"""A router that belongs to no world: it stands for zenohd, whose router is the same code."""
 
 
 def why_not() -> str:
@@ -38,8 +26,9 @@ def why_not() -> str:
         return f"there is no {missing[0]}"
     if os.geteuid() != 0:
         return "only root can make network namespaces"
-    tried = subprocess.run(["unshare", "--net", "ip", "link", "show"], capture_output=True, text=True)
-    return f"no network namespace can be made: {tried.stderr.strip()}" if tried.returncode != 0 else ""
+    wanted = "ip link add lan type bridge && ip link add one type veth peer name other"
+    tried = subprocess.run(["unshare", "--net", "sh", "-c", wanted], capture_output=True, text=True)
+    return f"no network can be made in a namespace: {tried.stderr.strip()}" if tried.returncode != 0 else ""
 
 
 @dataclass
@@ -56,8 +45,14 @@ class Host:
         return ["nsenter", f"--net=/proc/{self.holder.pid}/ns/net", "--"]
 
     def ip(self, *words: str) -> None:
-        """Change its network."""
-        subprocess.run([*self.enter, "ip", *words], check=True, capture_output=True, timeout=10)
+        """Change its network; raises OSError."""
+        self.run("ip", *words)
+
+    def run(self, *words: str) -> None:
+        """Run a command there that says nothing; raises OSError with what it says."""
+        done = subprocess.run([*self.enter, *words], capture_output=True, text=True, timeout=10)
+        if done.returncode != 0:
+            raise OSError(f"{self.name}: {' '.join(words)}: {done.stderr.strip()}")
 
     def endpoint(self, network: int = 0) -> str:
         """Where a router on it listens, as those on its nth network see it."""
@@ -123,7 +118,7 @@ class Internet:
 
     def router(self, name: str, log: Path, *connect: str) -> None:
         """A router on a machine, linked to others."""
-        self.start(name, [sys.executable, "-c", ROUTER, "tcp/0.0.0.0:7447", *connect], log)
+        self.start(name, [sys.executable, "-c", SOURCE, "tcp/0.0.0.0:7447", *connect], log)
 
     def close(self) -> None:
         """End every process here and on the machines, and with them the machines."""

@@ -148,23 +148,12 @@ def test_beacons_that_go_another_and_slower_way_than_ticks_are_recalled_and_chan
     """Three sites in a ring: beacons from one to the next have a way of their own, here a very slow one."""
     seconds = 1.0
     sites(net, team.where, ("east", "west"), ("east", "south"), ("south", "west"))
+    slow = ["tc", "qdisc", "add", "dev", "lan5", "root", "tbf", "rate", "400kbit", "burst", "2kb", "latency", "9s"]
     for site in ("south", "west"):
-        slow = [
-            "tc",
-            "qdisc",
-            "add",
-            "dev",
-            "lan5",
-            "root",
-            "tbf",
-            "rate",
-            "400kbit",
-            "burst",
-            "2kb",
-            "latency",
-            "9s",
-        ]
-        subprocess.run([*net.hosts[f"{site}-router"].enter, *slow], check=True, capture_output=True)
+        try:
+            net.hosts[f"{site}-router"].run(*slow)
+        except OSError as error:
+            pytest.skip(f"a slow way: skipped, because this kernel shapes no link: {error}")
     team.world(
         "east-world", "paper.toml", "-m", "client", "-e", net.hosts["east-router"].endpoint(),
         "--duration", str(seconds),

@@ -1,0 +1,156 @@
+"""What a hundred robots cost a world and a router of their own, and what delay costs the lockstep.
+
+World and router are processes of their own, so that their CPU time can be told apart; the robots have a session each
+in this one. The delay is that of a relay, which holds every byte for a while: there is no other way on this kernel.
+"""
+
+import asyncio
+import contextlib
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
+from pathlib import Path
+
+from agents.process import Agent
+from bench.growth import SCENARIO, Counted, Counts
+from bench.own_router import SOURCE
+from console import observer
+from console.launcher import free_port
+from fes import bus, keys
+from fes.endpoints import Endpoints
+from world.course import Course
+from world.scenario import load
+from world.server import Server
+
+FIRST, LAST = 30, 130
+"""The window that is looked at [ticks]."""
+
+ROBOTS = (25, 50, 100)
+DELAYS = (0.0, 0.005, 0.010, 0.020)
+"""One way [s]."""
+
+
+@contextmanager
+def started(*words: str) -> Iterator["subprocess.Popen[str]"]:
+    """A program that ends with its standard input."""
+    process = subprocess.Popen(
+        [sys.executable, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+    )
+    try:
+        yield process
+    finally:
+        process.communicate(timeout=30)
+
+
+def spent(pid: int) -> float:
+    """CPU time so far [s]."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / 100.0
+
+
+async def cost(robots: int) -> None:
+    """Print the CPU time of world and router a tick."""
+    endpoint, counts = f"tcp/127.0.0.1:{free_port()}", Counts()
+    words = [str(SCENARIO), "-m", "client", "-e", endpoint, "--set", f"robots.count={robots}", "--exit-with-stdin"]
+    with started("-c", SOURCE, endpoint) as router:
+        assert router.stdout is not None
+        router.stdout.readline()
+        with started("-m", "world.process", *words) as world:
+            agents = [asyncio.ensure_future(_live(endpoint, robot, counts)) for robot in range(robots)]
+            marks = [mark async for mark in _marks(endpoint, world.pid, router.pid, counts)]
+            for agent in agents:
+                agent.cancel()
+            await asyncio.gather(*agents, return_exceptions=True)
+    (tick, before, *cpu), (end, after, *total) = marks
+    ticks, messages = end - tick, Counter(after)
+    messages.subtract(before)
+    # In: a beacon, a command, an observation from the world; out: those two again, and a beacon to each peer.
+    handled = 2 * messages["command put"] + 2 * messages["observation taken"]
+    handled += messages["beacon put"] + messages["beacon taken"]
+    of_world, of_router = (now - then for then, now in zip(cpu, total, strict=True))
+    print(
+        f"  {robots:4d} robots: world {1e6 * of_world / ticks / robots:5.1f} us a robot-tick; "
+        f"router {handled / ticks:6.0f} messages a tick, {1e6 * of_router / handled:4.1f} us each",
+        flush=True,
+    )
+
+
+async def _live(endpoint: str, robot: int, counts: Counts) -> None:
+    async with bus.opened(Endpoints("client", (endpoint,))) as opened:
+        agent = Agent(Counted(opened, counts), keys.DEFAULT_RUN, (robot,))
+        await agent.live(await agent.join(60.0))
+
+
+async def _marks(
+    endpoint: str, world: int, router: int, counts: Counts
+) -> AsyncIterator[tuple[int, Counts, float, float]]:
+    """Tick, messages and CPU times at both ends of the window."""
+    waiting = [FIRST, LAST]
+    async with bus.opened(Endpoints("client", (endpoint,))) as opened:
+        async for report in observer.reports(opened, keys.DEFAULT_RUN, 60.0, 60.0):
+            if report is not None and report.tick >= waiting[0]:
+                waiting.pop(0)
+                yield report.tick, Counter(counts), spent(world), spent(router)
+                if not waiting:
+                    return
+
+
+@asynccontextmanager
+async def relayed(port: int, delay: float) -> AsyncIterator[int]:
+    """The port of a relay that holds every byte for `delay` [s], in both directions."""
+
+    async def carry(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        loop = asyncio.get_running_loop()
+        with contextlib.suppress(OSError):
+            while data := await reader.read(1 << 16):
+                loop.call_later(delay, writer.write, data)
+        loop.call_later(delay, writer.close)
+
+    async def accept(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        onward = await asyncio.open_connection("127.0.0.1", port)
+        with contextlib.suppress(asyncio.CancelledError):  # the end of all
+            await asyncio.gather(carry(reader, onward[1]), carry(onward[0], writer))
+
+    server = await asyncio.start_server(accept, "127.0.0.1", 0)
+    try:
+        yield server.sockets[0].getsockname()[1]
+    finally:
+        server.close()
+
+
+async def pace(delay: float) -> float:
+    """Ticks per second of two robots behind a relay."""
+    port = free_port()
+    async with bus.opened(Endpoints("router", (), (f"tcp/127.0.0.1:{port}",))) as opened, relayed(port, delay) as far:
+        server = Server(
+            opened, Course(load(Path("configs/pair.toml"), {"run.duration": 2.0})), "pair", keys.DEFAULT_RUN
+        )
+        agents = [asyncio.ensure_future(_live(f"tcp/127.0.0.1:{far}", robot, Counts())) for robot in range(2)]
+        await server.gather()
+        begun = time.perf_counter()
+        await server.run()
+        rate = server.course.state.tick / (time.perf_counter() - begun)
+        server.dismiss()
+        await asyncio.gather(*agents)
+        return float(rate)
+
+
+def main() -> None:
+    """Print both."""
+    print(f"cost: {SCENARIO}, world and router processes of their own, a session a robot")
+    for robots in ROBOTS:
+        asyncio.run(cost(robots))
+    rest = 0.0
+    for delay in DELAYS:
+        rate = asyncio.run(pace(delay))
+        rest = rest or 1.0 / rate
+        bound = 1.0 / (2.0 * delay + rest)
+        said = f"1 / (2 x delay + {1e3 * rest:.1f} ms) = {bound:.1f}"
+        print(f"  {1e3 * delay:4.0f} ms one way: {rate:6.1f} ticks/s; {said}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

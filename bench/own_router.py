@@ -1,0 +1,18 @@
+"""A router that belongs to no world, as the source of a small program: it stands for zenohd, whose code it shares.
+
+The program takes an endpoint to listen on, and those of routers to link to; it says "ready", and ends with its
+standard input.
+"""
+
+SOURCE = """
+import asyncio, sys
+from fes import bus
+from fes.endpoints import Endpoints
+
+async def main(listen, *connect):
+    async with bus.opened(Endpoints("router", connect, (listen,))):
+        print("ready", flush=True)
+        await asyncio.to_thread(sys.stdin.read)
+
+asyncio.run(main(*sys.argv[1:]))
+"""
