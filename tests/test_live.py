@@ -3,6 +3,7 @@
 import asyncio
 import json
 import logging
+import signal
 import subprocess
 import time
 from dataclasses import replace
@@ -16,6 +17,7 @@ from agents.mouth import Mouth
 from agents.presence import Presence
 from agents.turns import Turns
 from console import header, log, replay
+from console.launcher import free_port
 from fes import keys, messages
 from fes.complaints import Complaints
 from fes.errors import FesError
@@ -23,8 +25,9 @@ from fes.inbox import Inbox
 from fes.messages import Command, Observation
 from tests import session
 from tests.frames import a_report
-from tests.loop import load
-from tests.test_processes import PATIENCE, fes
+from tests.loop import CONFIGS, load
+from tests.test_processes import PATIENCE, fes, start
+from tests.test_processes import command as command_line
 from world import live, simulation
 from world.course import Course
 from world.deadlines import COMMAND_TIMEOUT, Deadlines, none
@@ -159,6 +162,45 @@ def test_an_agent_answers_the_newest_tick_and_counts_those_it_skipped() -> None:
     answered, turns = asyncio.run(main())
     assert answered == [1, 5, 900]
     assert turns.skipped == 3
+
+
+class Nobody:
+    """A bus on which nobody listens."""
+
+    def publisher(self, key: str, schema: str) -> Any:
+        return lambda payload: None
+
+    def serve(self, key: str, handler: Any) -> None: ...
+
+
+def test_a_mouth_that_skips_ticks_forgets_as_much() -> None:
+    mouth = Mouth(Nobody(), "test", (0,), Complaints(logging.getLogger("test")))  # type: ignore[arg-type]
+    for tick in range(0, 3000, 3):
+        mouth.say(tick, [(0, b"beacon", b"command")])
+    assert len(mouth._commands) <= 2
+    assert len(mouth._beacons) <= 2
+
+
+def test_an_agent_that_is_suspended_for_longer_than_its_lease_is_taken_in_again(tmp_path: Path) -> None:
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    words = [str(CONFIGS / "pair.toml"), "--set", "run.clock=live", "--duration", "14", "--out", "out"]
+    world = start(command_line("world.process", *words, "-l", endpoint), tmp_path)
+    agents = [start(command_line("agents.process", "--id", str(at), "-e", endpoint), tmp_path) for at in (0, 1)]
+    assert world.stderr is not None
+    while "starts" not in world.stderr.readline():
+        assert world.poll() is None
+    time.sleep(1.5)
+    agents[1].send_signal(signal.SIGSTOP)
+    time.sleep(5.0)
+    agents[1].send_signal(signal.SIGCONT)
+    _, told = world.communicate(timeout=PATIENCE)
+    for agent in agents:
+        agent.communicate(timeout=PATIENCE)
+        assert agent.returncode == 0
+    assert "robot 1 is not there from tick" in told
+    assert "robot 1 is back from tick" in told
+    kept = json.loads((tmp_path / "out" / "summary.json").read_text())["deadlines"]
+    assert kept["due"][0] == 700 > kept["due"][1] > 300
 
 
 def live_through(scenario: Scenario, path: Path, story: Any) -> dict[str, Any]:

@@ -44,6 +44,9 @@ class Team:
 
     def step(self, course: Course) -> None:
         """Go through one tick."""
+        anew = course.state.since == course.state.tick
+        if anew.any() and course.state.tick > 0:
+            self.minds = crew.forget(self.crew, self.minds, anew)
         sent = course.observations(course.state.present)
         self.minds, self.said, twists = crew.step(self.crew, self.minds, simulation.observe(course.state), self.said)
         told = crew.telemetry(self.crew, self.minds)
@@ -75,6 +78,10 @@ def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, r
         for tick in range(scenario.ticks):
             if tick == 13:
                 course.change("channel.reference_snr", 2e6)
+            if tick == 20:  # a robot goes and comes back within a tick
+                everybody = course.state.present
+                course.attend(everybody & (course.world.ids != 2))
+                course.attend(everybody)
             if tick % 7 == 5:
                 keeper.save(course, {}, 0.1, at_once=True)
             team.step(course)
@@ -174,6 +181,7 @@ def test_a_run_whose_world_is_killed_and_told_to_stop_comes_to_the_same_digest(r
 
 def test_fes_run_kills_the_world_that_its_scenario_has_die_and_the_digest_is_the_same(tmp_path: Path) -> None:
     deaths = [{"at": 2.0, "world_away": 0.5}, {"at": 6.0, "world_away": 0.1}]
+    deaths.append({"at": 11.96, "world_away": 0.1})  # perhaps when it is just over
     scenario = load("neighborhood.toml", run__duration=12.0, event=deaths)
     write_scenario(tmp_path, scenario)
     words = ["run", "scenario.toml", "--rtf", "4", "--headless", "--json", "--out", "out"]
@@ -183,7 +191,7 @@ def test_fes_run_kills_the_world_that_its_scenario_has_die_and_the_digest_is_the
     )
     assert ended.returncode == 0, ended.stderr
     assert json.loads(ended.stdout)["digest"] == inprocess.run(scenario, "scenario")["digest"]
-    assert (tmp_path / "out" / "world.log").read_text().count("goes on at tick") == 2
+    assert (tmp_path / "out" / "world.log").read_text().count("goes on at tick") >= 2
 
 
 def test_what_a_person_set_and_who_died_meanwhile_is_not_forgotten(run: Run) -> None:
@@ -274,6 +282,40 @@ def test_the_last_note_may_be_torn(tmp_path: Path) -> None:
         assert list(journal.notes(path)) == notes[: sum(end <= length for end in ends)]
     path.write_bytes(whole[:-1] + b"x")
     assert list(journal.notes(path)) == notes[:1]
+
+
+def test_who_shares_a_process_is_what_was_last_joined(tmp_path: Path) -> None:
+    course, keeper = Course(load("neighborhood.toml")), Keeper(tmp_path, 1e9, "test", "main")
+    keeper.begin(course)
+    for robots in ([0, 1, 2], [0], [1, 2], [0, 1, 2], [2]):
+        keeper.note(["join", robots])
+    keeper.close(course)
+    again, kept, _ = resume.course(tmp_path, resume.load(tmp_path), None, 1e9)
+    assert kept.groups == {0: (0, 1, 2), 1: (0, 1, 2), 2: (2,)}
+    assert kept.renewed == {0, 1, 2}
+    kept.note(["tick", 0, [b"", b"x", b"x"], [], 0.0])
+    assert kept.renewed == {0}
+    kept.discard(again)
+
+
+def test_a_damaged_log_is_one_line(tmp_path: Path) -> None:
+    scenario = load("pair.toml", run__duration=0.2)
+    team, keeper = Team(scenario), Keeper(tmp_path, 1e9, "pair", "main")
+    with suppress(FesError), Recorder(tmp_path / NAME, scenario, "pair", "processes") as recorder:
+        course = Course(scenario, recorder)
+        keeper.begin(course)
+        for _ in range(5):
+            team.step(course)
+        keeper.save(course, {}, 0.1, at_once=True)
+        keeper.close(course)
+        raise FesError("it was stopped")
+    whole, snapshot = (tmp_path / NAME).read_bytes(), resume.load(tmp_path)
+    assert snapshot.log is not None
+    for damaged in (b"", whole[: snapshot.log.size // 2], whole[: snapshot.log.size - 1], b"x" + whole[1:]):
+        (tmp_path / FOLDER / f"log-{snapshot.number}").unlink(missing_ok=True)
+        (tmp_path / NAME).write_bytes(damaged)
+        with pytest.raises(FesError, match=r"^the log of .* cannot be gone on with: it is damaged "):
+            resume.recorder(tmp_path, snapshot)
 
 
 def begun(where: Path) -> Path:

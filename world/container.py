@@ -86,6 +86,12 @@ class Container:
 
     def copy(self, path: Path, size: int) -> None:
         """Take over all messages in the first `size` bytes of another file, chunk by chunk."""
+        with contextlib.ExitStack() as unless_all_is_well:
+            unless_all_is_well.callback(self._file.close)
+            self._copy(path, size)
+            unless_all_is_well.pop_all()
+
+    def _copy(self, path: Path, size: int) -> None:
         schemas, channels = dict[int, McapSchema](), dict[int, McapChannel]()
         with path.open("rb") as file:
             for record in StreamReader(file, emit_chunks=True).records:
