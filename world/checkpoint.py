@@ -164,6 +164,7 @@ class Keeper:
     def discard(self, course: Course) -> None:
         """The run is over: there is nothing to go on from."""
         self.close(course)
+        (self._folder / STATE).unlink(missing_ok=True)  # first: without the rest it would be an older run
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def _write(self, number: int, told: bytes, files: list[int]) -> None:
@@ -185,6 +186,11 @@ class Keeper:
             for old in [*self._folder.glob("journal-*"), *self._folder.glob("log-*")]:
                 if _number(old) < number:
                     old.unlink(missing_ok=True)
+
+
+def is_kept(directory: Path) -> bool:
+    """Whether a run directory has a checkpoint: its run is not over."""
+    return (directory / FOLDER / STATE).exists()
 
 
 def renew(renewed: set[int], note: list[Any]) -> None:

@@ -50,14 +50,15 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
             if flags.out is not None:
                 server.keep = partial(summary.write_scenario, flags.out)
                 server.keep(course.scenario)
-            reached, pausing = None, False
+            reached, pausing, ended = None, False, False
             try:
                 if not course.is_over:
                     await server.gather()
                 await server.run()
             except asyncio.CancelledError as stopped:
                 pausing = keeper is not None and stopped.args == (signal.SIGTERM.name,) and not course.is_over
-                if not course.is_over:
+                ended = not pausing
+                if pausing:
                     server.save()
                 raise
             finally:
@@ -68,7 +69,7 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
                 finally:
                     reached = _keep(flags.out, server, recorder)
                     if keeper is not None:
-                        keeper.close(course)
+                        (keeper.discard if ended else keeper.close)(course)
         if keeper is not None:  # last of all: until here it can be gone on with
             keeper.discard(course)
         server.logger.info("the run is over after %d ticks", scenario.ticks)
