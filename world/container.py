@@ -2,13 +2,15 @@
 
 import contextlib
 import json
+import struct
 import time
 from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from mcap.exceptions import EndOfFile
+import zstandard
+from mcap.exceptions import EndOfFile, McapError
 from mcap.records import Channel as McapChannel
 from mcap.records import Chunk
 from mcap.records import Message as McapMessage
@@ -86,10 +88,11 @@ class Container:
 
     def copy(self, path: Path, size: int) -> None:
         """Take over all messages in the first `size` bytes of another file, chunk by chunk."""
-        with contextlib.ExitStack() as unless_all_is_well:
-            unless_all_is_well.callback(self._file.close)
+        try:
             self._copy(path, size)
-            unless_all_is_well.pop_all()
+        except (EndOfFile, McapError, UnicodeDecodeError, struct.error, zstandard.ZstdError) as error:
+            self._file.close()
+            raise FesError(f"it is damaged ({type(error).__name__})") from None
 
     def _copy(self, path: Path, size: int) -> None:
         schemas, channels = dict[int, McapSchema](), dict[int, McapChannel]()

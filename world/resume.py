@@ -2,15 +2,12 @@
 
 import io
 import pickle
-import struct
 from dataclasses import is_dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import zstandard
-from mcap.exceptions import EndOfFile, McapError
 from pydantic import BaseModel
 
 from fes import messages
@@ -67,8 +64,10 @@ def recorder(directory: Path, snapshot: Snapshot) -> Recorder | None:
     try:
         before = checkpoint.set_log_aside(directory, snapshot.number)
         return Recorder(directory / NAME, snapshot.scenario, snapshot.name, "processes", (before, snapshot.log))
-    except (OSError, EndOfFile, McapError, UnicodeDecodeError, struct.error, zstandard.ZstdError) as error:
-        raise FesError(f"the log of {directory} cannot be gone on with: {_line(error)}") from None
+    except (OSError, FesError) as error:
+        raise FesError(
+            f"the log of {directory} cannot be gone on with: {reason(error) if isinstance(error, OSError) else error}"
+        ) from None
 
 
 def course(
@@ -121,10 +120,6 @@ def _again(run: Course, note: list[Any], elapsed: float) -> float:
     else:
         raise ValueError(f"a note of kind {kind!r}")
     return elapsed
-
-
-def _line(error: Exception) -> str:
-    return reason(error) if isinstance(error, OSError) else f"it is damaged ({type(error).__name__})"
 
 
 class _Tables(pickle.Unpickler):

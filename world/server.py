@@ -95,9 +95,13 @@ class Server:
         self._first = course.state.tick
         while not course.is_over:
             if self._held is not None:
-                self._attend(self._attendance.now(course.state))
+                present = self._attendance.now(course.state)
             else:
-                self._attend(await self._attendance.assemble(course.state))
+                present = await self._attendance.assemble(course.state)
+            if course.state.tick == self._first > 0:
+                # The world before may have published this tick: who comes back would change what others sense of it.
+                present &= course.state.present
+            self._attend(present)
             sent = self._publish()
             self._account()  # for the last tick, while the robots think about this one
             if self._keeper is not None and self._keeper.due:
