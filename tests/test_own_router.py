@@ -91,15 +91,14 @@ def forged(keyed: Path, text: str, endpoint: str) -> set[str]:
     async def main() -> None:
         async with client(keyed, "world", endpoint) as world, client(keyed, "robot-1", endpoint) as forger:
             world.subscribe(keys.tree(RUN), lambda key, payload: heard.append((key, payload)))
-            for key in FORGED:
-                forger.publisher(key, "x")(b"forged")
-            forger.publisher(keys.command(RUN, 1), "x")(b"own")
-            async with asyncio.timeout(10.0):
-                while (
-                    keys.command(RUN, 1),
-                    b"own",
-                ) not in heard:  # what was put before has come, or never will
-                    await asyncio.sleep(0.01)
+            said = [(forger.publisher(key, "x"), b"forged") for key in FORGED]
+            said.append((forger.publisher(keys.command(RUN, 1), "x"), b"own"))
+            async with asyncio.timeout(20.0):
+                # What was put before it has come, or never will. Before the subscription is known, nothing comes.
+                while (keys.command(RUN, 1), b"own") not in heard:
+                    for put, payload in said:
+                        put(payload)
+                    await asyncio.sleep(0.05)
 
     with zenoh.open(zenoh.Config.from_json5(text)):
         asyncio.run(main())
