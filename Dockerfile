@@ -1,4 +1,4 @@
-# One image for every role: fes-world, fes-agent and fes. What must be written goes to /work/runs or /tmp.
+# One image for every role: fes-world, fes-agent and fes. What must be written goes to /srv/runs or /tmp.
 FROM python:3.11-slim-bookworm
 
 ENV PIP_NO_CACHE_DIR=1 PIP_ROOT_USER_ACTION=ignore
@@ -19,10 +19,10 @@ RUN pip install --no-deps .
 
 # Docker gives a new volume the owner of the folder it is mounted on, so the folders of all volumes are made here.
 RUN groupadd --gid 10001 fes && useradd --uid 10001 --gid fes --no-create-home --home-dir /tmp fes \
-    && install -d -o fes -g fes /work/runs \
+    && install -d -o fes -g fes /srv/runs \
     && for role in authority world observer operator $(seq -f robot-%g 0 9); do \
         install -d -o fes -g fes -m 700 "/keys/$role"; done
-WORKDIR /work
+WORKDIR /srv
 COPY configs configs
 COPY deploy/issue-keys /usr/local/bin/issue-keys
 USER fes

@@ -70,7 +70,7 @@ def hardened(team: Team) -> None:
         if not (safe and "no-new-privileges:true" in host["SecurityOpt"]):
             raise Broken(f"{one['Name']} is not hardened: {host}")
     claim(team.compose("exec", "-T", team.world, "id", "-u") == "10001\n", "nobody is root")
-    refused = team.attempt("exec", "-T", team.world, "touch", "/work/configs/new")
+    refused = team.attempt("exec", "-T", team.world, "touch", "/srv/configs/new")
     claim("Read-only file system" in refused.stdout, "the file system is read-only")
     limit = (
         "import glob; print(*(open(f).read() for f in glob.glob('/sys/fs/cgroup/**/memory.[lm]*', recursive=True)))"

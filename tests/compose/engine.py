@@ -115,7 +115,7 @@ class Team:
     def summary(self, run: str) -> dict[str, Any]:
         """The summary in the run directory on the volume."""
         with tempfile.TemporaryDirectory() as here:
-            self.compose("cp", f"{self.world}:/work/runs/{run}/summary.json", here)
+            self.compose("cp", f"{self.world}:/srv/runs/{run}/summary.json", here)
             found: dict[str, Any] = json.loads((Path(here) / "summary.json").read_text(encoding="utf-8"))
         return found
 
