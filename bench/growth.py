@@ -125,9 +125,9 @@ async def _measure(scenario: Scenario) -> Grown:
         agents = [asyncio.ensure_future(_live(port, robot, counts)) for robot in range(robots)]
         await server.gather()
         running = asyncio.ensure_future(server.run())
-        before, degrees = await _snapshot(server, FIRST, port, counts), []
+        before, degrees = await _snapshot(server, FIRST, port, counts), dict[int, float]()
         while server.course.state.tick < FIRST + TICKS:
-            degrees.append(_contacts(server.course.state))
+            degrees[server.course.state.tick] = _contacts(server.course.state)  # once, however long it takes
             await asyncio.sleep(0.0)
         after = await _snapshot(server, FIRST + TICKS, port, counts)
         await running
@@ -135,7 +135,7 @@ async def _measure(scenario: Scenario) -> Grown:
         await asyncio.gather(*agents)
     ticks = after["tick"] - before["tick"]
     spent = {what: (after[what] - before[what]) / ticks for what in after}
-    return Grown(robots, sum(degrees) / len(degrees), spent, spent.pop("received"), spent.pop("sent"))
+    return Grown(robots, sum(degrees.values()) / len(degrees), spent, spent.pop("received"), spent.pop("sent"))
 
 
 async def _live(port: int, robot: int, counts: Counts) -> None:
