@@ -57,7 +57,7 @@ class Mouth:
             try:
                 tick = messages.decode_recall(question.payload)
             except MessageError as error:
-                self._complaints.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
+                self._complaints.unread(key, error)
                 question.refuse(str(error))
                 return
             if tick not in self._beacons:

@@ -81,6 +81,6 @@ class Radio:
             if beacon.robot != peer or keys.robot_of(key) != peer:
                 raise MessageError("Beacon", "came on another robot's key", key)
         except MessageError as error:
-            self._complaints.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
+            self._complaints.unread(key, error)
             return None
         return beacon

@@ -99,6 +99,6 @@ class Turns:
             if keys.robot_of(key) != observation.robot:
                 raise MessageError("Observation", "came on another robot's key", key)
         except MessageError as error:
-            self._complaints.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
+            self._complaints.unread(key, error)
             return None
         return observation

@@ -3,6 +3,8 @@
 import logging
 from collections import Counter
 
+from fes.errors import MessageError
+
 MAX_KINDS = 100
 """Kinds that are told apart; further ones are counted as `other`."""
 
@@ -24,6 +26,10 @@ class Complaints:
         self.counts[kind] += 1
         if self.counts[kind] == 1:
             self._logger.warning("dropped %s (further ones of this kind are counted, not shown)", _shown(line))
+
+    def unread(self, key: str, error: MessageError) -> None:
+        """Count a message that cannot be used, by the rule it breaks."""
+        self.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
 
     def log_total(self, overflow: int = 0) -> None:
         """One line with the counts, if there are any; `overflow` messages found no room to wait."""

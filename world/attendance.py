@@ -67,12 +67,11 @@ class Attendance:
         planned = self._schedule.get(state.tick)
         due = planned.back if planned is not None else np.zeros(self._robots, dtype=np.bool_)
         end = time.monotonic() + RETURN_TIMEOUT
-        wanted, self._asleep = self._planned(state.tick)
         while True:
             self._roster.changed.clear()
             there = self._roster.whole & ~self._hung
             if there.any() and there[due].all():
-                return there & wanted & ~self._begin_anew(state, there)
+                return self.now(state)
             if time.monotonic() >= end:
                 missing = np.flatnonzero(due & ~there)
                 who = f"robot {missing[0]} did not come back" if len(missing) else "nobody is there any more"

@@ -9,6 +9,7 @@ import time
 
 import numpy as np
 
+from fes.arrays import Bools
 from fes.complaints import Complaints
 from fes.errors import MessageError
 from fes.inbox import Inbox
@@ -16,6 +17,7 @@ from world import wording
 from world.attendance import Attendance
 from world.course import Answer
 from world.deadlines import COMMAND_TIMEOUT, Deadlines
+from world.lockstep import Lockstep
 from world.simulation import State
 
 WARM_UP = 25
@@ -26,24 +28,43 @@ HANG_TIMEOUT = 2.0
 """A living robot that says nothing for this long [s] is left out until it speaks again, and then begins anew."""
 
 
-class Held:
-    """The last command of each robot."""
+class Live:
+    """The end of each tick, and the last command of each robot."""
 
     def __init__(
-        self, inbox: Inbox, attendance: Attendance, complaints: Complaints, deadlines: Deadlines, dt: float
+        self,
+        warm_up: Lockstep,
+        inbox: Inbox,
+        attendance: Attendance,
+        complaints: Complaints,
+        deadlines: Deadlines,
+        dt: float,
     ) -> None:
+        """`warm_up` has the first ticks, WARM_UP of them."""
+        self._warm_up, self._left = warm_up, WARM_UP
         self._inbox, self._attendance = inbox, attendance
         self._complaints, self._deadlines = complaints, deadlines
         self._dt = dt
         self._last: dict[int, Answer] = {}
         self._due = 0.0  # end of the present tick [s; monotonic]
 
-    async def collect(self, state: State, sent: list[bytes]) -> list[Answer | None]:
-        """The command that each robot follows at the end of this tick and its payload, in id order; None to stop."""
+    async def present(self, state: State) -> Bools:
+        """Who takes part at the tick of `state` [n]: who is there now."""
+        return self._attendance.now(state)
+
+    async def collect(self, state: State, sent: list[bytes]) -> tuple[list[Answer | None], Bools]:
+        """The command that each robot follows at the end of this tick and its payload, in id order, None to stop; and
+        who takes part from now on [n].
+        """
+        if self._left:
+            self._left -= 1
+            answers, present = await self._warm_up.collect(state, sent)
+            self._last.update((robot, answer) for robot, answer in enumerate(answers) if answer is not None)
+            return answers, present
         await self._end_of_tick()
         for key, payload in self._inbox.drain():
             self._read(state, key, payload)
-        answers: list[Answer | None] = [None] * len(sent)
+        answers = [None] * len(sent)
         silent = np.zeros(len(sent), dtype=np.bool_)
         for robot in np.flatnonzero(state.present).tolist():
             last, since = self._last.get(robot), int(state.since[robot])
@@ -53,11 +74,7 @@ class Held:
             silent[robot] = (state.tick - max(heard, since)) * self._dt >= HANG_TIMEOUT
         if silent.any():
             self._attendance.hang(silent)
-        return answers
-
-    def follow(self, answers: list[Answer | None]) -> None:
-        """Commands that were waited for, before the clock was live."""
-        self._last.update((robot, answer) for robot, answer in enumerate(answers) if answer is not None)
+        return answers, state.present
 
     async def _end_of_tick(self) -> None:
         now = time.monotonic()
@@ -77,7 +94,7 @@ class Held:
             if command.tick > state.tick:
                 raise MessageError("Command", "is not for this tick", str(command.tick))
         except MessageError as error:
-            self._complaints.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
+            self._complaints.unread(key, error)
             return
         self._attendance.woke(command.robot)
         last = self._last.get(command.robot)

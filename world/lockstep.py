@@ -1,10 +1,12 @@
-"""The barrier of the lockstep: every tick waits for the commands of all robots that are there."""
+"""The lockstep: every tick waits for the commands of all robots that are there."""
 
+import asyncio
 import time
 from collections.abc import Callable
 
 import numpy as np
 
+from fes.arrays import Bools
 from fes.complaints import Complaints
 from fes.errors import MessageError
 from fes.inbox import Inbox
@@ -25,19 +27,34 @@ Ask = Callable[[int, bytes], None]
 """Send a robot its observation."""
 
 
-class Barrier:
-    """Gathers the commands of a tick."""
+class Lockstep:
+    """The barrier of each tick, and its pace."""
 
-    def __init__(self, inbox: Inbox, attendance: Attendance, complaints: Complaints, ask: Ask) -> None:
+    def __init__(
+        self, inbox: Inbox, attendance: Attendance, complaints: Complaints, ask: Ask, pace: float | None = None
+    ) -> None:
+        """`pace` is the wall-clock time that a tick takes at least [s]; None for full speed."""
         self._inbox, self._attendance = inbox, attendance
         self._complaints = complaints
         self._ask = ask
+        self._pace = pace
+        self._due = 0.0  # of the present tick [s; monotonic]
         self._asked: dict[int, int] = {}  # the last tick that each robot was asked for again
 
-    async def collect(self, state: State, sent: list[bytes]) -> list[Answer | None]:
-        """Every robot's command for this tick and its payload, in id order; None for those that are not there.
+    async def present(self, state: State) -> Bools:
+        """Who takes part at the tick of `state` [n], when it is due and all are here; raises Absent.
 
-        A robot that is lost or does not answer in time is not there from this tick on.
+        Falling behind slows time; no tick is skipped.
+        """
+        if self._pace is not None:
+            self._due = self._due + self._pace if self._due else time.monotonic()
+            await asyncio.sleep(max(0.0, self._due - time.monotonic()))
+        return await self._attendance.assemble(state)
+
+    async def collect(self, state: State, sent: list[bytes]) -> tuple[list[Answer | None], Bools]:
+        """Every robot's command for this tick and its payload, in id order, and who takes part from now on [n].
+
+        A robot that is lost or does not answer in time is not there from this tick on: its command is None.
         """
         answers: list[Answer | None] = [None] * len(sent)
         waited = state.present.copy()
@@ -68,7 +85,7 @@ class Barrier:
                     self._asked[robot] = state.tick
                 patience *= 2.0
                 ask_at = min(time.monotonic() + patience, begun + ANSWER_TIMEOUT)
-        return answers
+        return answers, state.present & np.array([answer is not None for answer in answers])
 
     def _read(self, state: State, key: str, payload: bytes | None) -> Command | None:
         """The command in a message if it is one for this tick; anything else is dropped and counted.
@@ -84,6 +101,6 @@ class Barrier:
             if command.tick != state.tick:
                 raise MessageError("Command", "is not for this tick", str(command.tick))
         except MessageError as error:
-            self._complaints.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
+            self._complaints.unread(key, error)
             return None
         return command

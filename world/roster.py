@@ -89,7 +89,7 @@ class Roster:
         try:
             wanted = messages.decode_join(question.payload)
         except MessageError as error:
-            self._complaints.add(f"{error.schema}: {error.rule}", f"{question.key}: {error}")
+            self._complaints.unread(question.key, error)
             question.refuse(str(error))
             return
         if question.key != keys.welcome(self._run, keys.span(wanted)):

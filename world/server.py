@@ -21,8 +21,8 @@ from world.attendance import Attendance
 from world.checkpoint import JOIN, Keeper
 from world.course import Course
 from world.ears import Ears
-from world.live import WARM_UP, Held
-from world.lockstep import Barrier
+from world.live import Live
+from world.lockstep import Lockstep
 from world.roster import Roster
 from world.scenario import Scenario, agent_config
 
@@ -48,7 +48,7 @@ class Server:
         self.logger = logging.getLogger("world")
         self.complaints = Complaints(self.logger)
         robots = range(course.scenario.robots.number)
-        self._rtf, self._keeper = rtf, keeper
+        self._keeper = keeper
         self.keep: Callable[[Scenario], None] = lambda scenario: None
         """Called with the scenario whenever a person has changed it."""
         self._ears = Ears(bus, run, len(robots), self.complaints) if course.recorder is not None else None
@@ -62,15 +62,10 @@ class Server:
         bus.serve(keys.change(run), self._on_change)
         bus.token(keys.world_alive(run))  # last: it says that everything above is in place
         self._attendance = Attendance(self._roster, course.scenario)
-        self._barrier = Barrier(self._inbox, self._attendance, self.complaints, self._ask)
-        self._held: Held | None = None
-        if course.sums.deadlines is not None:
-            dt = course.scenario.run.dt
-            self._held = Held(self._inbox, self._attendance, self.complaints, course.sums.deadlines, dt)
+        self._clock = self._make_clock(None if rtf is None else course.scenario.run.dt / rtf)
         self._elapsed = elapsed
         self._begun = self._told_at = self._ended = 0.0
         self._told_tick = course.sums.tally.ticks
-        self._first = course.state.tick
 
     async def gather(self) -> None:
         """Wait until every robot is here; where a run is gone on with, for those that took part, for a while."""
@@ -92,13 +87,10 @@ class Server:
         """All ticks of the scenario; ends early, with what was reached, if it is cancelled."""
         course = self.course
         self._begun = self._told_at = time.perf_counter()
-        self._first = course.state.tick
+        first = course.state.tick
         while not course.is_over:
-            if self._held is not None:
-                present = self._attendance.now(course.state)
-            else:
-                present = await self._attendance.assemble(course.state)
-            if course.state.tick == self._first > 0:
+            present = await self._clock.present(course.state)
+            if course.state.tick == first > 0:
                 # The world before may have published this tick: who comes back would change what others sense of it.
                 present &= course.state.present
             self._attend(present)
@@ -106,16 +98,9 @@ class Server:
             self._account()  # for the last tick, while the robots think about this one
             if self._keeper is not None and self._keeper.due:
                 self._keeper.save(course, self._roster.groups, self.elapsed)
-            if self._held is not None and course.state.tick >= self._first + WARM_UP:
-                answers = await self._held.collect(course.state, sent)
-            else:
-                answers = await self._barrier.collect(course.state, sent)
-                if self._held is not None:
-                    self._held.follow(answers)
-                self._attend(course.state.present & np.array([answer is not None for answer in answers]))
+            answers, present = await self._clock.collect(course.state, sent)
+            self._attend(present)
             course.take(sent, answers, self._heard, self.elapsed)
-            if self._held is None:
-                await self._pace()
         self._account()
         self._ended = time.perf_counter()
 
@@ -150,6 +135,13 @@ class Server:
         self._account()
         if self._keeper is not None:
             self._keeper.save(self.course, self._roster.groups, self.elapsed, at_once=True)
+
+    def _make_clock(self, pace: float | None) -> Lockstep | Live:
+        lockstep = Lockstep(self._inbox, self._attendance, self.complaints, self._ask, pace)
+        deadlines, dt = self.course.sums.deadlines, self.course.scenario.run.dt
+        if deadlines is None:
+            return lockstep
+        return Live(lockstep, self._inbox, self._attendance, self.complaints, deadlines, dt)
 
     def _on_change(self, question: Question) -> None:
         """Somebody wants the channel to be another one; it is from the tick that goes on, beacons of it included."""
@@ -214,11 +206,3 @@ class Server:
         payload = encode_report(report)
         if len(payload) <= wire.MAX_PAYLOAD:  # beyond, at about 8,000 robots, there is nothing to watch
             self._report(payload)
-
-    async def _pace(self) -> None:
-        """With a real-time factor, wait until this tick is due. Falling behind slows time; no tick is skipped."""
-        if self._rtf is not None:
-            due = self._begun + (self.course.state.tick - self._first) * self.course.scenario.run.dt / self._rtf
-            ahead = due - time.perf_counter()
-            if ahead > 0:
-                await asyncio.sleep(ahead)
