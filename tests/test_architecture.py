@@ -128,7 +128,7 @@ print(*(name for name in sys.modules if name in ("agents.oracle", "fes.outage"))
     assert said[1:] in ([], [""])
 
 
-@pytest.mark.parametrize(("name", "path"), modules(*ROOMS).items(), ids=lambda value: str(value))
+@pytest.mark.parametrize(("name", "path"), modules(*ROOMS, "tests", "bench").items(), ids=lambda value: str(value))
 def test_no_file_is_longer_than_one_sitting(name: str, path: Path) -> None:
     assert len(path.read_text(encoding="utf-8").splitlines()) <= LONGEST_FILE, name
 

@@ -1,12 +1,8 @@
-"""Worlds that die and are gone on with: real ones, killed, and one stopped after every tick."""
+"""Runs that are gone on with from a checkpoint: after every tick of one loop, and not from a damaged one."""
 
-import json
 import os
 import pickle
 import shutil
-import signal
-import subprocess
-from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -15,21 +11,18 @@ import numpy as np
 import pytest
 
 from agents import assembly, crew
-from console import inprocess, log, replay
-from console.launcher import free_port
+from console import log, replay
 from fes import messages
 from fes.arrays import Bools
 from fes.errors import FesError
 from fes.sensing import silence
-from tests.loop import CONFIGS, load
-from tests.test_processes import PATIENCE, command, fes, start, until
+from tests.loop import load
 from world import checkpoint, journal, resume, simulation
 from world.checkpoint import FOLDER, Keeper
 from world.course import Course
 from world.process import main
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, agent_config
-from world.summary import write_scenario
 
 MACHINE = ("backend", "wall_s", "ticks_per_s", "real_time_factor")
 """What of a summary is of the machine."""
@@ -109,173 +102,6 @@ def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, r
             kept.discard(other)
             assert not (second / FOLDER).exists()
         keeper.discard(course)
-
-
-class Run:
-    """fes-world and its agents, started by hand."""
-
-    def __init__(self, where: Path, scenario: str, *words: str) -> None:
-        self.where, self.words = where, words
-        self.out = where / "out"
-        self.endpoint = f"tcp/127.0.0.1:{free_port()}"
-        self.scenario = scenario
-        self.agents: dict[int, subprocess.Popen[str]] = {}
-        self.world = self.start(str(CONFIGS / scenario), "--out", str(self.out), *words)
-
-    def start(self, *words: str, every: str = "0.5") -> "subprocess.Popen[str]":
-        """A world; this one looks after the run from now on, with a checkpoint `every` so often [s]."""
-        flags = ["-l", self.endpoint, "--checkpoint", every, "--rtf", "8"]
-        self.world = start(command("world.process", *words, *flags), self.where)
-        return self.world
-
-    def join(self, robot: int) -> None:
-        """An agent."""
-        words = ["--id", str(robot), "-e", self.endpoint]
-        self.agents[robot] = start(command("agents.process", *words), self.where)
-
-    def end(self, how: signal.Signals) -> None:
-        """End the world, by the present checkpoint's successor at the earliest."""
-        state = self.out / FOLDER / "state"
-        until(state.exists)
-        seen = state.stat().st_ino
-        until(lambda: state.stat().st_ino != seen)
-        self.world.send_signal(how)
-        self.world.communicate(timeout=PATIENCE)
-
-    def finish(self) -> dict[str, Any]:
-        """The summary, when all have ended well."""
-        for process in (self.world, *self.agents.values()):
-            _, err = process.communicate(timeout=PATIENCE)
-            assert process.returncode == 0, err
-        assert not (self.out / FOLDER).exists()
-        found: dict[str, Any] = json.loads((self.out / "summary.json").read_text())
-        return found
-
-
-@pytest.fixture
-def run(tmp_path: Path) -> Iterator[Run]:
-    going = Run(tmp_path, "neighborhood.toml", "--duration", "40")
-    try:
-        yield going
-    finally:
-        for process in (going.world, *going.agents.values()):
-            if process.poll() is None:
-                process.kill()
-            process.communicate()
-
-
-def test_a_run_whose_world_is_killed_and_told_to_stop_comes_to_the_same_digest(run: Run) -> None:
-    robots = load("neighborhood.toml").robots.number
-    for robot in range(robots):
-        run.join(robot)
-    for how in (signal.SIGKILL, signal.SIGTERM, signal.SIGKILL):
-        run.end(how)
-        assert run.world.returncode == (0 if how is signal.SIGTERM else -how)
-        assert all(agent.poll() is None for agent in run.agents.values())
-        run.start("--resume", str(run.out))
-    summary = run.finish()
-    whole = inprocess.run(load("neighborhood.toml", run__duration=40), "neighborhood")
-    assert {**summary, **dict.fromkeys(MACHINE)} == {**whole, **dict.fromkeys(MACHINE)}
-    assert replay.again(log.load(run.out / NAME), everybody=True)["digest"] == whole["digest"]
-
-
-def test_fes_run_kills_the_world_that_its_scenario_has_die_and_the_digest_is_the_same(tmp_path: Path) -> None:
-    deaths = [{"at": 2.0, "world_away": 0.5}, {"at": 6.0, "world_away": 0.1}]
-    deaths.append({"at": 11.96, "world_away": 0.1})  # perhaps when it is just over
-    scenario = load("neighborhood.toml", run__duration=12.0, event=deaths)
-    write_scenario(tmp_path, scenario)
-    words = ["run", "scenario.toml", "--rtf", "4", "--headless", "--json", "--out", "out"]
-    words += ["--agents-per-process", "5"]
-    ended = subprocess.run(
-        fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE + 30, check=False
-    )
-    assert ended.returncode == 0, ended.stderr
-    assert json.loads(ended.stdout)["digest"] == inprocess.run(scenario, "scenario")["digest"]
-    assert (tmp_path / "out" / "world.log").read_text().count("goes on at tick") >= 2
-
-
-def test_a_run_that_was_ended_for_good_cannot_be_gone_on_with(run: Run) -> None:
-    for robot in range(load("neighborhood.toml").robots.number):
-        run.join(robot)
-    until(lambda: (run.out / NAME).exists() and (run.out / NAME).stat().st_size > 20_000)  # it is under way
-    run.world.send_signal(signal.SIGINT)
-    for process in (run.world, *run.agents.values()):
-        process.communicate(timeout=PATIENCE)
-        assert process.returncode == 0
-    assert not (run.out / FOLDER).exists()
-
-
-def test_what_a_person_set_and_who_died_meanwhile_is_not_forgotten(run: Run) -> None:
-    for robot in range(load("neighborhood.toml").robots.number):
-        run.join(robot)
-    state = run.out / FOLDER / "state"
-    until(state.exists)
-    told = subprocess.run(
-        fes("set", "channel.reference_snr=2e6", "-e", run.endpoint), capture_output=True, text=True, check=False
-    )
-    assert told.returncode == 0, told.stderr
-    run.end(signal.SIGKILL)
-    run.agents[1].kill()
-    run.agents[1].communicate()
-    run.start("--resume", str(run.out))
-    run.join(1)  # a new process, which knows nothing
-    summary = run.finish()
-    assert summary["ticks"] == 2000
-    assert "2000000.0" in (run.out / "scenario.toml").read_text()
-    found = log.load(run.out / NAME)
-    assert [change for tick in found.ticks() for change in tick.changes] == [("channel.reference_snr", 2e6)]
-    [gone, back] = [tick for tick in found.ticks() if tick.attended]
-    assert 1 not in gone.attended[-1]
-    assert 1 in back.attended[-1]
-    assert replay.again(found, everybody=True)["digest"] == summary["digest"]
-
-
-def test_robots_that_came_and_went_since_the_checkpoint_come_and_go_again(run: Run) -> None:
-    run.world.kill()
-    run.world.communicate()
-    shutil.rmtree(run.out, ignore_errors=True)
-    run.start(str(CONFIGS / run.scenario), "--out", str(run.out), *run.words, every="1000")
-    for robot in range(load("neighborhood.toml").robots.number):
-        run.join(robot)
-    state = run.out / FOLDER / "state"
-    until(state.exists)
-
-    def notes() -> list[str]:
-        return [note[0] for path in checkpoint.journals(run.out, 0) for note in journal.notes(path)]
-
-    until(lambda: notes().count("tick") > 20)
-    run.agents[2].kill()
-    run.agents[2].communicate()
-    until(lambda: notes().count("attend") == 1)
-    run.join(2)
-    until(lambda: notes().count("attend") == 2)
-    seen = len(notes())
-    until(lambda: len(notes()) > seen + 20)
-    run.world.kill()
-    run.world.communicate()
-    run.start("--resume", str(run.out))
-    summary = run.finish()
-    found = log.load(run.out / NAME)
-    assert replay.again(found, everybody=True)["digest"] == summary["digest"]
-    assert len([tick for tick in found.ticks() if tick.attended]) == 2
-
-
-def test_a_world_that_knows_less_than_its_robots_says_so_and_they_end(run: Run, tmp_path: Path) -> None:
-    for robot in range(load("neighborhood.toml").robots.number):
-        run.join(robot)
-    state = run.out / FOLDER / "state"
-    until(state.exists)
-    shutil.copytree(run.out / FOLDER, tmp_path / "old")
-    run.end(signal.SIGKILL)
-    shutil.rmtree(run.out / FOLDER)
-    shutil.copytree(tmp_path / "old", run.out / FOLDER)  # as after a loss of power that took what was not on disk yet
-    run.start("--resume", str(run.out))
-    for agent in run.agents.values():
-        _, err = agent.communicate(timeout=PATIENCE)
-        assert agent.returncode == 1
-        assert "the world is back at tick" in err.splitlines()[-1]
-    run.world.send_signal(signal.SIGINT)
-    run.world.communicate(timeout=PATIENCE)
 
 
 def test_the_last_note_may_be_torn(tmp_path: Path) -> None:
