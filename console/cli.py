@@ -14,7 +14,7 @@ from rich.console import Console
 
 from console import compare, evidence, inprocess, keyring, processes, replay, rundir, setting, summary, view
 from console.doctor.command import doctor
-from console.options import Cfg, Config, Connect
+from console.options import Cfg, Config, Connect, ObserverKeys
 from console.processes import Launch
 from console.rundir import Visitor
 from console.sweep import command
@@ -117,9 +117,7 @@ def view_command(
     connect: Connect = None,
     config: Config = None,
     cfg: Cfg = None,
-    certificates: Annotated[
-        Path | None, typer.Option("--keys", metavar="DIR", help="TLS, with the certificate of the observer in DIR.")
-    ] = None,
+    certificates: ObserverKeys = None,
     run: Annotated[str, typer.Option(help="Name of the run.")] = keys.DEFAULT_RUN,
     picture: Annotated[Path | None, typer.Option(help="Write the last frame to this SVG file.")] = None,
     timeout: Annotated[

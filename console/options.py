@@ -10,3 +10,10 @@ Connect = Annotated[
 ]
 Config = Annotated[Path | None, typer.Option("--config", "-c", help="Zenoh configuration file.")]
 Cfg = Annotated[list[str] | None, typer.Option(metavar="KEY:VALUE", help="Zenoh setting.")]
+
+ObserverKeys = Annotated[
+    Path | None, typer.Option("--keys", metavar="DIR", help="TLS, with the certificate of the observer in DIR.")
+]
+OperatorKeys = Annotated[
+    Path | None, typer.Option("--keys", metavar="DIR", help="TLS, with the certificate of the operator in DIR.")
+]

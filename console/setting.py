@@ -1,13 +1,12 @@
 """fes set: change the channel of a run that goes on."""
 
 import json
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from console import rundir
-from console.options import Cfg, Config, Connect
+from console.options import Cfg, Config, Connect, OperatorKeys
 from console.rundir import Visitor
 from fes import bus, change, keys, process
 from fes.change import Change
@@ -21,9 +20,7 @@ def set_command(
     connect: Connect = None,
     config: Config = None,
     cfg: Cfg = None,
-    certificates: Annotated[
-        Path | None, typer.Option("--keys", metavar="DIR", help="TLS, with the certificate of the operator in DIR.")
-    ] = None,
+    certificates: OperatorKeys = None,
     run: Annotated[str, typer.Option(help="Name of the run.")] = keys.DEFAULT_RUN,
     timeout: Annotated[
         float, typer.Option(min=1e-3, max=process.YEAR, help="Give up if no world answers by then [s].")

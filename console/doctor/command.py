@@ -2,7 +2,6 @@
 
 import asyncio
 import json
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -14,7 +13,7 @@ from rich.text import Text
 from console import rundir
 from console.doctor import machine, network
 from console.doctor.finding import Finding, Status
-from console.options import Cfg, Config, Connect
+from console.options import Cfg, Config, Connect, ObserverKeys
 from console.rundir import Visitor
 from fes import keys, process
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
@@ -27,9 +26,7 @@ def doctor(
     connect: Connect = None,
     config: Config = None,
     cfg: Cfg = None,
-    certificates: Annotated[
-        Path | None, typer.Option("--keys", metavar="DIR", help="TLS, with the certificate of the observer in DIR.")
-    ] = None,
+    certificates: ObserverKeys = None,
     run: Annotated[str | None, typer.Option(help="Name of a run that should go on.")] = None,
     json_: Annotated[bool, typer.Option("--json", help="Print the findings as JSON, and nothing else.")] = False,
 ) -> int:
