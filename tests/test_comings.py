@@ -4,14 +4,17 @@ import asyncio
 import json
 import subprocess
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from agents.mouth import Mouth
 from agents.process import Agent
 from console import inprocess, log, replay
+from fes.arrays import Bools
 from tests import session
 from tests.loop import load
 from tests.session import RUN
@@ -156,3 +159,31 @@ def test_fes_run_kills_the_processes_that_its_scenario_has_die_and_the_digest_is
     logs = {robot: (tmp_path / f"out/agent-{robot}.log").read_text() for robot in (4, 5, 6)}
     assert [logs[robot].count("ready") for robot in (4, 5, 6)] == [2, 1, 1]
     assert ["the run is over" in logs[robot] for robot in (4, 5, 6)] == [True, True, False]
+
+
+def test_who_comes_back_when_a_world_goes_on_takes_part_from_its_second_tick() -> None:
+    """What the world before published of the first one is sensed already, and must stay true."""
+
+    async def main() -> tuple[Server, list[Bools]]:
+        async with session.router() as (opened, endpoint), asyncio.timeout(100.0):
+            course, took = Course(load("pair.toml", run__duration=0.4)), list[Bools]()
+            course.state = replace(course.state, tick=5, present=np.array([True, False]), since=np.array([5, 0]))
+            server, take = Server(opened, course, "test", RUN), course.take
+
+            def taken(*words: Any) -> None:
+                took.append(course.state.present)
+                take(*words)
+
+            course.take = taken  # type: ignore[assignment,method-assign]
+            agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
+            while not server._roster.alive.all():
+                await asyncio.sleep(0.01)
+            await server.gather()
+            await server.run()
+            server.dismiss()
+            await asyncio.gather(*agents)
+            return server, took
+
+    server, took = asyncio.run(main())
+    assert [present.tolist() for present in took] == [[True, False]] + [[True, True]] * 14
+    assert server.course.state.since.tolist() == [5, 6]
