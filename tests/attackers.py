@@ -1,6 +1,7 @@
 """What attackers of a run put on its keys, and a run that is attacked."""
 
 import asyncio
+import functools
 import struct
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -9,12 +10,13 @@ import msgpack
 import numpy as np
 
 from agents.process import Agent
+from console import inprocess
 from fes import keys, messages, wire
 from fes.bus import Bus
 from fes.messages import Beacon, Command, Observation
 from tests import session
+from tests.loop import load
 from tests.session import RUN
-from world.scenario import Scenario
 from world.server import Server
 
 ROBOTS = 10
@@ -25,15 +27,23 @@ NOTHING = np.zeros(0)
 Attack = Callable[[Bus], Iterator[tuple[str, bytes]]]
 
 
-def attacked(scenario: Scenario, disturb: Any) -> tuple[str, Server, list[Agent]]:
-    """Digest, world and agents of a run that is disturbed; the disturbance must end before the run is counted."""
+@functools.cache
+def undisturbed() -> str:
+    """The digest of the run that is attacked when nobody does."""
+    return str(inprocess.run(load("paper.toml", run__duration=2.0), "test")["digest"])
+
+
+def attacked(disturb: Any) -> tuple[Server, list[Agent]]:
+    """World and agents of a run that was disturbed, and has the digest of one that was not."""
 
     async def bounded() -> Any:
         async with asyncio.timeout(60.0):
+            scenario = load("paper.toml", run__duration=2.0)
             return await session.run(scenario, [[robot] for robot in range(ROBOTS)], disturb)
 
     summary, server, agents = asyncio.run(bounded())
-    return summary["digest"], server, agents
+    assert summary["digest"] == undisturbed()
+    return server, agents
 
 
 async def ticks_go_by(opened: Bus, count: int) -> None:

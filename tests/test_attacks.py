@@ -2,10 +2,10 @@
 
 import asyncio
 import logging
+from typing import Any
 
 import pytest
 
-from console import inprocess
 from fes import keys, messages, wire
 from fes.errors import Refused
 from tests import session
@@ -22,23 +22,12 @@ from tests.attackers import (
 from tests.loop import load
 from tests.session import RUN, client
 from world.course import Course
-from world.scenario import Scenario
 from world.server import Server
-
-
-@pytest.fixture(scope="module")
-def paper() -> Scenario:
-    return load("paper.toml", run__duration=2.0)
-
-
-@pytest.fixture(scope="module")
-def expected(paper: Scenario) -> str:
-    return str(inprocess.run(paper, "test")["digest"])
 
 
 @pytest.mark.parametrize(("payload", "kind"), BAD_PAYLOADS.values(), ids=BAD_PAYLOADS.keys())
 def test_a_bad_payload_on_every_key_is_counted_with_one_line_a_kind_and_changes_no_digit(
-    paper: Scenario, expected: str, payload: bytes, kind: str, caplog: pytest.LogCaptureFixture
+    payload: bytes, kind: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     async def disturb(endpoint: str) -> None:
         async with client(endpoint) as vandal:
@@ -49,15 +38,14 @@ def test_a_bad_payload_on_every_key_is_counted_with_one_line_a_kind_and_changes_
                 await asyncio.sleep(0.01)
 
     with caplog.at_level(logging.WARNING):
-        digest, server, agents = attacked(paper, disturb)
-    assert digest == expected
+        server, agents = attacked(disturb)
     assert server.complaints.counts[kind] >= ROBOTS - 1  # robot 3 may hear of itself what another would not
     said = [record for record in caplog.records if record.name == "world" and kind in record.getMessage()]
     assert len(said) == 1
     assert all(agent.complaints.counts for agent in agents)
 
 
-def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit(paper: Scenario, expected: str) -> None:
+def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -> None:
     """What an agent says is said again a little later, as a network that repeats and reorders would."""
 
     async def disturb(endpoint: str) -> None:
@@ -80,8 +68,7 @@ def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit(pap
                 echo._session.put(keys.observation(RUN, robot), observation(10**6, robot))
             assert kept
 
-    digest, server, agents = attacked(paper, disturb)
-    assert digest == expected
+    server, agents = attacked(disturb)
     assert server.complaints.counts["Command: is not for this tick"] > 0
     assert all(agent.complaints.counts["Observation: is not for this tick"] for agent in agents)
     assert any(agent.complaints.counts["Beacon: from the future"] for agent in agents)
@@ -110,7 +97,13 @@ def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds() -> Non
     asyncio.run(main())
 
 
-def test_another_run_on_the_same_router_is_not_heard_at_all(paper: Scenario, expected: str) -> None:
+def nobody_hears_of(disturb: Any) -> None:
+    server, agents = attacked(disturb)
+    assert not server.complaints.counts
+    assert not any(agent.complaints.counts for agent in agents)
+
+
+def test_another_run_on_the_same_router_is_not_heard_at_all() -> None:
     async def disturb(endpoint: str) -> None:
         async with client(endpoint) as vandal:
             for _ in range(20):
@@ -118,25 +111,19 @@ def test_another_run_on_the_same_router_is_not_heard_at_all(paper: Scenario, exp
                     vandal._session.put(key, sent)
                 await asyncio.sleep(0)
 
-    digest, server, agents = attacked(paper, disturb)
-    assert digest == expected
-    assert not server.complaints.counts
-    assert not any(agent.complaints.counts for agent in agents)
+    nobody_hears_of(disturb)
 
 
-def test_a_payload_longer_than_the_limit_does_not_arrive_and_harms_nobody(paper: Scenario, expected: str) -> None:
+def test_a_payload_longer_than_the_limit_does_not_arrive_and_harms_nobody() -> None:
     async def disturb(endpoint: str) -> None:
         async with client(endpoint) as vandal:
             for key, _ in everywhere(b""):
                 vandal._session.put(key, bytes(2 * wire.MAX_PAYLOAD))
 
-    digest, server, agents = attacked(paper, disturb)
-    assert digest == expected
-    assert not server.complaints.counts
-    assert not any(agent.complaints.counts for agent in agents)
+    nobody_hears_of(disturb)
 
 
-def test_who_claims_a_taken_robot_and_leaves_ends_nothing(paper: Scenario, expected: str) -> None:
+def test_who_claims_a_taken_robot_and_leaves_ends_nothing() -> None:
     """Neither by asking, which is refused, nor by declaring the token of a robot that has one."""
 
     async def disturb(endpoint: str) -> None:
@@ -148,13 +135,12 @@ def test_who_claims_a_taken_robot_and_leaves_ends_nothing(paper: Scenario, expec
                     impostor.token(keys.robot_alive(RUN, robot))
                 await asyncio.sleep(0.02)
 
-    digest, server, _ = attacked(paper, disturb)
-    assert digest == expected
+    server, _ = attacked(disturb)
     assert server.complaints.counts["Join: refused"] == 3
     assert server.complaints.counts["liveliness: unknown robot"] >= 3
 
 
-def test_a_key_cannot_forge_a_log_line(paper: Scenario, expected: str, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_key_cannot_forge_a_log_line(caplog: pytest.LogCaptureFixture) -> None:
     forged = f"fes/{RUN}/robot/1\n2026-01-01 world: all is well\x1b[2J{'x' * 5000}/command"
 
     async def disturb(endpoint: str) -> None:
@@ -163,7 +149,6 @@ def test_a_key_cannot_forge_a_log_line(paper: Scenario, expected: str, caplog: p
             await ticks_go_by(vandal, 2)
 
     with caplog.at_level(logging.WARNING):
-        digest, server, _ = attacked(paper, disturb)
-    assert digest == expected
+        server, _ = attacked(disturb)
     assert server.complaints.counts
     assert all(len(line) < 400 and line.isprintable() for line in caplog.messages)

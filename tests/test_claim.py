@@ -40,21 +40,23 @@ def test_a_second_world_on_the_same_network_refuses_to_start_with_one_line(tmp_p
 
 
 def test_of_worlds_that_start_at_the_same_time_at_most_one_starts() -> None:
-    async def attempt(endpoint: str, round_: int, after: float) -> bool:
+    async def attempt(endpoint: str, round_: int, after: float, decided: asyncio.Barrier) -> bool:
         async with client(endpoint) as opened:
             await asyncio.sleep(after)
             try:
                 await claim.claim(opened, f"{RUN}{round_}", connected=False)
+                started = True
             except Refused:
-                return False
-            await asyncio.sleep(0.3)  # it stays, so that who comes later sees it
-            return True
+                started = False
+            await decided.wait()  # it stays, so that who comes later sees it
+            return started
 
     async def main() -> list[list[bool]]:
         outcomes = []
         async with router() as (_, endpoint):
             for round_ in range(12):  # from together to 2 ms apart
-                attempts = [attempt(endpoint, round_, 2e-4 * round_ * number) for number in range(3)]
+                decided = asyncio.Barrier(3)
+                attempts = [attempt(endpoint, round_, 2e-4 * round_ * number, decided) for number in range(3)]
                 outcomes.append(list(await asyncio.gather(*attempts)))
         return outcomes
 

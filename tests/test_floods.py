@@ -1,12 +1,12 @@
 """Floods of messages on a run that goes on: what is too much is dropped, and no digit changes."""
 
 import asyncio
-import time
+import threading
 
 import pytest
 import zenoh
 
-from console import inprocess, observer
+from console import observer
 from fes import bus, change, keys, messages, wire
 from fes.errors import Absent, Busy, FesError, Refused
 from tests import session
@@ -17,22 +17,10 @@ from tests.attackers import (
     everywhere,
     reversioned,
 )
-from tests.loop import load
 from tests.session import RUN, client
-from world.scenario import Scenario
 
 
-@pytest.fixture(scope="module")
-def paper() -> Scenario:
-    return load("paper.toml", run__duration=2.0)
-
-
-@pytest.fixture(scope="module")
-def expected(paper: Scenario) -> str:
-    return str(inprocess.run(paper, "test")["digest"])
-
-
-def test_a_flood_of_junk_on_all_keys_at_once_changes_no_digit(paper: Scenario, expected: str) -> None:
+def test_a_flood_of_junk_on_all_keys_at_once_changes_no_digit() -> None:
     async def disturb(endpoint: str) -> None:
         targets = everywhere(b"\xc1 junk")
 
@@ -43,14 +31,13 @@ def test_a_flood_of_junk_on_all_keys_at_once_changes_no_digit(paper: Scenario, e
         async with client(endpoint) as vandal:
             await asyncio.to_thread(flood)  # as fast as the network takes it
 
-    digest, server, _ = attacked(paper, disturb)
-    assert digest == expected
+    server, _ = attacked(disturb)
     # a third of the keys are commands; what came when the run was over is not counted
     assert 0 < server.complaints.counts["Command: is not msgpack (FormatError)"] <= FLOOD
 
 
 @pytest.mark.parametrize("size", [1_000, 60_000])
-def test_a_flood_that_waits_for_room_closes_no_robots_link(paper: Scenario, expected: str, size: int) -> None:
+def test_a_flood_that_waits_for_room_closes_no_robots_link(size: int) -> None:
     """Messages sent with congestion control BLOCK: with two threads for all, two of them stopped the router."""
 
     async def disturb(endpoint: str) -> None:
@@ -64,13 +51,10 @@ def test_a_flood_that_waits_for_room_closes_no_robots_link(paper: Scenario, expe
         async with client(endpoint) as vandal:
             await asyncio.to_thread(flood)
 
-    digest, _, _ = attacked(paper, disturb)
-    assert digest == expected
+    attacked(disturb)
 
 
-def test_a_flood_that_pushes_beacons_out_of_full_mailboxes_changes_no_digit(
-    paper: Scenario, expected: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_flood_that_pushes_beacons_out_of_full_mailboxes_changes_no_digit(monkeypatch: pytest.MonkeyPatch) -> None:
     """With room for two samples nearly every beacon is lost to junk; each is asked for again."""
     monkeypatch.setattr(bus, "MAILBOX", 2)
     flooding = asyncio.Event()
@@ -84,13 +68,12 @@ def test_a_flood_that_pushes_beacons_out_of_full_mailboxes_changes_no_digit(
                 await asyncio.sleep(0.001)
             flooding.set()
 
-    digest, _, agents = attacked(paper, disturb)
+    _, agents = attacked(disturb)
     assert flooding.is_set()
-    assert digest == expected
     assert sum(agent.complaints.counts["Beacon: recalled"] for agent in agents) > 0
 
 
-def test_a_flood_of_questions_is_refused_and_changes_no_digit(paper: Scenario, expected: str) -> None:
+def test_a_flood_of_questions_is_refused_and_changes_no_digit() -> None:
     refused: list[str] = []
 
     async def disturb(endpoint: str) -> None:
@@ -110,8 +93,7 @@ def test_a_flood_of_questions_is_refused_and_changes_no_digit(paper: Scenario, e
                 assert isinstance(outcome, Refused), outcome
                 refused.append(str(outcome))
 
-    digest, server, _ = attacked(paper, disturb)
-    assert digest == expected
+    server, _ = attacked(disturb)
     assert {
         "robot 2 is hosted by another agent already",
         "Join: is not msgpack (FormatError)",
@@ -123,13 +105,22 @@ def test_a_flood_of_questions_is_refused_and_changes_no_digit(paper: Scenario, e
     assert {"Join: refused", "Change: refused"} <= set(server.complaints.counts)
 
 
-def test_more_questions_than_may_wait_are_refused_at_once() -> None:
+def test_more_questions_than_may_wait_are_refused_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    refused, refuse = threading.Semaphore(0), bus.Question.refuse
+
+    def counted(question: bus.Question, reason: str) -> None:
+        refuse(question, reason)
+        refused.release()
+
+    monkeypatch.setattr(bus.Question, "refuse", counted)
+
     async def main() -> list[str]:
         async with session.router() as (world, endpoint), client(endpoint) as asker:
             world.serve("desk", lambda question: question.answer(b"yes", "x"))
             asked = [asyncio.ensure_future(asker.ask("desk", b"", 10.0)) for _ in range(5 * bus.QUESTIONS)]
             await asyncio.sleep(0)  # all are asked
-            time.sleep(0.3)  # the loop is busy: none can be answered
+            for _ in range(4 * bus.QUESTIONS):  # the loop is busy: none can be answered
+                assert refused.acquire(timeout=20.0)
             outcomes = await asyncio.gather(*asked, return_exceptions=True)
             return [str(outcome) for outcome in outcomes]
 
@@ -139,7 +130,7 @@ def test_more_questions_than_may_wait_are_refused_at_once() -> None:
 
 
 def test_agents_that_all_ask_at_once_when_their_world_comes_ask_again(
-    monkeypatch: pytest.MonkeyPatch, paper: Scenario, expected: str
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     busy = 0
     ask = bus.Bus.ask
@@ -154,12 +145,11 @@ def test_agents_that_all_ask_at_once_when_their_world_comes_ask_again(
 
     monkeypatch.setattr(bus, "QUESTIONS", 1)
     monkeypatch.setattr(bus.Bus, "ask", counted)
-    summary, _, _ = asyncio.run(session.run(paper, [[robot] for robot in range(ROBOTS)]))
+    attacked(None)
     assert busy > 0
-    assert summary["digest"] == expected
 
 
-def test_an_observer_shows_what_it_can_read_through_a_flood_of_junk_reports(paper: Scenario, expected: str) -> None:
+def test_an_observer_shows_what_it_can_read_through_a_flood_of_junk_reports() -> None:
     seen: list[int] = []
 
     async def disturb(endpoint: str) -> None:
@@ -180,6 +170,5 @@ def test_an_observer_shows_what_it_can_read_through_a_flood_of_junk_reports(pape
                 pass
             await flooding
 
-    digest, _, _ = attacked(paper, disturb)
-    assert digest == expected
+    attacked(disturb)
     assert seen

@@ -129,15 +129,18 @@ def _ready(said: Path) -> bool:
     return "ready" in said.read_text()
 
 
+def spread(team: Team, net: Internet, at: tuple[str, str], seconds: float) -> None:
+    """A world in the east, and ten agents at two sites in turn."""
+    east = net.hosts["east-router"].endpoint()
+    team.world("east-world", "paper.toml", "-m", "client", "-e", east, "--duration", str(seconds))
+    for robot in range(10):
+        site = at[robot % 2]
+        team.agent(f"{site}-{robot // 5}", str(robot), net.hosts[f"{site}-router"].endpoint())
+
+
 def test_two_sites_with_a_router_each_lose_no_beacon_and_come_to_the_same_digest(team: Team, net: Internet) -> None:
     sites(net, team.where, ("east", "west"))
-    team.world(
-        "east-world", "paper.toml", "-m", "client", "-e", net.hosts["east-router"].endpoint(),
-        "--duration", str(SECONDS),
-    )  # fmt: skip
-    for robot in range(10):
-        site = "west" if robot % 2 else "east"
-        team.agent(f"{site}-{robot // 5}", str(robot), net.hosts[f"{site}-router"].endpoint())
+    spread(team, net, ("east", "west"), SECONDS)
     assert team.summary()["digest"] == digest("paper.toml")
     assert "recalled" not in team.all_said()  # one path only: first-in first-out holds from end to end
 
@@ -154,13 +157,7 @@ def test_beacons_that_go_another_and_slower_way_than_ticks_are_recalled_and_chan
             net.hosts[f"{site}-router"].run(*slow)
         except OSError as error:
             pytest.skip(f"a slow way: skipped, because this kernel shapes no link: {error}")
-    team.world(
-        "east-world", "paper.toml", "-m", "client", "-e", net.hosts["east-router"].endpoint(),
-        "--duration", str(seconds),
-    )  # fmt: skip
-    for robot in range(10):
-        site = "west" if robot % 2 else "south"
-        team.agent(f"{site}-{robot // 5}", str(robot), net.hosts[f"{site}-router"].endpoint())
+    spread(team, net, ("south", "west"), seconds)
     assert team.summary()["digest"] == digest("paper.toml", seconds)
     assert "recalled" in team.all_said()
 

@@ -25,6 +25,13 @@ async def any_robot(endpoint: str, timeout: float = 10.0) -> int:
         return robot
 
 
+async def here(server: Server, *robots: int) -> None:
+    """Wait until these robots are hosted."""
+    while not server._roster.alive[list(robots)].all():
+        server._roster.changed.clear()
+        await server._roster.changed.wait()
+
+
 def test_agents_without_an_id_take_the_lowest_free_robots_and_the_digest_is_the_same() -> None:
     scenario = load("paper.toml", run__duration=1.0)
 
@@ -32,7 +39,7 @@ def test_agents_without_an_id_take_the_lowest_free_robots_and_the_digest_is_the_
         async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
             server = Server(opened, Course(scenario), "test", RUN)
             named = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 3)]
-            await asyncio.sleep(0.3)
+            await here(server, 0, 3)
             others = [asyncio.ensure_future(any_robot(endpoint)) for _ in range(8)]
             await server.gather()
             await server.run()
@@ -48,11 +55,11 @@ def test_agents_without_an_id_take_the_lowest_free_robots_and_the_digest_is_the_
 def test_a_robot_is_free_again_when_its_agent_is_gone_and_until_then_nobody_gets_it() -> None:
     async def main() -> None:
         async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
-            Server(opened, Course(load("pair.toml", run__duration=1000.0)), "test", RUN)
+            server = Server(opened, Course(load("pair.toml", run__duration=1000.0)), "test", RUN)
             first = asyncio.ensure_future(any_robot(endpoint))
-            await asyncio.sleep(0.3)
+            await here(server, 0)
             second = asyncio.ensure_future(any_robot(endpoint))
-            await asyncio.sleep(0.3)
+            await here(server, 1)
             async with client(endpoint) as third:
                 with pytest.raises(Refused, match=r"^all 2 robots are hosted already$"):
                     await process.lease(third, RUN, 0.5)

@@ -13,7 +13,9 @@ import pytest
 from agents.mouth import Mouth
 from console import log, replay
 from console.launcher import free_port
+from fes import keys
 from fes.errors import FesError
+from fes.report import decode_report
 from tests import session
 from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, fes, start
@@ -32,13 +34,19 @@ def test_an_agent_that_is_suspended_for_longer_than_its_lease_is_taken_in_again(
     words = [str(CONFIGS / "pair.toml"), "--set", "run.clock=live", "--duration", "14", "--out", "out"]
     world = start(command_line("world.process", *words, "-l", endpoint), tmp_path)
     agents = [start(command_line("agents.process", "--id", str(at), "-e", endpoint), tmp_path) for at in (0, 1)]
-    assert world.stderr is not None
-    while "starts" not in world.stderr.readline():
-        assert world.poll() is None
-    time.sleep(1.5)
-    agents[1].send_signal(signal.SIGSTOP)
-    time.sleep(5.0)
-    agents[1].send_signal(signal.SIGCONT)
+
+    async def suspend() -> None:
+        async with session.client(endpoint, PATIENCE) as observer, asyncio.timeout(PATIENCE):
+            reports, gone = observer.mailbox(keys.report(keys.DEFAULT_RUN)), asyncio.Event()
+            while (report := reports.take()) is None or decode_report(report[1] or b"").tick <= WARM_UP:
+                await asyncio.sleep(0.01)
+            token = keys.robot_alive(keys.DEFAULT_RUN, 1)
+            observer.watch(token, lambda key, alive: None if alive else gone.set())
+            agents[1].send_signal(signal.SIGSTOP)
+            await gone.wait()
+            agents[1].send_signal(signal.SIGCONT)
+
+    asyncio.run(suspend())
     _, told = world.communicate(timeout=PATIENCE)
     for agent in agents:
         agent.communicate(timeout=PATIENCE)

@@ -37,7 +37,6 @@ def test_a_farewell_that_fails_does_not_cost_the_summary(tmp_path: Path, monkeyp
     async def main() -> None:
         start = process.Start(load("pair.toml", run__duration=0.4), "pair", session.RUN)
         world = asyncio.ensure_future(process.serve(flags, start))
-        await asyncio.sleep(0.5)
         agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
         with pytest.raises(FesError, match="the bus broke"):
             await asyncio.wait_for(world, 20.0)

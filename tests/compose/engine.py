@@ -59,7 +59,7 @@ def wait(what: str, holds: Callable[[], bool]) -> None:
     while not holds():
         if time.monotonic() > end:
             raise Broken(f"{what}: not within {DEADLINE:g} s")
-        time.sleep(0.3)
+        time.sleep(0.02)
     claim(True, what)
 
 
