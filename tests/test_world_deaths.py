@@ -188,3 +188,14 @@ def test_a_world_that_knows_less_than_its_robots_says_so_and_they_end(run: Run, 
         assert "the world is back at tick" in err.splitlines()[-1]
     run.world.send_signal(signal.SIGINT)
     run.world.communicate(timeout=PATIENCE)
+
+
+@pytest.mark.parametrize("how", ["--resume", "--out"])
+def test_a_second_world_in_a_run_directory_is_refused_with_one_line(run: Run, how: str) -> None:
+    until((run.out / FOLDER / "state").exists)
+    before = (run.out / "scenario.toml").read_bytes()
+    words = ["--resume", "out"] if how == "--resume" else [str(CONFIGS / "pair.toml"), "--out", "out"]
+    second = start(command("world.process", *words, "-l", f"tcp/127.0.0.1:{free_port()}"), run.where)
+    _, err = second.communicate(timeout=PATIENCE)
+    assert (second.returncode, err) == (1, "fes-world: error: another world is at work in out\n")
+    assert (run.out / "scenario.toml").read_bytes() == before

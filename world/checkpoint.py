@@ -12,11 +12,14 @@ journals before k are then of no use. So at every moment a checkpoint and all no
 """
 
 import asyncio
+import contextlib
+import fcntl
 import os
 import pickle
 import shutil
 import threading
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -186,6 +189,23 @@ class Keeper:
             for old in [*self._folder.glob("journal-*"), *self._folder.glob("log-*")]:
                 if _number(old) < number:
                     old.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def alone(directory: Path) -> Iterator[None]:
+    """Nobody else writes into this run directory meanwhile; raises FesError if somebody does.
+
+    The system's lock is on the folder itself, and ends with the process, however that ends.
+    """
+    with contextlib.ExitStack() as held:
+        with contextlib.suppress(FileNotFoundError):
+            folder = os.open(directory, os.O_RDONLY | os.O_DIRECTORY)
+            held.callback(os.close, folder)
+            try:
+                fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise FesError(f"another world is at work in {directory}") from None
+        yield
 
 
 def is_kept(directory: Path) -> bool:

@@ -19,7 +19,7 @@ from typing import Any
 from fes import bus, identity, keys, process
 from fes.errors import FesError
 from world import access, audit, claim, expect, resume, summary
-from world.checkpoint import PERIOD, Keeper, Snapshot
+from world.checkpoint import PERIOD, Keeper, Snapshot, alone
 from world.course import Course
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
@@ -114,8 +114,8 @@ def _keep(out: Path | None, server: Server, recorder: Recorder | None) -> dict[s
     return reached
 
 
-def _start(flags: argparse.Namespace) -> Start:
-    """What the flags ask for; raises FesError."""
+def _start(flags: argparse.Namespace, held: contextlib.ExitStack) -> Start:
+    """What the flags ask for, and the run directory to itself while it is `held`; raises FesError."""
     if flags.resume is None:
         if flags.scenario is None:
             raise FesError("give a SCENARIO, or --resume RUN_DIR")
@@ -123,10 +123,12 @@ def _start(flags: argparse.Namespace) -> Start:
         _check_pace(flags, scenario)
         if flags.out is not None:
             flags.out.mkdir(parents=True, exist_ok=True)
+            held.enter_context(alone(flags.out))
             summary.write_scenario(flags.out, scenario)
         return Start(scenario, flags.name or Path(flags.scenario).stem, keys.check_run(flags.run))
     if flags.scenario or flags.out or flags.name or flags.no_record or overrides(flags):
         raise FesError("--resume goes on with the run as it was: no SCENARIO, and no flag about it")
+    held.enter_context(alone(flags.resume))
     kept = resume.load(flags.resume)
     _check_pace(flags, kept.scenario)
     flags.out = flags.resume
@@ -157,11 +159,12 @@ def main() -> None:
     parser.add_argument("--no-record", action="store_true", help="write no log (run.mcap)")
     process.add_network_flags(parser)
     flags = parser.parse_args()
-    try:
-        start = _start(flags)
-    except (FesError, OSError) as error:
-        parser.error(str(error))
-    process.run("fes-world", lambda: serve(flags, start), exit_with_stdin=flags.exit_with_stdin)
+    with contextlib.ExitStack() as held:
+        try:
+            start = _start(flags, held)
+        except (FesError, OSError) as error:
+            parser.error(str(error))
+        process.run("fes-world", lambda: serve(flags, start), exit_with_stdin=flags.exit_with_stdin)
 
 
 def add_scenario_flags(parser: argparse.ArgumentParser) -> None:
