@@ -20,7 +20,7 @@ from world.scenario import Scenario
 
 AHEAD = 1.0
 """So long [s; wall clock] before its tick a process is continued: one that was stopped for longer than its lease has
-a new session to open."""
+a new session to open. And so far the world may be ahead of its last report."""
 
 STALLED = 1.0
 """When no report comes for this long [s], the world may be waiting for a process that is stopped."""
@@ -45,7 +45,8 @@ async def enact(bus: Bus, run: str, timeout: float, scenario: Scenario, hands: H
     What only robots go through is done where each has a process `alone`.
 
     A robot that is to come back has a new process as soon as its old one is gone: it joins, and waits for its tick.
-    One that hangs until the end is killed then, as nobody could tell it that the run is over. However this ends, no
+    One that is back within a second of wall clock keeps its process: to the others it is a new one all the same. One
+    that hangs until the end is killed then, as nobody could tell it that the run is over. However this ends, no
     process stays stopped.
     """
     schedule = scenario.attendance if alone else {}
@@ -58,8 +59,11 @@ async def enact(bus: Bus, run: str, timeout: float, scenario: Scenario, hands: H
                 while report is not None and due and report.tick >= due[0][0]:
                     tick, planned = due.pop(0)
                     for robot in np.flatnonzero(planned.gone & ~planned.hung).tolist():
+                        back = _back(schedule, robot, tick)
+                        if back is not None and back <= _soon(report):
+                            continue  # the world may have taken its process in again
                         await hands.kill(str(robot))
-                        if _back(schedule, robot, tick) is not None:
+                        if back is not None:
                             await hands.start(str(robot))
                     for robot in np.flatnonzero(planned.hung).tolist():
                         hands.stop(str(robot))
@@ -81,10 +85,15 @@ def _back(schedule: dict[int, Planned], robot: int, after: int) -> int | None:
     return next((tick for tick, planned in schedule.items() if tick > after and planned.back[robot]), None)
 
 
+def _soon(report: Report) -> float:
+    """The tick that the world comes to in a moment."""
+    return report.tick + report.ticks_per_s * AHEAD
+
+
 def _needed(stopped: dict[int, int | None], report: Report | None) -> list[int]:
     """Which of the `stopped` robots, each with the tick at which it is to go on, the world needs now or soon."""
     waking = {robot: tick for robot, tick in stopped.items() if tick is not None}
     if not waking:
         return []
-    soon = report.tick + report.ticks_per_s * AHEAD if report is not None else min(waking.values())
+    soon = _soon(report) if report is not None else min(waking.values())
     return [robot for robot, tick in waking.items() if tick <= soon]

@@ -17,7 +17,7 @@ import zenoh.handlers
 
 from fes import session
 from fes.endpoints import Endpoints
-from fes.errors import Absent, Busy, Refused
+from fes.errors import Absent, Busy, FesError, Refused
 
 MAILBOX = 64
 """Samples that may wait in a mailbox; peers are a tick ahead at most, and 64 of the longest are 64 MiB."""
@@ -142,8 +142,18 @@ class Bus:
         return sorted(found)
 
     def serve(self, key: str, handler: Callable[[Question], None]) -> None:
-        """Call `handler` on the loop with each question asked on `key`, QUESTIONS at a time at most."""
+        """Call `handler` on the loop with each question asked on `key`, QUESTIONS at a time at most.
+
+        A FesError that it raises refuses the question.
+        """
         waiting: deque[Question] = deque()
+
+        def answer() -> None:
+            question = waiting.popleft()
+            try:
+                handler(question)
+            except FesError as error:
+                question.refuse(str(error))
 
         def on_query(query: zenoh.Query) -> None:
             if len(waiting) >= QUESTIONS:
@@ -151,7 +161,7 @@ class Bus:
                 return
             payload = query.payload.to_bytes() if query.payload is not None else b""
             waiting.append(Question(str(query.key_expr), payload, query))
-            self._loop.call_soon_threadsafe(lambda: handler(waiting.popleft()))
+            self._loop.call_soon_threadsafe(answer)
 
         self._held.append(self._session.declare_queryable(key, zenoh.handlers.Callback(on_query, indirect=False)))
 

@@ -161,6 +161,30 @@ def test_fes_run_kills_the_processes_that_its_scenario_has_die_and_the_digest_is
     assert ["the run is over" in logs[robot] for robot in (4, 5, 6)] == [True, True, False]
 
 
+def test_a_team_that_hangs_as_one_is_taken_in_again_when_it_speaks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nobody is there to wait for then but those who hang."""
+    monkeypatch.setattr("world.lockstep.ANSWER_TIMEOUT", 0.3)
+    asleep, say, repeat = asyncio.Event(), Mouth.say, Mouth.repeat
+    delayed: list[tuple[Mouth, int, Any]] = []
+    monkeypatch.setattr(Mouth, "say", lambda *what: delayed.append(what) if asleep.is_set() else say(*what))
+    monkeypatch.setattr(Mouth, "repeat", lambda *asked: None if asleep.is_set() else repeat(*asked))
+
+    async def story(server: Server, agents: Any, endpoint: str) -> None:
+        await until(server, lambda state: state.tick >= 20)
+        asleep.set()
+        await until(server, lambda state: not state.present.any())
+        asleep.clear()
+        for late in delayed:
+            say(*late)
+
+    summary = live_through(load("pair.toml", run__duration=2.0), tmp_path / "run.mcap", story)
+    assert len(delayed) == 2
+    assert summary["ticks"] == 100
+    assert replay.again(log.load(tmp_path / "run.mcap"), everybody=True)["digest"] == summary["digest"]
+
+
 def test_who_comes_back_when_a_world_goes_on_takes_part_from_its_second_tick() -> None:
     """What the world before published of the first one is sensed already, and must stay true."""
 

@@ -20,7 +20,7 @@ from tests.frames import a_report
 from tests.loop import load
 from world import live, simulation
 from world.deadlines import COMMAND_TIMEOUT, Deadlines, none
-from world.live import Live
+from world.live import WARM_UP, Live
 from world.lockstep import Lockstep
 from world.simulation import State
 
@@ -81,6 +81,37 @@ def spoken(said: dict[int, list[bytes]], ticks: int) -> tuple[list[list[int]], D
 
     asyncio.run(main())
     return found, deadlines, everybody
+
+
+class WarmUp:
+    """A lockstep in which only robot 0 answers."""
+
+    def __init__(self) -> None:
+        self.ticks: list[int] = []
+
+    async def collect(self, state: State, sent: list[bytes]) -> Any:
+        self.ticks.append(state.tick)
+        payload = command(0, state.tick)
+        return [(messages.decode_command(payload), payload), None], np.array([True, False])
+
+
+def test_the_first_ticks_of_a_live_clock_are_in_lockstep_and_their_last_command_holds_on() -> None:
+    state, deadlines, everybody = world_of_two()
+    warm_up = WarmUp()
+
+    async def main() -> list[tuple[list[int], list[bool]]]:
+        inbox, complaints = Inbox(asyncio.get_running_loop()), Complaints(logging.getLogger("test"))
+        clock = Live(warm_up, inbox, everybody, complaints, deadlines, TICK)  # type: ignore[arg-type]
+        found = []
+        for tick in range(7, 7 + WARM_UP + 1):  # a world that goes on warms up, too
+            answers, present = await clock.collect(replace(state, tick=tick), [b"", b""])
+            found.append(([answer[0].tick if answer else -1 for answer in answers], present.tolist()))
+        return found
+
+    *warm, live_one = asyncio.run(main())
+    assert warm_up.ticks == list(range(7, 7 + WARM_UP))
+    assert warm == [([tick, -1], [True, False]) for tick in warm_up.ticks]
+    assert live_one == ([warm_up.ticks[-1], -1], [True, True])
 
 
 def test_the_last_command_is_held_until_it_is_too_old_and_then_the_robot_stops() -> None:

@@ -1,16 +1,19 @@
 """Robots that hang by schedule: their processes stop, hold nobody up, go on in time, and are not left behind."""
 
+import asyncio
 import json
 import os
 import signal
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from console import inprocess
+from console import faults, inprocess
+from fes.report import Report
+from tests.frames import a_report
 from tests.loop import load
 from tests.test_processes import PATIENCE, alive, children, fes, start, until
 from world.scenario import Scenario
@@ -140,3 +143,27 @@ def test_a_crew_of_several_robots_is_not_stopped(tmp_path: Path) -> None:
     done = subprocess.run(fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
     assert (done.returncode, done.stderr) == (0, "")
     assert json.loads(done.stdout)["digest"] == inprocess.run(scenario, "scenario")["digest"]
+
+
+@pytest.mark.parametrize(("restart", "done"), [(2.4, []), (10.0, ["kill 4", "start 4"])], ids=["brief", "long"])
+def test_who_may_be_back_by_now_keeps_its_process(
+    monkeypatch: pytest.MonkeyPatch, restart: float, done: list[str]
+) -> None:
+    """Reports come ten times a second, and tell of a tick that is over: a world at full speed is far ahead."""
+    scenario = load("paper.toml", event=[{"at": 2.0, "kill": [4]}, {"at": restart, "restart": [4]}])
+    did: list[str] = []
+
+    async def reports(*words: Any) -> AsyncIterator[Report]:
+        for tick in (90, 125):
+            yield a_report([(0.0, 0.0)], tick=tick, ticks_per_s=300.0)
+
+    async def kill(ids: str) -> None:
+        did.append(f"kill {ids}")
+
+    async def start(ids: str) -> None:
+        did.append(f"start {ids}")
+
+    monkeypatch.setattr("console.observer.reports", reports)
+    hands = faults.Hands(kill, start, did.append, did.append, lambda seconds: kill("the world"))
+    asyncio.run(faults.enact(None, "test", 1.0, scenario, hands, alone=True))  # type: ignore[arg-type]
+    assert did == done

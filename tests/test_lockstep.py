@@ -146,7 +146,7 @@ def test_who_asks_for_a_taken_or_unknown_robot_is_refused_and_the_run_goes_on(
 
 
 def test_a_world_that_everybody_left_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("world.attendance.RETURN_TIMEOUT", 1.0)
+    monkeypatch.setattr("world.lockstep.RETURN_TIMEOUT", 1.0)
     endless = load("pair.toml", run__duration=1000.0)
 
     async def main() -> None:
@@ -186,7 +186,7 @@ def test_a_beacon_that_does_not_arrive_is_asked_for_again(
 def test_a_beacon_that_cannot_be_had_is_an_error_and_no_other_digest(monkeypatch: pytest.MonkeyPatch) -> None:
     deaf_at_tick_40(monkeypatch)
     monkeypatch.setattr("agents.mouth.REMEMBERED", 0)  # nobody remembers what it said
-    monkeypatch.setattr("world.attendance.RETURN_TIMEOUT", 1.0)
+    monkeypatch.setattr("world.lockstep.RETURN_TIMEOUT", 1.0)
     near = load("pair.toml", channel__model="perfect", run__duration=1.0)
 
     async def main() -> None:
@@ -206,7 +206,7 @@ def test_a_beacon_that_cannot_be_had_is_an_error_and_no_other_digest(monkeypatch
 def test_junk_does_not_keep_a_hung_robot_alive(monkeypatch: pytest.MonkeyPatch) -> None:
     """The barrier's deadline holds although messages keep coming."""
     monkeypatch.setattr("world.lockstep.ANSWER_TIMEOUT", 1.0)
-    monkeypatch.setattr("world.attendance.RETURN_TIMEOUT", 1.0)
+    monkeypatch.setattr("world.lockstep.RETURN_TIMEOUT", 1.0)
     endless = load("pair.toml", run__duration=1000.0)
 
     async def main() -> None:

@@ -1,14 +1,12 @@
 """Runs that are gone on with from a checkpoint: after every tick of one loop, and not from a damaged one."""
 
-import os
-import pickle
 import shutil
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
 
 from agents import assembly, crew
 from console import log, replay
@@ -17,15 +15,11 @@ from fes.arrays import Bools
 from fes.errors import FesError
 from fes.sensing import silence
 from tests.loop import load
-from world import checkpoint, journal, resume, simulation
+from world import resume, simulation, summary
 from world.checkpoint import FOLDER, Keeper
-from world.course import Course
-from world.process import main
+from world.course import Answer, Course
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, agent_config
-
-MACHINE = ("backend", "wall_s", "ticks_per_s", "real_time_factor")
-"""What of a summary is of the machine."""
 
 
 class Team:
@@ -48,8 +42,19 @@ class Team:
         def heard(tick: int, legible: Bools) -> list[bytes]:
             return [beacon if good else b"" for (beacon, _), good in zip(spoken, legible.tolist(), strict=True)]
 
-        course.take(sent, [(messages.decode_command(command), command) for _, command in spoken], heard, 0.1)
-        course.account(np.ones(len(sent), dtype=np.uint8))
+        answers: list[Answer | None] = [(messages.decode_command(command), command) for _, command in spoken]
+        alive = (course.world.ids != course.state.tick % 3).astype(np.uint8)  # who hangs is alive; who is dead is not
+        course.take(sent, answers, heard, alive, 0.1)
+        course.account()
+
+
+def messages_of(path: Path) -> list[tuple[str, int, bytes]]:
+    """Every message of a log until it ends: topic, tick and payload."""
+    with path.open("rb") as file:
+        read = make_reader(file).iter_messages(log_time_order=False)
+        found = [(channel.topic, message.sequence, message.data) for _, channel, message in read]
+    [end] = [at for at, (topic, _, told) in enumerate(found) if topic == "/events" and b'"end"' in told]
+    return found[:end]
 
 
 @pytest.mark.parametrize("name", ["paper.toml", "measured.toml"])
@@ -63,7 +68,7 @@ def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, r
     scenario = load(name, run__duration=0.8, channel__bursts=bursts, event=faults)
     first, second = tmp_path / "first", tmp_path / "second"
     first.mkdir()
-    team = Team(scenario)
+    team, logs = Team(scenario), dict[int, list[tuple[str, int, bytes]]]()
     with Recorder(first / NAME, scenario, name, "processes") as recorder:
         course = Course(scenario, recorder if recorded else None)
         keeper = Keeper(first, 1e9, name, "main")
@@ -91,7 +96,7 @@ def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, r
             assert other.state.channel == course.state.channel
             assert other.scenario == course.scenario
             assert other.sums.tally.digest.text() == course.sums.tally.digest.text()
-            assert other.sums.tracking.table() == course.sums.tracking.table()
+            assert summary.summarize(other.sums, name, "", 0.1) == summary.summarize(course.sums, name, "", 0.1)
             if again is not None:
                 with suppress(FesError), again:
                     raise FesError("it was stopped")
@@ -99,40 +104,16 @@ def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, r
                 assert sum(1 for _ in whole.ticks()) == tick + 1
                 again_of_it = replay.again(whole, everybody=True)
                 assert again_of_it["digest"] == course.sums.tally.digest.text()
+                logs[tick] = messages_of(second / NAME)
             kept.discard(other)
             assert not (second / FOLDER).exists()
         keeper.discard(course)
-
-
-def test_the_last_note_may_be_torn(tmp_path: Path) -> None:
-    path = tmp_path / "journal"
-    kept = journal.Journal(path)
-    notes: list[list[Any]] = [["attend", 3, [0, 1]], ["tick", 3, [b"\x00\xff", b""], []]]
-    ends = []
-    for note in notes:
-        kept.add(note)
-        ends.append(path.stat().st_size)
-    kept.close()
-    whole = path.read_bytes()
-    for length in range(len(whole) + 1):
-        path.write_bytes(whole[:length])
-        assert list(journal.notes(path)) == notes[: sum(end <= length for end in ends)]
-    path.write_bytes(whole[:-1] + b"x")
-    assert list(journal.notes(path)) == notes[:1]
-
-
-def test_who_shares_a_process_is_what_was_last_joined(tmp_path: Path) -> None:
-    course, keeper = Course(load("neighborhood.toml")), Keeper(tmp_path, 1e9, "test", "main")
-    keeper.begin(course)
-    for robots in ([0, 1, 2], [0], [1, 2], [0, 1, 2], [2]):
-        keeper.note(["join", robots])
-    keeper.close(course)
-    again, kept, _ = resume.course(tmp_path, resume.load(tmp_path), None, 1e9)
-    assert kept.groups == {0: (0, 1, 2), 1: (0, 1, 2), 2: (2,)}
-    assert kept.renewed == {0, 1, 2}
-    kept.note(["tick", 0, [b"", b"x", b"x"], [], 0.0])
-    assert kept.renewed == {0}
-    kept.discard(again)
+    if recorded:
+        whole_log = messages_of(first / NAME)
+        assert {topic for topic, *_ in whole_log} >= {"/events", "/report"}
+        for tick, found in logs.items():
+            assert found == whole_log[: len(found)], tick
+        assert len(found) == len(whole_log)
 
 
 def test_a_damaged_log_is_one_line(tmp_path: Path) -> None:
@@ -153,73 +134,3 @@ def test_a_damaged_log_is_one_line(tmp_path: Path) -> None:
         (tmp_path / NAME).write_bytes(damaged)
         with pytest.raises(FesError, match=r"^the log of .* cannot be gone on with: it is damaged "):
             resume.recorder(tmp_path, snapshot)
-
-
-def begun(where: Path) -> Path:
-    """A run directory with a checkpoint."""
-    where.mkdir()
-    course = Course(load("pair.toml"))
-    keeper = Keeper(where, 1e9, "pair", "main")
-    keeper.begin(course)
-    keeper.close(course)
-    return where / FOLDER / "state"
-
-
-class Trap:
-    """Runs a command when it is unpickled."""
-
-    def __reduce__(self) -> Any:
-        return os.mkdir, ("trapped",)
-
-
-def test_a_checkpoint_cannot_run_anything(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    state = begun(tmp_path / "run")
-    magic, version, _ = state.read_bytes().split(b"\n", 2)
-    state.write_bytes(b"\n".join([magic, version, pickle.dumps(Trap())]))
-    with pytest.raises(FesError, match=r"is damaged: UnpicklingError$"):
-        resume.load(tmp_path / "run")
-    assert not Path("trapped").exists()
-
-
-def test_what_cannot_be_gone_on_from_is_one_line(tmp_path: Path) -> None:
-    with pytest.raises(FesError, match=r"has no checkpoint: its run is over, or kept none$"):
-        resume.load(tmp_path)
-    state = begun(tmp_path / "run")
-    whole = state.read_bytes()
-    magic, _, told = whole.split(b"\n", 2)
-    for damaged, complaint in [
-        (b"", "is not a checkpoint$"),
-        (b"fes checkpoint 9\n1\n", "is not a checkpoint that this fes can read$"),
-        (magic + b"\n9.9\n" + told, "was kept by fes 9.9, this is "),
-        (whole[:-10], "is damaged: "),
-        (magic + b"\n" + whole.split(b"\n")[1] + b"\n" + pickle.dumps(3), "is not a checkpoint$"),
-    ]:
-        state.write_bytes(damaged)
-        with pytest.raises(FesError, match=complaint):
-            resume.load(tmp_path / "run")
-    state.write_bytes(whole)
-    snapshot = resume.load(tmp_path / "run")
-    notes = journal.Journal(checkpoint.journals(tmp_path / "run", 0)[-1])
-    notes.add(["tick", 7, [], []])
-    notes.close()
-    with pytest.raises(FesError, match=r"are damaged: a note of tick 7 stands at tick 0$"):
-        resume.course(tmp_path / "run", snapshot, None, 1e9)
-
-
-@pytest.mark.parametrize(
-    ("words", "complaint"),
-    [
-        ([], "give a SCENARIO, or --resume RUN_DIR"),
-        (["--resume", "nowhere"], "nowhere has no checkpoint"),
-        (["x.toml", "--resume", "nowhere"], "--resume goes on with the run as it was"),
-        (["--resume", "nowhere", "--seed", "3"], "--resume goes on with the run as it was"),
-    ],
-)
-def test_flags_that_do_not_go_together_are_one_line(
-    words: list[str], complaint: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sys.argv", ["fes-world", *words])
-    with pytest.raises(SystemExit):
-        main()
-    assert complaint in capsys.readouterr().err

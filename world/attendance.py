@@ -3,19 +3,14 @@
 import asyncio
 import contextlib
 import logging
-import time
 
 import numpy as np
 
 from fes.arrays import Bools
-from fes.errors import Absent
 from world import events
 from world.roster import Roster
 from world.scenario import Scenario
 from world.simulation import State
-
-RETURN_TIMEOUT = 60.0
-"""So long [s] the world waits for anybody to take part, and for a robot that its scenario brings back."""
 
 
 class Attendance:
@@ -59,29 +54,18 @@ class Attendance:
             self._hung[list(self._roster.group(robot))] = False
         return hung
 
-    async def assemble(self, state: State) -> Bools:
-        """Who takes part at the tick of `state` [n]; raises Absent.
+    def missing(self, state: State) -> str:
+        """Who is not there that the tick of `state` has to wait for, in words; nothing if nobody.
 
         It waits for those that the scenario brings back at this tick, and while nobody at all is there.
         """
-        planned = self._schedule.get(state.tick)
-        due = planned.back if planned is not None else np.zeros(self._robots, dtype=np.bool_)
-        end = time.monotonic() + RETURN_TIMEOUT
-        while True:
-            self._roster.changed.clear()
-            there = self._roster.whole & ~self._hung
-            if there.any() and there[due].all():
-                return self.now(state)
-            if time.monotonic() >= end:
-                missing = np.flatnonzero(due & ~there)
-                who = f"robot {missing[0]} did not come back" if len(missing) else "nobody is there any more"
-                raise Absent(f"{who}: the world waited {RETURN_TIMEOUT:g} s at tick {state.tick}")
-            with contextlib.suppress(TimeoutError):
-                async with asyncio.timeout(max(0.0, end - time.monotonic())):
-                    await self._roster.changed.wait()
+        there, planned = self._roster.whole & ~self._hung, self._schedule.get(state.tick)
+        if planned is not None and (planned.back & ~there).any():
+            return f"robot {np.argmax(planned.back & ~there)} did not come back"
+        return "" if there.any() else "nobody is there any more"
 
     def now(self, state: State) -> Bools:
-        """Who takes part at the tick of `state` [n], without waiting for anybody."""
+        """Who takes part at the tick of `state` [n]."""
         wanted, self._asleep = self._planned(state.tick)
         there = self._roster.whole & ~self._hung
         return there & wanted & ~self._begin_anew(state, there)

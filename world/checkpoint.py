@@ -88,9 +88,8 @@ class Keeper:
         """Robots whose agents have joined, and answered no tick yet."""
 
     def begin(self, course: Course) -> None:
-        """Keep a run that begins; whatever is in the folder is of another one."""
+        """Keep a run that begins, in a run directory that was cleared."""
         try:
-            shutil.rmtree(self._folder, ignore_errors=True)
             self._folder.mkdir()
             self.follow(course, course.sums.tally.digest.leave_in(self._folder / TRAIL), {}, set())
         except OSError as error:
@@ -167,8 +166,7 @@ class Keeper:
     def discard(self, course: Course) -> None:
         """The run is over: there is nothing to go on from."""
         self.close(course)
-        (self._folder / STATE).unlink(missing_ok=True)  # first: without the rest it would be an older run
-        shutil.rmtree(self._folder, ignore_errors=True)
+        clear(self._folder.parent)
 
     def _write(self, number: int, told: bytes, files: list[int]) -> None:
         with self._lock:
@@ -198,14 +196,23 @@ def alone(directory: Path) -> Iterator[None]:
     The system's lock is on the folder itself, and ends with the process, however that ends.
     """
     with contextlib.ExitStack() as held:
-        with contextlib.suppress(FileNotFoundError):
+        try:
             folder = os.open(directory, os.O_RDONLY | os.O_DIRECTORY)
             held.callback(os.close, folder)
-            try:
-                fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                raise FesError(f"another world is at work in {directory}") from None
+            fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except FileNotFoundError:
+            pass  # nobody can be at work where nothing is
+        except BlockingIOError:
+            raise FesError(f"another world is at work in {directory}") from None
+        except OSError as error:
+            raise FesError(f"cannot use the run directory: {reason(error)}") from None
         yield
+
+
+def clear(directory: Path) -> None:
+    """Leave nothing in a run directory to go on from."""
+    (directory / FOLDER / STATE).unlink(missing_ok=True)  # first: without the rest it would be an older run
+    shutil.rmtree(directory / FOLDER, ignore_errors=True)
 
 
 def is_kept(directory: Path) -> bool:

@@ -30,7 +30,8 @@ Heard = Callable[[int, Bools], list[bytes]]
 """The payloads of the beacons of a tick, of the robots that are present [n], in id order."""
 
 ATTEND, SET, TICK = "attend", "set", "tick"
-"""Kinds of notes: [ATTEND, tick, robots], [SET, tick, path, value], [TICK, tick, commands, beacons, elapsed]."""
+"""Kinds of notes: [ATTEND, tick, robots], [SET, tick, path, value],
+[TICK, tick, commands, beacons, alive, elapsed]."""
 
 
 class _Gone(NamedTuple):
@@ -43,6 +44,7 @@ class _Gone(NamedTuple):
     beacons: list[bytes]
     spoken: Ints
     """Tick of each robot's command [n], -1 for none."""
+    alive: Bytes
     elapsed: float
 
 
@@ -93,28 +95,30 @@ class Course:
         """The payload of each robot's Observation of this tick, in id order; empty for all but `addressed` [n]."""
         return wording.observations(simulation.observe(self.state), addressed, self.state.since)
 
-    def take(self, sent: list[bytes], answers: list[Answer | None], heard: Heard, elapsed: float) -> None:
+    def take(
+        self, sent: list[bytes], answers: list[Answer | None], heard: Heard, alive: Bytes, elapsed: float
+    ) -> None:
         """Go on to the next tick with the robots' `answers` to what was `sent`; who did not answer stands still.
 
-        `heard` is asked for their beacons if there is a recorder; `elapsed` [s; wall clock] since tick 0. What came
-        from outside is noted before anything follows from it.
+        `heard` is asked for their beacons if there is a recorder; `alive` [n] are those whose token stands; `elapsed`
+        [s; wall clock] since tick 0. What came from outside is noted before anything follows from it.
         """
         state = self.state
         commands = [answer[1] if answer else b"" for answer in answers]
         beacons = heard(state.tick, state.legible) if self.recorder is not None else []
-        self.note([TICK, state.tick, commands, beacons, elapsed])
+        self.note([TICK, state.tick, commands, beacons, alive.tobytes(), elapsed])
         twists, self.said = self._told.read([answer and answer[0] for answer in answers])
         sensed = [payload if here else b"" for payload, here in zip(sent, state.present.tolist(), strict=True)]
         spoken = np.array([answer[0].tick if answer else -1 for answer in answers])
-        self._gone = _Gone(state, twists, sensed, commands, beacons, spoken, elapsed)
+        self._gone = _Gone(state, twists, sensed, commands, beacons, spoken, alive, elapsed)
         self.state = simulation.step(self.world, state, twists)
 
-    def account(self, alive: Bytes) -> None:
-        """Add the tick that is over to the account, if that was not done yet; `alive` [n]."""
+    def account(self) -> None:
+        """Add the tick that is over to the account, if that was not done yet."""
         if self._gone is None:
             return
         gone, self._gone = self._gone, None
         self.sums.add(gone.state, gone.twists, self.said, gone.spoken)
         if self.recorder is not None:
             said = Said(gone.observations, gone.beacons, gone.commands)
-            self.recorder.add(self.sums, gone.twists, said, alive, gone.elapsed)
+            self.recorder.add(self.sums, gone.twists, said, gone.alive, gone.elapsed)

@@ -22,21 +22,28 @@ class Journal:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self._failure: FesError | None = None
         try:
             self._file = path.open("ab", buffering=0)
         except OSError as error:
             raise FesError(f"cannot write {path}: {reason(error)}") from None
 
     def add(self, note: list[Any]) -> None:
-        """Append a note of numbers, text, bytes, and lists of them."""
+        """Append a note of numbers, text, bytes, and lists of them.
+
+        After a note that could not be written there are no others: nobody would read behind a torn one.
+        """
+        if self._failure is not None:
+            raise self._failure
         packed = msgpack.packb(note)
         framed = _FRAME.pack(len(packed), zlib.crc32(packed)) + packed
         try:
-            written = self._file.write(framed)
+            if self._file.write(framed) == len(framed):
+                return
+            self._failure = FesError(f"cannot write {self.path}: there is no room")
         except OSError as error:
-            raise FesError(f"cannot write {self.path}: {reason(error)}") from None
-        if written != len(framed):
-            raise FesError(f"cannot write {self.path}: there is no room")
+            self._failure = FesError(f"cannot write {self.path}: {reason(error)}")
+        raise self._failure
 
     def close(self) -> None:
         """Write no more."""

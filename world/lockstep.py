@@ -8,7 +8,7 @@ import numpy as np
 
 from fes.arrays import Bools
 from fes.complaints import Complaints
-from fes.errors import MessageError
+from fes.errors import Absent, MessageError
 from fes.inbox import Inbox
 from fes.messages import Command
 from world import wording
@@ -19,6 +19,9 @@ from world.simulation import State
 ANSWER_TIMEOUT = 10.0
 """A living robot that does not answer a tick for this long [s] is hung, for its liveliness token may stay: it is left
 out until it speaks again."""
+
+RETURN_TIMEOUT = 60.0
+"""So long [s] the world waits for anybody to take part, and for a robot that its scenario brings back."""
 
 ASK_AGAIN = 0.5
 """An observation is sent again to robots that did not answer it for this long [s], then for twice as long, ..."""
@@ -33,32 +36,36 @@ class Lockstep:
     def __init__(
         self, inbox: Inbox, attendance: Attendance, complaints: Complaints, ask: Ask, pace: float | None = None
     ) -> None:
-        """`pace` is the wall-clock time that a tick takes at least [s]; None for full speed."""
+        """`pace` is the wall-clock time of a tick [s], on average: who falls behind catches up. None: full speed."""
         self._inbox, self._attendance = inbox, attendance
         self._complaints = complaints
         self._ask = ask
         self._pace = pace
-        self._due = 0.0  # of the present tick [s; monotonic]
+        self._due = 0.0  # end of the present tick [s; monotonic]
         self._asked: dict[int, int] = {}  # the last tick that each robot was asked for again
 
     async def present(self, state: State) -> Bools:
-        """Who takes part at the tick of `state` [n], when it is due and all are here; raises Absent.
-
-        Falling behind slows time; no tick is skipped.
-        """
-        if self._pace is not None:
-            self._due = self._due + self._pace if self._due else time.monotonic()
-            await asyncio.sleep(max(0.0, self._due - time.monotonic()))
-        return await self._attendance.assemble(state)
+        """Who takes part at the tick of `state` [n], when all are there that it waits for; raises Absent."""
+        end = time.monotonic() + RETURN_TIMEOUT
+        while missing := self._attendance.missing(state):
+            left = end - time.monotonic()
+            if left <= 0.0:
+                raise Absent(f"{missing}: the world waited {RETURN_TIMEOUT:g} s at tick {state.tick}")
+            await self._inbox.wait(1, left)
+            for key, payload in self._inbox.drain():
+                self._read(state, key, payload)  # who was hung and speaks is there again
+        return self._attendance.now(state)
 
     async def collect(self, state: State, sent: list[bytes]) -> tuple[list[Answer | None], Bools]:
-        """Every robot's command for this tick and its payload, in id order, and who takes part from now on [n].
+        """Every robot's command for this tick and its payload, in id order, and who takes part from now on [n], when
+        the tick is over.
 
         A robot that is lost or does not answer in time is not there from this tick on: its command is None.
         """
         answers: list[Answer | None] = [None] * len(sent)
         waited = state.present.copy()
         missing, begun, patience = int(waited.sum()), time.monotonic(), ASK_AGAIN
+        self._due = self._due or begun
         ask_at = begun + patience
         while missing:
             # Messages are only counted here, so junk may wake us too: time is looked at on every pass.
@@ -85,7 +92,13 @@ class Lockstep:
                     self._asked[robot] = state.tick
                 patience *= 2.0
                 ask_at = min(time.monotonic() + patience, begun + ANSWER_TIMEOUT)
+        await self._end_of_tick()
         return answers, state.present & np.array([answer is not None for answer in answers])
+
+    async def _end_of_tick(self) -> None:
+        """No tick is skipped, and none ends before the loop had its turn, though nobody takes part."""
+        self._due += self._pace or 0.0
+        await asyncio.sleep(max(0.0, self._due - time.monotonic()) if self._pace is not None else 0.0)
 
     def _read(self, state: State, key: str, payload: bytes | None) -> Command | None:
         """The command in a message if it is one for this tick; anything else is dropped and counted.

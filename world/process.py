@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import Any
 
 from fes import bus, identity, keys, process
-from fes.errors import FesError
+from fes.errors import FesError, reason
 from world import access, audit, claim, expect, resume, summary
-from world.checkpoint import PERIOD, Keeper, Snapshot, alone
+from world.checkpoint import PERIOD, Keeper, Snapshot, alone, clear
 from world.course import Course
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
@@ -83,6 +83,8 @@ def _recorder(flags: argparse.Namespace, start: Start) -> AbstractContextManager
     """The log of the run, or none."""
     if start.kept is not None:
         return resume.recorder(flags.out, start.kept) or nullcontext()
+    if flags.out is not None:
+        clear(flags.out)  # of an earlier run; before the log, without which nobody could go on with it
     if flags.out is None or flags.no_record:
         return nullcontext()
     return Recorder(flags.out / NAME, start.scenario, start.name, "processes")
@@ -162,7 +164,9 @@ def main() -> None:
     with contextlib.ExitStack() as held:
         try:
             start = _start(flags, held)
-        except (FesError, OSError) as error:
+        except OSError as error:
+            parser.error(reason(error))
+        except FesError as error:
             parser.error(str(error))
         process.run("fes-world", lambda: serve(flags, start), exit_with_stdin=flags.exit_with_stdin)
 

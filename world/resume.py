@@ -111,11 +111,11 @@ def _again(run: Course, note: list[Any], elapsed: float) -> float:
     elif kind == SET:
         run.change(*rest)
     elif kind == TICK:
-        commands, beacons, elapsed = rest
+        commands, beacons, alive, elapsed = rest
         answers = [(messages.decode_command(payload), payload) if payload else None for payload in commands]
-        alive = run.state.present.astype(np.uint8)
-        run.take(run.observations(run.state.present), answers, lambda tick, legible: beacons, elapsed)
-        run.account(alive)
+        seen = np.frombuffer(alive, dtype=np.uint8)
+        run.take(run.observations(run.state.present), answers, lambda tick, legible: beacons, seen, elapsed)
+        run.account()
         return float(elapsed)
     else:
         raise ValueError(f"a note of kind {kind!r}")
@@ -126,12 +126,11 @@ class _Tables(pickle.Unpickler):
     """Reads arrays and the world's own tables, and nothing else."""
 
     def find_class(self, module: str, name: str) -> Any:
-        if "." in name:
+        other = (module, name) in _OTHERS
+        if "." in name or not (other or module.split(".")[0] in ("fes", "world")):  # before it is imported, and runs
             raise pickle.UnpicklingError(f"{module}.{name}")
         found = super().find_class(module, name)
-        if (module, name) in _OTHERS:
-            return found
-        ours = module.split(".")[0] in ("fes", "world") and isinstance(found, type) and found.__module__ == module
-        if ours and (is_dataclass(found) or issubclass(found, (BaseModel, tuple)) or found in _PLAIN):
+        ours = isinstance(found, type) and found.__module__ == module
+        if other or (ours and (is_dataclass(found) or issubclass(found, (BaseModel, tuple)) or found in _PLAIN)):
             return found
         raise pickle.UnpicklingError(f"{module}.{name}")

@@ -56,15 +56,15 @@ class Roster:
         self.on_join: Callable[[tuple[int, ...]], None] = lambda robots: None
         """Called with the robots of each agent that joins."""
         self._leased: dict[int, float] = {}
-        self._on_loss: Callable[[int], None] | None = None
+        self._told: Callable[[int, bool], None] | None = None
         bus.serve(keys.welcome(run, "*"), self._on_question)
         bus.serve(keys.lease(run), self._on_request)
         bus.serve(keys.about(run), lambda question: question.answer(encode_about(here(robots)), "fes.About"))
         bus.watch(keys.robot_alive(run, "*"), self._on_token)
 
-    def report_losses_to(self, on_loss: Callable[[int], None]) -> None:
-        """From now on `on_loss` is called with each robot that is lost."""
-        self._on_loss = on_loss
+    def report_to(self, on_token: Callable[[int, bool], None]) -> None:
+        """From now on `on_token` is called with each robot that comes or goes, and whether it is alive."""
+        self._told = on_token
 
     @property
     def groups(self) -> dict[int, tuple[int, ...]]:
@@ -131,7 +131,7 @@ class Roster:
             self.complete.clear()
         self.whole = np.array([bool(self.alive[list(group)].all()) for _, group in sorted(self._group.items())])
         self.changed.set()
-        if not alive and self._on_loss is not None:
-            self._on_loss(robot)
+        if self._told is not None:
+            self._told(robot, alive)
         elif not alive:
             self._logger.info("robot %d left before the start", robot)

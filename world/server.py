@@ -78,7 +78,7 @@ class Server:
         else:
             self.logger.info("waiting for %d robots to come back", np.count_nonzero(present))
             await self._attendance.wait_for(present, RESUME_TIMEOUT)
-        self._roster.report_losses_to(self._on_loss)
+        self._roster.report_to(self._on_token)
         missing = np.flatnonzero(present & ~self._attendance.there).tolist() if tick else []
         here = f"all robots but {missing} are here" if missing else "all robots are here"
         self.logger.info("%s: %s %s", here, self.name, f"goes on at tick {tick}" if tick else "starts")
@@ -100,7 +100,7 @@ class Server:
                 self._keeper.save(course, self._roster.groups, self.elapsed)
             answers, present = await self._clock.collect(course.state, sent)
             self._attend(present)
-            course.take(sent, answers, self._heard, self.elapsed)
+            course.take(sent, answers, self._heard, self._roster.alive.copy(), self.elapsed)
         self._account()
         self._ended = time.perf_counter()
 
@@ -165,8 +165,9 @@ class Server:
         if self._keeper is not None:
             self._keeper.note([JOIN, list(robots)])
 
-    def _on_loss(self, robot: int) -> None:
-        self._attendance.lost(robot)
+    def _on_token(self, robot: int, alive: bool) -> None:
+        if not alive:
+            self._attendance.lost(robot)
         self._inbox.nudge()
 
     def _attend(self, present: Bools) -> None:
@@ -179,7 +180,7 @@ class Server:
 
     def _account(self) -> None:
         """Account for the last tick, and keep the run and report to observers if it is time."""
-        self.course.account(self._roster.alive)
+        self.course.account()
         if time.perf_counter() - self._told_at >= reporting.PERIOD and self.course.sums.tally.ticks:
             self._tell()
 
