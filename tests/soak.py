@@ -123,6 +123,7 @@ class Trouble:
             time.sleep(0.02)
         while self._later:
             self._undo(time.monotonic())
+            self._look()
             time.sleep(0.02)
 
     def _fault(self) -> None:
@@ -159,16 +160,30 @@ class Trouble:
             else:
                 self._team.agents[robot].send_signal(signal.SIGCONT)
 
+    def peace(self) -> None:
+        """Wait for the end of the run."""
+        while self._team.world.poll() is None:
+            self._take_in()
+            time.sleep(0.02)
+
     def _look(self) -> None:
         """Nobody may end but by our hand."""
-        away = {robot for _, what, robot in self._later if what != "continue"}
+        self._take_in()
+        away = self._away()
         for robot, process in {-1: self._team.world, **self._team.agents}.items():
-            if robot >= 0 and robot not in away and process.poll() == 1 and self._was_bereft(robot):
-                self._team.rejoin(robot)
-                self.counts["agents that ended for a beacon that was lost with its sender"] += 1
-            elif robot not in away:
+            if robot not in away:
                 name = "the world" if robot < 0 else f"agent {robot}"
                 self._expect(process.poll() is None, f"{name} ended by itself with {process.returncode}")
+
+    def _take_in(self) -> None:
+        """Who ended as a beacon is lost for ever, with the world's router and its sender, is started again."""
+        for robot in self._team.agents.keys() - self._away():
+            if self._team.agents[robot].poll() == 1 and self._was_bereft(robot):
+                self._team.rejoin(robot)
+                self.counts["agents that ended for a beacon that was lost with its sender"] += 1
+
+    def _away(self) -> set[int]:
+        return {robot for _, what, robot in self._later if what != "continue"}
 
     def _was_bereft(self, robot: int) -> bool:
         """Whether an agent said that a beacon had gone with the world's router, and its sender had died too."""
@@ -190,6 +205,7 @@ def soak(out: Path, minutes: float, seed: int) -> dict[str, Any]:
         team.world.send_signal(signal.SIGTERM)  # the rest at full speed
         assert team.world.wait(PATIENCE) in (0, -signal.SIGTERM)
         team.resume("max")
+        trouble.peace()
         codes = {"world": team.world.wait(PATIENCE)}
         codes |= {f"agent {robot}": agent.wait(PATIENCE) for robot, agent in team.agents.items()}
         assert set(codes.values()) == {0}, codes

@@ -1,5 +1,6 @@
 """Worlds of real processes that die, or are told to stop, and are gone on with."""
 
+import asyncio
 import json
 import shutil
 import signal
@@ -12,6 +13,8 @@ import pytest
 
 from console import inprocess, log, replay
 from console.launcher import free_port
+from fes import keys
+from tests import session
 from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, command, fes, start, until
 from world import checkpoint, journal
@@ -34,9 +37,9 @@ class Run:
         self.agents: dict[int, subprocess.Popen[str]] = {}
         self.world = self.start(str(CONFIGS / scenario), "--out", str(self.out), *words)
 
-    def start(self, *words: str, every: str = "0.5") -> "subprocess.Popen[str]":
+    def start(self, *words: str, every: str = "0.5", rtf: str = "4") -> "subprocess.Popen[str]":
         """A world; this one looks after the run from now on, with a checkpoint `every` so often [s]."""
-        flags = ["-l", self.endpoint, "--checkpoint", every, "--rtf", "8"]
+        flags = ["-l", self.endpoint, "--checkpoint", every, "--rtf", rtf]
         self.world = start(command("world.process", *words, *flags), self.where)
         return self.world
 
@@ -53,6 +56,22 @@ class Run:
         until(lambda: state.stat().st_ino != seen)
         self.world.send_signal(how)
         self.world.communicate(timeout=PATIENCE)
+
+    def come_to_rest(self, robot: int) -> None:
+        """Stop an agent, and wait until the world asks it for the same tick again: all others have answered then."""
+
+        async def main() -> None:
+            async with session.client(self.endpoint) as observer, asyncio.timeout(PATIENCE):
+                said, seen = observer.mailbox(keys.observation(keys.DEFAULT_RUN, robot)), set[bytes | None]()
+                while (sample := said.take()) is None or not seen:
+                    seen.update(sample[1:] if sample else ())
+                    await asyncio.sleep(0.001)
+                self.agents[robot].send_signal(signal.SIGSTOP)
+                while (sample := said.take()) is None or sample[1] not in seen:
+                    seen.update(sample[1:] if sample else ())
+                    await asyncio.sleep(0.001)
+
+        asyncio.run(main())
 
     def finish(self) -> dict[str, Any]:
         """The summary, when all have ended well."""
@@ -126,7 +145,9 @@ def test_what_a_person_set_and_who_died_meanwhile_is_not_forgotten(run: Run) -> 
         fes("set", "channel.reference_snr=2e6", "-e", run.endpoint), capture_output=True, text=True, check=False
     )
     assert told.returncode == 0, told.stderr
-    run.end(signal.SIGKILL)
+    run.come_to_rest(1)  # so that no beacon of robot 1 is on its way, which would be lost with it
+    run.world.kill()
+    run.world.communicate()
     run.agents[1].kill()
     run.agents[1].communicate()
     run.start("--resume", str(run.out))
@@ -146,7 +167,7 @@ def test_robots_that_came_and_went_since_the_checkpoint_come_and_go_again(run: R
     run.world.kill()
     run.world.communicate()
     shutil.rmtree(run.out, ignore_errors=True)
-    run.start(str(CONFIGS / run.scenario), "--out", str(run.out), *run.words, every="1000")
+    run.start(str(CONFIGS / run.scenario), "--out", str(run.out), *run.words, every="1000", rtf="1")
     for robot in range(load("neighborhood.toml").robots.number):
         run.join(robot)
     state = run.out / FOLDER / "state"
@@ -196,6 +217,9 @@ def test_a_second_world_in_a_run_directory_is_refused_with_one_line(run: Run, ho
     before = (run.out / "scenario.toml").read_bytes()
     words = ["--resume", "out"] if how == "--resume" else [str(CONFIGS / "pair.toml"), "--out", "out"]
     second = start(command("world.process", *words, "-l", f"tcp/127.0.0.1:{free_port()}"), run.where)
-    _, err = second.communicate(timeout=PATIENCE)
+    try:
+        _, err = second.communicate(timeout=PATIENCE)
+    finally:
+        second.kill()
     assert (second.returncode, err) == (1, "fes-world: error: another world is at work in out\n")
     assert (run.out / "scenario.toml").read_bytes() == before

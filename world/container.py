@@ -24,8 +24,9 @@ from world.protobuf import Message
 
 PROFILE = "fes"
 
-CHUNK = 1 << 19
-"""A chunk is closed when it holds this much [bytes, not compressed]; then about 100 ticks of ten robots."""
+CHUNK = 1 << 21
+"""A chunk is closed when it holds this much [bytes, not compressed]; then about 400 ticks of ten robots. The index of
+all chunks stays in memory until the end, about 2 kB each."""
 
 CHUNK_AGE = 2.0
 """A chunk is closed when it is this old [s; wall clock], which is how much a run that is killed may lose."""
