@@ -23,6 +23,8 @@ class Attendance:
         self._hung = np.zeros(self._robots, dtype=np.bool_)
         self._asleep = np.zeros(self._robots, dtype=np.bool_)
         """Who hangs by the schedule at this tick, and has a process of its own [n]."""
+        self._lost = np.zeros(self._robots, dtype=np.bool_)
+        """Whose token went since this tick began [n], though it may stand again: what was sent to it went, too."""
         self._logger = logging.getLogger("world")
 
     @property
@@ -32,20 +34,21 @@ class Attendance:
         Not a process that hangs by the schedule: nothing may wait in its queues. One of several robots goes on, as
         the others' does.
         """
-        return self._roster.whole & ~self._hung & ~self._asleep
+        return self._roster.whole & ~self._hung & ~self._asleep & ~self._lost
 
     def hang(self, silent: Bools) -> None:
         """The `silent` robots [n] did not answer in time: they are left out, and all that share their process.
 
-        Not those whose process is gone: they are out already, and come back with their token.
+        Not those whose process or session is gone: they are out already, and come back with their token.
         """
-        for robot in np.flatnonzero(silent & (self._roster.alive == 1)).tolist():
+        for robot in np.flatnonzero(silent & (self._roster.alive == 1) & ~self._lost).tolist():
             self._hung[list(self._roster.group(robot))] = True
             self._logger.warning("robot %d does not answer", robot)
 
     def lost(self, robot: int) -> None:
-        """The process of this robot is gone: the next one does not hang."""
-        self._hung[list(self._roster.group(robot))] = False
+        """The process of this robot is gone, or its session: the next one does not hang."""
+        group = list(self._roster.group(robot))
+        self._hung[group], self._lost[group] = False, True
 
     def woke(self, robot: int) -> bool:
         """Whether this robot, which was just heard of, was hung until now."""
@@ -67,7 +70,8 @@ class Attendance:
     def now(self, state: State) -> Bools:
         """Who takes part at the tick of `state` [n]."""
         wanted, self._asleep = self._planned(state.tick)
-        there = self._roster.whole & ~self._hung
+        there = self._roster.whole & ~self._hung & ~self._lost
+        self._lost[:] = False
         return there & wanted & ~self._begin_anew(state, there)
 
     async def wait_for(self, present: Bools, timeout: float) -> None:

@@ -1,0 +1,26 @@
+"""Who takes part at a tick, as tokens come and go."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from tests.loop import load
+from world import simulation
+from world.attendance import Attendance
+
+
+def test_a_session_that_ends_and_begins_anew_within_a_tick_costs_a_tick_and_its_robot_does_not_hang() -> None:
+    """What was sent to the old session is lost: who is left out for its silence then is never asked again."""
+    scenario = load("pair.toml")
+    roster = SimpleNamespace(whole=np.ones(2, dtype=np.bool_), alive=np.ones(2, dtype=np.uint8), renewed=set())
+    roster.group = lambda robot: (robot,)
+    attendance = Attendance(roster, scenario)  # type: ignore[arg-type]
+    state = simulation.start(simulation.create(scenario))
+    assert attendance.now(state).tolist() == [True, True]
+    attendance.lost(1)  # and its token stands again
+    assert attendance.there.tolist() == [True, False]
+    attendance.hang(np.array([True, True]))
+    assert attendance.now(state).tolist() == [False, False]
+    assert attendance.now(state).tolist() == [False, True]
+    assert attendance.woke(0)
+    assert attendance.now(state).tolist() == [True, True]
