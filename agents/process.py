@@ -8,6 +8,7 @@ import argparse
 import asyncio
 import logging
 import re
+import secrets
 import time
 
 import numpy as np
@@ -23,7 +24,7 @@ from fes.bus import Bus
 from fes.complaints import Complaints
 from fes.errors import Absent, Busy, FesError, MessageError, Refused
 from fes.inbox import Inbox
-from fes.messages import Welcome
+from fes.messages import MAX_AGENT, Join, Welcome
 
 MAX_ROBOTS = 100_000
 _NUMBER = re.compile("[0-9]{1,9}")
@@ -33,6 +34,9 @@ AUTO = "auto"
 
 ANSWER_TIMEOUT = 5.0
 """A world that is there and does not answer a join for so long [s] is asked again."""
+
+CONFIRMATIONS = 10
+"""An agent that was not seen for a while asks so many times whether it is welcome still."""
 
 PATIENCE = 1.0
 """How long [s] an agent waits before it asks again, without an id, or where too many ask at once: then at most."""
@@ -50,6 +54,8 @@ class Agent:
         self._run = run
         self._robots = robots
         self._welcome = keys.welcome(run, keys.span(robots))
+        self._join = messages.encode_join(Join(robots, secrets.randbelow(MAX_AGENT)))
+        self._confirming: asyncio.Task[None] | None = None
         self._inbox = Inbox(asyncio.get_running_loop())
         self._world = Presence(f"the world of run '{run}'", self._inbox)
         self._mouth = Mouth(opened, run, robots, self.complaints)
@@ -58,14 +64,13 @@ class Agent:
 
     async def join(self, timeout: float) -> Welcome:
         """Wait for the world, and ask it for the robots; raises Absent or Refused."""
-        self._bus.watch(keys.world_alive(self._run), lambda key, alive: self._world.told(alive, self._turns.tick))
+        self._bus.watch(keys.world_alive(self._run), self._on_world)
         self._world.patience = timeout
-        question = messages.encode_join(self._robots)
         end = time.monotonic() + timeout
         while True:
             await self._world.appears(max(0.0, end - time.monotonic()))
             try:
-                answer = await self._bus.ask(self._welcome, question, ANSWER_TIMEOUT)
+                answer = await self._bus.ask(self._welcome, self._join, ANSWER_TIMEOUT)
                 break
             except (Absent, Busy):  # it may just have left; or all agents of a large team ask at once
                 if time.monotonic() > end:
@@ -113,6 +118,26 @@ class Agent:
                 self.radio.tune(set(tuned.peers.tolist()))
             spoken = list(assembly.payloads(said, twists, crew.telemetry(robots, state)))
             self._mouth.say(observations.tick, transmitter.on_air(robots.transmitters, observations.tick, spoken))
+
+    def _on_world(self, key: str, alive: bool) -> None:
+        self._world.told(alive, self._turns.tick)
+        if self._world.is_new and alive:
+            self._confirming = asyncio.ensure_future(self._confirm())
+
+    async def _confirm(self) -> None:
+        """Ask a world that is back whether it still wants this agent: its robots may have got another one meanwhile.
+
+        For it may be this agent that was away, for longer than its token stood.
+        """
+        for _ in range(CONFIRMATIONS):
+            try:
+                await self._bus.ask(self._welcome, self._join, ANSWER_TIMEOUT)
+                return
+            except Refused as refused:
+                self._inbox.fail(refused)
+                return
+            except (Absent, Busy):
+                await asyncio.sleep(PATIENCE * (1 + self._robots[0] % 10) / 10)
 
     @property
     def lag(self) -> str:

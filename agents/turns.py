@@ -45,7 +45,7 @@ class Turns:
                         self._mouth.repeat(observation.tick, observation.robot)
                     elif observation.tick < self.tick:
                         self._behind(key, observation.tick)
-                else:
+                elif self.tick >= 0:  # else it stands by, and its time has not come yet
                     self._complaints.add("Observation: is not for this tick", f"{key}: tick {observation.tick}")
             if len(waiting) == len(self._robots):
                 self.tick += 1

@@ -36,6 +36,8 @@ class History:
 
     def __init__(self) -> None:
         self.latest: Report | None = None
+        self.silence = 0.0
+        """For how long nothing was heard of a run that goes on [s; wall clock]."""
         self._clear()
 
     def add(self, report: Report) -> None:
@@ -122,12 +124,12 @@ def _wide(history: History, report: Report, width: int, height: int) -> list[Lin
     team = [title("Map", legend(left - 6), left), *team_map(report, left, body - 1)]
     right = _column(history, report, side, body, may_grow=True)
     rows = zip(_shape(team, left, body), _shape(right, side, body), strict=True)
-    return [*header(report, width), *([*one, styled(" " * _GAP), *other] for one, other in rows)]
+    return [*header(report, width, history.silence), *([*one, styled(" " * _GAP), *other] for one, other in rows)]
 
 
 def _narrow(history: History, report: Report, width: int, height: int) -> list[Line]:
     """The map above the other panels, if there is room for it."""
-    lines, body = header(report, width), height - 2
+    lines, body = header(report, width, history.silence), height - 2
     chart = 1 + reception.BESIDES + _CHART[0] if reception.is_measured(report) else 0
     spare = body - 4 - chart - 3 - (2 + len(report.a))  # what the other panels leave at their full height
     tall = min(max(spare, 2 * body // 5), width // 2) if body >= 14 else 0

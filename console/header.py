@@ -12,9 +12,13 @@ from fes.report import Report
 _GAP = 3
 
 
-def header(report: Report, width: int) -> list[Line]:
-    """The two lines."""
-    return [_progress(report, width), _facts(report, width)]
+SILENCE = 1.0
+"""A world that is not heard of for this long [s] is away, or waits for a robot: its pace is of the past then."""
+
+
+def header(report: Report, width: int, silence: float = 0.0) -> list[Line]:
+    """The two lines, after a `silence` [s] of the world."""
+    return [_progress(report, width), _facts(report, width, silence)]
 
 
 def _progress(report: Report, width: int) -> Line:
@@ -31,7 +35,7 @@ def _progress(report: Report, width: int) -> Line:
     return line + [styled(" " * _GAP + word) for word in words]
 
 
-def _facts(report: Report, width: int) -> Line:
+def _facts(report: Report, width: int, silence: float) -> Line:
     """As many facts as fit, in their short form if need be."""
     n, alive = len(report.alive), int(np.count_nonzero(report.alive == 1))
     sent, decoded = report.beacons_sent, report.beacons_decoded
@@ -54,6 +58,8 @@ def _facts(report: Report, width: int) -> Line:
         told = f"{missed:,}, {missed / due:.2%}" + (f", robot {worst} {report.missed[worst]:,}" if missed else "")
         late = f"{int(report.late.sum()):,}"
         pace = [("live, deadlines missed", told, "bold red" if missed > due / 1000 else ""), ("late", late, "")]
+    if silence >= SILENCE:
+        pace = [("stands still for", f"{silence:,.0f} s", "bold red")]
     choices = [
         [*team, *pace, ("beacons decoded/sent", f"{decoded:,}/{sent:,}, {ratio}", "")],
         [*team, *pace, ("decoded/sent", f"{decoded:,}/{sent:,}", "")],

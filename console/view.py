@@ -2,6 +2,7 @@
 
 import io
 import re
+import time
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -42,8 +43,9 @@ class Screen:
         self.history.add(report)
         self.draw()
 
-    def draw(self) -> None:
-        """Draw what is known, at the terminal's present size."""
+    def draw(self, silence: float = 0.0) -> None:
+        """Draw what is known, at the terminal's present size, after a `silence` [s] of the world."""
+        self.history.silence = silence
         self._live.update(self.frame(), refresh=True)
 
     def frame(self) -> RenderableType:
@@ -64,8 +66,10 @@ def save_picture(path: Path, frame: RenderableType, width: int, height: int, tit
 
 async def watch(bus: Bus, run: str, timeout: float, screen: Screen) -> None:
     """Show a run until its world leaves; raises Absent if none appears within `timeout` [s]."""
+    heard = time.monotonic()
     async for report in observer.reports(bus, run, timeout, IDLE):
         if report is None:
-            screen.draw()
+            screen.draw(time.monotonic() - heard)
         else:
+            heard = time.monotonic()
             screen.show(report)

@@ -14,6 +14,16 @@ from fes.errors import MessageError
 from fes.sensing import DECODED
 
 MAX_STATISTICS = 64
+MAX_AGENT = 2**62
+
+
+class Join(NamedTuple):
+    """An agent's question for a Welcome, also where it has one already and was not seen for a while."""
+
+    robots: tuple[int, ...]
+    """Those it wants to host, ascending."""
+    agent: int
+    """A number that it has drawn, from 0 to MAX_AGENT: no other agent of these robots has the same."""
 
 
 class Welcome(NamedTuple):
@@ -173,16 +183,17 @@ def decode_welcome(payload: bytes) -> Welcome:
         raise MessageError(name, f"configuration: {error.errors()[0]['msg']}") from None
 
 
-def encode_join(robots: tuple[int, ...]) -> bytes:
-    """The payload of an agent's question for a Welcome: the robots it wants to host."""
-    return wire.pack(list(robots))
+def encode_join(join: Join) -> bytes:
+    """The payload of a Join."""
+    return wire.pack(list(join.robots), join.agent)
 
 
-def decode_join(payload: bytes) -> tuple[int, ...]:
-    """The robots wanted, ascending."""
+def decode_join(payload: bytes) -> Join:
+    """The Join in a payload."""
     name = "Join"
-    [robots] = wire.unpack(name, payload, 1)
-    return wire.robot_list(name, robots)
+    robots, agent = wire.unpack(name, payload, 2)
+    wire.check(name, type(agent) is int and 0 <= agent <= MAX_AGENT, "expects a number for the agent", agent)
+    return Join(wire.robot_list(name, robots), agent)
 
 
 def encode_lease(robot: int) -> bytes:

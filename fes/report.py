@@ -56,7 +56,7 @@ class Report:
     ticks_per_s: float
     """Recent rate [1/s]."""
     alive: Bytes
-    """1 for each robot whose agent is alive [n]."""
+    """1 for each robot that takes part, and whose agent is alive [n]."""
     poses: Floats
     """True poses [n, 3] [m, m, rad; world frame]."""
     a: Ints

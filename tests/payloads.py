@@ -16,7 +16,7 @@ from fes.arrays import Floats
 from fes.change import Change, Effect
 from fes.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
 from fes.errors import MessageError
-from fes.messages import Beacon, Command, Observation, Welcome
+from fes.messages import Beacon, Command, Join, Observation, Welcome
 from fes.report import Report
 
 
@@ -114,7 +114,8 @@ def team_reports(draw: st.DrawFn) -> Report:
     return Report(scenario=draw(st.text()), disk_connected=draw(st.booleans()), **found)
 
 
-joins = st.sets(robots, min_size=1, max_size=9).map(lambda ids: tuple(sorted(ids)))
+crews = st.sets(robots, min_size=1, max_size=9).map(lambda ids: tuple(sorted(ids)))
+joins = st.builds(Join, crews, st.integers(0, messages.MAX_AGENT))
 
 versions = st.text(st.characters(codec="ascii", categories=["L", "N", "P"]), max_size=20)
 abouts = st.builds(About, versions, versions, st.integers(1, 2**31 - 1), finite)
@@ -133,7 +134,7 @@ CODECS = {
     "Command": Codec(messages.encode_command, messages.decode_command, commands(), 7),
     "Welcome": Codec(messages.encode_welcome, messages.decode_welcome, welcomes(), 2),
     "Lease": Codec(messages.encode_lease, messages.decode_lease, robots, 1),
-    "Join": Codec(messages.encode_join, messages.decode_join, joins, 1),
+    "Join": Codec(messages.encode_join, messages.decode_join, joins, 2),
     "Report": Codec(reports.encode_report, reports.decode_report, team_reports(), 12),
     "Recall": Codec(messages.encode_recall, messages.decode_recall, ticks, 1),
     "Change": Codec(change.encode_change, change.decode_change, changes, 2),

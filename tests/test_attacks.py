@@ -8,6 +8,7 @@ import pytest
 
 from fes import keys, messages, wire
 from fes.errors import Refused
+from fes.messages import Join
 from tests import session
 from tests.attackers import (
     BAD_PAYLOADS,
@@ -130,7 +131,7 @@ def test_who_claims_a_taken_robot_and_leaves_ends_nothing() -> None:
         for _ in range(3):
             async with client(endpoint) as impostor:
                 with pytest.raises(Refused, match="robot 2 is hosted by another agent already"):
-                    await impostor.ask(keys.welcome(RUN, "2"), messages.encode_join((2,)), 5.0)
+                    await impostor.ask(keys.welcome(RUN, "2"), messages.encode_join(Join((2,), 7)), 5.0)
                 for robot in (2, 77):
                     impostor.token(keys.robot_alive(RUN, robot))
                 await asyncio.sleep(0.02)

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from fes.errors import FesError
+from fes.messages import Join
 from tests.loop import load
 from world import checkpoint, journal, process, resume
 from world.checkpoint import FOLDER, Keeper
@@ -62,10 +63,10 @@ def test_who_shares_a_process_is_what_was_last_joined(tmp_path: Path) -> None:
     course, keeper = Course(load("neighborhood.toml")), Keeper(tmp_path, 1e9, "test", "main")
     keeper.begin(course)
     for robots in ([0, 1, 2], [0], [1, 2], [0, 1, 2], [2]):
-        keeper.note(["join", robots])
+        keeper.note(["join", robots, sum(robots)])
     keeper.close(course)
     again, kept, _ = resume.course(tmp_path, resume.load(tmp_path), None, 1e9)
-    assert kept.groups == {0: (0, 1, 2), 1: (0, 1, 2), 2: (2,)}
+    assert kept.hosts == {0: Join((0, 1, 2), 3), 1: Join((0, 1, 2), 3), 2: Join((2,), 2)}
     assert kept.renewed == {0, 1, 2}
     kept.note(["tick", 0, [b"", b"x", b"x"], [], b"", 0.0])
     assert kept.renewed == {0}
@@ -131,7 +132,7 @@ def test_what_cannot_be_gone_on_from_is_one_line(tmp_path: Path) -> None:
     ("words", "complaint"),
     [
         ([], "give a SCENARIO, or --resume RUN_DIR"),
-        (["--resume", "nowhere"], "nowhere has no checkpoint"),
+        (["--resume", "nowhere"], "there is no run directory nowhere"),
         (["x.toml", "--resume", "nowhere"], "--resume goes on with the run as it was"),
         (["--resume", "nowhere", "--seed", "3"], "--resume goes on with the run as it was"),
     ],

@@ -64,7 +64,8 @@ def test_looking_at_a_run_changes_no_digit_and_sees_all_of_it() -> None:
 
 def test_a_robot_that_is_missing_is_named() -> None:
     found = network.alive(RUN, [keys.world_alive(RUN), *(keys.robot_alive(RUN, i) for i in (0, 1, 4))], [], 6, True)
-    assert (found.status, found.remedy) == (Status.WARNING, "the world waits for fes-agent --id 2-3, 5")
+    assert found.status == Status.WARNING
+    assert found.remedy == "fes-agent --id 2-3, 5: before its first tick a run waits for all"
     assert "robots 0-1, 4 of 6" in found.seen
 
 

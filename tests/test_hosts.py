@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -60,6 +61,11 @@ class Team:
         """Wait until an observer on a machine sees that the run has reached a tick."""
         watching = self.net.start(host, [sys.executable, "-c", WATCH, endpoint, str(tick)], self.where / "watch.log")
         assert watching.wait(PATIENCE) == 0, self.all_said()
+
+    def goes_on(self, host: str, endpoint: str) -> None:
+        """Wait until whoever was taken in last has answered a few ticks: it would not miss the end of the run."""
+        back = max(map(int, re.findall(r"is back from tick (\d+)", self.said())))
+        self.reaches(back + 10, host, endpoint)
 
     def said(self, who: str = "world") -> str:
         return (self.where / f"{who}.log").read_text()
@@ -173,6 +179,7 @@ def test_a_robot_whose_cable_is_cut_is_left_out_until_it_is_plugged_in_again(tea
     until(lambda: "robot 1 is not there from tick" in team.said())
     net.plug("robot-1")
     until(lambda: "robot 1 is back from tick" in team.said())
+    team.goes_on("world", net.hosts["world"].endpoint())
     team.processes[0].send_signal(signal.SIGINT)
     found = team.summary()
     assert "robot 0 is not there" not in team.said()
@@ -194,6 +201,7 @@ def test_a_site_that_is_cut_off_is_left_out_until_it_can_be_reached_again(team: 
     until(lambda: all(f"robot {robot} is not there from tick" in team.said() for robot in (2, 3)))
     router.ip("link", "set", "lan2", "up")
     until(lambda: all(f"robot {robot} is back from tick" in team.said() for robot in (2, 3)))
+    team.goes_on("east-world", net.hosts["east-router"].endpoint())
     team.processes[0].send_signal(signal.SIGINT)
     found = team.summary()
     assert "robot 0 is not there" not in team.said()

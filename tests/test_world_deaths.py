@@ -6,6 +6,7 @@ import shutil
 import signal
 import subprocess
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -48,12 +49,16 @@ class Run:
         words = ["--id", str(robot), "-e", self.endpoint]
         self.agents[robot] = start(command("agents.process", *words), self.where)
 
-    def end(self, how: signal.Signals) -> None:
-        """End the world, by the present checkpoint's successor at the earliest."""
+    def next_checkpoint(self) -> None:
+        """Wait until the present checkpoint has a successor, so that the run goes on."""
         state = self.out / FOLDER / "state"
         until(state.exists)
         seen = state.stat().st_ino
         until(lambda: state.stat().st_ino != seen)
+
+    def end(self, how: signal.Signals) -> None:
+        """End the world, by the present checkpoint's successor at the earliest."""
+        self.next_checkpoint()
         self.world.send_signal(how)
         self.world.communicate(timeout=PATIENCE)
 
@@ -196,9 +201,15 @@ def test_robots_that_came_and_went_since_the_checkpoint_come_and_go_again(run: R
 def test_a_world_that_knows_less_than_its_robots_says_so_and_they_end(run: Run, tmp_path: Path) -> None:
     for robot in range(load("neighborhood.toml").robots.number):
         run.join(robot)
-    state = run.out / FOLDER / "state"
-    until(state.exists)
-    shutil.copytree(run.out / FOLDER, tmp_path / "old")
+    run.next_checkpoint()
+
+    def copied() -> bool:
+        with suppress(OSError):  # a journal may be replaced just now
+            shutil.copytree(run.out / FOLDER, tmp_path / "old", dirs_exist_ok=True)
+            return True
+        return False
+
+    until(copied)
     run.end(signal.SIGKILL)
     shutil.rmtree(run.out / FOLDER)
     shutil.copytree(tmp_path / "old", run.out / FOLDER)  # as after a loss of power that took what was not on disk yet

@@ -26,6 +26,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from fes.errors import FesError, reason
+from fes.messages import Join
 from world.account import Account
 from world.course import TICK, Course
 from world.journal import Journal
@@ -40,7 +41,7 @@ PERIOD = 10.0
 """Time between two checkpoints [s]."""
 
 JOIN = "join"
-"""Kind of a note beside those of a course: [JOIN, robots]: an agent hosts these from now on."""
+"""Kind of a note beside those of a course: [JOIN, robots, agent]: it hosts these from now on."""
 
 MAGIC = b"fes checkpoint 1"
 
@@ -60,8 +61,8 @@ class Snapshot:
     """With what persons have set since."""
     state: State
     sums: Account
-    groups: dict[int, tuple[int, ...]]
-    """Robots that share a process."""
+    hosts: dict[int, Join]
+    """The last Join that was accepted for each robot."""
     renewed: list[int]
     """Robots whose agents have joined, and answered no tick yet."""
     log: Unfinished | None
@@ -82,8 +83,8 @@ class Keeper:
         self._written = 0
         self._journal: Journal | None = None
         self._trail: BinaryIO | None = None
-        self.groups: dict[int, tuple[int, ...]] = {}
-        """The robots that share a process with each, as the run was when it began to be kept."""
+        self.hosts: dict[int, Join] = {}
+        """The last Join that was accepted for each robot, as the run was when it began to be kept."""
         self.renewed: set[int] = set()
         """Robots whose agents have joined, and answered no tick yet."""
 
@@ -99,13 +100,13 @@ class Keeper:
         self,
         course: Course,
         trail: BinaryIO,
-        groups: dict[int, tuple[int, ...]],
+        hosts: dict[int, Join],
         renewed: set[int],
         elapsed: float = 0.0,
     ) -> None:
         """Take notes of a run from its present tick on, and keep it as it is."""
-        self._trail, self.groups, self.renewed = trail, groups, renewed
-        self.save(course, groups, elapsed, at_once=True)
+        self._trail, self.hosts, self.renewed = trail, hosts, renewed
+        self.save(course, hosts, elapsed, at_once=True)
         course.note = self.note
 
     @property
@@ -120,9 +121,7 @@ class Keeper:
         if self._journal is not None:
             self._journal.add(note)
 
-    def save(
-        self, course: Course, groups: dict[int, tuple[int, ...]], elapsed: float, *, at_once: bool = False
-    ) -> None:
+    def save(self, course: Course, hosts: dict[int, Join], elapsed: float, *, at_once: bool = False) -> None:
         """Keep the run as it is between two ticks, beside it or `at_once`; raises FesError where that fails."""
         if self._writing is not None and self._writing.done():
             self._writing.result()
@@ -136,7 +135,7 @@ class Keeper:
             course.scenario,
             course.state,
             course.sums,
-            groups,
+            dict(hosts),
             sorted(self.renewed),
             course.recorder.pause() if course.recorder is not None else None,
             elapsed,

@@ -103,11 +103,11 @@ class Lockstep:
     def _read(self, state: State, key: str, payload: bytes | None) -> Command | None:
         """The command in a message if it is one for this tick; anything else is dropped and counted.
 
-        A second answer to the last tick is no fault: its robot was asked again just when it answered.
+        A second answer to an earlier tick is no fault of a robot that was asked again for it, just when it answered.
         """
         try:
             command = wording.command(key, payload, len(state.present))
-            asked = command.tick == state.tick - 1 == self._asked.get(command.robot)
+            asked = command.tick < state.tick and command.tick == self._asked.get(command.robot)
             absent = not state.present[command.robot] and command.tick <= state.tick
             if self._attendance.woke(command.robot) or asked or absent:
                 return None

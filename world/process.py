@@ -19,7 +19,7 @@ from typing import Any
 from fes import bus, identity, keys, process
 from fes.errors import FesError, reason
 from world import access, audit, claim, expect, resume, summary
-from world.checkpoint import PERIOD, Keeper, Snapshot, alone, clear
+from world.checkpoint import PERIOD, Keeper, Snapshot, alone, clear, is_kept
 from world.course import Course
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
@@ -60,6 +60,8 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
                 ended = not pausing
                 if pausing:
                     server.save()
+                what = f"paused: fes-world --resume {flags.out} goes on" if pausing else "ended before its time"
+                server.logger.info("tick %d of %d: %s", course.state.tick, scenario.ticks, what)
                 raise
             finally:
                 try:
@@ -75,7 +77,8 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
         server.logger.info("the run is over after %d ticks", scenario.ticks)
     for verdict in reached["expectations"] if reached else []:
         level = logging.INFO if verdict["holds"] else logging.ERROR
-        server.logger.log(level, "%(of)s is %(seen)s, expected to be %(expected)s", verdict)
+        holds = "as expected" if verdict["holds"] else "not as expected"
+        server.logger.log(level, f"{holds}: %(of)s is %(seen)s, expected to be %(expected)s", verdict)
     return process.UNMET if reached and expect.unmet(reached) else process.SUCCESS
 
 
@@ -84,7 +87,9 @@ def _recorder(flags: argparse.Namespace, start: Start) -> AbstractContextManager
     if start.kept is not None:
         return resume.recorder(flags.out, start.kept) or nullcontext()
     if flags.out is not None:
-        clear(flags.out)  # of an earlier run; before the log, without which nobody could go on with it
+        if is_kept(flags.out):
+            logging.getLogger("world").warning("the run that %s could have gone on with is given up", flags.out)
+        clear(flags.out)  # before the log, without which nobody could go on with it
     if flags.out is None or flags.no_record:
         return nullcontext()
     return Recorder(flags.out / NAME, start.scenario, start.name, "processes")

@@ -18,7 +18,10 @@ PERIOD = 0.1
 
 
 def build(account: Account, name: str, alive: Bytes, elapsed: float, ticks_per_s: float) -> Report:
-    """The report of the last tick of `account`; `elapsed` [s] and `ticks_per_s` [1/s] are wall-clock."""
+    """The report of the last tick of `account`; `elapsed` [s] and `ticks_per_s` [1/s] are wall-clock.
+
+    A robot whose agent is `alive` [n] is shown as such if it takes part: who waits to come back does not yet.
+    """
     scenario, state, said = account.scenario, account.state, account.telemetry
     a, b = metrics.ends(said.links)
     low, high = np.minimum(a, b), np.maximum(a, b)
@@ -40,7 +43,7 @@ def build(account: Account, name: str, alive: Bytes, elapsed: float, ticks_per_s
         optimal_separation=account.optimal,
         elapsed=elapsed,
         ticks_per_s=ticks_per_s,
-        alive=alive,
+        alive=alive & state.present.astype(np.uint8),
         poses=state.poses,
         a=low,
         b=high,

@@ -12,6 +12,7 @@ from pydantic import BaseModel
 
 from fes import messages
 from fes.errors import FesError, MessageError, ScenarioError, reason
+from fes.messages import Join
 from world import checkpoint, journal
 from world.account import Account
 from world.breathing import Breathing
@@ -39,6 +40,8 @@ def load(directory: Path) -> Snapshot:
     try:
         magic, ours, told = path.read_bytes().split(b"\n", 2)
     except FileNotFoundError:
+        if not directory.exists():
+            raise FesError(f"there is no run directory {directory}") from None
         raise FesError(f"{directory} has no checkpoint: its run is over, or kept none") from None
     except OSError as error:
         raise FesError(f"{path} cannot be read: {reason(error)}") from None
@@ -79,14 +82,14 @@ def course(
     """
     run = Course(snapshot.scenario, recorder)
     run.scenario, run.state, run.sums = snapshot.now, snapshot.state, snapshot.sums
-    groups, renewed, elapsed = dict(snapshot.groups), set(snapshot.renewed), snapshot.elapsed
+    hosts, renewed, elapsed = dict(snapshot.hosts), set(snapshot.renewed), snapshot.elapsed
     try:
         trail = run.sums.tally.digest.take_up(directory / FOLDER / TRAIL)
         for path in checkpoint.journals(directory, snapshot.number):
             for note in journal.notes(path):
                 checkpoint.renew(renewed, note)
                 if note[0] == JOIN:
-                    groups.update(dict.fromkeys(note[1], tuple(note[1])))
+                    hosts.update(dict.fromkeys(note[1], Join(tuple(note[1]), note[2])))
                 else:
                     elapsed = _again(run, note, elapsed)
     except (OSError, EOFError) as error:
@@ -97,7 +100,7 @@ def course(
         raise FesError(f"the notes in {directory / FOLDER} are damaged: {error}") from None
     number = checkpoint.last(directory, snapshot.number)
     keeper = Keeper(directory, period, snapshot.name, snapshot.run, number=number)
-    keeper.follow(run, trail, groups, renewed, elapsed)
+    keeper.follow(run, trail, hosts, renewed, elapsed)
     return run, keeper, elapsed
 
 

@@ -15,7 +15,7 @@ from fes.bus import Bus, Question
 from fes.complaints import Complaints
 from fes.config import AgentConfig, own
 from fes.errors import MessageError
-from fes.messages import Welcome
+from fes.messages import Join, Welcome
 
 LEASE = 5.0
 """A robot that was promised to an agent is free again if no liveliness token follows within this time [s]."""
@@ -31,11 +31,11 @@ class Roster:
         robots: int,
         config: AgentConfig,
         complaints: Complaints,
-        groups: Mapping[int, tuple[int, ...]] = MappingProxyType({}),
+        hosts: Mapping[int, Join] = MappingProxyType({}),
         renewed: Iterable[int] = (),
     ) -> None:
-        """`groups` are the robots of the agents that joined before this world came, if any did; `renewed` those that
-        have not taken part yet.
+        """`hosts` are the Joins that were accepted before this world came, by robot; `renewed` the robots that have
+        not taken part since.
         """
         self.alive: Bytes = np.zeros(robots, dtype=np.uint8)
         self.complete = asyncio.Event()
@@ -48,13 +48,12 @@ class Roster:
         self._complaints = complaints
         self._logger = logging.getLogger("world")
         self._promised: dict[int, float] = {}
-        self._group: dict[int, tuple[int, ...]] = {robot: (robot,) for robot in range(robots)}
-        """The robots that share a process with each."""
-        self._group.update(groups)
+        self.hosts = dict(hosts)
+        """The last Join that was accepted for each robot."""
         self.renewed = set(renewed)
         """Robots whose agents are new, and have not taken part yet."""
-        self.on_join: Callable[[tuple[int, ...]], None] = lambda robots: None
-        """Called with the robots of each agent that joins."""
+        self.on_join: Callable[[Join], None] = lambda join: None
+        """Called with each Join that is accepted."""
         self._leased: dict[int, float] = {}
         self._told: Callable[[int, bool], None] | None = None
         bus.serve(keys.welcome(run, "*"), self._on_question)
@@ -66,14 +65,9 @@ class Roster:
         """From now on `on_token` is called with each robot that comes or goes, and whether it is alive."""
         self._told = on_token
 
-    @property
-    def groups(self) -> dict[int, tuple[int, ...]]:
-        """The robots that share a process with each."""
-        return dict(self._group)
-
     def group(self, robot: int) -> tuple[int, ...]:
         """The robots that share a process with this one: they come and go together."""
-        return self._group[robot]
+        return self.hosts[robot].robots if robot in self.hosts else (robot,)
 
     def _on_request(self, question: Question) -> None:
         """Lease the lowest free robot to an agent that has none: nobody else is given it while it comes to join."""
@@ -87,26 +81,29 @@ class Roster:
 
     def _on_question(self, question: Question) -> None:
         try:
-            wanted = messages.decode_join(question.payload)
+            join = messages.decode_join(question.payload)
         except MessageError as error:
             self._complaints.unread(question.key, error)
             question.refuse(str(error))
             return
+        wanted = join.robots
         if question.key != keys.welcome(self._run, keys.span(wanted)):
             # Rules of access name keys: an agent that may ask for its own robots must not get others by asking there.
             self._complaints.add("Join: on another's key", f"{question.key}: a join of robots {keys.span(wanted)}")
             question.refuse(f"a join of robots {keys.span(wanted)} came on {question.key}")
             return
-        refusal = self._refusal(wanted)
-        if refusal:
-            self._complaints.add("Join: refused", f"a join: {refusal}")
-            question.refuse(refusal)
-            return
-        for robot in wanted:
-            self._promised[robot] = time.monotonic() + LEASE
-            self._group[robot] = wanted
-        self.renewed.update(wanted)
-        self.on_join(wanted)
+        if not all(
+            self.hosts.get(robot) == join for robot in wanted
+        ):  # else it only asks whether it is welcome still
+            refusal = self._refusal(wanted)
+            if refusal:
+                self._complaints.add("Join: refused", f"a join: {refusal}")
+                question.refuse(refusal)
+                return
+            self._promised.update(dict.fromkeys(wanted, time.monotonic() + LEASE))
+            self.hosts.update(dict.fromkeys(wanted, join))
+            self.renewed.update(wanted)
+            self.on_join(join)
         question.answer(messages.encode_welcome(Welcome(wanted, own(self._config, wanted))), "fes.Welcome")
 
     def _refusal(self, wanted: tuple[int, ...]) -> str:
@@ -114,6 +111,8 @@ class Roster:
         for robot in wanted:
             if robot >= robots:
                 return f"robot {robot} does not exist: this run has robots 0 to {robots - 1}"
+            if self.alive[robot] and robot not in self.hosts:
+                return f"robot {robot} is hosted by an agent of an earlier world"
             if self.alive[robot] or self._promised.get(robot, 0.0) > time.monotonic():
                 return f"robot {robot} is hosted by another agent already"
         return ""
@@ -129,7 +128,8 @@ class Roster:
             self.complete.set()
         if not alive:
             self.complete.clear()
-        self.whole = np.array([bool(self.alive[list(group)].all()) for _, group in sorted(self._group.items())])
+        whole = [bool(self.alive[list(self.group(one))].all()) for one in range(len(self.alive))]
+        self.whole = np.array(whole)
         self.changed.set()
         if self._told is not None:
             self._told(robot, alive)

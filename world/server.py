@@ -15,6 +15,7 @@ from fes.change import decode_change, encode_effect
 from fes.complaints import Complaints
 from fes.errors import MessageError, ScenarioError
 from fes.inbox import Inbox
+from fes.messages import Join
 from fes.report import encode_report
 from world import reporting, summary, wording
 from world.attendance import Attendance
@@ -56,7 +57,7 @@ class Server:
         self._observe = [bus.publisher(keys.observation(run, robot), "fes.Observation") for robot in robots]
         self._report = bus.publisher(keys.report(run), "fes.Report", drop=True)
         bus.subscribe(keys.command(run, "*"), self._inbox.put)
-        before = (keeper.groups, keeper.renewed) if keeper is not None else ()
+        before = (keeper.hosts, keeper.renewed) if keeper is not None else ()
         self._roster = Roster(bus, run, len(robots), agent_config(course.scenario), self.complaints, *before)
         self._roster.on_join = self._on_join
         bus.serve(keys.change(run), self._on_change)
@@ -76,7 +77,7 @@ class Server:
                 await self._roster.complete.wait()
             self._roster.renewed.clear()
         else:
-            self.logger.info("waiting for %d robots to come back", np.count_nonzero(present))
+            self.logger.info("waiting for those that took part to come back: %d", np.count_nonzero(present))
             await self._attendance.wait_for(present, RESUME_TIMEOUT)
         self._roster.report_to(self._on_token)
         missing = np.flatnonzero(present & ~self._attendance.there).tolist() if tick else []
@@ -97,7 +98,7 @@ class Server:
             sent = self._publish()
             self._account()  # for the last tick, while the robots think about this one
             if self._keeper is not None and self._keeper.due:
-                self._keeper.save(course, self._roster.groups, self.elapsed)
+                self._keeper.save(course, self._roster.hosts, self.elapsed)
             answers, present = await self._clock.collect(course.state, sent)
             self._attend(present)
             course.take(sent, answers, self._heard, self._roster.alive.copy(), self.elapsed)
@@ -134,7 +135,7 @@ class Server:
         """Keep the run as it is, to be gone on with."""
         self._account()
         if self._keeper is not None:
-            self._keeper.save(self.course, self._roster.groups, self.elapsed, at_once=True)
+            self._keeper.save(self.course, self._roster.hosts, self.elapsed, at_once=True)
 
     def _make_clock(self, pace: float | None) -> Lockstep | Live:
         lockstep = Lockstep(self._inbox, self._attendance, self.complaints, self._ask, pace)
@@ -161,9 +162,9 @@ class Server:
         )
         question.answer(encode_effect(effect), "fes.Effect")
 
-    def _on_join(self, robots: tuple[int, ...]) -> None:
+    def _on_join(self, join: Join) -> None:
         if self._keeper is not None:
-            self._keeper.note([JOIN, list(robots)])
+            self._keeper.note([JOIN, list(join.robots), join.agent])
 
     def _on_token(self, robot: int, alive: bool) -> None:
         if not alive:

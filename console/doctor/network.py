@@ -131,7 +131,7 @@ def alive(run: str, standing: list[str], others: list[str], robots: int | None, 
     missing = sorted(set(range(robots or (max(here, default=-1) + 1))) - set(here))
     seen = f"world of run '{run}', robots {spans(here) or 'none'} of {robots or '?'}{elsewhere}"
     if missing:
-        return warning("alive", seen, f"the world waits for fes-agent --id {spans(missing)}")
+        return warning("alive", seen, f"fes-agent --id {spans(missing)}: before its first tick a run waits for all")
     return ok("alive", seen)
 
 

@@ -1,0 +1,68 @@
+"""An agent that was suspended, and wakes when another one hosts its robot."""
+
+import signal
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from console.launcher import free_port
+from tests.loop import CONFIGS
+from tests.test_processes import PATIENCE, command, start, until
+
+
+class Hosted:
+    """A world of two robots at the pace of the wall clock, and agents started by hand."""
+
+    def __init__(self, where: Path) -> None:
+        self.where, self.log = where, where / "world.log"
+        self.endpoint = f"tcp/127.0.0.1:{free_port()}"
+        self.agents: list[subprocess.Popen[str]] = []
+        words = [str(CONFIGS / "pair.toml"), "--duration", "1000", "--rtf", "1", "-l", self.endpoint]
+        with self.log.open("wb") as stream:
+            self.world = subprocess.Popen(command("world.process", *words), stderr=stream)
+
+    def agent(self, robot: int) -> "subprocess.Popen[str]":
+        words = command("agents.process", "--id", str(robot), "-e", self.endpoint)
+        self.agents.append(start(words, self.where))
+        return self.agents[-1]
+
+    def says(self, what: str, times: int = 1) -> None:
+        """Wait until the world has said something so often."""
+        until(lambda: self.log.read_text().count(what) >= times)
+
+
+@pytest.fixture
+def hosted(tmp_path: Path) -> Iterator[Hosted]:
+    going = Hosted(tmp_path)
+    try:
+        yield going
+    finally:
+        for agent in going.agents:
+            agent.kill()
+            agent.communicate()
+        going.world.kill()
+        going.world.wait()
+
+
+def test_an_agent_that_wakes_when_its_robot_has_another_one_ends_and_the_robot_is_not_lost_with_the_other(
+    hosted: Hosted,
+) -> None:
+    """Equal tokens are one: the death of the other one would not be seen, and nobody could host the robot again."""
+    first = hosted.agent(0)
+    hosted.agent(1)
+    hosted.says("all robots are here")
+    first.send_signal(signal.SIGSTOP)
+    hosted.says("robot 0 is not there")
+    second = hosted.agent(0)
+    hosted.says("robot 0 is back")
+    first.send_signal(signal.SIGCONT)
+    _, complaint = first.communicate(timeout=PATIENCE)
+    assert first.returncode == 1
+    assert complaint.splitlines()[-1] == "fes-agent: error: robot 0 is hosted by another agent already"
+    second.kill()
+    hosted.says("robot 0 is not there", 2)
+    assert "does not answer" not in hosted.log.read_text()  # it was seen by its token, not by its silence
+    hosted.agent(0)
+    hosted.says("robot 0 is back", 2)
