@@ -55,7 +55,7 @@ class Agent:
         self._robots = robots
         self._welcome = keys.welcome(run, keys.span(robots))
         self._join = messages.encode_join(Join(robots, secrets.randbelow(MAX_AGENT)))
-        self._confirming: asyncio.Task[None] | None = None
+        self._confirming: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._inbox = Inbox(asyncio.get_running_loop())
         self._world = Presence(f"the world of run '{run}'", self._inbox)
         self._mouth = Mouth(opened, run, robots, self.complaints)
@@ -118,10 +118,12 @@ class Agent:
                 self.radio.tune(set(tuned.peers.tolist()))
             spoken = list(assembly.payloads(said, twists, crew.telemetry(robots, state)))
             self._mouth.say(observations.tick, transmitter.on_air(robots.transmitters, observations.tick, spoken))
+        self._confirming.cancel()
 
     def _on_world(self, key: str, alive: bool) -> None:
         self._world.told(alive, self._turns.tick)
         if self._world.is_new and alive:
+            self._confirming.cancel()
             self._confirming = asyncio.ensure_future(self._confirm())
 
     async def _confirm(self) -> None:
@@ -133,11 +135,12 @@ class Agent:
             try:
                 await self._bus.ask(self._welcome, self._join, ANSWER_TIMEOUT)
                 return
+            except (Absent, Busy):
+                await asyncio.sleep(PATIENCE * (1.0 + self._robots[0] % 10 / 10))
             except Refused as refused:
                 self._inbox.fail(refused)
                 return
-            except (Absent, Busy):
-                await asyncio.sleep(PATIENCE * (1 + self._robots[0] % 10) / 10)
+        self.logger.warning("the world is back, and does not say whether it still wants this agent")
 
     @property
     def lag(self) -> str:

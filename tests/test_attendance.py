@@ -1,5 +1,6 @@
 """Who takes part at a tick, as tokens come and go."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,7 +16,7 @@ def test_a_session_that_ends_and_begins_anew_within_a_tick_costs_a_tick_and_its_
     roster = SimpleNamespace(whole=np.ones(2, dtype=np.bool_), alive=np.ones(2, dtype=np.uint8), renewed=set())
     roster.group = lambda robot: (robot,)
     attendance = Attendance(roster, scenario)  # type: ignore[arg-type]
-    state = simulation.start(simulation.create(scenario))
+    state = replace(simulation.start(simulation.create(scenario)), tick=5)
     assert attendance.now(state).tolist() == [True, True]
     attendance.lost(1)  # and its token stands again
     assert attendance.there.tolist() == [True, False]
@@ -24,3 +25,5 @@ def test_a_session_that_ends_and_begins_anew_within_a_tick_costs_a_tick_and_its_
     assert attendance.now(state).tolist() == [False, True]
     assert attendance.woke(0)
     assert attendance.now(state).tolist() == [True, True]
+    attendance.lost(1)  # in the tick before it is to come back
+    assert attendance.now(replace(state, present=np.array([True, False]))).tolist() == [True, True]

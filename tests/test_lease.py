@@ -1,6 +1,7 @@
 """Agents that take whatever robot is free."""
 
 import asyncio
+import logging
 import subprocess
 import sys
 from typing import Any
@@ -9,11 +10,15 @@ import pytest
 
 from agents import process
 from console import inprocess
+from fes.complaints import Complaints
 from fes.errors import Absent, Refused
+from fes.messages import Join
 from tests import session
 from tests.loop import load
 from tests.session import RUN, client
 from world.course import Course
+from world.roster import Roster
+from world.scenario import agent_config
 from world.server import Server
 
 
@@ -66,6 +71,18 @@ def test_a_robot_is_free_again_when_its_agent_is_gone_and_until_then_nobody_gets
                 first.cancel()
                 assert await process.lease(third, RUN, 20.0) == 0
             second.cancel()
+
+    asyncio.run(main())
+
+
+def test_a_world_that_goes_on_leases_no_robot_whose_agent_may_still_find_it() -> None:
+    async def main() -> None:
+        async with session.router() as (opened, endpoint), client(endpoint) as spare:
+            scenario, complaints = load("pair.toml"), Complaints(logging.getLogger("test"))
+            hosts = {robot: Join((robot,), 7) for robot in (0, 1)}
+            Roster(opened, RUN, 2, agent_config(scenario), complaints, hosts)
+            with pytest.raises(Refused, match=r"^all 2 robots are hosted already$"):
+                await process.lease(spare, RUN, 0.5)
 
     asyncio.run(main())
 

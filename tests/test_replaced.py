@@ -1,13 +1,17 @@
 """An agent that was suspended, and wakes when another one hosts its robot."""
 
+import asyncio
 import signal
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from agents.process import Agent
 from console.launcher import free_port
+from fes.errors import Busy
 from tests.loop import CONFIGS
 from tests.test_processes import PATIENCE, command, start, until
 
@@ -66,3 +70,36 @@ def test_an_agent_that_wakes_when_its_robot_has_another_one_ends_and_the_robot_i
     assert "does not answer" not in hosted.log.read_text()  # it was seen by its token, not by its silence
     hosted.agent(0)
     hosted.says("robot 0 is back", 2)
+
+
+class Crowded:
+    """A bus on which too many ask at once, for a while."""
+
+    def __init__(self) -> None:
+        self.asked = 0
+
+    async def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
+        self.asked += 1
+        if self.asked < 3:
+            raise Busy(key)
+        return b"welcome"
+
+    def publisher(self, key: str, schema: str) -> Any:
+        return lambda payload: None
+
+    def serve(self, key: str, handler: Any) -> None: ...
+
+
+def test_where_all_ask_at_once_whether_they_are_welcome_still_nobody_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("agents.process.PATIENCE", 0.0)
+
+    async def main() -> Crowded:
+        crowded = Crowded()
+        agent = Agent(crowded, "test", (0,))  # type: ignore[arg-type]
+        for alive in (True, False, True):
+            agent._on_world("", alive)
+        await agent._confirming
+        assert await agent._inbox.wait(1, 0.0) is False  # it raises what has failed
+        return crowded
+
+    assert asyncio.run(main()).asked == 3

@@ -24,7 +24,7 @@ class Attendance:
         self._asleep = np.zeros(self._robots, dtype=np.bool_)
         """Who hangs by the schedule at this tick, and has a process of its own [n]."""
         self._lost = np.zeros(self._robots, dtype=np.bool_)
-        """Whose token went since this tick began [n], though it may stand again: what was sent to it went, too."""
+        """Whose token went since the tick before [n], though it may stand again: what was sent to it went, too."""
         self._logger = logging.getLogger("world")
 
     @property
@@ -70,7 +70,8 @@ class Attendance:
     def now(self, state: State) -> Bools:
         """Who takes part at the tick of `state` [n]."""
         wanted, self._asleep = self._planned(state.tick)
-        there = self._roster.whole & ~self._hung & ~self._lost
+        told: Bools = state.present & (state.since != state.tick)  # who was not is told all anew
+        there = self._roster.whole & ~self._hung & ~(self._lost & told)
         self._lost[:] = False
         return there & wanted & ~self._begin_anew(state, there)
 

@@ -43,7 +43,7 @@ PERIOD = 10.0
 JOIN = "join"
 """Kind of a note beside those of a course: [JOIN, robots, agent]: it hosts these from now on."""
 
-MAGIC = b"fes checkpoint 1"
+MAGIC = b"fes checkpoint 2"
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +125,8 @@ class Keeper:
         """Keep the run as it is between two ticks, beside it or `at_once`; raises FesError where that fails."""
         if self._writing is not None and self._writing.done():
             self._writing.result()
+        if self._journal is not None and self._journal.failure is not None:
+            raise self._journal.failure
         self._number += 1
         self._saved = time.monotonic()
         snapshot = Snapshot(

@@ -84,9 +84,9 @@ class Course:
         tick = self.state.tick
         channel = events.changed(self.state.channel, {path: value}, self.scenario.run.dt)
         value = events.effective(channel, path)
-        self.scenario = with_event(self.scenario, tick, path, value)
-        self.state = replace(self.state, channel=channel)
+        scenario = with_event(self.scenario, tick, path, value)
         self.note([SET, tick, path, value])
+        self.scenario, self.state = scenario, replace(self.state, channel=channel)
         if self.recorder is not None:
             self.recorder.change(tick, path, value)
         return Effect(path, value, tick, optimal_separation(self.scenario.objective, channel))

@@ -22,7 +22,8 @@ class Journal:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._failure: FesError | None = None
+        self.failure: FesError | None = None
+        """Why there are no more notes."""
         try:
             self._file = path.open("ab", buffering=0)
         except OSError as error:
@@ -33,17 +34,17 @@ class Journal:
 
         After a note that could not be written there are no others: nobody would read behind a torn one.
         """
-        if self._failure is not None:
-            raise self._failure
+        if self.failure is not None:
+            raise self.failure
         packed = msgpack.packb(note)
         framed = _FRAME.pack(len(packed), zlib.crc32(packed)) + packed
         try:
             if self._file.write(framed) == len(framed):
                 return
-            self._failure = FesError(f"cannot write {self.path}: there is no room")
+            self.failure = FesError(f"cannot write {self.path}: there is no room")
         except OSError as error:
-            self._failure = FesError(f"cannot write {self.path}: {reason(error)}")
-        raise self._failure
+            self.failure = FesError(f"cannot write {self.path}: {reason(error)}")
+        raise self.failure
 
     def close(self) -> None:
         """Write no more."""

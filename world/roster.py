@@ -17,6 +17,9 @@ from fes.config import AgentConfig, own
 from fes.errors import MessageError
 from fes.messages import Join, Welcome
 
+RETURN = 10.0
+"""Robots of agents that joined before this world came are leased to nobody for this long [s]: they come back."""
+
 LEASE = 5.0
 """A robot that was promised to an agent is free again if no liveliness token follows within this time [s]."""
 
@@ -53,8 +56,8 @@ class Roster:
         self.renewed = set(renewed)
         """Robots whose agents are new, and have not taken part yet."""
         self.on_join: Callable[[Join], None] = lambda join: None
-        """Called with each Join that is accepted."""
-        self._leased: dict[int, float] = {}
+        """Called with each Join that is to be accepted; a FesError refuses it."""
+        self._leased: dict[int, float] = dict.fromkeys(self.hosts, time.monotonic() + RETURN)
         self._told: Callable[[int, bool], None] | None = None
         bus.serve(keys.welcome(run, "*"), self._on_question)
         bus.serve(keys.lease(run), self._on_request)
@@ -100,10 +103,10 @@ class Roster:
                 self._complaints.add("Join: refused", f"a join: {refusal}")
                 question.refuse(refusal)
                 return
-            self._promised.update(dict.fromkeys(wanted, time.monotonic() + LEASE))
+            self.on_join(join)
             self.hosts.update(dict.fromkeys(wanted, join))
             self.renewed.update(wanted)
-            self.on_join(join)
+        self._promised.update(dict.fromkeys(wanted, time.monotonic() + LEASE))
         question.answer(messages.encode_welcome(Welcome(wanted, own(self._config, wanted))), "fes.Welcome")
 
     def _refusal(self, wanted: tuple[int, ...]) -> str:
