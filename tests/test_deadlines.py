@@ -16,6 +16,7 @@ from fes import keys, messages
 from fes.complaints import Complaints
 from fes.inbox import Inbox
 from fes.messages import Command, Observation
+from tests.clocks import Clock
 from tests.frames import a_report
 from tests.loop import load
 from world import live, simulation
@@ -209,14 +210,7 @@ def test_a_mouth_that_skips_ticks_forgets_as_much() -> None:
 
 def test_a_world_that_is_late_slips_and_gives_every_robot_a_whole_tick(monkeypatch: pytest.MonkeyPatch) -> None:
     _, deadlines, everybody = world_of_two()
-    now, slept = [100.0], list[float]()
-
-    async def sleep(seconds: float) -> None:
-        slept.append(seconds)
-        now[0] += seconds + (0.5 if len(slept) == 2 else 0.001)
-
-    monkeypatch.setattr("world.live.time.monotonic", lambda: now[0])
-    monkeypatch.setattr("world.live.asyncio.sleep", sleep)
+    wall = Clock(monkeypatch, "world.live", lambda sleep: 0.5 if sleep == 2 else 0.001)
 
     async def main() -> None:
         _, clock = warm(everybody, deadlines)
@@ -224,7 +218,7 @@ def test_a_world_that_is_late_slips_and_gives_every_robot_a_whole_tick(monkeypat
             await clock._end_of_tick()
 
     asyncio.run(main())
-    assert slept == pytest.approx([0.02, 0.019, 0.02, 0.019])
+    assert wall.slept == pytest.approx([0.02, 0.019, 0.02, 0.019])
     assert deadlines.slipped == pytest.approx(0.5)
 
 

@@ -62,10 +62,15 @@ class Team:
         watching = self.net.start(host, [sys.executable, "-c", WATCH, endpoint, str(tick)], self.where / "watch.log")
         assert watching.wait(PATIENCE) == 0, self.all_said()
 
-    def goes_on(self, host: str, endpoint: str) -> None:
-        """Wait until whoever was taken in last has answered a few ticks: it would not miss the end of the run."""
+    def ends_well(self, host: str, endpoint: str) -> None:
+        """End the run once all are heard, or who was taken in last would miss it; its log comes out the same."""
         back = max(map(int, re.findall(r"is back from tick (\d+)", self.said())))
         self.reaches(back + 10, host, endpoint)
+        self.processes[0].send_signal(signal.SIGINT)
+        found = self.summary()
+        assert "robot 0 is not there" not in self.said()
+        recorded = log.load(self.where / "out/run.mcap")
+        assert replay.again(recorded, everybody=True)["digest"] == found["digest"]
 
     def said(self, who: str = "world") -> str:
         return (self.where / f"{who}.log").read_text()
@@ -179,12 +184,7 @@ def test_a_robot_whose_cable_is_cut_is_left_out_until_it_is_plugged_in_again(tea
     until(lambda: "robot 1 is not there from tick" in team.said())
     net.plug("robot-1")
     until(lambda: "robot 1 is back from tick" in team.said())
-    team.goes_on("world", net.hosts["world"].endpoint())
-    team.processes[0].send_signal(signal.SIGINT)
-    found = team.summary()
-    assert "robot 0 is not there" not in team.said()
-    recorded = log.load(team.where / "out/run.mcap")
-    assert replay.again(recorded, everybody=True)["digest"] == found["digest"]
+    team.ends_well("world", net.hosts["world"].endpoint())
 
 
 def test_a_site_that_is_cut_off_is_left_out_until_it_can_be_reached_again(team: Team, net: Internet) -> None:
@@ -201,12 +201,7 @@ def test_a_site_that_is_cut_off_is_left_out_until_it_can_be_reached_again(team: 
     until(lambda: all(f"robot {robot} is not there from tick" in team.said() for robot in (2, 3)))
     router.ip("link", "set", "lan2", "up")
     until(lambda: all(f"robot {robot} is back from tick" in team.said() for robot in (2, 3)))
-    team.goes_on("east-world", net.hosts["east-router"].endpoint())
-    team.processes[0].send_signal(signal.SIGINT)
-    found = team.summary()
-    assert "robot 0 is not there" not in team.said()
-    recorded = log.load(team.where / "out/run.mcap")
-    assert replay.again(recorded, everybody=True)["digest"] == found["digest"]
+    team.ends_well("east-world", net.hosts["east-router"].endpoint())
 
 
 def test_nothing_is_left_of_hosts_whose_maker_is_killed(tmp_path: Path) -> None:

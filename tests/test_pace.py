@@ -9,6 +9,7 @@ import pytest
 
 from fes.complaints import Complaints
 from fes.inbox import Inbox
+from tests.clocks import Clock
 from tests.loop import load
 from world import simulation
 from world.lockstep import Lockstep
@@ -24,14 +25,7 @@ def of_nobody(pace: float | None) -> tuple[Lockstep, State]:
 
 
 def test_a_lockstep_with_a_pace_ends_each_tick_when_it_is_due_and_catches_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    now, slept = [100.0], list[float]()
-
-    async def sleep(seconds: float) -> None:
-        slept.append(seconds)
-        now[0] += seconds + (0.03 if len(slept) == 2 else 0.0)
-
-    monkeypatch.setattr("world.lockstep.time.monotonic", lambda: now[0])
-    monkeypatch.setattr("world.lockstep.asyncio.sleep", sleep)
+    wall = Clock(monkeypatch, "world.lockstep", lambda sleep: 0.03 if sleep == 2 else 0.0)
 
     async def main() -> None:
         clock, state = of_nobody(0.02)
@@ -39,8 +33,8 @@ def test_a_lockstep_with_a_pace_ends_each_tick_when_it_is_due_and_catches_up(mon
             await clock.collect(state, [b"", b""])
 
     asyncio.run(main())
-    assert slept == pytest.approx([0.02, 0.02, 0.0, 0.01, 0.02])
-    assert now[0] == pytest.approx(100.1)  # five ticks, the last one whole
+    assert wall.slept == pytest.approx([0.02, 0.02, 0.0, 0.01, 0.02])
+    assert wall.now == pytest.approx(100.1)  # five ticks, the last one whole
 
 
 def test_the_loop_has_its_turn_at_every_tick_though_nobody_takes_part() -> None:
