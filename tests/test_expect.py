@@ -15,10 +15,10 @@ from world import expect
 from world.expect import ExpectConfig
 
 SUMMARY: dict[str, Any] = {
-    "rms": 0.4,
-    "always": True,
-    "none": None,
-    "name": "pair",
+    "separation_error_rms": 0.4,
+    "links_connected_always": True,
+    "disagreement": None,
+    "scenario": "pair",
     "time_to": {"level": 3.0},
     "tracking": [{"rmse": 1.0}, {"rmse": 2.0}],
 }
@@ -27,16 +27,16 @@ SUMMARY: dict[str, Any] = {
 @pytest.mark.parametrize(
     ("table", "holds"),
     [
-        ({"of": "rms", "below": 0.5}, True),
-        ({"of": "rms", "below": 0.4}, False),
-        ({"of": "rms", "above": 0.3, "below": 0.5}, True),
-        ({"of": "rms", "above": 0.4}, False),
-        ({"of": "always", "equals": True}, True),
-        ({"of": "always", "equals": False}, False),
-        ({"of": "always", "below": 2.0}, False),
-        ({"of": "name", "equals": "pair"}, True),
-        ({"of": "none", "below": 9.0}, False),
-        ({"of": "no.such.key", "above": 0.0}, False),
+        ({"of": "separation_error_rms", "below": 0.5}, True),
+        ({"of": "separation_error_rms", "below": 0.4}, False),
+        ({"of": "separation_error_rms", "above": 0.3, "below": 0.5}, True),
+        ({"of": "separation_error_rms", "above": 0.4}, False),
+        ({"of": "links_connected_always", "equals": True}, True),
+        ({"of": "links_connected_always", "equals": False}, False),
+        ({"of": "links_connected_always", "below": 2.0}, False),
+        ({"of": "scenario", "equals": "pair"}, True),
+        ({"of": "disagreement", "below": 9.0}, False),
+        ({"of": "time_to.no.such.key", "above": 0.0}, False),
         ({"of": "time_to.level", "below": 3.5}, True),
         ({"of": "tracking.1.rmse", "above": 1.5}, True),
         ({"of": "tracking.-1.rmse", "equals": 2.0}, True),
@@ -50,7 +50,19 @@ def test_an_expectation_holds_if_all_its_bounds_do(table: dict[str, Any], holds:
 
 def test_an_expectation_without_a_bound_is_refused_in_one_line() -> None:
     with pytest.raises(ScenarioError, match="give at least one of below, above and equals"):
-        load("pair.toml", expect=[{"of": "rms"}])
+        load("pair.toml", expect=[{"of": "separation_error_rms"}])
+
+
+def test_a_key_that_no_summary_has_is_refused_in_one_line_with_the_nearest_one() -> None:
+    with pytest.raises(ScenarioError, match=r"no 'separation_eror_rms'; did you mean 'separation_error_rms'\?$"):
+        load("pair.toml", expect=[{"of": "separation_eror_rms", "below": 1.0}])
+    with pytest.raises(ScenarioError, match=r"no 'no\\nsuch'$"):
+        load("pair.toml", expect=[{"of": "no\nsuch.key", "below": 1.0}])
+
+
+def test_a_summary_has_the_keys_that_can_be_expected_and_no_others() -> None:
+    found = inprocess.run(load("pair.toml", run__duration=0.1), "keys")
+    assert set(found) == {*expect.KEYS, "expectations"}
 
 
 def test_the_summary_counts_how_long_links_were_apart() -> None:

@@ -12,7 +12,8 @@ from fes.sensing import CLOSED, DECODED, LOST, silence
 from tests import loop
 from tests.loop import load
 from tests.test_metrics import contract_digest
-from world import simulation
+from world import reporting, simulation
+from world.account import Account
 from world.scenario import Scenario, agent_config
 
 GONE: list[dict[str, Any]] = [{"at": 1.0, "kill": [4, 6]}, {"at": 2.4, "restart": [4]}, {"at": 2.6, "restart": [6]}]
@@ -115,3 +116,12 @@ def test_links_count_as_connected_among_those_that_are_present() -> None:
 def test_a_death_that_cannot_be_is_one_line(events: list[dict[str, Any]], rule: str) -> None:
     with pytest.raises(ScenarioError, match=rule):
         load("paper.toml", event=events)
+
+
+def test_a_report_shows_as_alive_who_takes_part_and_not_whose_agent_only_stands_by() -> None:
+    scenario = load("pair.toml", run__duration=0.4, event=[{"at": 0.2, "kill": [1]}])
+    sums, shown = Account(scenario), []
+    for tick in inprocess.ticks(scenario):
+        sums.add(tick.state, tick.twists, tick.telemetry)
+        shown.append(reporting.build(sums, "test", np.ones(2, dtype=np.uint8), 0.0, 0.0).alive.tolist())
+    assert shown == [[1, 1]] * 10 + [[1, 0]] * 10

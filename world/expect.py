@@ -1,11 +1,21 @@
 """What a scenario expects of its run, checked in the summary at the end: [[expect]] tables."""
 
+import difflib
 import math
 from typing import Annotated, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from fes.config import Table
+
+KEYS = (
+    *("scenario", "seed", "backend", "clock", "robots", "ticks", "dt", "simulated_s", "wall_s", "ticks_per_s"),
+    *("real_time_factor", "optimal_separation", "edges", "separation_error_max", "separation_error_rms"),
+    *("disagreement", "estimate_error_max", "estimate_error_rms", "disk_connected_always", "links_connected_always"),
+    *("algebraic_connectivity", "beacons_sent", "beacons_decoded", "time_to", "digest", "tracking", "radio"),
+    *("deadlines", "links_gap_longest"),
+)
+"""What a summary tells."""
 
 Bound = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -18,6 +28,15 @@ class ExpectConfig(Table):
     below: Bound | None = None
     above: Bound | None = None
     equals: bool | float | str | None = None
+
+    @field_validator("of")
+    @classmethod
+    def _known(cls, of: str) -> str:
+        key = of.partition(".")[0]
+        if key not in KEYS:
+            near = difflib.get_close_matches(key, KEYS, 1)
+            raise ValueError(f"a summary has no {key[:60]!r}" + (f"; did you mean '{near[0]}'?" if near else ""))
+        return of
 
     @model_validator(mode="after")
     def _something(self) -> Self:
