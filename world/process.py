@@ -60,8 +60,9 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
                 ended = not pausing
                 if pausing:
                     server.save()
-                what = f"paused: fes-world --resume {flags.out} goes on" if pausing else "ended before its time"
-                server.logger.info("tick %d of %d: %s", course.state.tick, scenario.ticks, what)
+                if not course.is_over:
+                    what = f"paused: fes-world --resume {flags.out} goes on" if pausing else "ended before its time"
+                    server.logger.info("tick %d of %d: %s", course.state.tick, scenario.ticks, what)
                 raise
             finally:
                 try:

@@ -17,8 +17,9 @@ from fes.config import AgentConfig, own
 from fes.errors import MessageError
 from fes.messages import Join, Welcome
 
-RETURN = 10.0
-"""Robots of agents that joined before this world came are leased to nobody for this long [s]: they come back."""
+RESUME_TIMEOUT = 10.0
+"""A world that goes on with a run expects its robots for this long [s], and leases them to nobody; they try to find
+it twice a second."""
 
 LEASE = 5.0
 """A robot that was promised to an agent is free again if no liveliness token follows within this time [s]."""
@@ -57,7 +58,7 @@ class Roster:
         """Robots whose agents are new, and have not taken part yet."""
         self.on_join: Callable[[Join], None] = lambda join: None
         """Called with each Join that is to be accepted; a FesError refuses it."""
-        self._leased: dict[int, float] = dict.fromkeys(self.hosts, time.monotonic() + RETURN)
+        self._leased: dict[int, float] = dict.fromkeys(self.hosts, time.monotonic() + RESUME_TIMEOUT)
         self._told: Callable[[int, bool], None] | None = None
         bus.serve(keys.welcome(run, "*"), self._on_question)
         bus.serve(keys.lease(run), self._on_request)
@@ -95,9 +96,8 @@ class Roster:
             self._complaints.add("Join: on another's key", f"{question.key}: a join of robots {keys.span(wanted)}")
             question.refuse(f"a join of robots {keys.span(wanted)} came on {question.key}")
             return
-        if not all(
-            self.hosts.get(robot) == join for robot in wanted
-        ):  # else it only asks whether it is welcome still
+        # Who has joined already only asks whether it is welcome still.
+        if any(self.hosts.get(robot) != join for robot in wanted):
             refusal = self._refusal(wanted)
             if refusal:
                 self._complaints.add("Join: refused", f"a join: {refusal}")

@@ -24,11 +24,8 @@ from world.course import Course
 from world.ears import Ears
 from world.live import Live
 from world.lockstep import Lockstep
-from world.roster import Roster
+from world.roster import RESUME_TIMEOUT, Roster
 from world.scenario import Scenario, agent_config
-
-RESUME_TIMEOUT = 10.0
-"""A world that goes on with a run waits for its robots this long [s]; they try to find it twice a second."""
 
 
 class Server:
