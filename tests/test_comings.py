@@ -139,6 +139,31 @@ def test_scheduled_deaths_have_one_digest_in_one_loop_and_over_zenoh(name: str, 
     assert not server.complaints.counts
 
 
+def test_answers_of_a_robot_that_was_dead_by_schedule_may_come_when_it_takes_part_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    delayed, say = [], Mouth.say
+
+    def slow(mouth: Mouth, tick: int, said: Any) -> None:
+        if said[0][0] == 6 and 70 <= tick < 80:  # nobody waits for these; it is back from tick 80 on
+            delayed.append((mouth, tick, said))
+            return
+        while said[0][0] == 6 and delayed:
+            say(*delayed.pop(0))
+        say(mouth, tick, said)
+
+    monkeypatch.setattr(Mouth, "say", slow)
+    dying = load("paper.toml", run__duration=2.4, event=DEADS)
+
+    async def bounded() -> Any:
+        async with asyncio.timeout(60.0):
+            return await session.run(dying, [[i] for i in range(10)])
+
+    summary, server, _ = asyncio.run(bounded())
+    assert summary["digest"] == inprocess.run(dying, "test")["digest"]
+    assert not server.complaints.counts
+
+
 def test_a_log_of_scheduled_deaths_in_one_loop_is_executed_again(tmp_path: Path) -> None:
     dying = load("measured.toml", run__duration=2.4, event=DEADS)
     with Recorder(tmp_path / "run.mcap", dying, "test", "inprocess") as recorder:

@@ -103,12 +103,15 @@ class Lockstep:
     def _read(self, state: State, key: str, payload: bytes | None) -> Command | None:
         """The command in a message if it is one for this tick; anything else is dropped and counted.
 
-        A second answer to an earlier tick is no fault of a robot that was asked again for it, just when it answered.
+        Nobody waits for the answers of a robot that takes no part, so its last ones may come when it does again. A
+        second answer to an earlier tick is no fault of a robot that was asked again for it, just when it answered.
         """
         try:
             command = wording.command(key, payload, len(state.present))
             asked = command.tick < state.tick and command.tick == self._asked.get(command.robot)
-            absent = not state.present[command.robot] and command.tick <= state.tick
+            absent = command.tick < state.since[command.robot] or (
+                not state.present[command.robot] and command.tick <= state.tick
+            )
             if self._attendance.woke(command.robot) or asked or absent:
                 return None
             if command.tick != state.tick:
