@@ -55,6 +55,7 @@ class Agent:
         self._robots = robots
         self._welcome = keys.welcome(run, keys.span(robots))
         self._join = messages.encode_join(Join(robots, secrets.randbelow(MAX_AGENT)))
+        self._welcomed = b""
         self._confirming: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._inbox = Inbox(asyncio.get_running_loop())
         self._world = Presence(f"the world of run '{run}'", self._inbox)
@@ -76,7 +77,7 @@ class Agent:
                 if time.monotonic() > end:
                     raise
                 await asyncio.sleep(PATIENCE * (1 + self._robots[0] % 10) / 10)  # not all at once again
-        welcome = messages.decode_welcome(answer)
+        welcome, self._welcomed = messages.decode_welcome(answer), answer
         if welcome.robots != self._robots:
             raise MessageError("Welcome", "is for other robots than asked for", str(welcome.robots[:5]))
         return welcome
@@ -133,7 +134,9 @@ class Agent:
         """
         for _ in range(CONFIRMATIONS):
             try:
-                await self._bus.ask(self._welcome, self._join, ANSWER_TIMEOUT)
+                answer = await self._bus.ask(self._welcome, self._join, ANSWER_TIMEOUT)
+                if self._welcomed not in (b"", answer):
+                    self._inbox.fail(Refused("another run has taken the place of this one"))
                 return
             except (Absent, Busy):
                 await asyncio.sleep(PATIENCE * (1.0 + self._robots[0] % 10 / 10))

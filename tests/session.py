@@ -7,9 +7,10 @@ from typing import Any
 
 from agents.process import Agent
 from console.launcher import free_port
-from fes import bus
+from fes import bus, keys, messages
 from fes.bus import Bus
 from fes.endpoints import Endpoints
+from fes.messages import Join
 from world.course import Course
 from world.recorder import Recorder
 from world.scenario import Scenario
@@ -31,6 +32,12 @@ async def client(endpoint: str, timeout: float = 5.0) -> AsyncIterator[Bus]:
     """An open bus that is a client of `endpoint`."""
     async with bus.opened(Endpoints("client", (endpoint,), timeout=timeout)) as opened:
         yield opened
+
+
+async def appear(opened: Bus, robot: int) -> None:
+    """Be an agent of this robot as far as the world can see, which says nothing by itself."""
+    await opened.ask(keys.welcome(RUN, str(robot)), messages.encode_join(Join((robot,), robot)), 5.0)
+    opened.token(keys.robot_alive(RUN, robot))
 
 
 async def live(endpoint: str, robots: Sequence[int], timeout: float = 10.0) -> Agent:

@@ -82,7 +82,7 @@ def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds() -> Non
         async with session.router() as (opened, endpoint), client(endpoint) as puppet:
             server = Server(opened, Course(endless), "test", RUN)
             for robot in (0, 1):
-                puppet.token(keys.robot_alive(RUN, robot))
+                await session.appear(puppet, robot)
             await server.gather()
             running = asyncio.ensure_future(server.run())
             for linear in (0.0, 50.0, 60.0):  # the last robot is answered for last, so all are of tick 0

@@ -213,7 +213,7 @@ def test_junk_does_not_keep_a_hung_robot_alive(monkeypatch: pytest.MonkeyPatch) 
         async with session.router() as (opened, endpoint), client(endpoint) as silent, client(endpoint) as vandal:
             server = Server(opened, Course(endless), "test", RUN)
             for robot in (0, 1):
-                silent.token(keys.robot_alive(RUN, robot))  # here, but it never answers
+                await session.appear(silent, robot)
             await server.gather()
             running = asyncio.ensure_future(server.run())
             for _ in range(400):

@@ -11,9 +11,12 @@ import pytest
 
 from agents.process import Agent
 from console.launcher import free_port
-from fes.errors import Busy
-from tests.loop import CONFIGS
+from fes import messages
+from fes.errors import Busy, Refused
+from fes.messages import Welcome
+from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, command, start, until
+from world.scenario import agent_config
 
 
 class Hosted:
@@ -75,14 +78,17 @@ def test_an_agent_that_wakes_when_its_robot_has_another_one_ends_and_the_robot_i
 class Crowded:
     """A bus on which too many ask at once, for a while."""
 
-    def __init__(self) -> None:
+    def __init__(self, answer: bytes = b"welcome") -> None:
         self.asked = 0
+        self.answer = answer
 
     async def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
         self.asked += 1
         if self.asked < 3:
             raise Busy(key)
-        return b"welcome"
+        return self.answer
+
+    def watch(self, key: str, handler: Any) -> None: ...
 
     def publisher(self, key: str, schema: str) -> Any:
         return lambda payload: None
@@ -103,3 +109,29 @@ def test_where_all_ask_at_once_whether_they_are_welcome_still_nobody_ends(monkey
         return crowded
 
     assert asyncio.run(main()).asked == 3
+
+
+@pytest.mark.parametrize("another", [False, True])
+def test_an_agent_does_not_take_part_in_another_run_that_has_taken_the_place_of_its_own(another: bool) -> None:
+    """A world that does not know its token yet takes it for a new one, and would have it live by other rules."""
+    welcomes = [
+        messages.encode_welcome(Welcome((0,), agent_config(load("pair.toml", run__seed=seed)))) for seed in (1, 2)
+    ]
+
+    async def main() -> None:
+        crowded = Crowded(welcomes[0])
+        crowded.asked = 3
+        agent = Agent(crowded, "test", (0,))  # type: ignore[arg-type]
+        agent._on_world("", True)
+        await agent.join(1.0)
+        agent._on_world("", False)
+        crowded.answer = welcomes[another]
+        agent._on_world("", True)
+        await agent._confirming
+        if another:
+            with pytest.raises(Refused, match="another run has taken the place of this one"):
+                await agent._inbox.wait(1, 0.0)
+        else:
+            assert await agent._inbox.wait(1, 0.0) is False
+
+    asyncio.run(main())

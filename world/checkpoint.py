@@ -121,12 +121,16 @@ class Keeper:
         if self._journal is not None:
             self._journal.add(note)
 
+    def check(self) -> None:
+        """Raise the FesError for which there are no more notes, if there is one."""
+        if self._journal is not None and self._journal.failure is not None:
+            raise self._journal.failure
+
     def save(self, course: Course, hosts: dict[int, Join], elapsed: float, *, at_once: bool = False) -> None:
         """Keep the run as it is between two ticks, beside it or `at_once`; raises FesError where that fails."""
         if self._writing is not None and self._writing.done():
             self._writing.result()
-        if self._journal is not None and self._journal.failure is not None:
-            raise self._journal.failure
+        self.check()
         self._number += 1
         self._saved = time.monotonic()
         snapshot = Snapshot(

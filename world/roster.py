@@ -14,7 +14,7 @@ from fes.arrays import Bools, Bytes
 from fes.bus import Bus, Question
 from fes.complaints import Complaints
 from fes.config import AgentConfig, own
-from fes.errors import MessageError
+from fes.errors import FesError, MessageError
 from fes.messages import Join, Welcome
 
 RESUME_TIMEOUT = 10.0
@@ -42,11 +42,10 @@ class Roster:
         not taken part since.
         """
         self.alive: Bytes = np.zeros(robots, dtype=np.uint8)
-        self.complete = asyncio.Event()
         self.changed = asyncio.Event()
-        """Set whenever somebody comes or goes."""
+        """Set whenever somebody comes or goes, or cannot be accepted."""
         self.whole: Bools = np.zeros(robots, dtype=np.bool_)
-        """Which robots are alive, with all that share their process [n]."""
+        """Which robots are hosted by an agent that was accepted, and alive, with all that share their process [n]."""
         self._run = run
         self._config = config
         self._complaints = complaints
@@ -103,7 +102,11 @@ class Roster:
                 self._complaints.add("Join: refused", f"a join: {refusal}")
                 question.refuse(refusal)
                 return
-            self.on_join(join)
+            try:
+                self.on_join(join)
+            except FesError:
+                self.changed.set()
+                raise
             self.hosts.update(dict.fromkeys(wanted, join))
             self.renewed.update(wanted)
         self._promised.update(dict.fromkeys(wanted, time.monotonic() + LEASE))
@@ -127,12 +130,8 @@ class Roster:
             return
         self.alive[robot] = alive
         self._promised.pop(robot, None)
-        if self.alive.all():
-            self.complete.set()
-        if not alive:
-            self.complete.clear()
-        whole = [bool(self.alive[list(self.group(one))].all()) for one in range(len(self.alive))]
-        self.whole = np.array(whole)
+        here = [one in self.hosts and self.alive[list(self.group(one))].all() for one in range(len(self.alive))]
+        self.whole = np.array(here, dtype=np.bool_)
         self.changed.set()
         if self._told is not None:
             self._told(robot, alive)

@@ -66,12 +66,18 @@ class Server:
         self._told_tick = course.sums.tally.ticks
 
     async def gather(self) -> None:
-        """Wait until every robot is here; where a run is gone on with, for those that took part, for a while."""
+        """Wait until every robot is here; where a run is gone on with, for those that took part, for a while.
+
+        Raises FesError where nobody can be accepted, as it cannot be kept.
+        """
         tick, present = self.course.state.tick, self.course.state.present
         if tick == 0:
             self.logger.info("waiting for %d robots", len(self._observe))
-            while not self._roster.alive.all():
-                await self._roster.complete.wait()
+            while not self._roster.whole.all():
+                self._roster.changed.clear()
+                await self._roster.changed.wait()
+                if self._keeper is not None:
+                    self._keeper.check()
             self._roster.renewed.clear()
         else:
             self.logger.info("waiting for those that took part to come back: %d", np.count_nonzero(present))
