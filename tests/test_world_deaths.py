@@ -209,8 +209,17 @@ def test_a_world_that_knows_less_than_its_robots_says_so_and_they_end(run: Run, 
             return True
         return False
 
+    def reached() -> int:
+        with suppress(OSError):
+            kept = [note for path in checkpoint.journals(run.out, 0) for note in journal.notes(path)]
+            return max((note[1] for note in kept if note[0] == "tick"), default=0)
+        return 0
+
     until(copied)
-    run.end(signal.SIGKILL)
+    then = until(reached)
+    until(lambda: reached() > then + 10)  # more than agents remember
+    run.world.kill()
+    run.world.communicate()
     shutil.rmtree(run.out / FOLDER)
     shutil.copytree(tmp_path / "old", run.out / FOLDER)  # as after a loss of power that took what was not on disk yet
     run.start("--resume", str(run.out))
