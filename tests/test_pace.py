@@ -55,7 +55,7 @@ def test_the_loop_has_its_turn_at_every_tick_though_nobody_takes_part() -> None:
 def test_second_answers_of_a_robot_that_is_asked_again_in_one_tick_after_the_other_are_no_fault_of_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """It stops for a moment between its two answers: the second one comes when it was asked again for the next tick."""
+    """It stops for a moment between its answers: the second one comes when it was asked again for the next tick."""
     monkeypatch.setattr("world.lockstep.ASK_AGAIN", 0.01)
     asked: list[int] = []
 
