@@ -22,6 +22,9 @@ DISMISSAL = 5.0
 SETTLING = 2.0
 """Time [s] for the others to end after one child failed, before the cause is told."""
 
+CLOSING = 15.0
+"""Time [s] that a world that is told to stop has to write down what was reached; a second signal does not wait."""
+
 GRACE = 3.0
 """Time [s] that children have to end by themselves before they are ended."""
 
@@ -155,11 +158,11 @@ class Family:
         return code in (SUCCESS, UNMET) or child in self._killed
 
     async def stop(self) -> None:
-        """End every child: the world first, which dismisses the agents; then, after GRACE, by force."""
+        """End every child: the world first, which dismisses the agents; what is left then, after GRACE, by force."""
         if self.world is not None and self.world.process.returncode is None:
             _signal(self.world, signal.SIGINT)  # SIGTERM would let the agents wait for a world that goes on
-            await _gone([self.world], GRACE)
-            if await _gone(self.agents, DISMISSAL):
+            await _gone([self.world], CLOSING)
+            if await _gone(self.children, DISMISSAL):
                 return
         for child in self.agents:
             _signal(child, signal.SIGTERM)

@@ -1,6 +1,7 @@
 """What attackers of a run put on its keys, and a run that is attacked."""
 
 import asyncio
+import contextlib
 import functools
 import struct
 from collections.abc import Callable, Iterator
@@ -13,6 +14,7 @@ from agents.process import Agent
 from console import inprocess
 from fes import keys, messages, wire
 from fes.bus import Bus
+from fes.errors import Refused
 from fes.messages import Beacon, Command, Observation
 from tests import session
 from tests.loop import load
@@ -46,8 +48,8 @@ def attacked(disturb: Any) -> tuple[Server, list[Agent]]:
     return server, agents
 
 
-async def ticks_go_by(opened: Bus, count: int) -> None:
-    """Wait until robot 0 has answered `count` ticks more."""
+async def ticks_go_by(opened: Bus, count: int, begin: asyncio.Event | None = None) -> None:
+    """Wait until robot 0 has answered `count` ticks more; the run may `begin` when they can be seen."""
     loop, done, seen = asyncio.get_running_loop(), asyncio.Event(), set[bytes]()
 
     def on_command(key: str, payload: bytes | None) -> None:
@@ -56,8 +58,19 @@ async def ticks_go_by(opened: Bus, count: int) -> None:
             loop.call_soon_threadsafe(done.set)
 
     undeclare = opened.subscribe(keys.command(RUN, 0), on_command)
+    if begin is not None:
+        await arrived(opened)
+        begin.set()
     await done.wait()
     undeclare()
+
+
+async def arrived(opened: Bus) -> None:
+    """Wait until what was declared and put is with world and robots: these questions take no other way."""
+    await opened.ask(keys.about(RUN), b"", session.PATIENCE)
+    for robot in range(ROBOTS):
+        with contextlib.suppress(Refused):
+            await opened.ask(keys.recall(RUN, robot), messages.encode_recall(10**9), session.PATIENCE)
 
 
 def everywhere(payload: bytes, run: str = RUN) -> list[tuple[str, bytes]]:

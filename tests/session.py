@@ -1,13 +1,14 @@
 """World and agents as tasks of one loop, over real Zenoh sessions on a free loopback port."""
 
 import asyncio
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import asynccontextmanager
 from typing import Any
 
 from agents.process import Agent
 from console.launcher import free_port
 from fes import bus, keys, messages
+from fes.arrays import Bools
 from fes.bus import Bus
 from fes.endpoints import Endpoints
 from fes.messages import Join
@@ -15,8 +16,17 @@ from world.course import Course
 from world.recorder import Recorder
 from world.scenario import Scenario
 from world.server import Server
+from world.simulation import State
 
 RUN = "test"
+
+PATIENCE = 60.0
+"""How long what must come may take [s], on a machine of any speed."""
+
+LAST = 10
+"""So many ticks are left to a run when who disturbs it is done."""
+
+Disturb = Callable[[str, asyncio.Event], Awaitable[None]]
 
 
 @asynccontextmanager
@@ -28,7 +38,7 @@ async def router() -> AsyncIterator[tuple[Bus, str]]:
 
 
 @asynccontextmanager
-async def client(endpoint: str, timeout: float = 5.0) -> AsyncIterator[Bus]:
+async def client(endpoint: str, timeout: float = PATIENCE) -> AsyncIterator[Bus]:
     """An open bus that is a client of `endpoint`."""
     async with bus.opened(Endpoints("client", (endpoint,), timeout=timeout)) as opened:
         yield opened
@@ -36,11 +46,11 @@ async def client(endpoint: str, timeout: float = 5.0) -> AsyncIterator[Bus]:
 
 async def appear(opened: Bus, robot: int) -> None:
     """Be an agent of this robot as far as the world can see, which says nothing by itself."""
-    await opened.ask(keys.welcome(RUN, str(robot)), messages.encode_join(Join((robot,), robot)), 5.0)
+    await opened.ask(keys.welcome(RUN, str(robot)), messages.encode_join(Join((robot,), robot)), PATIENCE)
     opened.token(keys.robot_alive(RUN, robot))
 
 
-async def live(endpoint: str, robots: Sequence[int], timeout: float = 10.0) -> Agent:
+async def live(endpoint: str, robots: Sequence[int], timeout: float = PATIENCE) -> Agent:
     """One agent, from joining to the end of the run."""
     async with client(endpoint) as opened:
         agent = Agent(opened, RUN, tuple(robots))
@@ -49,22 +59,41 @@ async def live(endpoint: str, robots: Sequence[int], timeout: float = 10.0) -> A
 
 
 async def run(
-    scenario: Scenario, groups: Sequence[Sequence[int]], disturb: Any = None, recorder: Recorder | None = None
+    scenario: Scenario,
+    groups: Sequence[Sequence[int]],
+    disturb: Disturb | None = None,
+    recorder: Recorder | None = None,
 ) -> tuple[dict[str, Any], Server, list[Agent]]:
     """Run a scenario with one agent a group, started in the order given; returns summary, server and agents.
 
-    `disturb(endpoint)`, if given, runs beside it, from when all robots are here; `recorder` gets every tick.
+    `disturb(endpoint, begin)`, if given, runs beside it, from when all robots are here: the run does not begin before
+    `begin` is set, or it is done, and is not over before it is done. `recorder` gets every tick.
     """
     async with router() as (opened, endpoint):
         server = Server(opened, Course(scenario, recorder), "test", RUN)
         agents = [asyncio.ensure_future(live(endpoint, robots)) for robots in groups]
         await server.gather()
-        other = asyncio.ensure_future(disturb(endpoint)) if disturb is not None else None
+        if disturb is not None:
+            begin = asyncio.Event()
+            other = asyncio.ensure_future(disturb(endpoint, begin))
+            other.add_done_callback(lambda done: begin.set())
+            _wait_for(other, server)
+            await begin.wait()
         await server.run()
         server.dismiss()
         ended = await asyncio.gather(*agents)
-        if other is not None:
-            await other
         summary = server.summarize()
         assert summary is not None
         return summary, server, ended
+
+
+def _wait_for(other: "asyncio.Future[None]", server: Server) -> None:
+    """Have a world stand still before its last ticks until `other` is done; it fails as `other` does."""
+    present, last = server._clock.present, server.course.scenario.ticks - LAST
+
+    async def held(state: State) -> Bools:
+        if state.tick >= last:
+            await other
+        return await present(state)
+
+    server._clock.present = held  # type: ignore[method-assign]

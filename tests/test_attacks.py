@@ -13,6 +13,7 @@ from tests import session
 from tests.attackers import (
     BAD_PAYLOADS,
     ROBOTS,
+    arrived,
     attacked,
     beacon,
     command,
@@ -21,7 +22,7 @@ from tests.attackers import (
     ticks_go_by,
 )
 from tests.loop import load
-from tests.session import RUN, client
+from tests.session import PATIENCE, RUN, client
 from world.course import Course
 from world.server import Server
 
@@ -30,13 +31,14 @@ from world.server import Server
 def test_a_bad_payload_on_every_key_is_counted_with_one_line_a_kind_and_changes_no_digit(
     payload: bytes, kind: str, caplog: pytest.LogCaptureFixture
 ) -> None:
-    async def disturb(endpoint: str) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
-            await ticks_go_by(vandal, 2)  # at tick 0 a command for tick 0 would be one like any other
+            await ticks_go_by(vandal, 2, begin)  # at tick 0 a command for tick 0 would be one like any other
             for _ in range(5):
                 for key, sent in everywhere(payload):
                     vandal._session.put(key, sent)
                 await asyncio.sleep(0.01)
+            await arrived(vandal)
 
     with caplog.at_level(logging.WARNING):
         server, agents = attacked(disturb)
@@ -49,7 +51,7 @@ def test_a_bad_payload_on_every_key_is_counted_with_one_line_a_kind_and_changes_
 def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -> None:
     """What an agent says is said again a little later, as a network that repeats and reorders would."""
 
-    async def disturb(endpoint: str) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as echo:
             kept: list[tuple[str, bytes]] = []
 
@@ -58,7 +60,7 @@ def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -
                     kept.append((key, payload))
 
             stop = [echo.subscribe(key(RUN, "*"), keep) for key in (keys.beacon, keys.command, keys.observation)]
-            await ticks_go_by(echo, 20)
+            await ticks_go_by(echo, 20, begin)
             for undeclare in stop:
                 undeclare()
             for key, payload in reversed(kept):
@@ -67,6 +69,7 @@ def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -
                 echo._session.put(keys.command(RUN, robot), command(10**6, robot))
                 echo._session.put(keys.beacon(RUN, robot), beacon(10**6, robot))
                 echo._session.put(keys.observation(RUN, robot), observation(10**6, robot))
+            await arrived(echo)
             assert kept
 
     server, agents = attacked(disturb)
@@ -88,7 +91,7 @@ def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds() -> Non
             for linear in (0.0, 50.0, 60.0):  # the last robot is answered for last, so all are of tick 0
                 puppet._session.put(keys.command(RUN, 0), command(0, 0, linear))
             puppet._session.put(keys.command(RUN, 1), command(0, 1, 0.0))
-            async with asyncio.timeout(5.0):
+            async with asyncio.timeout(PATIENCE):
                 while server.summarize() is None:
                     await asyncio.sleep(0.01)
             running.cancel()
@@ -105,21 +108,25 @@ def nobody_hears_of(disturb: Any) -> None:
 
 
 def test_another_run_on_the_same_router_is_not_heard_at_all() -> None:
-    async def disturb(endpoint: str) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
+            begin.set()
             for _ in range(20):
                 for key, sent in everywhere(b"\xc1 junk", "other"):
                     vandal._session.put(key, sent)
                 await asyncio.sleep(0)
+            await arrived(vandal)
 
     nobody_hears_of(disturb)
 
 
 def test_a_payload_longer_than_the_limit_does_not_arrive_and_harms_nobody() -> None:
-    async def disturb(endpoint: str) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
+            begin.set()
             for key, _ in everywhere(b""):
                 vandal._session.put(key, bytes(2 * wire.MAX_PAYLOAD))
+            await arrived(vandal)
 
     nobody_hears_of(disturb)
 
@@ -127,11 +134,12 @@ def test_a_payload_longer_than_the_limit_does_not_arrive_and_harms_nobody() -> N
 def test_who_claims_a_taken_robot_and_leaves_ends_nothing() -> None:
     """Neither by asking, which is refused, nor by declaring the token of a robot that has one."""
 
-    async def disturb(endpoint: str) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        begin.set()
         for _ in range(3):
             async with client(endpoint) as impostor:
                 with pytest.raises(Refused, match="robot 2 is hosted by another agent already"):
-                    await impostor.ask(keys.welcome(RUN, "2"), messages.encode_join(Join((2,), 7)), 5.0)
+                    await impostor.ask(keys.welcome(RUN, "2"), messages.encode_join(Join((2,), 7)), PATIENCE)
                 for robot in (2, 77):
                     impostor.token(keys.robot_alive(RUN, robot))
                 await asyncio.sleep(0.02)
@@ -144,10 +152,10 @@ def test_who_claims_a_taken_robot_and_leaves_ends_nothing() -> None:
 def test_a_key_cannot_forge_a_log_line(caplog: pytest.LogCaptureFixture) -> None:
     forged = f"fes/{RUN}/robot/1\n2026-01-01 world: all is well\x1b[2J{'x' * 5000}/command"
 
-    async def disturb(endpoint: str) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
             vandal._session.put(forged, b"\xc1")
-            await ticks_go_by(vandal, 2)
+            await arrived(vandal)
 
     with caplog.at_level(logging.WARNING):
         server, _ = attacked(disturb)

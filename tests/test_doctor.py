@@ -42,7 +42,8 @@ def test_looking_at_a_run_changes_no_digit_and_sees_all_of_it() -> None:
     paper = load("paper.toml", run__duration=2.0)
     seen: list[list[Finding]] = []
 
-    async def disturb(endpoint: str) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        begin.set()
         for _ in range(3):
             found, robots = await network.examine(client_of(endpoint), RUN, True)
             assert robots == 10

@@ -98,12 +98,13 @@ def test_a_person_changes_a_running_world_and_the_run_can_be_run_again_with_what
     scenario = load("pair.toml", run__duration=8)
     answers: list[Any] = []
 
-    async def disturb(endpoint: str) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with session.client(endpoint) as terminal:
+            begin.set()
 
             async def ask(path: str, value: Any) -> Any:
                 question = change.encode_change(Change(path, value))
-                return change.decode_effect(await terminal.ask(keys.change(session.RUN), question, 10.0))
+                return change.decode_effect(await terminal.ask(keys.change(session.RUN), question, session.PATIENCE))
 
             answers.append(await ask("channel.reference_snr", 5e6))
             with pytest.raises(Refused, match="must be greater than 0, got -5"):
@@ -113,7 +114,7 @@ def test_a_person_changes_a_running_world_and_the_run_can_be_run_again_with_what
             jammers = [{"x": float(at), "y": 0.0, "radius": 1.0} for at in range(100)]
             answers.append(await ask("channel.jammers", jammers))
             with pytest.raises(Refused, match="expects 2 fields"):
-                await terminal.ask(keys.change(session.RUN), wire.pack("x"), 10.0)
+                await terminal.ask(keys.change(session.RUN), wire.pack("x"), session.PATIENCE)
 
     summary, server, _ = asyncio.run(session.run(scenario, [[0], [1]], disturb))
     effect, [*jammers] = answers[0], answers[1].value
@@ -135,10 +136,10 @@ def test_what_an_event_that_is_scheduled_would_make_impossible_is_refused_and_th
     short = Change("channel.bursts.mean_length", 0.1)
     events.changed(scenario.channel, {short.path: short.value}, scenario.run.dt)  # now it is possible
 
-    async def disturb(endpoint: str) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with session.client(endpoint) as terminal:
             with pytest.raises(Refused, match=r"^channel\.bursts\.mean_length, with what is scheduled: event: set"):
-                await terminal.ask(keys.change(session.RUN), change.encode_change(short), 10.0)
+                await terminal.ask(keys.change(session.RUN), change.encode_change(short), session.PATIENCE)
 
     summary, server, _ = asyncio.run(session.run(scenario, [[0], [1]], disturb))
     assert summary["ticks"] == scenario.ticks

@@ -18,11 +18,11 @@ from tests.attackers import (
     everywhere,
     reversioned,
 )
-from tests.session import RUN, client
+from tests.session import PATIENCE, RUN, client
 
 
 def test_a_flood_of_junk_on_all_keys_at_once_changes_no_digit() -> None:
-    async def disturb(endpoint: str) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         targets = everywhere(b"\xc1 junk")
 
         def flood() -> None:
@@ -30,6 +30,7 @@ def test_a_flood_of_junk_on_all_keys_at_once_changes_no_digit() -> None:
                 vandal._session.put(*targets[number % len(targets)])
 
         async with client(endpoint) as vandal:
+            begin.set()
             await asyncio.to_thread(flood)  # as fast as the network takes it
 
     server, _ = attacked(disturb)
@@ -41,7 +42,7 @@ def test_a_flood_of_junk_on_all_keys_at_once_changes_no_digit() -> None:
 def test_a_flood_that_waits_for_room_closes_no_robots_link(size: int) -> None:
     """Messages sent with congestion control BLOCK: with two threads for all, two of them stopped the router."""
 
-    async def disturb(endpoint: str) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         targets = everywhere(bytes(size))[: 3 * ROBOTS]
 
         def flood() -> None:
@@ -50,6 +51,7 @@ def test_a_flood_that_waits_for_room_closes_no_robots_link(size: int) -> None:
                     vandal._session.put(key, sent, congestion_control=zenoh.CongestionControl.BLOCK)
 
         async with client(endpoint) as vandal:
+            begin.set()
             await asyncio.to_thread(flood)
 
     attacked(disturb)
@@ -60,8 +62,9 @@ def test_a_flood_that_pushes_beacons_out_of_full_mailboxes_changes_no_digit(monk
     monkeypatch.setattr(bus, "MAILBOX", 2)
     flooding = asyncio.Event()
 
-    async def disturb(endpoint: str) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
+            begin.set()
             for _ in range(150):
                 for robot in range(ROBOTS):
                     for _ in range(10):
@@ -77,7 +80,7 @@ def test_a_flood_that_pushes_beacons_out_of_full_mailboxes_changes_no_digit(monk
 def test_a_flood_of_questions_is_refused_and_changes_no_digit() -> None:
     refused: list[str] = []
 
-    async def disturb(endpoint: str) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         questions = [
             (keys.welcome(RUN, "2-3"), messages.encode_join(Join((2, 3), 7))),
             (keys.welcome(RUN, "2-3"), b"\xc1 junk"),
@@ -89,7 +92,8 @@ def test_a_flood_of_questions_is_refused_and_changes_no_digit() -> None:
             (keys.recall(RUN, 4), messages.encode_recall(10**9)),
         ]
         async with client(endpoint) as vandal:
-            asked = [vandal.ask(*questions[number % len(questions)], 20.0) for number in range(FLOOD // 10)]
+            begin.set()
+            asked = [vandal.ask(*questions[number % len(questions)], PATIENCE) for number in range(FLOOD // 10)]
             for outcome in await asyncio.gather(*asked, return_exceptions=True):
                 assert isinstance(outcome, Refused), outcome
                 refused.append(str(outcome))
@@ -118,10 +122,10 @@ def test_more_questions_than_may_wait_are_refused_at_once(monkeypatch: pytest.Mo
     async def main() -> list[str]:
         async with session.router() as (world, endpoint), client(endpoint) as asker:
             world.serve("desk", lambda question: question.answer(b"yes", "x"))
-            asked = [asyncio.ensure_future(asker.ask("desk", b"", 10.0)) for _ in range(5 * bus.QUESTIONS)]
+            asked = [asyncio.ensure_future(asker.ask("desk", b"", PATIENCE)) for _ in range(5 * bus.QUESTIONS)]
             await asyncio.sleep(0)  # all are asked
             for _ in range(4 * bus.QUESTIONS):  # the loop is busy: none can be answered
-                assert refused.acquire(timeout=20.0)
+                assert refused.acquire(timeout=PATIENCE)
             outcomes = await asyncio.gather(*asked, return_exceptions=True)
             return [str(outcome) for outcome in outcomes]
 
@@ -153,8 +157,9 @@ def test_agents_that_all_ask_at_once_when_their_world_comes_ask_again(
 def test_an_observer_shows_what_it_can_read_through_a_flood_of_junk_reports() -> None:
     seen: list[int] = []
 
-    async def disturb(endpoint: str) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal, client(endpoint) as watcher:
+            begin.set()
 
             def flood() -> None:
                 for _ in range(FLOOD):

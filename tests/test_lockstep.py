@@ -13,8 +13,9 @@ from fes import keys, messages
 from fes.errors import Absent, Refused
 from fes.messages import Beacon, Command
 from tests import session
+from tests.attackers import arrived
 from tests.loop import load
-from tests.session import RUN, client
+from tests.session import PATIENCE, RUN, client
 from world.course import Course
 from world.scenario import Scenario
 from world.server import Server
@@ -104,8 +105,9 @@ def test_garbage_on_any_key_is_counted_and_changes_nothing(paper: Scenario, expe
     nothing = np.zeros(0, dtype=np.int64)
     forged = messages.encode_command(Command(10**9, 3, (1.0, 1.0), nothing, np.zeros(0), np.zeros(0)))
 
-    async def disturb(endpoint: str) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
+            begin.set()
             put = vandal._session.put
             for count in range(200):
                 for robot in range(10):
@@ -117,6 +119,7 @@ def test_garbage_on_any_key_is_counted_and_changes_nothing(paper: Scenario, expe
                 put(keys.report(RUN), b"garbage")
                 vandal._session.delete(keys.command(RUN, count % 10))
                 await asyncio.sleep(0)
+            await arrived(vandal)
 
     summary, server, agents = run(paper, [[i] for i in range(10)], disturb)
     assert summary["digest"] == expected["digest"]
@@ -130,12 +133,13 @@ def test_who_asks_for_a_taken_or_unknown_robot_is_refused_and_the_run_goes_on(
 ) -> None:
     refusals: list[str] = []
 
-    async def disturb(endpoint: str) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        begin.set()
         for robots in ([42], [2, 3]):
             async with client(endpoint) as opened:
                 agent = Agent(opened, RUN, tuple(robots))
                 try:
-                    await agent.join(5.0)
+                    await agent.join(PATIENCE)
                 except Refused as refused:
                     refusals.append(str(refused))
 
@@ -160,7 +164,7 @@ def test_a_world_that_everybody_left_says_so(monkeypatch: pytest.MonkeyPatch) ->
             for agent in agents:
                 agent.cancel()
             with pytest.raises(Absent, match=r"^nobody is there any more: the world waited 1 s at tick \d+$"):
-                await asyncio.wait_for(running, 20.0)
+                await asyncio.wait_for(running, PATIENCE)
 
     asyncio.run(main())
 
@@ -195,10 +199,10 @@ def test_a_beacon_that_cannot_be_had_is_an_error_and_no_other_digest(monkeypatch
             agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
             await server.gather()
             with pytest.raises(Absent, match=r"^nobody is there any more: the world waited 1 s at tick 42$"):
-                await asyncio.wait_for(server.run(), 20.0)
+                await asyncio.wait_for(server.run(), PATIENCE)
             for agent in agents:
                 with pytest.raises(Absent, match=r"a beacon that decoded did not arrive at tick 41"):
-                    await asyncio.wait_for(agent, 20.0)
+                    await asyncio.wait_for(agent, PATIENCE)
 
     asyncio.run(main())
 
@@ -222,7 +226,7 @@ def test_junk_does_not_keep_a_hung_robot_alive(monkeypatch: pytest.MonkeyPatch) 
                 if running.done():
                     break
             with pytest.raises(Absent, match=r"^nobody is there any more: the world waited 1 s at tick 1$"):
-                await asyncio.wait_for(running, 5.0)
+                await asyncio.wait_for(running, PATIENCE)
 
     asyncio.run(main())
 
@@ -241,7 +245,7 @@ def test_an_agent_whose_world_leaves_says_so() -> None:
             running.cancel()
         for agent in agents:
             with pytest.raises(Absent, match=r"^the world of run 'test' left after tick \d+$"):
-                await asyncio.wait_for(agent, 10.0)
+                await asyncio.wait_for(agent, PATIENCE)
 
     asyncio.run(main())
 

@@ -1,14 +1,17 @@
-"""When a tick of the lockstep is over though nobody is waited for."""
+"""When a tick of the lockstep is over though nobody is waited for, and what answers may come twice."""
 
 import asyncio
 import logging
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from fes import keys
 from fes.complaints import Complaints
 from fes.inbox import Inbox
+from tests.attackers import command
 from tests.clocks import Clock
 from tests.loop import load
 from world import simulation
@@ -47,3 +50,41 @@ def test_the_loop_has_its_turn_at_every_tick_though_nobody_takes_part() -> None:
         return turns
 
     assert asyncio.run(main()) == [True]
+
+
+def test_second_answers_of_a_robot_that_is_asked_again_in_one_tick_after_the_other_are_no_fault_of_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It stops for a moment between its answers: the second one comes when it was asked again for the next tick."""
+    monkeypatch.setattr("world.lockstep.ASK_AGAIN", 0.01)
+    asked: list[int] = []
+
+    async def main() -> Complaints:
+        inbox, complaints = Inbox(asyncio.get_running_loop()), Complaints(logging.getLogger("test"))
+        everybody = SimpleNamespace(there=np.ones(2, dtype=np.bool_), woke=lambda robot: False)
+        state = simulation.start(simulation.create(load("pair.toml")))
+
+        def answer(tick: int, robot: int) -> None:
+            inbox.put(keys.command("test", robot), command(tick, robot))
+
+        def ask(robot: int, payload: bytes) -> None:
+            if robot == 0 and int(payload) not in asked:
+                asked.append(int(payload))
+                if asked[-1] > 0:
+                    answer(asked[-1] - 1, 0)  # the second one, late
+                answer(asked[-1], 0)
+                answer(asked[-1], 1)
+
+        clock = Lockstep(inbox, everybody, complaints, ask)  # type: ignore[arg-type]
+        for tick in range(4):
+            answers, present = await clock.collect(replace(state, tick=tick), [b"%d" % tick] * 2)
+            assert [found and found[0].tick for found in answers] == [tick, tick]
+            assert present.all()
+        answer(1, 0)  # nobody asked for a third one
+        answer(4, 0)
+        answer(4, 1)
+        await clock.collect(replace(state, tick=4), [b"4"] * 2)
+        return complaints
+
+    assert asyncio.run(main()).counts == {"Command: is not for this tick": 1}
+    assert asked == [0, 1, 2, 3]

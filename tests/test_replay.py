@@ -91,10 +91,11 @@ def test_a_robot_alone_says_and_does_what_it_did(recorded: Recorded, robot: int)
 def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
     pair = load("pair.toml", run__duration=4.0)
 
-    async def disturb(endpoint: str) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with session.client(endpoint) as person:
+            begin.set()
             wish = change.encode_change(Change("channel.reference_snr", 2e6))
-            await person.ask(keys.change(session.RUN), wish, 5.0)
+            await person.ask(keys.change(session.RUN), wish, PATIENCE)
 
     async def run() -> tuple[dict[str, Any], Server]:
         with Recorder(tmp_path / "run.mcap", pair, "test", "processes") as recorder:

@@ -20,6 +20,7 @@ from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, command, fes, start, until
 from world import checkpoint, journal
 from world.checkpoint import FOLDER
+from world.course import ATTEND, TICK
 from world.recorder import NAME
 from world.summary import write_scenario
 
@@ -55,6 +56,16 @@ class Run:
         until(state.exists)
         seen = state.stat().st_ino
         until(lambda: state.stat().st_ino != seen)
+
+    def reached(self) -> int:
+        """The last tick that its notes tell of, -1 for none."""
+        with suppress(OSError):  # a journal may be replaced just now
+            return max((tick for kind, tick, *_ in self.notes() if kind == TICK), default=-1)
+        return -1
+
+    def notes(self) -> list[list[Any]]:
+        """Those that its checkpoint does not know yet, and perhaps more."""
+        return [note for path in checkpoint.journals(self.out, 0) for note in journal.notes(path)]
 
     def end(self, how: signal.Signals) -> None:
         """End the world, by the present checkpoint's successor at the earliest."""
@@ -179,14 +190,14 @@ def test_robots_that_came_and_went_since_the_checkpoint_come_and_go_again(run: R
     until(state.exists)
 
     def notes() -> list[str]:
-        return [note[0] for path in checkpoint.journals(run.out, 0) for note in journal.notes(path)]
+        return [kind for kind, *_ in run.notes()]
 
-    until(lambda: notes().count("tick") > 20)
+    until(lambda: notes().count(TICK) > 20)
     run.agents[2].kill()
     run.agents[2].communicate()
-    until(lambda: notes().count("attend") == 1)
+    until(lambda: notes().count(ATTEND) == 1)
     run.join(2)
-    until(lambda: notes().count("attend") == 2)
+    until(lambda: notes().count(ATTEND) == 2)
     seen = len(notes())
     until(lambda: len(notes()) > seen + 20)
     run.world.kill()
@@ -209,15 +220,9 @@ def test_a_world_that_knows_less_than_its_robots_says_so_and_they_end(run: Run, 
             return True
         return False
 
-    def reached() -> int:
-        with suppress(OSError):
-            kept = [note for path in checkpoint.journals(run.out, 0) for note in journal.notes(path)]
-            return max((note[1] for note in kept if note[0] == "tick"), default=0)
-        return 0
-
     until(copied)
-    then = until(reached)
-    until(lambda: reached() > then + 10)  # more than agents remember
+    seen = until(lambda: max(0, run.reached()))  # a checkpoint that is on its way may come before the next tick
+    until(lambda: run.reached() > seen + 3)
     run.world.kill()
     run.world.communicate()
     shutil.rmtree(run.out / FOLDER)

@@ -42,7 +42,8 @@ class Lockstep:
         self._ask = ask
         self._pace = pace
         self._due = 0.0  # end of the present tick [s; monotonic]
-        self._asked: dict[int, int] = {}  # the last tick that each robot was asked for again
+        self._asked: dict[int, tuple[int, ...]] = {}
+        """The last two ticks that each robot was asked for again: its second answer may come a tick later."""
 
     async def present(self, state: State) -> Bools:
         """Who takes part at the tick of `state` [n], when all are there that it waits for; raises Absent."""
@@ -76,9 +77,7 @@ class Lockstep:
                     answers[command.robot] = command, payload
                     waited[command.robot] = False
                     missing -= 1
-                elif (
-                    command is not None and answers[command.robot] and self._asked.get(command.robot) != command.tick
-                ):
+                elif command is not None and answers[command.robot] and not self._twice(command):
                     self._complaints.add("Command: came twice", f"{key}: a second command for tick {command.tick}")
             if missing:
                 waited &= self._attendance.there
@@ -89,7 +88,8 @@ class Lockstep:
                     break
                 for robot in np.flatnonzero(waited).tolist():
                     self._ask(robot, sent[robot])
-                    self._asked[robot] = state.tick
+                    before = [tick for tick in self._asked.get(robot, ()) if tick != state.tick]
+                    self._asked[robot] = (*before[-1:], state.tick)
                 patience *= 2.0
                 ask_at = min(time.monotonic() + patience, begun + ANSWER_TIMEOUT)
         await self._end_of_tick()
@@ -100,6 +100,10 @@ class Lockstep:
         self._due += self._pace or 0.0
         await asyncio.sleep(max(0.0, self._due - time.monotonic()) if self._pace is not None else 0.0)
 
+    def _twice(self, command: Command) -> bool:
+        """Whether its robot was asked for this command again, so that it may come twice."""
+        return command.tick in self._asked.get(command.robot, ())
+
     def _read(self, state: State, key: str, payload: bytes | None) -> Command | None:
         """The command in a message if it is one for this tick; anything else is dropped and counted.
 
@@ -108,7 +112,7 @@ class Lockstep:
         """
         try:
             command = wording.command(key, payload, len(state.present))
-            asked = command.tick < state.tick and command.tick == self._asked.get(command.robot)
+            asked = command.tick < state.tick and self._twice(command)
             absent = command.tick < state.since[command.robot] or (
                 not state.present[command.robot] and command.tick <= state.tick
             )
