@@ -3,7 +3,8 @@
 import asyncio
 import json
 import subprocess
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from world.course import Course
 from world.recorder import Recorder
 from world.scenario import Scenario
 from world.server import Server
+from world.simulation import State
 from world.summary import write_scenario
 
 DEADS: list[dict[str, Any]] = [{"at": 0.6, "kill": [4, 6]}, {"at": 1.2, "restart": [4]}, {"at": 1.6, "restart": [6]}]
@@ -52,6 +54,23 @@ def live_through(scenario: Scenario, path: Path, story: Story, pace: float = 2.0
     return asyncio.run(main())
 
 
+@asynccontextmanager
+async def standing_still(server: Server) -> AsyncIterator[None]:
+    """No tick goes by in this block, however long what happens there takes."""
+    present, goes_on = server._clock.present, asyncio.Event()
+
+    async def held(state: State) -> Bools:
+        await goes_on.wait()
+        return await present(state)
+
+    server._clock.present = held  # type: ignore[method-assign]
+    try:
+        yield
+    finally:
+        server._clock.present = present  # type: ignore[method-assign]
+        goes_on.set()
+
+
 async def until(server: Server, holds: Callable[[Any], Any]) -> int:
     while not holds(server.course.state):
         await asyncio.sleep(0.01)
@@ -70,7 +89,10 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
         pose = server.course.state.poses[4].tolist()
         await until(server, lambda state: state.tick >= gone + 60)
         seen["stood"] = server.course.state.poses[4].tolist() == pose
-        agents[4] = asyncio.ensure_future(session.live(endpoint, [4]))
+        async with standing_still(server):
+            agents[4] = asyncio.ensure_future(session.live(endpoint, [4]))
+            while not server._roster.whole[4]:
+                await asyncio.sleep(0.01)
         back = await until(server, lambda state: state.present[4])
         await until(server, lambda state: state.tick >= back + 30)
         seen["moved"] = server.course.state.poses[4].tolist() != pose
@@ -91,7 +113,6 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
 def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_when_it_speaks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("world.lockstep.ANSWER_TIMEOUT", 1.0)
     asleep, say = asyncio.Event(), Mouth.say
     delayed: list[tuple[Mouth, int, Any]] = []
 
@@ -109,11 +130,16 @@ def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_wh
     async def story(server: Server, agents: Any, endpoint: str) -> None:
         await until(server, lambda state: state.tick >= 20)
         asleep.set()
-        seen.append(await until(server, lambda state: not state.present[1]))
+        with monkeypatch.context() as impatient:
+            impatient.setattr("world.lockstep.ANSWER_TIMEOUT", 1.0)
+            seen.append(await until(server, lambda state: not state.present[1]))
         await until(server, lambda state: state.tick >= seen[0] + 40)
-        asleep.clear()
-        for late in delayed:
-            say(*late)
+        async with standing_still(server):
+            asleep.clear()
+            for late in delayed:
+                say(*late)
+            while not (server._inbox._items or server._attendance.there[1]):
+                await asyncio.sleep(0.01)
         seen.append(await until(server, lambda state: state.present[1]))
 
     summary = live_through(load("pair.toml", run__duration=4.0), tmp_path / "run.mcap", story)
@@ -190,7 +216,6 @@ def test_a_team_that_hangs_as_one_is_taken_in_again_when_it_speaks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Nobody is there to wait for then but those who hang."""
-    monkeypatch.setattr("world.lockstep.ANSWER_TIMEOUT", 0.3)
     asleep, say, repeat = asyncio.Event(), Mouth.say, Mouth.repeat
     delayed: list[tuple[Mouth, int, Any]] = []
     monkeypatch.setattr(Mouth, "say", lambda *what: delayed.append(what) if asleep.is_set() else say(*what))
@@ -199,7 +224,9 @@ def test_a_team_that_hangs_as_one_is_taken_in_again_when_it_speaks(
     async def story(server: Server, agents: Any, endpoint: str) -> None:
         await until(server, lambda state: state.tick >= 20)
         asleep.set()
-        await until(server, lambda state: not state.present.any())
+        with monkeypatch.context() as impatient:
+            impatient.setattr("world.lockstep.ANSWER_TIMEOUT", 0.3)
+            await until(server, lambda state: not state.present.any())
         asleep.clear()
         for late in delayed:
             say(*late)
