@@ -3,14 +3,18 @@
 import asyncio
 import contextlib
 import re
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
+from bench.own_router import SOURCE
 from console.launcher import free_port
 from fes import bus, keys
 from fes.endpoints import Endpoints
-from fes.errors import Refused
+from fes.errors import Absent, Refused
 from tests.loop import CONFIGS
 from tests.session import client, router
 from tests.test_processes import PATIENCE, command, start
@@ -120,3 +124,26 @@ def test_a_world_without_a_claim_is_seen_by_its_token() -> None:
                 await claim.claim(newcomer, RUN, connected=True)
 
     asyncio.run(main())
+
+
+def test_a_world_that_cannot_see_whether_there_is_another_one_does_not_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It sees its own claim only: that is no sign of being alone."""
+    monkeypatch.setattr(claim, "TIMEOUT", 0.5)
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    between = subprocess.Popen([sys.executable, "-c", SOURCE, endpoint], stdin=subprocess.PIPE)
+
+    async def main() -> None:
+        async with client(endpoint) as one, client(endpoint) as two:
+            await claim.claim(one, RUN, connected=False)
+            between.send_signal(signal.SIGSTOP)
+            try:
+                with pytest.raises(Absent, match=r"^the router does not say within 0.5 s who is alive on fes/test/"):
+                    await claim.claim(two, RUN, connected=False)
+            finally:
+                between.send_signal(signal.SIGCONT)
+
+    try:
+        asyncio.run(main())
+    finally:
+        between.kill()
+        between.communicate()

@@ -5,11 +5,9 @@ import json
 import subprocess
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from agents.mouth import Mouth
@@ -235,31 +233,3 @@ def test_a_team_that_hangs_as_one_is_taken_in_again_when_it_speaks(
     assert len(delayed) == 2
     assert summary["ticks"] == 100
     assert replay.again(log.load(tmp_path / "run.mcap"), everybody=True)["digest"] == summary["digest"]
-
-
-def test_who_comes_back_when_a_world_goes_on_takes_part_from_its_second_tick() -> None:
-    """What the world before published of the first one is sensed already, and must stay true."""
-
-    async def main() -> tuple[Server, list[Bools]]:
-        async with session.router() as (opened, endpoint), asyncio.timeout(100.0):
-            course, took = Course(load("pair.toml", run__duration=0.4)), list[Bools]()
-            course.state = replace(course.state, tick=5, present=np.array([True, False]), since=np.array([5, 0]))
-            server, take = Server(opened, course, "test", RUN), course.take
-
-            def taken(*words: Any) -> None:
-                took.append(course.state.present)
-                take(*words)
-
-            course.take = taken  # type: ignore[assignment,method-assign]
-            agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
-            while not server._roster.alive.all():
-                await asyncio.sleep(0.01)
-            await server.gather()
-            await server.run()
-            server.dismiss()
-            await asyncio.gather(*agents)
-            return server, took
-
-    server, took = asyncio.run(main())
-    assert [present.tolist() for present in took] == [[True, False]] + [[True, True]] * 14
-    assert server.course.state.since.tolist() == [5, 6]
