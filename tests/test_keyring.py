@@ -91,19 +91,20 @@ def test_a_secure_run_has_the_same_digest_and_leaves_no_keys(tmp_path: Path) -> 
 
 
 def test_view_and_set_find_the_certificates_of_the_latest_run(tmp_path: Path) -> None:
-    words = ["run", PAIR, "--duration", "6", "--rtf", "1", "--headless", "--json", "--secure"]
+    words = ["run", PAIR, "--duration", "16", "--rtf", "1", "--headless", "--json", "--secure"]
     running = start(command("console.cli", *words), tmp_path)
     log = tmp_path / "runs/latest/world.log"
     until(lambda: log.exists() and "all robots are here" in log.read_text())
     assert set(modes(tmp_path / "runs/latest/keys").values()) == {0o600, 0o700}
     assert not (tmp_path / "runs/latest/keys/ca.key").exists()
+    viewing = start(command("console.cli", "view"), tmp_path)
     changed = call(tmp_path, "fes", "set", "channel.reference_snr=5e6")
     assert (changed.returncode, changed.stdout[:36]) == (0, "channel.reference_snr = 5000000.0 fr"), changed
-    seen = call(tmp_path, "fes", "view")
-    assert seen.returncode == 0, seen.stderr
+    _, err = viewing.communicate(timeout=PATIENCE)
+    assert viewing.returncode == 0, err
     out, err = running.communicate(timeout=PATIENCE)
     assert running.returncode == 0, err
-    assert json.loads(out)["ticks"] == 300
+    assert json.loads(out)["ticks"] == 800
     assert not (tmp_path / "runs/latest/keys").exists()
 
 

@@ -22,7 +22,7 @@ from tests.test_processes import PATIENCE, until
 from world.checkpoint import FOLDER, STATE
 
 UNITS = Path(__file__).parent.parent / "deploy" / "systemd"
-SECONDS = 4.0
+SECONDS = 10.0
 
 Process = subprocess.Popen[Any]
 
