@@ -1,6 +1,7 @@
 """What scenarios expect of their runs, and the exit code 2."""
 
 import json
+import math
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ from console import inprocess
 from fes.errors import ScenarioError
 from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, fes
-from world import expect
+from world import deadlines, expect
 from world.expect import ExpectConfig
 
 SUMMARY: dict[str, Any] = {
@@ -19,8 +20,9 @@ SUMMARY: dict[str, Any] = {
     "links_connected_always": True,
     "disagreement": None,
     "scenario": "pair",
-    "time_to": {"level": 3.0},
+    "time_to": {"estimate_1m": 3.0, "separation_1m": None},
     "tracking": [{"rmse": 1.0}, {"rmse": 2.0}],
+    "deadlines": None,
 }
 
 
@@ -33,11 +35,11 @@ SUMMARY: dict[str, Any] = {
         ({"of": "separation_error_rms", "above": 0.4}, False),
         ({"of": "links_connected_always", "equals": True}, True),
         ({"of": "links_connected_always", "equals": False}, False),
-        ({"of": "links_connected_always", "below": 2.0}, False),
         ({"of": "scenario", "equals": "pair"}, True),
         ({"of": "disagreement", "below": 9.0}, False),
-        ({"of": "time_to.no.such.key", "above": 0.0}, False),
-        ({"of": "time_to.level", "below": 3.5}, True),
+        ({"of": "deadlines.missed.0", "below": 9.0}, False),
+        ({"of": "time_to.separation_1m", "below": 9.0}, False),
+        ({"of": "time_to.estimate_1m", "below": 3.5}, True),
         ({"of": "tracking.1.rmse", "above": 1.5}, True),
         ({"of": "tracking.-1.rmse", "equals": 2.0}, True),
         ({"of": "tracking.2.rmse", "above": 0.0}, False),
@@ -60,9 +62,61 @@ def test_a_key_that_no_summary_has_is_refused_in_one_line_with_the_nearest_one()
         load("pair.toml", expect=[{"of": "no\nsuch.key", "below": 1.0}])
 
 
-def test_a_summary_has_the_keys_that_can_be_expected_and_no_others() -> None:
-    found = inprocess.run(load("pair.toml", run__duration=0.1), "keys")
-    assert set(found) == {*expect.KEYS, "expectations"}
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ({"of": "time_to.estimte_1m", "below": 5.0}, "no 'time_to.estimte_1m'; did you mean 'time_to.estimate_1m'?"),
+        ({"of": "time_to.\n", "below": 5.0}, "no 'time_to.\\n'"),
+        ({"of": "deadlines.mised_share", "below": 0.1}, "did you mean 'deadlines.missed_share'?"),
+        ({"of": "tracking.0.rms", "below": 0.1}, "did you mean 'tracking.0.rmse'?"),
+        (
+            {"of": "tracking.rmse", "below": 0.1},
+            "'tracking' is a list: give the place of an entry, from 0, got 'rmse'",
+        ),
+        ({"of": "tracking.²", "below": 0.1}, "got '²'"),
+        ({"of": "edges.0.5", "below": 0.1}, "'edges.0' has 5 entries, no '5'"),
+        ({"of": "ticks.0", "equals": 5.0}, "'ticks' is a number, and has no '0'"),
+        ({"of": "ticks.", "equals": 5.0}, "'ticks' is a number, and has no ''"),
+        ({"of": "edges", "below": 5.0}, "'edges' is no single value: name one in it, such as 'edges.0.0'"),
+        ({"of": "time_to", "below": 5.0}, "such as 'time_to.disagreement_1m'"),
+        ({"of": "tracking.1", "equals": 5.0}, "such as 'tracking.1.at'"),
+        ({"of": "disk_connected_always", "below": 5.0}, "'disk_connected_always' is true or false: give equals"),
+        ({"of": "digest", "above": 5.0}, "'digest' is a text: give equals"),
+        ({"of": "digest", "equals": 5.0}, "never equal to 5.0"),
+        ({"of": "ticks", "equals": "5"}, "never equal to '5'"),
+        ({"of": "ticks", "equals": math.nan}, "never equal to nan"),
+        ({"of": "disk_connected_always", "equals": 2.0}, "never equal to 2.0"),
+        ({"of": "ticks", "above": 5.0, "below": 5.0}, "nothing is above 5.0 and below 5.0"),
+        ({"of": "ticks", "above": 5.0, "equals": 4.0}, "nothing is above 5.0 and equal to 4.0"),
+    ],
+)
+def test_what_no_summary_can_meet_is_refused_at_the_start_in_one_line(table: dict[str, Any], said: str) -> None:
+    with pytest.raises(ScenarioError) as caught:
+        load("pair.toml", expect=[table])
+    assert said in str(caught.value)
+    assert str(caught.value).isprintable()
+
+
+def kinds(shape: expect.Shape, value: Any) -> bool:
+    """Whether a part of a summary is of the shape that can be expected of it."""
+    if isinstance(shape, dict):
+        return set(shape) == set(value) and all(kinds(shape[key], value[key]) for key in shape)
+    if isinstance(shape, list):
+        return all(kinds(shape[0], one) for one in value)
+    if isinstance(shape, tuple):
+        return all(kinds(*both) for both in zip(shape, value, strict=True))
+    of = {expect.NUMBER: (int, float, type(None)), expect.FLAG: (bool,), expect.TEXT: (str,)}
+    return type(value) in of[shape]
+
+
+def test_a_summary_has_what_can_be_expected_and_nothing_else() -> None:
+    found = inprocess.run(load("paper.toml", run__duration=1.0), "keys")
+    del found["expectations"]
+    assert found["edges"]
+    assert found["radio"]
+    assert found.pop("deadlines") is None  # of a live clock
+    found["deadlines"] = deadlines.none(10).table()
+    assert kinds(expect.SUMMARY, found)
 
 
 def test_the_summary_counts_how_long_links_were_apart() -> None:

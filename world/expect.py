@@ -2,20 +2,45 @@
 
 import difflib
 import math
+import re
+import reprlib
 from typing import Annotated, Any, Self
 
 from pydantic import Field, field_validator, model_validator
 
 from fes.config import Table
 
-KEYS = (
-    *("scenario", "seed", "backend", "clock", "robots", "ticks", "dt", "simulated_s", "wall_s", "ticks_per_s"),
-    *("real_time_factor", "optimal_separation", "edges", "separation_error_max", "separation_error_rms"),
-    *("disagreement", "estimate_error_max", "estimate_error_rms", "disk_connected_always", "links_connected_always"),
-    *("algebraic_connectivity", "beacons_sent", "beacons_decoded", "time_to", "digest", "tracking", "radio"),
-    *("deadlines", "links_gap_longest"),
+NUMBER, FLAG, TEXT = "a number", "true or false", "a text"
+
+Shape = str | list["Shape"] | tuple["Shape", ...] | dict[str, "Shape"]
+"""A scalar by its kind, a list of any length by what it holds, a row by its columns, or a table."""
+
+STRETCH: Shape = dict.fromkeys(
+    ("at", "optimal_separation", "time_to_1m", "bias", "rmse", "separation_rmse", "disagreement_max", "index"), NUMBER
 )
-"""What a summary tells."""
+
+SUMMARY: dict[str, Shape] = {
+    **dict.fromkeys(("scenario", "backend", "clock", "digest"), TEXT),
+    **dict.fromkeys(("disk_connected_always", "links_connected_always"), FLAG),
+    **dict.fromkeys(("seed", "robots", "ticks", "dt", "simulated_s", "wall_s", "ticks_per_s"), NUMBER),
+    **dict.fromkeys(("real_time_factor", "optimal_separation", "disagreement", "algebraic_connectivity"), NUMBER),
+    **dict.fromkeys(("separation_error_max", "separation_error_rms"), NUMBER),
+    **dict.fromkeys(("estimate_error_max", "estimate_error_rms"), NUMBER),
+    **dict.fromkeys(("beacons_sent", "beacons_decoded", "links_gap_longest"), NUMBER),
+    "time_to": dict.fromkeys(
+        ("disagreement_1m", "estimate_1m", "estimate_0_1m", "separation_1m", "separation_0_1m"), NUMBER
+    ),
+    "tracking": [STRETCH],
+    "deadlines": {
+        **{key: [NUMBER] for key in ("due", "missed", "stopped", "late")},
+        **dict.fromkeys(("missed_share", "slipped_s"), NUMBER),
+    },
+    "edges": [(NUMBER,) * 5],
+    "radio": [(NUMBER,) * 6],
+}
+"""What a summary tells; each of it may also be null."""
+
+_PLACE = re.compile(r"-?[0-9]{1,9}")
 
 Bound = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -32,16 +57,25 @@ class ExpectConfig(Table):
     @field_validator("of")
     @classmethod
     def _known(cls, of: str) -> str:
-        key = of.partition(".")[0]
-        if key not in KEYS:
-            near = difflib.get_close_matches(key, KEYS, 1)
-            raise ValueError(f"a summary has no {key[:60]!r}" + (f"; did you mean '{near[0]}'?" if near else ""))
+        shape_at(of)
         return of
 
     @model_validator(mode="after")
-    def _something(self) -> Self:
-        if self.below is None and self.above is None and self.equals is None:
+    def _possible(self) -> Self:
+        """Refuse what holds of no summary: who runs for an hour is not to learn of it then."""
+        bounded, wanted, shape = self.below is not None or self.above is not None, self.equals, shape_at(self.of)
+        if not bounded and wanted is None:
             raise ValueError("give at least one of below, above and equals")
+        if not isinstance(shape, str):
+            raise ValueError(f"'{self.of}' is no single value: name one in it, such as '{_within(self.of)}'")
+        if bounded and shape != NUMBER:
+            raise ValueError(f"'{self.of}' is {shape}: give equals")
+        if wanted is not None and not _is(shape, wanted):
+            raise ValueError(f"'{self.of}' is {shape}, and never equal to {reprlib.repr(wanted)}")
+        if self.below is not None and self.above is not None and self.above >= self.below:
+            raise ValueError(f"nothing is above {self.above} and below {self.below}")
+        if wanted is not None and not _holds(self, wanted):
+            raise ValueError(f"nothing is {self.rule}")
         return self
 
     @property
@@ -49,6 +83,46 @@ class ExpectConfig(Table):
         """What is expected, in words."""
         given = (("below", self.below), ("above", self.above), ("equal to", self.equals))
         return " and ".join(f"{word} {value}" for word, value in given if value is not None)
+
+
+def shape_at(path: str) -> Shape:
+    """What a summary has at a dotted path; raises ValueError where no summary has anything."""
+    shape: Shape = SUMMARY
+    parts = path.split(".")
+    for at, part in enumerate(parts):
+        before = ".".join(parts[:at])
+        if isinstance(shape, str):
+            raise ValueError(f"'{before}' is {shape}, and has no {part[:60]!r}")
+        if isinstance(shape, dict):
+            whole = f"{before}.{part[:60]}" if before else part[:60]
+            if part not in shape:
+                near = difflib.get_close_matches(part, shape, 1)
+                hint = f"; did you mean '{before}{'.' * bool(before)}{near[0]}'?" if near else ""
+                raise ValueError(f"a summary has no {whole!r}{hint}")
+            shape = shape[part]
+        elif not _PLACE.fullmatch(part):
+            raise ValueError(f"'{before}' is a list: give the place of an entry, from 0, got {part[:60]!r}")
+        elif isinstance(shape, list):
+            shape = shape[0]
+        elif -len(shape) <= int(part) < len(shape):
+            shape = shape[int(part)]
+        else:
+            raise ValueError(f"'{before}' has {len(shape)} entries, no {part!r}")
+    return shape
+
+
+def _within(path: str) -> str:
+    """The path of a scalar below one."""
+    while not isinstance(shape := shape_at(path), str):
+        path += f".{next(iter(shape))}" if isinstance(shape, dict) else ".0"
+    return path
+
+
+def _is(shape: str, value: bool | float | str) -> bool:
+    """Whether a scalar of this kind can be equal to a value."""
+    if isinstance(value, str):
+        return shape == TEXT
+    return value in (True, False) if shape == FLAG else shape == NUMBER and math.isfinite(value)
 
 
 def verdicts(expected: list[ExpectConfig], summary: dict[str, Any]) -> list[dict[str, Any]]:
@@ -72,7 +146,7 @@ def _find(summary: dict[str, Any], path: str) -> Any:
     for part in path.split("."):
         if isinstance(found, dict):
             found = found.get(part)
-        elif isinstance(found, list) and part.lstrip("-").isdigit() and -len(found) <= int(part) < len(found):
+        elif isinstance(found, list) and -len(found) <= int(part) < len(found):
             found = found[int(part)]
         else:
             return None
