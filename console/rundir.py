@@ -74,16 +74,22 @@ def withdraw(directory: Path) -> None:
     (directory / ENDPOINT).unlink(missing_ok=True)
 
 
-def find(run: str) -> Address:
-    """Where to look without being told: the run of this folder that was started last of those that go on and can be
-    watched (one in process cannot), else the default endpoint."""
-    announced = sorted(ROOT.glob(f"*/{ENDPOINT}"), key=lambda path: path.stat().st_mtime, reverse=True)
-    for path in announced:
+def announced(run: str) -> tuple[Path, Address] | None:
+    """The run of this folder that was started last of those that go on and can be watched (one in process cannot):
+    where it says so, and what it says."""
+    said = (path for path in ROOT.glob(f"*/{ENDPOINT}") if not path.parent.is_symlink())
+    for path in sorted(said, key=lambda path: path.stat().st_mtime, reverse=True):
         with contextlib.suppress(OSError, ValueError, TypeError):
             found = Address(**json.loads(path.read_text(encoding="utf-8")))
             if found.run == run and _lives(found.pid):
-                return found
-    return Address(DEFAULT_ENDPOINT, run)
+                return path, found
+    return None
+
+
+def find(run: str) -> Address:
+    """Where to look without being told: the run that is announced in this folder, else the default endpoint."""
+    found = announced(run)
+    return found[1] if found else Address(DEFAULT_ENDPOINT, run)
 
 
 def _lives(pid: int) -> bool:

@@ -14,11 +14,10 @@ import msgpack
 import pytest
 from rich.console import Console
 
-from console import inprocess, rundir
+from console import inprocess
 from console.doctor import command, machine, network
 from console.doctor.finding import Finding, Status
 from console.doctor.network import Answer
-from console.rundir import Address
 from fes import about, keys
 from fes.about import About
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
@@ -237,16 +236,6 @@ def test_the_command_prints_json_or_a_table_and_its_exit_code_says_whether_anyth
     healthy = call(tmp_path, "fes", "doctor")
     assert (healthy.returncode, healthy.stderr) == (0, "")
     assert "no run goes on" in " ".join(healthy.stdout.split())
-
-
-def test_a_run_that_was_killed_is_told_from_one_that_never_was(tmp_path: Path) -> None:
-    latest = tmp_path / "runs" / "latest"
-    latest.mkdir(parents=True)
-    rundir.announce(latest, Address(vacant(), keys.DEFAULT_RUN))
-    done = call(tmp_path, "fes", "doctor", "--json")
-    [found] = [one for one in json.loads(done.stdout) if one["status"] == "failed"]
-    assert (found["check"], done.returncode) == ("endpoint", 1)
-    assert found["remedy"] == "the latest run here was killed: rm runs/latest/endpoint.json"
 
 
 def test_the_table_fits_eighty_columns() -> None:

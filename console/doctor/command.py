@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -12,9 +13,9 @@ from rich.text import Text
 
 from console import rundir
 from console.doctor import machine, network
-from console.doctor.finding import Finding, Status
+from console.doctor.finding import Finding, Status, warning
 from console.options import Cfg, Config, Connect, ObserverKeys
-from console.rundir import Visitor
+from console.rundir import Address, Visitor
 from fes import keys, process
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
 from fes.identity import OBSERVER
@@ -34,12 +35,14 @@ def doctor(
     who = Visitor(OBSERVER, certificates, run or keys.DEFAULT_RUN, network.PATIENCE)
     endpoints = rundir.reach(who, connect, config, cfg)
     named = bool(connect or config or run)
-    announced = not connect and endpoints.connect != (DEFAULT_ENDPOINT,)
+    announced = rundir.announced(who.run)
+    if announced is not None and (connect or announced[1].endpoint not in endpoints.connect):
+        announced = None  # it is not where we look
 
     async def look() -> int:
-        findings = await examine(endpoints, run or keys.DEFAULT_RUN, named or announced)
-        if announced:
-            findings = [outdated(found) for found in findings]
+        findings = await examine(endpoints, who.run, named or announced is not None)
+        if announced is not None:
+            findings = [awaited(found, *announced) for found in findings]
         if json_:
             print(json.dumps([finding._asdict() for finding in findings], indent=2))
         else:
@@ -64,13 +67,13 @@ async def examine(endpoints: Endpoints, run: str, wanted: bool) -> list[Finding]
     ]
 
 
-def outdated(found: Finding) -> Finding:
-    """What a run announced in this folder lacks: whoever announced it, and did not withdraw it, was killed."""
-    if found.check != "endpoint" or found.status is not Status.FAILED:
+def awaited(found: Finding, path: Path, address: Address) -> Finding:
+    """A finding on a run that `path` announces: who started it lives, so a world that is not there is about to come,
+    or to come back."""
+    if found.check != "endpoint" or found.status is not Status.FAILED or "certificate" in found.seen:
         return found
-    return found._replace(
-        remedy=f"the latest run here was killed: rm {rundir.ROOT / rundir.LATEST / rundir.ENDPOINT}"
-    )
+    seen = f"{found.seen}; process {address.pid} goes on with that run, says {path}"
+    return warning("endpoint", seen, "its world is away, suspended or just starting: look again")
 
 
 def table(findings: list[Finding]) -> Table:
