@@ -10,6 +10,8 @@ FesError                 something a person can act on: one line, exit code 1
 └── Stopped              a signal ended it before its end
 """
 
+import errno
+
 
 class FesError(Exception):
     """An error whose message is one line: the rule, then the offending value."""
@@ -22,8 +24,12 @@ def reason(error: OSError) -> str:
 
     >>> reason(BrokenPipeError(32, "Broken pipe"))
     'Broken pipe'
+    >>> reason(OSError(24, "Too many open files"))
+    'Too many open files (ulimit -n allows more)'
     """
     what = error.strerror or str(error)
+    if error.errno == errno.EMFILE:
+        what += " (ulimit -n allows more)"
     return what if error.filename is None else f"{what}: {error.filename}"
 
 

@@ -3,10 +3,8 @@
 import asyncio
 import io
 import json
-import resource
 import socket
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -145,21 +143,6 @@ def test_a_world_that_does_not_answer_is_a_warning() -> None:
                 return (await network.examine(client_of(endpoint), RUN, True))[0]
 
     assert [one.status for one in asyncio.run(main())][-1] == Status.WARNING
-
-
-@pytest.fixture
-def few_files() -> Iterator[None]:
-    before = resource.getrlimit(resource.RLIMIT_NOFILE)
-    resource.setrlimit(resource.RLIMIT_NOFILE, (256, before[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_NOFILE, before)
-
-
-@pytest.mark.usefixtures("few_files")
-def test_too_few_open_files_fail_for_a_team_that_needs_them_and_warn_otherwise() -> None:
-    # (256 - 64) / 2 = 96 robots
-    assert [machine.files(robots).status for robots in (96, 97, None)] == [Status.OK, Status.FAILED, Status.WARNING]
-    assert machine.files(97).remedy.startswith("ulimit -n 258")  # 64 + 2 * 97
 
 
 def test_a_missing_and_an_old_package_fail_and_a_missing_extra_does_not() -> None:
