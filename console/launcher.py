@@ -172,18 +172,16 @@ class Family:
             await _gone(self.children, GRACE)
 
     async def _explain(self, failed: Child) -> str:
-        """Why the run failed: a child that was ended by force, or else what the world says of it."""
-        assert self.world is not None
+        """Why the run failed: a child that was ended by force, but not by us, or else what the world says of it."""
         # Which exit is noticed first is chance, and the others follow at once: so all are looked at.
         await _gone(self.children, SETTLING)
-        world = self.world.process.returncode
-        if world is not None and world < 0:
-            return self.world.verdict()
-        for child in self.agents:
-            code = child.process.returncode
-            if code is not None and code < 0:
-                return f"{child.verdict()}; the world: {self.world.verdict()}" if world else child.verdict()
-        return self.world.verdict() if world else failed.verdict()
+        ended = [(child, child.process.returncode) for child in self.children]
+        bad = {child: code for child, code in ended if code is not None and not self._well(child, code)}
+        forced = next((child for child, code in bad.items() if code < 0), None)
+        if self.world is None or self.world not in bad:
+            return (forced or failed).verdict()
+        said = self.world.verdict()
+        return said if forced is None or forced is self.world else f"{forced.verdict()}; the world: {said}"
 
     async def _start(self, name: str, module: str, arguments: list[str], log: str) -> Child:
         path = self.directory / f"{log}.log"
