@@ -121,7 +121,7 @@ def view_command(
     run: Annotated[str, typer.Option(help="Name of the run.")] = keys.DEFAULT_RUN,
     picture: Annotated[Path | None, typer.Option(help="Write the last frame to this SVG file.")] = None,
     timeout: Annotated[
-        float, typer.Option(min=1e-3, max=process.YEAR, help="Give up if no world is there by then [s].")
+        float, typer.Option(min=1e-3, max=process.YEAR, help="Give up when no world is there for so long [s].")
     ] = 30.0,
 ) -> int:
     """Show a run that goes on in another terminal (by default the latest one started in this folder)."""

@@ -47,12 +47,13 @@ async def enact(bus: Bus, run: str, timeout: float, scenario: Scenario, hands: H
     A robot that is to come back has a new process as soon as its old one is gone: it joins, and waits for its tick.
     One that is back within a second of wall clock keeps its process: to the others it is a new one all the same. One
     that hangs until the end is killed then, as nobody could tell it that the run is over. However this ends, no
-    process stays stopped.
+    process stays stopped: where the world is lost from sight, those that are to wake go on, as it may wait for them.
     """
     schedule = scenario.attendance if alone else {}
     deaths = list(scenario.world_deaths.items())
     due = [(tick, planned) for tick, planned in schedule.items() if planned.gone.any()]
     stopped: dict[int, int | None] = {}
+    over = False
     try:
         with contextlib.suppress(Absent):  # it left early: that is for others to tell
             async for report in observer.reports(bus, run, timeout, STALLED):
@@ -73,7 +74,8 @@ async def enact(bus: Bus, run: str, timeout: float, scenario: Scenario, hands: H
                 for robot in _needed(stopped, report):
                     del stopped[robot]
                     hands.proceed(str(robot))
-        for robot in stopped:
+            over = True
+        for robot in [robot for robot, tick in stopped.items() if over or tick is None]:
             await hands.kill(str(robot))
     finally:
         for robot in stopped:

@@ -5,7 +5,7 @@ import contextlib
 from collections import deque
 from collections.abc import AsyncIterator
 
-from fes import keys
+from fes import about, keys
 from fes.bus import Bus
 from fes.errors import Absent, MessageError
 from fes.report import Report, decode_report
@@ -13,22 +13,27 @@ from fes.report import Report, decode_report
 MAX_WAITING = 64
 """Reports that may wait for a slow observer; older ones are forgotten."""
 
-
 RETURN = 15.0
-"""A world that is not seen for this long [s] has left; before, only the connection may have been lost, or another
-world goes on with the run."""
+"""A world that is not seen for this long [s], or for as long as one was waited for, has left; before, only the
+connection may have been lost, or another world goes on with the run."""
+
+
+STRANGE = 10
+"""After so many reports of another protocol version, and none that can be read, there is nothing to be seen."""
 
 
 async def reports(bus: Bus, run: str, timeout: float, idle: float) -> AsyncIterator[Report | None]:
     """The reports of a run until it is over; None each time nothing came for `idle` [s].
 
     An observer that was suspended loses its session, and finds the world again when it goes on. Raises Absent if
-    no world appears within `timeout` [s], or if it leaves before the run is over.
+    no world appears within `timeout` [s], or if it leaves before the run is over: it is waited for as long again, but
+    for RETURN at least, not counting the time that the reader takes with what it got. Raises MessageError if the
+    world speaks only another version of the protocol.
     """
     loop = asyncio.get_running_loop()
     waiting: deque[bytes] = deque(maxlen=MAX_WAITING)
     news = asyncio.Event()
-    here, since, latest = False, loop.time(), None
+    here, since, latest, strange = False, loop.time(), None, 0
 
     def on_report(key: str, payload: bytes | None) -> None:
         if payload is not None:
@@ -52,12 +57,18 @@ async def reports(bus: Bus, run: str, timeout: float, idle: float) -> AsyncItera
         while waiting:
             try:
                 latest = decode_report(waiting.popleft())
-            except MessageError:
+            except MessageError as error:
+                strange += about.speaks_otherwise(error)
+                if latest is None and strange >= STRANGE:
+                    raise
                 continue  # a view shows what it can read
+            asked = loop.time()
             yield latest
+            now = loop.time()
+            since = min(now, since + now - asked)  # the reader may itself bring the world back
         if not here and latest is not None and latest.tick + 1 >= latest.ticks:
             return
-        if not here and loop.time() - since > (RETURN if latest is not None else timeout):
+        if not here and loop.time() - since > (max(RETURN, timeout) if latest is not None else timeout):
             what = f"left after tick {latest.tick}" if latest is not None else f"did not appear within {timeout:g} s"
             raise Absent(f"the world of run '{run}' {what}")
         if quiet:
