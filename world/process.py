@@ -41,7 +41,8 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
     run, scenario = start.run, start.scenario
     rules = access.control(run, scenario.robots.number, identity.crews(flags.keys)) if flags.keys else None
     endpoints = process.world_endpoints(flags, rules)
-    async with audit.kept() if flags.keys else contextlib.nullcontext(), bus.opened(endpoints) as opened:
+    audited = audit.kept(access.roles(rules)) if rules else contextlib.nullcontext()
+    async with audited, bus.opened(endpoints) as opened:
         connected = bool(flags.connect or flags.config or flags.cfg) or flags.mode not in (None, "router")
         await claim.claim(opened, run, connected=connected)
         with _recorder(flags, start) as recorder:
