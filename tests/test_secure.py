@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 
 from console import authority, inprocess
+from console.doctor import network
+from console.doctor.finding import Status
 from console.launcher import free_port
 from fes import bus, change, keys
 from fes.bus import Bus
@@ -127,6 +129,10 @@ def test_robots_observers_and_operators_do_what_they_may(tmp_path: Path, issuer:
             seen: list[str] = []
             observer.watch(keys.robot_alive(RUN, "*"), lambda key, alive: seen.append(key))
             reports = observer.mailbox(keys.report(RUN))
+            looking = Endpoints("client", (world.endpoint,), security=certificates.security(keyed, "observer"))
+            findings, robots = await network.examine(looking, RUN, True)
+            others = [found.check for found in findings if found.status is not Status.OK]
+            assert (robots, others) == (2, ["alive"])  # both robots are yet to come
             world.agent(0)
             world.agent(1)
             while (report := reports.take()) is None:

@@ -78,12 +78,13 @@ Silence = MessageError | Absent | Refused
 async def examine(endpoints: Endpoints, run: str, wanted: bool) -> tuple[list[Finding], int | None]:
     """All that can be seen of a run from outside, and how many robots it has.
 
-    It fails where nobody is there only if the run is `wanted`: who names no run may have none.
+    It fails where nobody is there only if the run is `wanted`: who names no run may have none. It looks for
+    other runs only without certificates: with them nobody may.
     """
     try:
         async with _opened(endpoints) as opened:
             standing = await opened.standing(keys.tree(run), PATIENCE)
-            others = await opened.standing(keys.world_alive("*"), PATIENCE)
+            others = [] if endpoints.security else await opened.standing(keys.world_alive("*"), PATIENCE)
             answer = await _ask(opened, run) if keys.world_alive(run) in standing else None
     except (TransportError, TimeoutError) as error:
         said = str(error) or f"{endpoints.shown} is open, but does not speak Zenoh"
