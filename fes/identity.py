@@ -82,7 +82,7 @@ class Identity:
         return self.directory / f"{AUTHORITY}.crt"
 
     def check(self) -> None:
-        """Raises FesError, in one line, if its certificate is missing, expired, foreign or not of its key."""
+        """Raises FesError, in one line, if its certificate is missing, expired, foreign, of another name or key."""
         for path in (self.authority, self.certificate, self.key):
             if not path.is_file():
                 raise FesError(f"--keys {self.directory}: the {self.role} needs {path.name}, and there is none")
@@ -90,6 +90,7 @@ class Identity:
             from cryptography import x509
             from cryptography.exceptions import InvalidSignature
             from cryptography.hazmat.primitives.serialization import load_pem_private_key
+            from cryptography.x509.oid import NameOID
         except ImportError:
             raise missing_extra() from None
         try:
@@ -104,6 +105,9 @@ class Identity:
             certificate.verify_directly_issued_by(authority)
         except (ValueError, TypeError, InvalidSignature):
             raise FesError(f"{self.certificate}: was not issued by {self.authority.name} beside it") from None
+        names = [name.value for name in certificate.subject.get_attributes_for_oid(NameOID.COMMON_NAME)]
+        if names != [self.role]:  # the world's rules go by this name
+            raise FesError(f"{self.certificate}: is that of '{', '.join(map(str, names))}', not of '{self.role}'")
         now = datetime.now(UTC)
         for path, checked in ((self.authority, authority), (self.certificate, certificate)):
             if now > checked.not_valid_after_utc:

@@ -66,6 +66,12 @@ def test_certificates_of_another_authority_of_nobody_and_of_another_key_are_told
     assert wrong(keys, "world").startswith(f"{keys}: the certificate or key of the world is none")
 
 
+def test_a_certificate_under_anothers_name_is_named(keys: Path) -> None:
+    for suffix in ("crt", "key"):
+        shutil.copy(keys / f"robot-3.{suffix}", keys / f"robot-1.{suffix}")
+    assert wrong(keys, "robot-1") == f"{keys}/robot-1.crt: is that of 'robot-3', not of 'robot-1'"
+
+
 def test_only_the_world_can_serve_and_under_the_names_it_was_given(issuer: authority.Authority) -> None:
     world = x509.load_pem_x509_certificate(
         authority.issue(issuer, "world", 1.0, ("10.0.0.7", "lab.example")).certificate

@@ -89,11 +89,20 @@ async def examine(endpoints: Endpoints, run: str, wanted: bool) -> tuple[list[Fi
     except (TransportError, TimeoutError) as error:
         said = str(error) or f"{endpoints.shown} is open, but does not speak Zenoh"
         if wanted:
-            return [failed("endpoint", said, "start fes-world or fes run, or name its endpoint with -e")], None
+            return [failed("endpoint", said, remedy(said))], None
         return [ok("endpoint", f"{said}: no run goes on")], None
     robots = answer.about.robots if isinstance(answer, Answer) else None
     found = [ok("endpoint", f"{endpoints.shown} answers"), alive(run, standing, others, robots, wanted)]
     return found + (list(said_by(answer)) if answer is not None else []), robots
+
+
+def remedy(said: str) -> str:
+    """What to do where no session opened, after what is `said` of that."""
+    if "--keys" in said:
+        return "fes doctor -e tls/HOST:PORT --keys DIR, with ca.crt and observer.{crt,key} in DIR"
+    if "certificate" in said:
+        return "certificates in date, of the authority of that world (fes keys list), and one of its names for HOST"
+    return "start fes-world or fes run, or name its endpoint with -e"
 
 
 @asynccontextmanager
