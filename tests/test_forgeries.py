@@ -64,13 +64,16 @@ async def forge(attacker: Bus, key: str, is_over: Callable[[], bool]) -> int:
 
 
 async def run_with_a_forger(where: Path, keyed: Path | None, key: str) -> tuple[str, str]:
-    """Digest and log of a run beside which robot 1, or whoever is on this machine, speaks on a key of robot 0."""
+    """Digest, of what was reached, and log of a run beside which robot 1, or in plain anybody, speaks as robot 0."""
     async with stage(where, keyed) as world, world.visitor("robot-1") as attacker:
         world.agent(0)
         world.agent(1)
         over = asyncio.ensure_future(world.over())
-        assert await forge(attacker, key, over.done) >= TICKS // 2
-        assert await over, world.log()
+        ticks = await forge(attacker, key, over.done)
+        good = await over
+        if keyed:  # in plain it may lead to an end before the end, on a slow machine
+            assert good, world.log()
+            assert ticks >= TICKS // 2
         return world.digest(), world.log()
 
 
@@ -83,7 +86,7 @@ def expected() -> str:
 def test_forgeries_change_a_run_without_certificates(tmp_path: Path, expected: str, key: str) -> None:
     """The attack is a real one: what follows would mean nothing if it were not."""
     digest, _ = asyncio.run(run_with_a_forger(tmp_path, None, key))
-    assert digest != expected
+    assert digest not in ("", expected)
 
 
 @pytest.mark.parametrize("key", FORGERIES)
