@@ -14,7 +14,7 @@ def hardened(team: Team, agent: str) -> None:
         if not (safe and "no-new-privileges:true" in host["SecurityOpt"]):
             raise Broken(f"{one['Name']} is not hardened: {host}")
     users = {one["Config"]["User"] for one in containers}
-    claim(users == {"10001:10001"}, f"nobody is root, in none of {len(containers)} containers")
+    claim(users == {"10001:10001"}, f"nobody is root in any of {len(containers)} containers")
     claim(team.compose("exec", "-T", team.world, "id", "-u") == "10001\n", "nor is the world, once it runs")
     refused = team.attempt("exec", "-T", team.world, "touch", "/srv/configs/new")
     claim("Read-only file system" in refused.stdout, "the file system is read-only")
