@@ -183,7 +183,8 @@ def tally(team: Team) -> tuple[int, int]:
 
 def secure(network: Network) -> None:
     """The profile `secure`: TLS, a certificate a role, the same formation."""
-    team = Team("secure", "secure-world", FES_RTF="2")
+    length = ("--duration", "150")
+    team = Team("secure", "secure-world", FES_RTF="3", FES_FLAGS=" ".join(length))
     up = team.beside("up", "--no-color")
     wait("all robots are here", lambda: "all robots are here" in team.attempt("logs", team.world).stdout)
     own = team.compose("exec", "-T", "secure-agent-3", "sh", "-c", "cd /keys && find . -type f | sort").split()
@@ -201,9 +202,9 @@ def secure(network: Network) -> None:
     code, said_by_all = up.end()
     claim(code == 0 and "summary: largest separation error" in said_by_all, "docker compose up: exit code 0, summary")
     claim("dropped a connection: it does not speak TLS" in said_by_all, "the world's log has who stayed out")
-    found = reached(team, "secure", 60.0)
+    found = reached(team, "secure", 150.0)
     watched(dashboard)
-    alone = ("fes", "run", "configs/compose.toml", "--backend", "inprocess", "--no-record", "--json")
+    alone = ("fes", "run", "configs/compose.toml", "--backend", "inprocess", "--no-record", "--json", *length)
     said_alone = team.compose("run", "--rm", "-T", "secure-dashboard", *alone)
     claim(
         json.loads(said_alone[said_alone.index("{") :])["digest"] == found["digest"],
