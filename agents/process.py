@@ -24,9 +24,9 @@ from fes.bus import Bus
 from fes.complaints import Complaints
 from fes.errors import Absent, Busy, FesError, MessageError, Refused
 from fes.inbox import Inbox
+from fes.keys import MAX_ROBOTS
 from fes.messages import MAX_AGENT, Join, Welcome
 
-MAX_ROBOTS = 100_000
 _NUMBER = re.compile("[0-9]{1,9}")
 
 AUTO = "auto"
