@@ -27,9 +27,9 @@ from fes.endpoints import Endpoints
 from fes.errors import Absent, Busy, FesError, MessageError, Refused
 from fes.identity import Identity
 from fes.inbox import Inbox
+from fes.keys import MAX_ROBOTS
 from fes.messages import MAX_AGENT, Join, Welcome
 
-MAX_ROBOTS = 100_000
 _NUMBER = re.compile("[0-9]{1,9}")
 
 AUTO = "auto"

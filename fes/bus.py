@@ -129,16 +129,19 @@ class Bus:
         self._held.append(self._session.liveliness().declare_subscriber(key, callback, history=True))
 
     async def standing(self, key: str, timeout: float) -> list[str]:
-        """The liveliness tokens on `key` that stand now."""
+        """The liveliness tokens on `key` that stand now; Absent if the router does not say in `timeout` [s]."""
         found: set[str] = set()  # one of our own comes twice: from here and from the router
+        failed: list[zenoh.Reply] = []
         done = asyncio.Event()
         callback: zenoh.handlers.Callback[zenoh.Reply] = zenoh.handlers.Callback(
-            lambda reply: found.add(str(reply.ok.key_expr)) if reply.ok is not None else None,
+            lambda reply: found.add(str(reply.ok.key_expr)) if reply.ok is not None else failed.append(reply),
             drop=lambda: self._loop.call_soon_threadsafe(done.set),
             indirect=False,
         )
         self._session.liveliness().get(key, callback, timeout=timeout)
         await done.wait()
+        if failed:
+            raise Absent(f"the router does not say within {timeout:g} s who is alive on {key}")
         return sorted(found)
 
     def serve(self, key: str, handler: Callable[[Question], None]) -> None:

@@ -8,7 +8,9 @@
 | operator    | who looks on and may change the channel         | operator.{crt,key}     |
 """
 
+import logging
 import re
+import stat
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -20,6 +22,10 @@ from fes.errors import FesError
 WORLD, OBSERVER, OPERATOR = "world", "observer", "operator"
 AUTHORITY = "ca"
 """Name of the files of who vouches for all of them."""
+
+_NOT_FOR_OTHERS = stat.S_IRWXO | stat.S_IWGRP
+
+_logger = logging.getLogger("network")
 
 _ROBOT = re.compile(r"robot-(0|[1-9][0-9]{0,9})(?:-([1-9][0-9]{0,9}))?")
 
@@ -48,8 +54,11 @@ def robots_of(role: str) -> range | None:
 
 def check_role(role: str) -> str:
     """`role` itself, if there is such a role; raises FesError."""
-    if role not in (WORLD, OBSERVER, OPERATOR) and robots_of(role) is None:
+    robots = robots_of(role)
+    if robots is None and role not in (WORLD, OBSERVER, OPERATOR):
         raise FesError(f"a role is world, observer, operator, robot-I or robot-A-B, got '{role}'")
+    if robots is not None and robots.stop > keys.MAX_ROBOTS:
+        raise FesError(f"a run has robots 0 to {keys.MAX_ROBOTS - 1} at most, got '{role}'")
     return role
 
 
@@ -139,7 +148,15 @@ def security(directory: Path | None, role: str) -> dict[str, object]:
         return {}
     who = Identity(directory, role)
     who.check()
+    warn_if_open(who.key)
     return who.settings()
+
+
+def warn_if_open(key: Path) -> None:
+    """Log a private key that others on this machine can read or change; an owner's group may read it."""
+    mode = stat.S_IMODE(key.stat().st_mode)
+    if mode & _NOT_FOR_OTHERS:
+        _logger.warning("%s: others on this machine can read or change it (mode %04o): chmod 600 %s", key, mode, key)
 
 
 def missing_extra() -> FesError:

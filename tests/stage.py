@@ -58,7 +58,7 @@ class Stage:
     @asynccontextmanager
     async def visitor(self, role: str) -> AsyncIterator[Bus]:
         own = certificates.security(self.keyed, role) if self.keyed else {}
-        async with bus.opened(Endpoints("client", (self.endpoint,), timeout=5.0, security=own)) as opened:
+        async with bus.opened(Endpoints("client", (self.endpoint,), timeout=PATIENCE, security=own)) as opened:
             yield opened
 
     def digest(self) -> str:

@@ -1,15 +1,20 @@
 """Two worlds on one run: at most one starts, in whatever order they look."""
 
 import asyncio
+import contextlib
 import re
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
+from bench.own_router import SOURCE
 from console.launcher import free_port
 from fes import bus, keys
 from fes.endpoints import Endpoints
-from fes.errors import Refused
+from fes.errors import Absent, Refused
 from tests.loop import CONFIGS
 from tests.session import client, router
 from tests.test_processes import PATIENCE, command, start
@@ -60,8 +65,23 @@ def test_of_worlds_that_start_at_the_same_time_at_most_one_starts() -> None:
                 outcomes.append(list(await asyncio.gather(*attempts)))
         return outcomes
 
-    outcomes = asyncio.run(main())
-    assert max(map(sum, outcomes)) == 1  # never two, and not never one
+    assert max(map(sum, asyncio.run(main()))) <= 1
+
+
+def test_of_worlds_that_start_one_after_the_other_the_first_one_starts() -> None:
+    async def main() -> list[bool]:
+        async with router() as (_, endpoint), contextlib.AsyncExitStack() as worlds:
+            started = []
+            for _ in range(3):
+                opened = await worlds.enter_async_context(client(endpoint))
+                try:
+                    await claim.claim(opened, RUN, connected=False)
+                    started.append(True)
+                except Refused:
+                    started.append(False)
+            return started
+
+    assert asyncio.run(main()) == [True, False, False]
 
 
 def test_of_two_routers_that_find_each_other_at_most_one_starts() -> None:
@@ -89,7 +109,7 @@ def test_a_world_that_left_leaves_no_claim() -> None:
                 async with client(endpoint) as opened:
                     await claim.claim(opened, RUN, connected=False)
                 async with client(endpoint) as watcher:
-                    async with asyncio.timeout(5.0):
+                    async with asyncio.timeout(PATIENCE):
                         while await watcher.standing(keys.world_tokens(RUN), 1.0):
                             await asyncio.sleep(0.01)
 
@@ -104,3 +124,26 @@ def test_a_world_without_a_claim_is_seen_by_its_token() -> None:
                 await claim.claim(newcomer, RUN, connected=True)
 
     asyncio.run(main())
+
+
+def test_a_world_that_cannot_see_whether_there_is_another_one_does_not_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It sees its own claim only: that is no sign of being alone."""
+    monkeypatch.setattr(claim, "TIMEOUT", 0.5)
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    between = subprocess.Popen([sys.executable, "-c", SOURCE, endpoint], stdin=subprocess.PIPE)
+
+    async def main() -> None:
+        async with client(endpoint) as one, client(endpoint) as two:
+            await claim.claim(one, RUN, connected=False)
+            between.send_signal(signal.SIGSTOP)
+            try:
+                with pytest.raises(Absent, match=r"^the router does not say within 0.5 s who is alive on fes/test/"):
+                    await claim.claim(two, RUN, connected=False)
+            finally:
+                between.send_signal(signal.SIGCONT)
+
+    try:
+        asyncio.run(main())
+    finally:
+        between.kill()
+        between.communicate()

@@ -1,11 +1,15 @@
-"""Before the start: who counts as here, and what ends the wait."""
+"""Before a world starts or goes on: who counts as here, and what ends the wait."""
 
 import asyncio
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from fes import keys
+from fes.arrays import Bools
 from fes.errors import FesError, Refused
 from tests import session
 from tests.loop import load
@@ -57,3 +61,31 @@ def test_a_world_that_cannot_keep_who_joins_ends_instead_of_waiting_for_ever(tmp
             keeper.discard(course)
 
     asyncio.run(main())
+
+
+def test_who_comes_back_when_a_world_goes_on_takes_part_from_its_second_tick() -> None:
+    """What the world before published of the first one is sensed already, and must stay true."""
+
+    async def main() -> tuple[Server, list[Bools]]:
+        async with session.router() as (opened, endpoint), asyncio.timeout(100.0):
+            course, took = Course(load("pair.toml", run__duration=0.4)), list[Bools]()
+            course.state = replace(course.state, tick=5, present=np.array([True, False]), since=np.array([5, 0]))
+            server, take = Server(opened, course, "test", RUN), course.take
+
+            def taken(*words: Any) -> None:
+                took.append(course.state.present)
+                take(*words)
+
+            course.take = taken  # type: ignore[assignment,method-assign]
+            agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
+            while not server._roster.alive.all():
+                await asyncio.sleep(0.01)
+            await server.gather()
+            await server.run()
+            server.dismiss()
+            await asyncio.gather(*agents)
+            return server, took
+
+    server, took = asyncio.run(main())
+    assert [present.tolist() for present in took] == [[True, False]] + [[True, True]] * 14
+    assert server.course.state.since.tolist() == [5, 6]

@@ -12,7 +12,7 @@ from fes.errors import Absent
 from fes.inbox import Inbox
 
 T = TypeVar("T")
-LONG = 60.0
+LONG = 240.0
 """A timeout [s] that no test may reach: the limit of `play` is below."""
 
 

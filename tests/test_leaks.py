@@ -9,7 +9,7 @@ from pathlib import Path
 from agents.radio import Radio
 from fes import keys
 from fes.complaints import Complaints
-from tests.session import RUN, client, router
+from tests.session import PATIENCE, RUN, client, router
 
 TURNS = 10_000
 WARM_UP = 1_000
@@ -48,12 +48,13 @@ def test_ten_thousand_encounters_leave_no_thread_no_subscription_and_no_memory()
                     await asyncio.sleep(0)
             radio.tune(set())
             assert radio.tuned == []
-            assert (threads(), threading.active_count(), files()) == before[:3]
+            left = threads(), threading.active_count(), files()
+            assert all(now <= then for now, then in zip(left, before[:3], strict=True))  # Zenoh lets idle threads go
             # 9,000 encounters that left 1 kB each would be 9 MB; an allocator at rest moves by less than half of it
             assert memory() - before[3] < 4.5
 
     async def bounded() -> None:
-        async with asyncio.timeout(60.0):
+        async with asyncio.timeout(PATIENCE):
             await main()
 
     asyncio.run(bounded())

@@ -22,7 +22,13 @@ from world.scenario import agent_config
 from world.server import Server
 
 
-async def any_robot(endpoint: str, timeout: float = 10.0) -> int:
+@pytest.fixture
+def at_length(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have a question wait for its answer as long as that may take; an agent then asks once."""
+    monkeypatch.setattr("agents.process.PATIENCE", session.PATIENCE)
+
+
+async def any_robot(endpoint: str, timeout: float = session.PATIENCE) -> int:
     async with client(endpoint) as opened:
         robot = await process.lease(opened, RUN, timeout)
         agent = process.Agent(opened, RUN, (robot,))
@@ -69,12 +75,13 @@ def test_a_robot_is_free_again_when_its_agent_is_gone_and_until_then_nobody_gets
                 with pytest.raises(Refused, match=r"^all 2 robots are hosted already$"):
                     await process.lease(third, RUN, 0.5)
                 first.cancel()
-                assert await process.lease(third, RUN, 20.0) == 0
+                assert await process.lease(third, RUN, session.PATIENCE) == 0
             second.cancel()
 
     asyncio.run(main())
 
 
+@pytest.mark.usefixtures("at_length")
 def test_a_world_that_goes_on_leases_no_robot_whose_agent_may_still_find_it() -> None:
     async def main() -> None:
         async with session.router() as (opened, endpoint), client(endpoint) as spare:
@@ -87,6 +94,7 @@ def test_a_world_that_goes_on_leases_no_robot_whose_agent_may_still_find_it() ->
     asyncio.run(main())
 
 
+@pytest.mark.usefixtures("at_length")
 def test_without_a_world_there_is_nothing_to_lease() -> None:
     async def main() -> None:
         async with session.router() as (_, endpoint), client(endpoint) as lonely:

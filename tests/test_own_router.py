@@ -17,6 +17,7 @@ from fes.bus import Bus
 from fes.endpoints import Endpoints
 from tests import certificates
 from tests.loop import load
+from tests.session import PATIENCE
 from tests.test_cli import call
 from world.course import Course
 from world.server import Server
@@ -41,19 +42,19 @@ def configuration(keyed: Path, endpoint: str, *words: str) -> str:
 @asynccontextmanager
 async def client(keyed: Path, role: str, endpoint: str) -> AsyncIterator[Bus]:
     own = certificates.security(keyed, role)
-    async with bus.opened(Endpoints("client", (endpoint,), timeout=10.0, security=own)) as opened:
+    async with bus.opened(Endpoints("client", (endpoint,), timeout=PATIENCE, security=own)) as opened:
         yield opened
 
 
 async def live(keyed: Path, robot: int, endpoint: str) -> None:
     async with client(keyed, f"robot-{robot}", endpoint) as opened:
         agent = Agent(opened, RUN, (robot,))
-        await agent.live(await agent.join(20.0))
+        await agent.live(await agent.join(PATIENCE))
 
 
 async def carried(keyed: Path, near: str, far: str) -> str:
     """The digest of a run with the world at one router and its robots at another, or the same."""
-    async with client(keyed, "world", near) as opened, asyncio.timeout(60.0):
+    async with client(keyed, "world", near) as opened, asyncio.timeout(PATIENCE):
         server = Server(opened, Course(load("pair.toml", run__duration=2.0)), "pair", RUN)
         agents = [asyncio.ensure_future(live(keyed, robot, far)) for robot in range(2)]
         await server.gather()
@@ -93,9 +94,10 @@ def forged(keyed: Path, text: str, endpoint: str) -> set[str]:
             world.subscribe(keys.tree(RUN), lambda key, payload: heard.append((key, payload)))
             said = [(forger.publisher(key, "x"), b"forged") for key in FORGED]
             said.append((forger.publisher(keys.command(RUN, 1), "x"), b"own"))
-            async with asyncio.timeout(20.0):
-                # What was put before it has come, or never will. Before the subscription is known, nothing comes.
-                while (keys.command(RUN, 1), b"own") not in heard:
+            async with asyncio.timeout(PATIENCE):
+                # What was put before it has come, or never will. Before the subscription is known nothing comes, and
+                # that may be amid the first round of which something does.
+                while heard.count((keys.command(RUN, 1), b"own")) < 2:
                     for put, payload in said:
                         put(payload)
                     await asyncio.sleep(0.05)

@@ -23,7 +23,7 @@ from fes.errors import Absent, TransportError
 from tests import certificates
 from tests.loop import load
 from tests.stage import ROLES, RUN, SECONDS, Stage, stage
-from tests.test_processes import until
+from tests.test_processes import PATIENCE, until
 from world.audit import KINDS_OF_ONE
 
 
@@ -141,7 +141,7 @@ def test_robots_observers_and_operators_do_what_they_may(tmp_path: Path, issuer:
             assert set(seen) == {keys.robot_alive(RUN, 0), keys.robot_alive(RUN, 1)}
             async with world.visitor("operator") as operator:
                 question = change.encode_change(Change("channel.reference_snr", 5e6))
-                effect = change.decode_effect(await operator.ask(keys.change(RUN), question, 5.0))
+                effect = change.decode_effect(await operator.ask(keys.change(RUN), question, PATIENCE))
                 assert effect.value == 5e6
             assert await world.over(), world.log()
             return world
@@ -235,7 +235,9 @@ def test_who_takes_the_session_id_of_a_robot_does_not_get_its_rights(
                 with pytest.raises(TransportError):
                     async with bus.opened(endpoints):
                         pass
-            async with bus.opened(replace(endpoints, timeout=5.0)) as thief:  # the robot has left, and its id is free
+            async with bus.opened(
+                replace(endpoints, timeout=PATIENCE)
+            ) as thief:  # the robot has left: its id is free
                 thief._session.put(keys.command(RUN, 0), b"x")
                 refused = "dropped robot-1's put on fes/main/robot/0/command"
                 await asyncio.to_thread(until, lambda: refused in world.log())

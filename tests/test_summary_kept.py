@@ -39,7 +39,7 @@ def test_a_farewell_that_fails_does_not_cost_the_summary(tmp_path: Path, monkeyp
         world = asyncio.ensure_future(process.serve(flags, start))
         agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
         with pytest.raises(FesError, match="the bus broke"):
-            await asyncio.wait_for(world, 20.0)
+            await asyncio.wait_for(world, session.PATIENCE)
         for agent in agents:
             agent.cancel()
         await asyncio.gather(*agents, return_exceptions=True)

@@ -18,6 +18,7 @@ from console.sweep.table import Format
 from fes.errors import FesError
 from tests.loop import load
 from tests.test_cli import PAIR, PROGRAMS, call, complaint, vacant
+from tests.test_processes import PATIENCE
 
 RULES = ["--axis", "formation.rule=disk,two_nearest"]
 LONG = ["sweep", PAIR, "--seeds", "0:120", "--set", "run.duration=4", "--jobs", "2", "--out", "out"]
@@ -84,7 +85,7 @@ def gone(process: int) -> bool:
 
 def assert_all_gone(processes: set[int]) -> None:
     assert processes
-    patience = time.monotonic() + 10.0
+    patience = time.monotonic() + PATIENCE
     while not all(map(gone, processes)):
         assert time.monotonic() < patience, "a worker outlived its sweep"
         time.sleep(0.02)
@@ -141,7 +142,7 @@ def test_a_killed_sweep_goes_on_where_it_was_and_runs_nothing_twice_that_was_don
     assert 0 < len(done) < RUNS
 
     resumed = start(tmp_path, "second")
-    said, complained = resumed.communicate(timeout=60)
+    said, complained = resumed.communicate(timeout=PATIENCE)
     assert (resumed.returncode, complained) == (0, "")
     assert "out/table.csv" in said
     executed = [key for _, key in begun(tmp_path / "second")]
@@ -158,7 +159,7 @@ def test_an_interrupted_sweep_says_what_is_done_and_leaves_no_process(tmp_path: 
     sweep = start(tmp_path, "log")
     until_some_are_done(tmp_path / "out", sweep)
     os.killpg(sweep.pid, signal.SIGINT)  # as a terminal does: the sweep and its workers
-    said, complained = sweep.communicate(timeout=20)
+    said, complained = sweep.communicate(timeout=PATIENCE)
     done = len(kept(tmp_path / "out"))
     assert (sweep.returncode, said) == (1, "")
     assert complained == (

@@ -27,7 +27,7 @@ def control(run: str, robots: int, crews: Iterable[Sequence[int]] = (), *, world
     which show the world's certificate.
     """
     who: dict[str, Sequence[int]] = {robot_role([robot]): range(robot, robot + 1) for robot in range(robots)}
-    who |= {robot_role(crew): crew for crew in crews if max(crew) < robots}
+    who |= {robot_role(crew): crew for crew in crews if crew[-1] < robots}
     told = _all_are_told(run)
     rules = {role: [*_robot(run, role, hosted), *told] for role, hosted in who.items()}
     rules[OBSERVER] = [*_observer(run), *told]

@@ -12,15 +12,17 @@ from fes import keys
 from fes.bus import Bus
 from fes.errors import Refused
 
-TIMEOUT = 2.0
-"""How long a look may take [s]."""
+TIMEOUT = 10.0
+"""How long a look may take [s]: who cannot look does not start."""
 
 SETTLING = 0.3
 """A world that is connected to others waits this long [s] for its claim and theirs to cross the network."""
 
 
 async def claim(bus: Bus, run: str, *, connected: bool) -> None:
-    """Claim the run, until the session ends; raises Refused if another world has it or claims it too."""
+    """Claim the run, until the session ends; raises Refused if another world has it or claims it too,
+    and Absent if that cannot be seen.
+    """
     own = keys.claim(run, uuid.uuid4().hex)
     bus.token(own)
     if connected:

@@ -86,7 +86,7 @@ async def examine(endpoints: Endpoints, run: str, wanted: bool) -> tuple[list[Fi
             standing = await opened.standing(keys.tree(run), PATIENCE)
             others = [] if endpoints.security else await opened.standing(keys.world_alive("*"), PATIENCE)
             answer = await _ask(opened, run) if keys.world_alive(run) in standing else None
-    except (TransportError, TimeoutError) as error:
+    except (TransportError, TimeoutError, Absent) as error:
         said = str(error) or f"{endpoints.shown} is open, but does not speak Zenoh"
         if wanted:
             return [failed("endpoint", said, remedy(said))], None
