@@ -1,4 +1,4 @@
-"""What came that should not have come: counted, and logged once a kind."""
+"""What came that should not have come, and what did not that should have: counted, and logged once a kind."""
 
 import logging
 from collections import Counter
@@ -20,6 +20,8 @@ class Complaints:
         self._logger = logger
         self._most, self._other = most, other
         self.counts: Counter[str] = Counter()
+        self.missing: Counter[str] = Counter()
+        """What should have come and did not, by kind."""
 
     def add(self, kind: str, line: str) -> None:
         """Count one; the first of its kind is logged with `line`. A sender may have a part in both."""
@@ -34,13 +36,20 @@ class Complaints:
         """Count a message that cannot be used, by the rule it breaks."""
         self.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
 
+    def miss(self, kind: str, line: str) -> None:
+        """Count one that did not come; the first of its `kind`, one of a few fixed words, is logged with `line`."""
+        self.missing[kind] += 1
+        if self.missing[kind] == 1:
+            self._logger.warning("%s (further ones of this kind are counted, not shown)", _shown(line))
+
     def log_total(self, overflow: int = 0) -> None:
-        """One line with the counts, if there are any; `overflow` messages found no room to wait."""
+        """A line with each of the counts, if there are any; `overflow` messages found no room to wait."""
         if overflow:
             self.counts["no room"] += overflow
-        if self.counts:
-            total = ", ".join(f"{kind} x{count}" for kind, count in self.counts.most_common(8))
-            self._logger.warning("dropped messages: %s", total)
+        for what, counts in (("dropped messages", self.counts), ("missing", self.missing)):
+            if counts:
+                total = ", ".join(f"{kind} x{count}" for kind, count in counts.most_common(8))
+                self._logger.warning("%s: %s", what, total)
 
 
 def _shown(line: str) -> str:

@@ -24,7 +24,7 @@ class Ears:
         found = [self._beacon(robot, tick) if here else b"" for robot, here in enumerate(legible.tolist())]
         for robot, payload in enumerate(found):
             if not payload and legible[robot]:
-                self._complaints.add("Beacon: not recorded", f"no beacon of robot {robot} for tick {tick}")
+                self._complaints.miss("beacons in the log", f"no beacon of robot {robot} came for tick {tick}")
         return found
 
     def _beacon(self, robot: int, tick: int) -> bytes:
