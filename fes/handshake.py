@@ -14,6 +14,10 @@ PATIENCE = 2.0
 KEYLESS = "it asks for a certificate, and we have none: a world with --keys wants --keys"
 """What is said for whatever goes wrong over TLS without certificates of our own."""
 
+MUTE = "somebody listens there, but opens no session"
+SLOW = "or it is suspended or overloaded"
+"""What is said where somebody listens and says nothing."""
+
 _PLACE = re.compile(r"(?P<protocol>tcp|tls)/(?P<host>\S+):(?P<port>\d{1,5})")
 
 
@@ -44,19 +48,23 @@ def complaint(endpoint: str, security: Mapping[str, object]) -> str | None:
     try:
         with socket.create_connection((host, int(found["port"])), PATIENCE) as connection:
             if found["protocol"] == "tcp":
-                return "somebody listens there, but opens no session: a world with --keys wants tls/ and --keys"
+                return (
+                    f"somebody listens there, but opens no session: a world with --keys wants tls/ and --keys, {SLOW}"
+                )
             return _over_tls(connection, host, security)
     except OSError:
         return None
 
 
 def _over_tls(connection: socket.socket, host: str, security: Mapping[str, object]) -> str | None:
+    answered = False
     files: Any = security.get("transport/link/tls", {})
     context = ssl.create_default_context(cafile=files.get("root_ca_certificate"))
     try:
         if "connect_certificate" in files:
             context.load_cert_chain(files["connect_certificate"], files["connect_private_key"])
         with context.wrap_socket(connection, server_hostname=host) as secure:
+            answered = True
             secure.settimeout(PATIENCE)
             secure.recv(1)  # who listens judges our certificate after we have judged its own
     except ssl.SSLCertVerificationError as error:
@@ -66,6 +74,6 @@ def _over_tls(connection: socket.socket, host: str, security: Mapping[str, objec
         if "alert" in reason:
             return f"it refuses our certificate: {reason.rpartition('alert ')[2]}" if files else KEYLESS
         return f"it does not speak TLS: {reason}"
-    except OSError:  # it waits for us to speak: so our certificate is good
-        return None
+    except OSError:  # if it waits for us to speak, our certificate is good
+        return None if answered else f"{MUTE}: it speaks no TLS, {SLOW}"
     return None

@@ -66,7 +66,8 @@ def test_looking_at_a_run_changes_no_digit_and_sees_all_of_it() -> None:
 def test_a_robot_that_is_missing_is_named() -> None:
     found = network.alive(RUN, [keys.world_alive(RUN), *(keys.robot_alive(RUN, i) for i in (0, 1, 4))], [], 6, True)
     assert found.status == Status.WARNING
-    assert found.remedy == "fes-agent --id 2-3, 5: before its first tick a run waits for all"
+    waits = "before its first tick a run waits for all, and later those without an agent stand still"
+    assert found.remedy == f"fes-agent --id 2-3, 5: {waits}"
     assert "robots 0-1, 4 of 6" in found.seen
 
 

@@ -1,7 +1,9 @@
 """fes doctor in a folder whose runs go on, come or were killed: it advises nobody to harm one that goes well."""
 
+import asyncio
 import json
 import os
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -9,10 +11,11 @@ from pathlib import Path
 import pytest
 
 from console import rundir
-from console.doctor import command
-from console.doctor.finding import failed
+from console.doctor import command, network
+from console.doctor.finding import Status, failed
 from console.rundir import Address
-from fes import keys
+from fes import handshake, keys
+from fes.endpoints import Endpoints
 from tests.test_cli import call, vacant
 
 
@@ -45,6 +48,54 @@ def test_a_world_that_is_away_while_its_run_goes_on_is_a_warning_that_harms_nobo
 def test_a_certificate_that_the_world_refuses_stays_a_failure_while_its_run_goes_on() -> None:
     refused = failed("endpoint", "cannot join: it refuses our certificate: expired", "another certificate")
     assert command.awaited(refused, Path("runs/pair-1/endpoint.json"), Address("tls/x:1", "main", 1)) == refused
+
+
+@pytest.mark.parametrize(
+    ("flags", "seen", "remedy"),
+    [
+        (["-e", "bogus"], "not an endpoint like tcp/127.0.0.1:7447: bogus", "fes doctor --help"),
+        (
+            ["--run", "a b"],
+            "a run's name is 1 to 64 letters, digits, '_', '.' or '-', got 'a b'",
+            "fes doctor --help",
+        ),
+        (["--keys", "none"], "--keys none: the observer needs ca.crt, and there is none", "fes doctor -e tls/"),
+        (["--cfg", "nonsense"], "--cfg expects KEY:VALUE, got 'nonsense'", "fes doctor --help"),
+    ],
+    ids=lambda given: " ".join(given) if isinstance(given, list) else "",
+)
+def test_flags_with_which_no_run_can_be_looked_for_are_a_finding_beside_the_others(
+    flags: list[str], seen: str, remedy: str, tmp_path: Path
+) -> None:
+    done = call(tmp_path, "fes", "doctor", "--json", *flags)
+    assert (done.returncode, done.stderr) == (1, "")
+    found = {one["check"]: one for one in json.loads(done.stdout)}
+    assert {"python", "packages", "open files", "loopback", "port", "loopback only"} < set(found)
+    assert (found["endpoint"]["status"], found["endpoint"]["seen"]) == ("failed", seen)
+    assert found["endpoint"]["remedy"].startswith(remedy)
+
+
+def test_a_world_that_does_not_say_how_many_robots_it_has_is_no_run_that_is_well() -> None:
+    found = network.alive("main", [keys.world_alive("main"), keys.robot_alive("main", 0)], [], None, True)
+    assert found.status is Status.WARNING
+    assert "robots 0 of ?" in found.seen
+    assert network.alive("main", [keys.world_alive("main"), keys.robot_alive("main", 0)], [], 1, True).remedy == ""
+
+
+@pytest.mark.parametrize("protocol", ["tcp", "tls"])
+def test_nobody_is_told_to_start_another_world_where_one_may_be_suspended(protocol: str) -> None:
+    """A socket that takes connections and says nothing is what is left of a process that is stopped."""
+    with socket.create_server(("127.0.0.1", 0)) as mute:
+        endpoint = f"{protocol}/127.0.0.1:{mute.getsockname()[1]}"
+        said = handshake.complaint(endpoint, {})
+        assert said is not None
+        assert said.endswith("or it is suspended or overloaded")
+        looked = Endpoints("client", (endpoint,), timeout=0.5)
+        [found], _ = asyncio.run(network.examine(looked, "main", wanted=True))
+    assert found.status is Status.FAILED
+    assert "suspended or overloaded" in found.seen
+    assert "look again" in found.remedy
+    assert "start" not in found.remedy
 
 
 def test_a_run_whose_process_was_killed_is_not_announced() -> None:

@@ -18,6 +18,7 @@ from console.options import Cfg, Config, Connect, ObserverKeys
 from console.rundir import Address, Visitor
 from fes import keys, process
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
+from fes.errors import FesError
 from fes.identity import OBSERVER
 
 STYLES = {Status.OK: "green", Status.WARNING: "yellow", Status.FAILED: "bold red"}
@@ -33,14 +34,20 @@ def doctor(
 ) -> int:
     """Check this machine, and a run that goes on (by default the latest one started in this folder)."""
     who = Visitor(OBSERVER, certificates, run or keys.DEFAULT_RUN, network.PATIENCE)
-    endpoints = rundir.reach(who, connect, config, cfg)
+    where: Endpoints | Finding
+    try:
+        where = rundir.reach(who, connect, config, cfg)
+    except FesError as error:
+        where = network.refused(error)
     named = bool(connect or config or run)
     announced = rundir.announced(who.run)
-    if announced is not None and (connect or announced[1].endpoint not in endpoints.connect):
+    if announced is not None and (
+        connect or isinstance(where, Finding) or announced[1].endpoint not in where.connect
+    ):
         announced = None  # it is not where we look
 
     async def look() -> int:
-        findings = await examine(endpoints, who.run, named or announced is not None)
+        findings = await examine(where, who.run, named or announced is not None)
         if announced is not None:
             findings = [awaited(found, *announced) for found in findings]
         if json_:
@@ -52,17 +59,20 @@ def doctor(
     process.leave("fes", look)
 
 
-async def examine(endpoints: Endpoints, run: str, wanted: bool) -> list[Finding]:
-    """All checks; those of the machine in a thread, while the network is asked."""
+async def examine(where: Endpoints | Finding, run: str, wanted: bool) -> list[Finding]:
+    """All checks; those of the machine in a thread, while the network is asked, if it is known `where`."""
     local = asyncio.create_task(asyncio.to_thread(lambda: [machine.python(), *machine.packages(), machine.clock()]))
-    seen, robots = await network.examine(endpoints, run, wanted)
+    if isinstance(where, Endpoints):
+        (seen, robots), places = await network.examine(where, run, wanted), where.connect
+    else:
+        seen, robots, places = [where], None, ()
     return [
         *await local,
         machine.files(robots),
         machine.directory(rundir.ROOT),
         machine.loopback(),
-        network.port(DEFAULT_ENDPOINT, DEFAULT_ENDPOINT in endpoints.connect and robots is not None),
-        network.exposure(endpoints.connect[0] if endpoints.connect else DEFAULT_ENDPOINT),
+        network.port(DEFAULT_ENDPOINT, DEFAULT_ENDPOINT in places and robots is not None),
+        network.exposure(places[0] if places else DEFAULT_ENDPOINT),
         *seen,
     ]
 

@@ -15,7 +15,8 @@ from fes import about, bus, health, keys
 from fes.about import About
 from fes.bus import Bus
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
-from fes.errors import Absent, MessageError, Refused, TransportError
+from fes.errors import Absent, FesError, MessageError, Refused, TransportError
+from fes.handshake import SLOW
 from fes.wire import PROTOCOL
 
 PATIENCE = 2.0
@@ -87,19 +88,32 @@ async def examine(endpoints: Endpoints, run: str, wanted: bool) -> tuple[list[Fi
             others = [] if endpoints.security else await opened.standing(keys.world_alive("*"), PATIENCE)
             answer = await _ask(opened, run) if keys.world_alive(run) in standing else None
     except (TransportError, TimeoutError, Absent) as error:
-        said = str(error) or f"{endpoints.shown} is open, but does not speak Zenoh"
+        said = str(error) or f"{endpoints.shown} is open, but does not speak Zenoh, {SLOW}"
         if wanted:
             return [failed("endpoint", said, remedy(said))], None
         return [ok("endpoint", f"{said}: no run goes on")], None
+    except FesError as error:
+        return [refused(error)], None
     robots = answer.about.robots if isinstance(answer, Answer) else None
     found = [ok("endpoint", f"{endpoints.shown} answers"), alive(run, standing, others, robots, wanted)]
     return found + (list(said_by(answer)) if answer is not None else []), robots
 
 
+def refused(error: FesError) -> Finding:
+    """The finding that no run can be looked for with the flags that were given."""
+    said = str(error)
+    keyed = "--keys" in said or "certificate" in said
+    return failed("endpoint", said, remedy(said) if keyed else "fes doctor --help says what its flags take")
+
+
 def remedy(said: str) -> str:
     """What to do where no session opened, after what is `said` of that."""
+    again = "look again (kill -CONT PID has a world go on that is stopped)"
     if "--keys" in said:
-        return "fes doctor -e tls/HOST:PORT --keys DIR, with ca.crt and observer.{crt,key} in DIR"
+        certified = "fes doctor -e tls/HOST:PORT --keys DIR, with ca.crt and observer.{crt,key} in DIR"
+        return f"{certified}; or {again}" if SLOW in said else certified
+    if SLOW in said:
+        return again
     if "certificate" in said:
         return "certificates in date, of the authority of that world (fes keys list), and one of its names for HOST"
     return "start fes-world or fes run, or name its endpoint with -e"
@@ -141,7 +155,10 @@ def alive(run: str, standing: list[str], others: list[str], robots: int | None, 
     missing = sorted(set(range(robots or (max(here, default=-1) + 1))) - set(here))
     seen = f"world of run '{run}', robots {spans(here) or 'none'} of {robots or '?'}{elsewhere}"
     if missing:
-        return warning("alive", seen, f"fes-agent --id {spans(missing)}: before its first tick a run waits for all")
+        waits = "before its first tick a run waits for all, and later those without an agent stand still"
+        return warning("alive", seen, f"fes-agent --id {spans(missing)}: {waits}")
+    if robots is None:
+        return warning("alive", seen, "the world does not say how many robots it has: see its version")
     return ok("alive", seen)
 
 
