@@ -20,9 +20,9 @@ def limited(files: int, where: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(words, cwd=where, capture_output=True, text=True, timeout=PATIENCE)
 
 
-@pytest.mark.parametrize("files", [machine.LEAST_FILES + 2 + 4, machine.FILES_OF_A_PROCESS + 2 * 2])
+@pytest.mark.parametrize("files", [machine.LEAST_FILES + 2 + 8, machine.FILES_OF_A_PROCESS + 2 * 2])
 def test_a_pair_runs_with_few_files(tmp_path: Path, files: int) -> None:
-    """With what the doctor takes for enough, and with what it only warns of: four to spare, as a busy machine has
+    """With what the doctor takes for enough, and with what it only warns of: some to spare, as a busy machine has
     robots lose their connection and open another."""
     done = limited(files, tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
