@@ -52,10 +52,11 @@ def test_a_crew_goes_with_the_first_of_its_tokens_and_is_taken_in_with_the_last(
     async def story(server: Server, agents: list["asyncio.Task[Agent]"], endpoint: str) -> None:
         await until(server, lambda state: state.tick >= 20)
         tokens[1][0].undeclare()  # robot 0's stands
-        gone = await until(server, lambda state: not state.present[:2].any())
-        assert server._roster.alive.tolist() == [1, 0, 1]
-        agents[0].cancel()
+        gone = await until(server, lambda state: not state.present[1])
         await until(server, lambda state: state.tick >= gone + 5)
+        assert server._roster.alive.tolist() == [1, 0, 1]
+        assert server.course.state.present.tolist() == [False, False, True]
+        agents[0].cancel()
         async with standing_still(server):
             while server._roster.alive[0]:
                 await asyncio.sleep(0.01)
@@ -80,7 +81,7 @@ def test_a_crew_goes_with_the_first_of_its_tokens_and_is_taken_in_with_the_last(
 
 
 def test_a_crew_of_which_one_robot_is_mute_is_left_out_and_taken_in_when_that_one_speaks(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     mute, say, repeat = asyncio.Event(), Mouth.say, Mouth.repeat
     unsaid: list[tuple[Mouth, int, Any]] = []
@@ -114,6 +115,8 @@ def test_a_crew_of_which_one_robot_is_mute_is_left_out_and_taken_in_when_that_on
     path = tmp_path / "run.mcap"
     summary = live_through(three(), path, story, groups=GROUPS)
     assert len(unsaid) == 1
+    told = [line for line in caplog.messages if "does not answer" in line]
+    assert told == ["robot 1 does not answer"]  # nobody waited for robot 0, which could not answer without it
     assert summary["ticks"] == 200
     (silent, first), (left, then), (_, back) = attendances(path)
     assert (first, then, back) == ([[0, 2]], [[2]], [[0, 1, 2]])  # robot 0 answered the tick that was waited for
