@@ -1,4 +1,4 @@
-"""A world that comes back: how long it waits for its robots, and how a live clock goes on."""
+"""Whom a world waits for, and for how long: robots that are due, and its own when it comes back; on either clock."""
 
 import asyncio
 from dataclasses import replace
@@ -7,10 +7,12 @@ from pathlib import Path
 import pytest
 
 from agents.process import Agent
+from console import inprocess
 from console.launcher import free_port
 from fes import bus
 from fes.arrays import Bools
 from fes.endpoints import Endpoints
+from fes.errors import Absent
 from tests import session
 from tests.loop import load
 from tests.session import PATIENCE, RUN
@@ -22,6 +24,62 @@ from world.lockstep import Lockstep
 from world.scenario import Scenario
 from world.server import Server
 from world.simulation import State
+
+DYING = [{"at": 0.2, "kill": [1]}, {"at": 0.6, "restart": [1]}]
+
+
+async def due(scenario: Scenario, comes: bool) -> tuple[str, str]:
+    """A run whose robot 1 dies by schedule and in truth; at the tick at which it is due nobody is there for it.
+
+    Whom the world waited for then, and the digest; robot 1 `comes` when it is waited for.
+    """
+    async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
+        server = Server(opened, Course(scenario), "test", RUN)
+        agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
+        await server.gather()
+        missing, waits = server._attendance.missing, list[str]()
+
+        async def die() -> None:
+            agents[1].cancel()
+            while server._roster.alive[1]:
+                await asyncio.sleep(0.01)
+
+        present = server._clock.present
+
+        async def dying(state: State) -> Bools:
+            if state.tick == 15:
+                await die()
+            return await present(state)
+
+        def missed(state: State) -> str:
+            said = missing(state)
+            if said and not waits:
+                waits.append(f"{said} at tick {state.tick}")
+                if comes:
+                    agents[1] = asyncio.ensure_future(session.live(endpoint, [1]))
+            return said
+
+        server._clock.present = dying  # type: ignore[method-assign]
+        server._attendance.missing = missed  # type: ignore[method-assign]
+        await server.run()
+        server.dismiss()
+        await asyncio.gather(*agents, return_exceptions=True)
+        summary = server.summarize()
+        assert summary is not None
+        return " ".join(waits), summary["digest"]
+
+
+def test_the_world_waits_for_a_robot_that_is_due() -> None:
+    scenario = load("pair.toml", run__duration=1.0, event=DYING)
+    waited, digest = asyncio.run(due(scenario, comes=True))
+    assert waited == "robot 1 did not come back at tick 30"
+    assert digest == inprocess.run(scenario, "test")["digest"]
+
+
+def test_a_robot_that_is_due_and_does_not_come_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("world.lockstep.RETURN_TIMEOUT", 0.5)
+    with pytest.raises(Absent, match=r"^robot 1 did not come back: the world waited 0.5 s at tick 30$"):
+        asyncio.run(due(load("pair.toml", run__duration=1.0, event=DYING), comes=False))
 
 
 def gone_on_with(scenario: Scenario, tick: int) -> Course:
