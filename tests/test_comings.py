@@ -86,10 +86,17 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
 ) -> None:
     for patience in ("ANSWER_TIMEOUT", "ASK_AGAIN"):  # its token alone tells the barrier
         monkeypatch.setattr(f"world.lockstep.{patience}", 1e6)
+    dying, say, unsaid = asyncio.Event(), Mouth.say, list[int]()
+    monkeypatch.setattr(
+        Mouth, "say", lambda *what: unsaid.append(what[1]) if dying.is_set() and what[2][0][0] == 4 else say(*what)
+    )
     seen: dict[str, Any] = {}
 
     async def story(server: Server, agents: list["asyncio.Task[Agent]"], endpoint: str) -> None:
         await until(server, lambda state: state.tick >= 40)
+        dying.set()  # with an answer on its tongue, for which all wait
+        await until(server, lambda state: unsaid)
+        dying.clear()
         agents[4].cancel()
         gone = await until(server, lambda state: not state.present[4])
         pose = server.course.state.poses[4].tolist()
