@@ -9,6 +9,7 @@ import pytest
 from agents import mouth
 from console import observer
 from fes import bus, complaints, inbox
+from fes.endpoints import Endpoints
 from world import checkpoint, deadlines, live, lockstep, roster
 
 ROOT = Path(__file__).parent.parent
@@ -26,6 +27,7 @@ def test_every_test_that_is_named_is_there() -> None:
     assert not missing
 
 
+RULES = Endpoints("client", ()).house_rules()
 FIGURES = [
     f"after {lockstep.ANSWER_TIMEOUT:g} s without an answer it is left out",
     f"the world waits up to {lockstep.RETURN_TIMEOUT:g} s for a robot that is due",
@@ -37,6 +39,7 @@ FIGURES = [
     f"older than {deadlines.COMMAND_TIMEOUT:g} s, and the robot stops",
     f"A robot that is silent for {live.HANG_TIMEOUT:g} s is left out",
     f"the first {live.WARM_UP} ticks, and those after a world came back",
+    f"its session is gone with its lease of {int(RULES['transport/link/tx/lease']) / 1000:g} s",
     f"{bus.QUESTIONS} wait for one handler",
     f"(Zenoh's ring) | {bus.MAILBOX} samples",
     f"`agents.mouth`, what was said | {mouth.REMEMBERED} ticks",
