@@ -27,7 +27,7 @@ def test_every_test_that_is_named_is_there() -> None:
     assert not missing
 
 
-RULES = Endpoints("client", ()).house_rules()
+SESSION_LEASE = float(str(Endpoints("client", ()).house_rules()["transport/link/tx/lease"])) / 1000.0  # s
 FIGURES = [
     f"after {lockstep.ANSWER_TIMEOUT:g} s without an answer it is left out",
     f"the world waits up to {lockstep.RETURN_TIMEOUT:g} s for a robot that is due",
@@ -39,7 +39,7 @@ FIGURES = [
     f"older than {deadlines.COMMAND_TIMEOUT:g} s, and the robot stops",
     f"A robot that is silent for {live.HANG_TIMEOUT:g} s is left out",
     f"the first {live.WARM_UP} ticks, and those after a world came back",
-    f"its session is gone with its lease of {int(RULES['transport/link/tx/lease']) / 1000:g} s",
+    f"its session is gone with its lease of {SESSION_LEASE:g} s",
     f"{bus.QUESTIONS} wait for one handler",
     f"(Zenoh's ring) | {bus.MAILBOX} samples",
     f"`agents.mouth`, what was said | {mouth.REMEMBERED} ticks",
