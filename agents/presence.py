@@ -19,6 +19,8 @@ class Presence:
     def __init__(self, name: str, inbox: Inbox) -> None:
         self.is_new = False
         """Whether it has come back, and not gone on yet."""
+        self.was_seen = False
+        """Whether it ever was there."""
         self._name, self._inbox = name, inbox
         self._here = asyncio.Event()
         self._loop = asyncio.get_running_loop()
@@ -44,6 +46,7 @@ class Presence:
             self._came = self._loop.time()
             self._logger.info("%s is back", self._name)
         if alive:
+            self.was_seen = True
             self._here.set()
         elif self._here.is_set():
             self._here.clear()

@@ -10,6 +10,7 @@ import logging
 import re
 import secrets
 import time
+from pathlib import Path
 
 import numpy as np
 
@@ -22,11 +23,13 @@ from agents.turns import Turns
 from fes import bus, identity, keys, messages, process
 from fes.bus import Bus
 from fes.complaints import Complaints
+from fes.endpoints import Endpoints
 from fes.errors import Absent, Busy, FesError, MessageError, Refused
+from fes.identity import Identity
 from fes.inbox import Inbox
+from fes.keys import MAX_ROBOTS
 from fes.messages import MAX_AGENT, Join, Welcome
 
-MAX_ROBOTS = 100_000
 _NUMBER = re.compile("[0-9]{1,9}")
 
 AUTO = "auto"
@@ -145,6 +148,17 @@ class Agent:
                 return
         self.logger.warning("the world is back, and does not say whether it still wants this agent")
 
+    def certified(self, endpoints: Endpoints, directory: Path) -> str:
+        """What its certificate, with which the session opened, may have to do with a world that is absent."""
+        who = Identity(directory, identity.robot_role(self._robots))
+        try:
+            who.check()  # it was good at the start
+        except FesError as wrong:
+            return str(wrong)
+        if self._world.was_seen or endpoints.mode != "client":
+            return ""
+        return f"{endpoints.shown} takes our certificate; a world there logs whether its run has no role '{who.role}'"
+
     @property
     def lag(self) -> str:
         """What the live clock did not wait for, in words; empty if nothing."""
@@ -189,6 +203,10 @@ async def serve(flags: argparse.Namespace) -> int:
             welcome = await agent.join(flags.timeout)
             await agent.live(welcome)
             agent.logger.info("the run is over")
+        except Absent as absent:
+            if flags.keys and (why := agent.certified(endpoints, flags.keys)):
+                raise Absent(f"{absent}: {why}") from None
+            raise
         finally:
             agent.complaints.log_total(agent.overflow)
             if agent.lag:

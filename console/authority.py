@@ -1,6 +1,7 @@
 """Certificates of a run: an authority of its own, and what it issues. Nothing here knows of a run or of Zenoh."""
 
 import ipaddress
+import re
 import secrets
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
@@ -10,10 +11,15 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
+from fes.errors import FesError
 from fes.identity import AUTHORITY, WORLD
 
 OWN_HOSTS = ("localhost", "127.0.0.1")
 """Names under which a world can always be reached."""
+
+_LABEL = "[A-Za-z0-9_]([A-Za-z0-9_-]{0,61}[A-Za-z0-9_])?"
+_NAME = re.compile(rf"(?=.{{1,253}}$)({_LABEL}\.)*(?![0-9]+$){_LABEL}")
+"""A name of the domain name system; the last part of one is no number, or it would be an address."""
 
 SKEW = timedelta(minutes=5)
 """Certificates are valid from so long ago: clocks of other machines may lag."""
@@ -91,15 +97,34 @@ def issue(authority: Authority, role: str, days: float, hosts: tuple[str, ...] =
     return Issued(certificate.public_bytes(serialization.Encoding.PEM), _pem(key))
 
 
-def describe(name: str, pem: bytes) -> tuple[str, str, str, str]:
-    """A certificate for people: role, serial number, end of validity, fingerprint; raises ValueError."""
+def check_host(host: str) -> str:
+    """`host` itself, if a certificate can be for it; raises FesError."""
+    if not _NAME.fullmatch(host) and not _is_address(host):
+        like = "a name like lab.example, in ASCII, or an address like 10.0.0.7, without scheme and port"
+        raise FesError(f"--host expects {like}, got {host!r}")
+    return host
+
+
+def hosts_of(pem: bytes) -> tuple[str, ...]:
+    """The names and addresses for which a certificate is, none if it cannot serve; raises ValueError."""
+    certificate = x509.load_pem_x509_certificate(pem)
+    try:
+        names = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
+    except x509.ExtensionNotFound:
+        return ()
+    return tuple(str(name.value) for name in names)
+
+
+def describe(name: str, pem: bytes) -> tuple[str, str, str, str, str]:
+    """A certificate for people: role, serial number, end of validity, fingerprint, hosts; raises ValueError."""
     certificate = x509.load_pem_x509_certificate(pem)
     ends = certificate.not_valid_after_utc
     expired = " (expired)" if datetime.now(UTC) > ends else ""
     [common] = certificate.subject.get_attributes_for_oid(NameOID.COMMON_NAME)
     role = name if name in (common.value, AUTHORITY) else f"{name} ({common.value!r})"
     fingerprint = certificate.fingerprint(hashes.SHA256()).hex()
-    return role, f"{certificate.serial_number:040x}", f"{ends:%Y-%m-%d %H:%M}{expired}", fingerprint
+    until = f"{ends:%Y-%m-%d %H:%M}{expired}"
+    return role, f"{certificate.serial_number:040x}", until, fingerprint, ", ".join(hosts_of(pem))
 
 
 def _dated(days: float) -> x509.CertificateBuilder:
@@ -117,10 +142,15 @@ def _name(common: str) -> x509.Name:
 
 
 def _host(host: str) -> x509.GeneralName:
+    return x509.IPAddress(ipaddress.ip_address(host)) if _is_address(host) else x509.DNSName(host)
+
+
+def _is_address(host: str) -> bool:
     try:
-        return x509.IPAddress(ipaddress.ip_address(host))
+        ipaddress.ip_address(host)
     except ValueError:
-        return x509.DNSName(host)
+        return False
+    return "%" not in host  # a zone has no place in a certificate
 
 
 def _usage(*, signs_certificates: bool) -> x509.KeyUsage:

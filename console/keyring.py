@@ -4,6 +4,7 @@ import contextlib
 import json
 import os
 import shutil
+import stat
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from types import ModuleType
@@ -16,8 +17,8 @@ from rich.table import Table
 from fes import identity, process
 from fes.endpoints import Endpoints
 from fes.errors import FesError
-from fes.identity import AUTHORITY, OBSERVER, OPERATOR, WORLD, Identity
-from fes.keys import DEFAULT_RUN, check_run
+from fes.identity import AUTHORITY, OBSERVER, OPERATOR, WORLD
+from fes.keys import DEFAULT_RUN, MAX_ROBOTS, check_run
 from world import access
 
 if TYPE_CHECKING:
@@ -27,18 +28,25 @@ app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, help="Certificate
 
 DIRECTORY = Path("keys")
 PRIVATE, PRIVATE_DIRECTORY = 0o600, 0o700
+_OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 YEARS_10, YEAR = 3650.0, 365.0  # days
+WIDE = 1000
+"""Columns of a list that no terminal shows: a certificate is one line."""
+
 RUN_DAYS = 30.0
 """For so long are the certificates of `fes run --secure` valid; they are deleted when the run ends."""
 
 Directory = Annotated[Path, typer.Option("--keys", metavar="DIR", help="Where the certificates and keys are.")]
 Days = Annotated[float, typer.Option(min=1e-3, max=YEARS_10, help="How long certificates are valid [days].")]
-Hosts = Annotated[list[str] | None, typer.Option("--host", help="Another name or address of the world's machine.")]
+Hosts = Annotated[
+    list[str] | None,
+    typer.Option("--host", help="Another name or address of the world's machine; if none, issue keeps those it had."),
+]
 
 
 @app.command()
 def init(
-    robots: Annotated[int, typer.Option(min=0, max=100_000, help="Certificates for robots 0 to N-1.")] = 0,
+    robots: Annotated[int, typer.Option(min=0, max=MAX_ROBOTS, help="Certificates for robots 0 to N-1.")] = 0,
     host: Hosts = None,
     keys: Directory = DIRECTORY,
     days: Days = YEAR,
@@ -46,10 +54,12 @@ def init(
     """Make an authority, and certificates for the world, an observer, an operator, and robots."""
     if (keys / f"{AUTHORITY}.key").exists() or (keys / f"{AUTHORITY}.crt").exists():
         raise FesError(f"--keys {keys}: there is an authority already; fes keys issue adds to it")
+    _check_directory(keys)
+    hosts = _check_hosts(host)
     roles = [WORLD, OBSERVER, OPERATOR, *(identity.robot_role([robot]) for robot in range(robots))]
     authority = _authorities().found(YEARS_10)
     _write(keys, AUTHORITY, authority.pem)
-    _issue(authority, keys, roles, days, tuple(host or ()))
+    _issue(authority, keys, roles, days, hosts)
     print(f"{keys}: an authority and {len(roles)} certificates, valid for {days:g} days")
     return process.SUCCESS
 
@@ -65,38 +75,44 @@ def issue(
     checked = [identity.check_role(role) for role in roles]
     if host and WORLD not in checked:
         raise FesError(f"--host is for the world's certificate, not for that of {checked[0]}")
-    _issue(_restore(keys), keys, checked, days, tuple(host or ()))
+    _check_directory(keys)
+    hosts = _check_hosts(host) or (_hosts(keys) if WORLD in checked else ())
+    _issue(_restore(keys), keys, checked, days, hosts)
     print(f"{keys}: {', '.join(checked)}, valid for {days:g} days")
+    if WORLD in checked:
+        print(f"the world serves as {', '.join(_hosts(keys))}")
     return process.SUCCESS
 
 
 @app.command(name="list")
 def show(keys: Directory = DIRECTORY) -> int:
-    """List certificates: role, serial number, end of validity, SHA-256 fingerprint."""
+    """List certificates: role, serial number, end of validity, SHA-256 fingerprint, and for which hosts."""
     found = sorted(keys.glob("*.crt"), key=lambda path: [(len(part), part) for part in path.stem.split("-")])
     if not found:
         raise FesError(f"--keys {keys}: there are no certificates; fes keys init makes some")
-    table = Table("role", "serial", "valid until (UTC)", "SHA-256 of the certificate", box=None, pad_edge=False)
+    table = Table(
+        "role", "serial", "valid until (UTC)", "SHA-256 of the certificate", "hosts", box=None, pad_edge=False
+    )
     for path in found:
         try:
             table.add_row(*_authorities().describe(path.stem, path.read_bytes()))
         except ValueError:
             raise FesError(f"{path}: not a certificate") from None
     screen = Console(highlight=False)
-    screen.print(table) if screen.is_terminal else Console(width=200, highlight=False).print(table)
+    screen.print(table) if screen.is_terminal else Console(width=WIDE, highlight=False).print(table)
     return process.SUCCESS
 
 
 @app.command()
 def rules(
-    robots: Annotated[int, typer.Option(min=1, max=100_000, help="Robots 0 to N-1 may take part.")],
+    robots: Annotated[int, typer.Option(min=1, max=MAX_ROBOTS, help="Robots 0 to N-1 may take part.")],
     run: Annotated[str, typer.Option(help="Name of the run.")] = DEFAULT_RUN,
     listen: Annotated[str, typer.Option(help="Where the router listens.")] = "tls/0.0.0.0:7447",
     connect: Annotated[list[str] | None, typer.Option(help="Another router to link to.")] = None,
     keys: Directory = DIRECTORY,
 ) -> int:
     """Print the configuration of a Zenoh router of your own (zenohd -c FILE): TLS, and who may say and hear what."""
-    certificate = Identity(keys, WORLD).settings()
+    certificate = identity.security(keys, WORLD)
     control = access.control(check_run(run), robots, identity.crews(keys), world=True)
     ends = Endpoints("router", tuple(connect or ()), (listen,), security={**certificate, **control})
     settings = {**ends.house_rules(), "connect/timeout_ms": -1}  # it waits for other routers for ever
@@ -139,14 +155,40 @@ def _issue(
 def _restore(directory: Path) -> "Authority":
     """The authority in a directory; raises FesError."""
     authorities, where = _authorities(), directory / AUTHORITY
-    if not where.with_suffix(".key").is_file():
+    key = where.with_suffix(".key")
+    if not key.is_file():
         raise FesError(f"--keys {directory}: there is no authority; fes keys init makes one")
-    pem = authorities.Issued(where.with_suffix(".crt").read_bytes(), where.with_suffix(".key").read_bytes())
+    identity.warn_if_open(key)
+    pem = authorities.Issued(where.with_suffix(".crt").read_bytes(), key.read_bytes())
     try:
         authority: Authority = authorities.restore(pem)
-        return authority
     except (ValueError, TypeError):
         raise FesError(f"--keys {directory}: ca.crt or ca.key is none") from None
+    if authority.key.public_key() != authority.certificate.public_key():
+        raise FesError(f"{key}: is not the key of {AUTHORITY}.crt")
+    return authority
+
+
+def _check_hosts(hosts: list[str] | None) -> tuple[str, ...]:
+    """The names of the world's machine that were asked for; raises FesError."""
+    return tuple(_authorities().check_host(host) for host in hosts or ())
+
+
+def _hosts(directory: Path) -> tuple[str, ...]:
+    """The names of the world's machine in the certificate that there is; raises FesError."""
+    where = directory / f"{WORLD}.crt"
+    try:
+        found: tuple[str, ...] = _authorities().hosts_of(where.read_bytes()) if where.exists() else ()
+    except ValueError:
+        raise FesError(f"{where}: not a certificate, so its names cannot be kept: say them with --host") from None
+    return found
+
+
+def _check_directory(directory: Path) -> None:
+    """Raises FesError if others can write to a directory: they could put keys of their own in the place of ours."""
+    mode = stat.S_IMODE(directory.stat().st_mode) if directory.exists() else 0
+    if mode & _OTHERS_WRITE:
+        raise FesError(f"--keys {directory}: others can write to it (mode {mode:04o}): chmod 700 {directory}")
 
 
 def _write(directory: Path, name: str, issued: "Issued", *, with_key: bool = True) -> None:

@@ -6,26 +6,29 @@ from collections import Counter
 from fes.errors import MessageError
 
 MAX_KINDS = 100
-"""Kinds that are told apart; further ones are counted as `other`."""
+"""Kinds that are told apart, unless told otherwise."""
 
 LONGEST_LINE = 300
-"""Longest line [characters] about a message; its key may be 65,535 bytes of anything."""
+"""Longest line, and kind, [characters] of a message; its key may be 65,535 bytes of anything."""
 
 
 class Complaints:
     """Messages that were dropped, by kind. Bad input is a line in the log, never the end of a tick loop."""
 
-    def __init__(self, logger: logging.Logger) -> None:
+    def __init__(self, logger: logging.Logger, most: int = MAX_KINDS, other: str = "other") -> None:
+        """At `most` so many kinds are told apart; further ones are counted as `other`."""
         self._logger = logger
+        self._most, self._other = most, other
         self.counts: Counter[str] = Counter()
 
     def add(self, kind: str, line: str) -> None:
-        """Count one; the first of its kind is logged with `line`."""
-        if kind not in self.counts and len(self.counts) >= MAX_KINDS:
-            kind = "other"
+        """Count one; the first of its kind is logged with `line`. A sender may have a part in both."""
+        kind, further = _shown(kind), "further ones of this kind"
+        if kind not in self.counts and len(self.counts) >= self._most:
+            kind, further = self._other, "further kinds"
         self.counts[kind] += 1
         if self.counts[kind] == 1:
-            self._logger.warning("dropped %s (further ones of this kind are counted, not shown)", _shown(line))
+            self._logger.warning("dropped %s (%s are counted, not shown)", _shown(line), further)
 
     def unread(self, key: str, error: MessageError) -> None:
         """Count a message that cannot be used, by the rule it breaks."""
@@ -46,5 +49,7 @@ def _shown(line: str) -> str:
     >>> _shown("key\\nforged line: rule")
     'key\\\\nforged line: rule'
     """
+    if len(line) <= LONGEST_LINE and line.isprintable():
+        return line
     shown = "".join(char if char.isprintable() else repr(char)[1:-1] for char in line[:LONGEST_LINE])
     return shown if len(line) <= LONGEST_LINE else shown + "..."

@@ -11,6 +11,9 @@ from fes.endpoints import Endpoints
 PATIENCE = 2.0
 """How long to wait for an answer [s]."""
 
+KEYLESS = "it asks for a certificate, and we have none: a world with --keys wants --keys"
+"""What is said for whatever goes wrong over TLS without certificates of our own."""
+
 _PLACE = re.compile(r"(?P<protocol>tcp|tls)/(?P<host>\S+):(?P<port>\d{1,5})")
 
 
@@ -57,11 +60,11 @@ def _over_tls(connection: socket.socket, host: str, security: Mapping[str, objec
             secure.settimeout(PATIENCE)
             secure.recv(1)  # who listens judges our certificate after we have judged its own
     except ssl.SSLCertVerificationError as error:
-        return f"its certificate is not to be trusted: {error.verify_message}"
+        return f"its certificate is not to be trusted: {error.verify_message}" if files else KEYLESS
     except ssl.SSLError as error:
         reason = (error.reason or "unknown").lower().replace("_", " ")
         if "alert" in reason:
-            return f"it refuses our certificate: {reason.rpartition('alert ')[2]}"
+            return f"it refuses our certificate: {reason.rpartition('alert ')[2]}" if files else KEYLESS
         return f"it does not speak TLS: {reason}"
     except OSError:  # it waits for us to speak: so our certificate is good
         return None

@@ -8,7 +8,9 @@
 | operator    | who looks on and may change the channel         | operator.{crt,key}     |
 """
 
+import logging
 import re
+import stat
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -20,6 +22,10 @@ from fes.errors import FesError
 WORLD, OBSERVER, OPERATOR = "world", "observer", "operator"
 AUTHORITY = "ca"
 """Name of the files of who vouches for all of them."""
+
+_NOT_FOR_OTHERS = stat.S_IRWXO | stat.S_IWGRP
+
+_logger = logging.getLogger("network")
 
 _ROBOT = re.compile(r"robot-(0|[1-9][0-9]{0,9})(?:-([1-9][0-9]{0,9}))?")
 
@@ -48,8 +54,11 @@ def robots_of(role: str) -> range | None:
 
 def check_role(role: str) -> str:
     """`role` itself, if there is such a role; raises FesError."""
-    if role not in (WORLD, OBSERVER, OPERATOR) and robots_of(role) is None:
+    robots = robots_of(role)
+    if robots is None and role not in (WORLD, OBSERVER, OPERATOR):
         raise FesError(f"a role is world, observer, operator, robot-I or robot-A-B, got '{role}'")
+    if robots is not None and robots.stop > keys.MAX_ROBOTS:
+        raise FesError(f"a run has robots 0 to {keys.MAX_ROBOTS - 1} at most, got '{role}'")
     return role
 
 
@@ -82,7 +91,7 @@ class Identity:
         return self.directory / f"{AUTHORITY}.crt"
 
     def check(self) -> None:
-        """Raises FesError, in one line, if its certificate is missing, expired, foreign or not of its key."""
+        """Raises FesError, in one line, if its certificate is missing, expired, foreign, of another name or key."""
         for path in (self.authority, self.certificate, self.key):
             if not path.is_file():
                 raise FesError(f"--keys {self.directory}: the {self.role} needs {path.name}, and there is none")
@@ -90,6 +99,7 @@ class Identity:
             from cryptography import x509
             from cryptography.exceptions import InvalidSignature
             from cryptography.hazmat.primitives.serialization import load_pem_private_key
+            from cryptography.x509.oid import NameOID
         except ImportError:
             raise missing_extra() from None
         try:
@@ -104,6 +114,9 @@ class Identity:
             certificate.verify_directly_issued_by(authority)
         except (ValueError, TypeError, InvalidSignature):
             raise FesError(f"{self.certificate}: was not issued by {self.authority.name} beside it") from None
+        names = [name.value for name in certificate.subject.get_attributes_for_oid(NameOID.COMMON_NAME)]
+        if names != [self.role]:  # the world's rules go by this name
+            raise FesError(f"{self.certificate}: is that of '{', '.join(map(str, names))}', not of '{self.role}'")
         now = datetime.now(UTC)
         for path, checked in ((self.authority, authority), (self.certificate, certificate)):
             if now > checked.not_valid_after_utc:
@@ -135,7 +148,15 @@ def security(directory: Path | None, role: str) -> dict[str, object]:
         return {}
     who = Identity(directory, role)
     who.check()
+    warn_if_open(who.key)
     return who.settings()
+
+
+def warn_if_open(key: Path) -> None:
+    """Log a private key that others on this machine can read or change; an owner's group may read it."""
+    mode = stat.S_IMODE(key.stat().st_mode)
+    if mode & _NOT_FOR_OTHERS:
+        _logger.warning("%s: others on this machine can read or change it (mode %04o): chmod 600 %s", key, mode, key)
 
 
 def missing_extra() -> FesError:

@@ -25,6 +25,9 @@ from collections.abc import Sequence
 from fes.errors import FesError
 
 DEFAULT_RUN = "main"
+MAX_ROBOTS = 100_000
+"""Robots of a run, at most; ids are below."""
+
 _RUN = re.compile(r"[A-Za-z0-9_.-]{1,64}")
 _ROBOT = re.compile(r"fes/[^/]+/robot/(0|[1-9][0-9]{0,9})/[a-z]+")
 

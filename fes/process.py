@@ -175,7 +175,7 @@ def add_network_flags(parser: argparse.ArgumentParser) -> None:
     group.add_argument("-c", "--config", type=Path, metavar="FILE", help="Zenoh configuration file")
     group.add_argument("--cfg", action="append", default=[], metavar="KEY:VALUE", help="Zenoh setting")
     group.add_argument("--keys", type=Path, metavar="DIR", help="TLS, with the certificates in DIR (fes keys init)")
-    group.add_argument("--run", default=keys.DEFAULT_RUN, help="name of the run (default: %(default)s)")
+    group.add_argument("--run", default=keys.DEFAULT_RUN, help=f"name of the run (default: {keys.DEFAULT_RUN})")
     parser.add_argument("--exit-with-stdin", action="store_true", help="stop when standard input ends")
 
 

@@ -11,6 +11,7 @@ def write(directory: Path, role: str, issued: Issued) -> None:
     directory.mkdir(exist_ok=True)
     (directory / f"{role}.crt").write_bytes(issued.certificate)
     (directory / f"{role}.key").write_bytes(issued.key)
+    (directory / f"{role}.key").chmod(0o600)
 
 
 def directory(where: Path, issuer: Authority, roles: list[str], days: float = 1.0) -> Path:

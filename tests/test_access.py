@@ -1,6 +1,7 @@
 """Access control: generated from the table of keys, judged by Zenoh's own key expressions."""
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, overload
 
 import pytest
 import zenoh
@@ -71,6 +72,27 @@ def test_observers_and_operators_read_reports_and_tokens_and_say_nothing(role: s
 def test_only_an_operator_may_ask_for_a_change() -> None:
     asking = {role for role in SUBJECTS if "world/set" in everything("query", "ingress", role)}
     assert asking == {"operator"}
+
+
+class Endless(Sequence[int]):
+    """A crew of a certificate that somebody put there: too many robots to look at each."""
+
+    def __len__(self) -> int:
+        return 10**10
+
+    @overload
+    def __getitem__(self, index: int) -> int: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[int]: ...
+    def __getitem__(self, index: int | slice) -> int | Sequence[int]:
+        return range(10**10)[index]
+
+    def __iter__(self) -> Any:
+        raise AssertionError("all robots of a crew were looked at")
+
+
+def test_a_crew_that_no_run_can_have_costs_nothing() -> None:
+    assert access.control(RUN, 6, [range(4, 6), Endless()])["access_control"] == CONTROL
 
 
 SUBJECTS = [name for subject in CONTROL["subjects"] for name in subject["cert_common_names"]]

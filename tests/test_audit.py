@@ -4,8 +4,8 @@ import logging
 
 import pytest
 
-from fes.complaints import Complaints
-from world.audit import Audit
+from fes.complaints import LONGEST_LINE
+from world.audit import KINDS_OF_ONE, Audit
 
 PLACE = "zenoh::net::routing::interceptor::access_control:"
 TRACE = f"2026-11-22T04:02:14.951301Z TRACE app-1 ThreadId(03) {PLACE}"
@@ -35,9 +35,13 @@ def cached(action: str, key: str = KEY) -> str:
 
 
 def counted(*lines: str) -> dict[str, int]:
-    audit = Audit(Complaints(logging.getLogger("test")))
+    return dict(fed(*lines).counts)
+
+
+def fed(*lines: str) -> Audit:
+    audit = Audit(logging.getLogger("test"), ["robot-3", "operator"])
     audit.feed("".join(f"{line}\n" for line in lines).encode())
-    return dict(audit.complaints.counts)
+    return audit
 
 
 def test_what_is_computed_ahead_is_no_attempt() -> None:
@@ -79,10 +83,45 @@ def test_a_connection_that_failed_is_told_in_our_words(said: str, meant: str) ->
 
 
 def test_each_kind_is_logged_once_however_the_log_is_cut(caplog: pytest.LogCaptureFixture) -> None:
-    audit = Audit(Complaints(logging.getLogger("test")))
+    audit = Audit(logging.getLogger("test"), ["robot-3"])
     log = "".join(f"{line}\n" for line in [*ahead("ingress"), *[cached("Put (ingress)")] * 5]).encode()
     for start in range(0, len(log), 37):
         audit.feed(log[start : start + 37])
-    assert audit.complaints.counts == {f"robot-3: put on {KEY}": 5}
+    assert audit.counts == {f"robot-3: put on {KEY}": 5}
     [record] = caplog.records
     assert f"robot-3's put on {KEY}: it has no right to it" in record.message
+
+
+def denied(name: str, key: str) -> str:
+    """A put of whoever has that name on its certificate."""
+    return f"{TRACE} {WHO.replace('robot-3', name)} is unauthorized to Put (ingress) on {key}"
+
+
+def test_who_fills_the_log_with_made_up_keys_and_names_hides_nobody_else(caplog: pytest.LogCaptureFixture) -> None:
+    made_up = [denied("robot-3", f"made/up/{number}") for number in range(10 * KINDS_OF_ONE)]
+    nobody = [denied(f"nobody-{number}", KEY) for number in range(10 * KINDS_OF_ONE)]
+    no_tls = f"{TRACE} zenoh_link_tls::unicast: received corrupt message"
+    audit = fed(*made_up, *nobody, denied("operator", KEY), denied("operator", KEY), no_tls)
+    said = [record.getMessage() for record in caplog.records]
+    lines = [sum(name in line for line in said) for name in ("robot-3's", "nobody", "operator's")]
+    assert lines == [KINDS_OF_ONE + 1, KINDS_OF_ONE + 1, 1]
+    last = f"dropped robot-3's put on made/up/{KINDS_OF_ONE}: it has no right to it"
+    assert f"{last} (further kinds are counted, not shown)" in said
+    assert "dropped a connection: it does not speak TLS" in said[-1]
+    caplog.clear()
+    audit.log_total()
+    totals = [record.getMessage() for record in caplog.records]
+    assert totals[0] == "dropped messages: connection: it does not speak TLS x1"
+    assert f"dropped messages: operator: put on {KEY} x2" in totals
+    assert sum(f"robot-3: other x{9 * KINDS_OF_ONE}, robot-3: put on" in line for line in totals) == 1
+    assert len(totals) == 4
+
+
+def test_a_key_cannot_forge_a_line_about_the_totals_nor_a_long_one(caplog: pytest.LogCaptureFixture) -> None:
+    audit = fed(*[denied("operator", f"a/\rFORGED {letter * 20_000}") for letter in "abcdefghij"])
+    audit.log_total()
+    assert len(caplog.records) == 11
+    for record in caplog.records:
+        assert record.getMessage().isprintable()
+        assert "\\rFORGED" in record.getMessage()
+        assert len(record.getMessage()) < 9 * (LONGEST_LINE + 10)

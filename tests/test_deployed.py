@@ -1,10 +1,15 @@
 """What compose.yaml runs, and what its log says: the parts of a deployment that need no container engine."""
 
 import re
+import shutil
+import signal
+import subprocess
 from pathlib import Path
 
 from console import inprocess
+from fes.identity import Identity
 from tests import loop
+from tests.test_cli import PROGRAMS
 from world import expect, summary
 
 ROOT = Path(__file__).parent.parent
@@ -52,6 +57,37 @@ def test_compose_has_an_agent_for_each_robot_of_its_scenario_and_each_role_its_o
     made = re.search(r"seq -f robot-%g 0 (\d+)", (ROOT / "Dockerfile").read_text(encoding="utf-8"))
     assert made is not None
     assert int(made[1]) == robots - 1
+
+
+def test_keys_whose_making_was_cut_short_are_made_anew_and_then_stay(tmp_path: Path) -> None:
+    roles = ["world", "observer", "operator", "robot-0", "robot-1"]
+    for role in ("authority", *roles):
+        (tmp_path / role).mkdir(mode=0o700)
+    script = (ROOT / "deploy/issue-keys").read_text(encoding="utf-8").replace("cd /keys", f"cd {tmp_path}")
+    short = f"#!/bin/sh\n{PROGRAMS}/fes keys init --keys $8 && kill -9 $PPID\n"  # the robots' are not there yet
+    programs = tmp_path / "programs"
+    programs.mkdir()
+    (programs / "fes").write_text(short)
+    (programs / "fes").chmod(0o700)
+
+    def start() -> int:
+        environment = {"PATH": f"{programs}:/usr/bin:/bin"}
+        return subprocess.run(["/bin/sh", "-c", script, "issue-keys", "2", "lab.example"], env=environment).returncode
+
+    assert start() == -signal.SIGKILL
+    assert not (tmp_path / "world/world.crt").exists()
+    (programs / "fes").unlink()
+    (programs / "fes").symlink_to(PROGRAMS / "fes")
+    assert start() == 0
+    for role in roles:
+        Identity(tmp_path / role, role).check()
+        assert {path.name for path in (tmp_path / role).iterdir()} == {"ca.crt", f"{role}.crt", f"{role}.key"}
+    before = (tmp_path / "robot-1/robot-1.crt").read_bytes()
+    shutil.rmtree(tmp_path / "robot-0")
+    (tmp_path / "robot-0").mkdir()
+    assert start() == 0
+    assert (tmp_path / "robot-1/robot-1.crt").read_bytes() == before
+    Identity(tmp_path / "robot-0", "robot-0").check()
 
 
 def test_every_published_port_is_on_the_loopback_interface() -> None:

@@ -1,12 +1,13 @@
-"""fes doctor: what it says of a machine and of a run, with what remedy; it neither hangs nor disturbs."""
+"""fes doctor: what it says of a machine and of a run, with what remedy; it neither hangs nor disturbs.
+
+What it says of the machine: test_doctor_machine.py.
+"""
 
 import asyncio
 import io
 import json
-import resource
 import socket
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ import pytest
 from rich.console import Console
 
 from console import inprocess, rundir
-from console.doctor import command, machine, network
+from console.doctor import command, network
 from console.doctor.finding import Finding, Status
 from console.doctor.network import Answer
 from console.rundir import Address
@@ -146,56 +147,6 @@ def test_a_world_that_does_not_answer_is_a_warning() -> None:
                 return (await network.examine(client_of(endpoint), RUN, True))[0]
 
     assert [one.status for one in asyncio.run(main())][-1] == Status.WARNING
-
-
-@pytest.fixture
-def few_files() -> Iterator[None]:
-    before = resource.getrlimit(resource.RLIMIT_NOFILE)
-    resource.setrlimit(resource.RLIMIT_NOFILE, (256, before[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_NOFILE, before)
-
-
-@pytest.mark.usefixtures("few_files")
-def test_too_few_open_files_fail_for_a_team_that_needs_them_and_warn_otherwise() -> None:
-    # (256 - 64) / 2 = 96 robots
-    assert [machine.files(robots).status for robots in (96, 97, None)] == [Status.OK, Status.FAILED, Status.WARNING]
-    assert machine.files(97).remedy.startswith("ulimit -n 258")  # 64 + 2 * 97
-
-
-def test_a_missing_and_an_old_package_fail_and_a_missing_extra_does_not() -> None:
-    required = ["numpy>=1.0", "no-such-package>=1", "rich>=1000.1", 'no-such-plot>=3; extra == "plot"']
-    found, extras = machine.packages(required)
-    assert found.status == Status.FAILED
-    assert "no-such-package is missing" in found.seen
-    assert "is older than 1000.1" in found.seen
-    assert "numpy" not in found.seen
-    assert (extras.status, extras.seen) == (Status.OK, "plot: no-such-plot is missing")
-
-
-def test_a_folder_that_cannot_be_written_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert machine.directory(tmp_path).status == Status.OK
-
-    def refuse(*_: Any, **__: Any) -> None:
-        raise OSError(30, "Read-only file system")
-
-    monkeypatch.setattr("tempfile.TemporaryFile", refuse)
-    found = machine.directory(tmp_path)
-    assert (found.status, found.remedy != "") == (Status.FAILED, True)
-    assert "Read-only file system" in found.seen
-
-
-def test_a_full_disk_fails_and_a_nearly_full_one_warns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for free, status in ((1 << 40, Status.OK), (1 << 29, Status.WARNING), (1 << 20, Status.FAILED)):
-        monkeypatch.setattr("shutil.disk_usage", lambda _, free=free: type("", (), {"free": free}))
-        assert machine.directory(tmp_path).status == status
-
-
-def test_a_clock_that_is_set_while_it_is_watched_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert machine.clock(0.01).status == Status.OK
-    times = iter([2e9, 2e9 + 60.0])
-    monkeypatch.setattr("time.time", lambda: next(times))
-    assert machine.clock(0.01).status == Status.WARNING
 
 
 @pytest.mark.parametrize(

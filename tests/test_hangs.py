@@ -20,6 +20,8 @@ from world.scenario import Scenario
 from world.summary import write_scenario
 
 HANG = {"at": 2.0, "hang": [4, 6]}
+LATER = {"at": 6.0, "hang": [4, 6]}
+"""When a run that began slowly has caught up: while it does, it may be at the end of a hang within a second."""
 
 
 def state(pid: int) -> str:
@@ -85,11 +87,11 @@ def watch(tmp_path: Path) -> Iterator[Watch]:
         one.end()
 
 
-@pytest.mark.parametrize("wake", [10.0, 22.0], ids=["briefly", "longer than its lease"])
+@pytest.mark.parametrize("wake", [14.0, 26.0], ids=["briefly", "longer than its lease"])
 def test_fes_run_stops_processes_that_hang_and_continues_them_and_the_digest_is_the_same(
     wake: float, watch: Watch
 ) -> None:
-    events = [HANG, {"at": wake, "wake": [4]}, {"at": wake + 1.0, "wake": [6]}]
+    events = [LATER, {"at": wake, "wake": [4]}, {"at": wake + 1.0, "wake": [6]}]
     scenario = load("neighborhood.toml", run__duration=wake + 3.0, event=events)
     watched = watch(scenario, 4.0)
     pids = {robot: watched.agent(robot) for robot in (4, 5, 6)}

@@ -160,9 +160,9 @@ def test_beacons_that_go_another_and_slower_way_than_ticks_are_recalled_and_chan
     team: Team, net: Internet
 ) -> None:
     """Three sites in a ring: beacons from one to the next have a way of their own, here a very slow one."""
-    seconds = 1.0
+    seconds = 0.5
     sites(net, team.where, ("east", "west"), ("east", "south"), ("south", "west"))
-    slow = ["tc", "qdisc", "add", "dev", "lan5", "root", "tbf", "rate", "400kbit", "burst", "2kb", "latency", "9s"]
+    slow = ["tc", "qdisc", "add", "dev", "lan5", "root", "tbf", "rate", "60kbit", "burst", "2kb", "latency", "9s"]
     for site in ("south", "west"):
         try:
             net.hosts[f"{site}-router"].run(*slow)

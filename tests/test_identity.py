@@ -66,6 +66,21 @@ def test_certificates_of_another_authority_of_nobody_and_of_another_key_are_told
     assert wrong(keys, "world").startswith(f"{keys}: the certificate or key of the world is none")
 
 
+def test_a_certificate_under_anothers_name_is_named(keys: Path) -> None:
+    for suffix in ("crt", "key"):
+        shutil.copy(keys / f"robot-3.{suffix}", keys / f"robot-1.{suffix}")
+    assert wrong(keys, "robot-1") == f"{keys}/robot-1.crt: is that of 'robot-3', not of 'robot-1'"
+
+
+def test_a_key_that_others_can_read_or_change_is_warned_of(keys: Path, caplog: pytest.LogCaptureFixture) -> None:
+    for mode, warned in ((0o600, False), (0o400, False), (0o440, False), (0o644, True), (0o660, True), (0o602, True)):
+        caplog.clear()
+        (keys / "world.key").chmod(mode)
+        identity.security(keys, "world")
+        line = f"{keys}/world.key: others on this machine can read or change it (mode {mode:04o}): "
+        assert [record.getMessage() for record in caplog.records] == [line + f"chmod 600 {keys}/world.key"] * warned
+
+
 def test_only_the_world_can_serve_and_under_the_names_it_was_given(issuer: authority.Authority) -> None:
     world = x509.load_pem_x509_certificate(
         authority.issue(issuer, "world", 1.0, ("10.0.0.7", "lab.example")).certificate
@@ -90,6 +105,26 @@ def test_a_restored_authority_issues_what_the_first_one_vouches_for(issuer: auth
     )
 
 
+@pytest.mark.parametrize(
+    "host", ["lab.example", "Lab-2.example", "my_world", "xn--4ca.example", "10.0.0.7", "fd00::7", "2.example"]
+)
+def test_a_host_is_a_name_or_an_address(host: str, issuer: authority.Authority) -> None:
+    assert authority.check_host(host) == host
+    assert authority.hosts_of(authority.issue(issuer, "world", 1.0, (host,)).certificate)[2:] == (host,)
+
+
+@pytest.mark.parametrize(
+    "host",
+    ["", "bad host!", "lab.example:7447", "tls/lab", "ü.example", "10.0.0", "10.0.0.256", "[::1]", "-lab", "lab.",
+     "a..b", "*.example", "fe80::1%eth0", "lab\n", "a" * 64, "a." * 127 + "a"],
+)  # fmt: skip
+def test_anything_else_is_no_host(host: str) -> None:
+    with pytest.raises(FesError) as caught:
+        authority.check_host(host)
+    assert str(caught.value).startswith("--host expects a name like lab.example")
+    assert str(caught.value).endswith(f"got {host!r}")
+
+
 @pytest.mark.parametrize("role", ["world", "observer", "operator", "robot-0", "robot-12", "robot-0-9"])
 def test_roles(role: str) -> None:
     assert identity.check_role(role) == role
@@ -100,6 +135,13 @@ def test_roles(role: str) -> None:
 )
 def test_anything_else_is_no_role(role: str) -> None:
     with pytest.raises(FesError, match="a role is world, observer, operator"):
+        identity.check_role(role)
+
+
+@pytest.mark.parametrize("role", ["robot-100000", "robot-0-100000", "robot-0-9999999999"])
+def test_a_role_of_robots_that_no_run_can_have_is_none(role: str) -> None:
+    assert identity.check_role("robot-99998-99999")
+    with pytest.raises(FesError, match=f"^a run has robots 0 to 99999 at most, got '{role}'$"):
         identity.check_role(role)
 
 

@@ -43,7 +43,8 @@ def test_a_second_authority_is_refused_and_issue_adds_and_replaces(tmp_path: Pat
     assert line == "--keys keys: there is an authority already; fes keys issue adds to it"
     before = (tmp_path / "keys/world.crt").read_bytes()
     done = call(tmp_path, "fes", "keys", "issue", "robot-0-4", "world", "--host", "10.0.0.7")
-    assert (done.returncode, done.stdout) == (0, "keys: robot-0-4, world, valid for 365 days\n")
+    served = "the world serves as localhost, 127.0.0.1, 10.0.0.7\n"
+    assert (done.returncode, done.stdout) == (0, f"keys: robot-0-4, world, valid for 365 days\n{served}")
     assert (tmp_path / "keys/world.crt").read_bytes() != before
     Identity(tmp_path / "keys", "robot-0-4").check()
     line = complaint(call(tmp_path, "fes", "keys", "issue", "observer", "--host", "10.0.0.7"), "fes")
@@ -59,8 +60,67 @@ def test_the_list_has_role_serial_end_and_fingerprint_and_no_key(tmp_path: Path)
     robots = [name for name in names if name.startswith("robot")]
     assert robots == [f"robot-{robot}" for robot in range(11)]  # 10 after 9
     assert set(names) - set(robots) == {"ca", "world", "observer", "operator"}
-    assert all(re.fullmatch(r"\S+ +[0-9a-f]{40} +\d{4}-\d\d-\d\d \d\d:\d\d +[0-9a-f]{64} *", row) for row in rows)
+    line = re.compile(r"\S+ +[0-9a-f]{40} +\d{4}-\d\d-\d\d \d\d:\d\d +[0-9a-f]{64} *(localhost.*)?")
+    assert all(line.fullmatch(row) for row in rows)
+    hosts = {row.split()[0]: row.rpartition("  ")[2] for row in rows if "localhost" in row}
+    assert hosts == {"world": "localhost, 127.0.0.1"}
     assert "PRIVATE" not in done.stdout
+
+
+def test_what_is_no_host_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    for host in ("ü.example", "lab.example:7447"):
+        line = complaint(call(tmp_path, "fes", "keys", "init", "--host", "lab.example", "--host", host), "fes")
+        assert line.endswith(f"without scheme and port, got {host!r}")
+        assert not (tmp_path / "keys").exists()
+    assert call(tmp_path, "fes", "keys", "init").returncode == 0
+    before = (tmp_path / "keys/world.crt").read_bytes()
+    complaint(call(tmp_path, "fes", "keys", "issue", "world", "--host", "ü.example"), "fes")
+    assert (tmp_path / "keys/world.crt").read_bytes() == before
+
+
+def test_a_renewed_world_keeps_its_names_unless_it_is_given_others(tmp_path: Path) -> None:
+    call(tmp_path, "fes", "keys", "init", "--host", "lab.example", "--host", "fd00::7")
+    world = tmp_path / "keys/world.crt"
+    before = world.read_bytes()
+    done = call(tmp_path, "fes", "keys", "issue", "world", "observer")
+    assert done.stdout.splitlines()[1] == "the world serves as localhost, 127.0.0.1, lab.example, fd00::7"
+    assert world.read_bytes() != before
+    assert authority.hosts_of(world.read_bytes()) == ("localhost", "127.0.0.1", "lab.example", "fd00::7")
+    assert authority.hosts_of((tmp_path / "keys/observer.crt").read_bytes()) == ()
+    call(tmp_path, "fes", "keys", "issue", "world", "--host", "new.example")
+    assert authority.hosts_of(world.read_bytes()) == ("localhost", "127.0.0.1", "new.example")
+    world.write_text("none")
+    line = complaint(call(tmp_path, "fes", "keys", "issue", "world"), "fes")
+    assert line == "keys/world.crt: not a certificate, so its names cannot be kept: say them with --host"
+
+
+def test_nothing_is_written_where_others_can_write(tmp_path: Path) -> None:
+    call(tmp_path, "fes", "keys", "init")
+    keys = tmp_path / "keys"
+    before = {path: path.read_bytes() for path in keys.iterdir()}
+    for mode in (0o777, 0o1777, 0o770):
+        keys.chmod(mode)
+        line = complaint(call(tmp_path, "fes", "keys", "issue", "robot-0"), "fes")
+        assert line == f"--keys keys: others can write to it (mode {mode:04o}): chmod 700 keys"
+    assert {path: path.read_bytes() for path in keys.iterdir()} == before
+    (tmp_path / "open").mkdir()
+    (tmp_path / "open").chmod(0o777)
+    complaint(call(tmp_path, "fes", "keys", "init", "--keys", "open"), "fes")
+    assert not list((tmp_path / "open").iterdir())
+
+
+def test_an_authority_whose_key_is_another_ones_issues_nothing(tmp_path: Path) -> None:
+    for directory in ("keys", "other"):
+        call(tmp_path, "fes", "keys", "init", "--keys", directory)
+    (tmp_path / "other/ca.key").replace(tmp_path / "keys/ca.key")
+    line = complaint(call(tmp_path, "fes", "keys", "issue", "robot-0"), "fes")
+    assert line == "keys/ca.key: is not the key of ca.crt"
+    assert not (tmp_path / "keys/robot-0.crt").exists()
+
+
+def test_no_rules_are_printed_for_certificates_that_are_not_there(tmp_path: Path) -> None:
+    line = complaint(call(tmp_path, "fes", "keys", "rules", "--robots", "2"), "fes")
+    assert line == "--keys keys: the world needs ca.crt, and there is none"
 
 
 def test_without_the_extra_one_line_names_it(tmp_path: Path) -> None:

@@ -43,7 +43,8 @@ FIGURES = [
     f"{bus.QUESTIONS} wait for one handler",
     f"(Zenoh's ring) | {bus.MAILBOX} samples",
     f"`agents.mouth`, what was said | {mouth.REMEMBERED} ticks",
-    f"cut to {complaints.LONGEST_LINE} characters; at most {complaints.MAX_KINDS} kinds",
+    f"cut to {complaints.LONGEST_LINE} characters",
+    f"at most {complaints.MAX_KINDS} kinds are told apart",
     f"{inbox.LIMIT:,} messages, {inbox.LIMIT_BYTES >> 20} MiB",
     f"`console.observer`, reports | {observer.MAX_WAITING} |",
 ]

@@ -12,10 +12,11 @@ from typing import Any
 
 import pytest
 
-from console import inprocess, observer
+from console import authority, inprocess, observer
 from console.launcher import free_port
 from fes import bus, keys
 from fes.endpoints import Endpoints
+from tests import certificates
 from tests.loop import CONFIGS, load
 from tests.test_cli import PROGRAMS
 from tests.test_processes import PATIENCE, until
@@ -32,14 +33,20 @@ def text(name: str) -> str:
     return (UNITS / name).read_text(encoding="utf-8").replace("/opt/fes/bin/", f"{PROGRAMS}/")
 
 
+def drop_in(name: str) -> str:
+    """What a unit gets beside its own text for a run with certificates."""
+    return text(f"{name}.d/keys.conf")
+
+
 @pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="units: skipped, because there is no systemd")
-def test_systemd_finds_nothing_wrong_with_the_units(tmp_path: Path) -> None:
-    (tmp_path / "fes-world.service").write_text(text("fes-world.service"))
-    for number in (3, 4):
-        (tmp_path / f"fes-agent@{number}.service").write_text(text("fes-agent@.service"))
-    (tmp_path / "fes-agent@4.service.d").mkdir()
-    (tmp_path / "fes-agent@4.service.d/keys.conf").write_text(text("keys.conf"))
-    names = ["fes-world.service", "fes-agent@3.service", "fes-agent@4.service"]
+@pytest.mark.parametrize("secure", [False, True])
+def test_systemd_finds_nothing_wrong_with_the_units(tmp_path: Path, secure: bool) -> None:
+    names = {"fes-world.service": "fes-world.service", "fes-agent@3.service": "fes-agent@.service"}
+    for installed, name in names.items():
+        (tmp_path / installed).write_text(text(name))
+        if secure:
+            (tmp_path / f"{installed}.d").mkdir()
+            (tmp_path / f"{installed}.d/keys.conf").write_text(drop_in(name))
     done = subprocess.run(
         ["systemd-analyze", "verify", *(f"./{name}" for name in names)],
         cwd=tmp_path, capture_output=True, text=True, env=os.environ | {"SYSTEMD_UNIT_PATH": f"{tmp_path}:"},
@@ -47,12 +54,11 @@ def test_systemd_finds_nothing_wrong_with_the_units(tmp_path: Path) -> None:
     assert (done.returncode, done.stdout + done.stderr) == (0, "")
 
 
-def command(name: str, environment: dict[str, str], instance: str = "") -> list[str]:
-    """What a unit starts, its variables and its instance put in as systemd does."""
-    found = re.search(r"^ExecStart=((?:.*\\\n)*.*)", text(name), re.MULTILINE)
-    assert found is not None
+def command(unit: str, environment: dict[str, str], instance: str = "") -> list[str]:
+    """What a unit starts, its variables and its instance put in as systemd does; the last line of its kind holds."""
+    *_, found = re.findall(r"^ExecStart=((?:.*\\\n)*.*)", unit, re.MULTILINE)
     words = []
-    for word in shlex.split(found[1].replace("\\\n", " ")):
+    for word in shlex.split(found.replace("\\\n", " ")):
         if word.startswith("$") and word[1:] in environment:  # alone, it is split
             words += environment[word[1:]].split()
         else:
@@ -61,10 +67,10 @@ def command(name: str, environment: dict[str, str], instance: str = "") -> list[
     return words
 
 
-def start(name: str, environment: dict[str, str], log: Path, instance: str = "") -> Process:
+def start(unit: str, environment: dict[str, str], log: Path, instance: str = "") -> Process:
     with log.open("a") as out:
         return subprocess.Popen(
-            command(name, environment, instance),
+            command(unit, environment, instance),
             cwd=log.parent, env=os.environ | environment, stdin=subprocess.DEVNULL, stdout=out, stderr=out,
         )  # fmt: skip
 
@@ -86,8 +92,8 @@ def test_a_world_that_is_stopped_and_started_goes_on_and_its_robots_have_waited(
         "FES_FLAGS": f"-l {endpoint} --rtf 2",
     }  # fmt: skip
     own = {"FES_ROUTER": endpoint, "FES_FLAGS": "--timeout 60"}
-    world = start("fes-world.service", environment, tmp_path / "world.log")
-    running = [world, *(start("fes-agent@.service", own, tmp_path / "agents.log", robot) for robot in "01")]
+    world = start(text("fes-world.service"), environment, tmp_path / "world.log")
+    running = [world, *(start(text("fes-agent@.service"), own, tmp_path / "agents.log", robot) for robot in "01")]
     try:
         said = tmp_path / "world.log"
         until(lambda: "scenario starts" in said.read_text())
@@ -95,7 +101,7 @@ def test_a_world_that_is_stopped_and_started_goes_on_and_its_robots_have_waited(
         world.terminate()
         assert world.wait(PATIENCE) == 0
         assert (tmp_path / "run" / FOLDER / STATE).exists()
-        running.append(start("fes-world.service", environment, said))
+        running.append(start(text("fes-world.service"), environment, said))
         assert [process.wait(PATIENCE) for process in running] == [0, 0, 0, 0], said.read_text()
     finally:
         for process in running:
@@ -105,3 +111,60 @@ def test_a_world_that_is_stopped_and_started_goes_on_and_its_robots_have_waited(
     assert "scenario goes on at tick" in said.read_text()
     found = json.loads((tmp_path / "run/summary.json").read_text())
     assert found["digest"] == inprocess.run(load("pair.toml", run__duration=SECONDS), "pair")["digest"]
+
+
+def variables(unit: str) -> dict[str, str]:
+    """What a unit sets; of two lines with one variable the last holds."""
+    lines = re.findall(r"^Environment=(.*)$", unit, re.MULTILINE)
+    pairs = (pair.partition("=") for line in lines for pair in shlex.split(line))
+    return {name: value for name, _, value in pairs}
+
+
+def handed(unit: str, issued: Path, where: Path) -> None:
+    """The files that a unit is to have, as systemd hands them over: in a directory of their own."""
+    where.mkdir()
+    for name, path in re.findall(r"^LoadCredential=(.*):/etc/fes/keys/(.*)$", unit, re.MULTILINE):
+        shutil.copy(issued / path, where / name)
+        (where / name).chmod(0o440)
+
+
+def test_with_the_drop_ins_a_run_goes_over_tls_each_with_its_own_files(tmp_path: Path) -> None:
+    what = (CONFIGS / "pair.toml").read_text(encoding="utf-8")
+    (tmp_path / "scenario.toml").write_text(re.sub(r"(?m)^duration = \S+", f"duration = {SECONDS}", what))
+    issued = certificates.directory(tmp_path / "issued", authority.found(1.0), ["world", "observer", "robot-0-1"])
+    crew = "0-1"
+    units = {
+        "world": text("fes-world.service") + drop_in("fes-world.service"),
+        "agent": text("fes-agent@.service") + drop_in("fes-agent@.service"),
+    }
+    units["world"] = re.sub(
+        r"(?m)^#(LoadCredential=robot-)0-4(.crt:.*robot-)0-4", rf"\g<1>{crew}\g<2>{crew}", units["world"]
+    )
+    running = []
+    port = free_port()
+    for role, unit in units.items():
+        own = tmp_path / role
+        handed(unit.replace("%i", crew), issued, own)
+        unit = unit.replace("%d", str(own)).replace("127.0.0.1:7447", f"127.0.0.1:{port}")
+        environment = variables(unit) | {"STATE_DIRECTORY": str(tmp_path)}
+        if role == "world":
+            environment["FES_SCENARIO"] = str(tmp_path / "scenario.toml")
+        running.append(start(unit, environment, tmp_path / f"{role}.log", crew))
+    try:
+        ends = [process.wait(PATIENCE) for process in running]
+    finally:
+        for process in running:
+            if process.poll() is None:
+                process.kill()
+                process.wait()
+    said = "".join((tmp_path / f"{role}.log").read_text() for role in units)
+    assert ends == [0, 0], said
+    assert "others on this machine" not in said
+    assert f"tls/127.0.0.1:{port}" in said
+    found = json.loads((tmp_path / "run/summary.json").read_text())
+    assert found["digest"] == inprocess.run(load("pair.toml", run__duration=SECONDS), "pair")["digest"]
+    names = {role: {path.name for path in (tmp_path / role).iterdir()} for role in units}
+    assert names == {
+        "world": {"ca.crt", "world.crt", "world.key", "robot-0-1.crt"},
+        "agent": {"ca.crt", "robot-0-1.crt", "robot-0-1.key"},
+    }

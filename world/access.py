@@ -12,6 +12,7 @@ process, the world is one more role, which may do all.
 """
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 from fes import keys
 from fes.identity import OBSERVER, OPERATOR, WORLD, robot_role
@@ -26,7 +27,7 @@ def control(run: str, robots: int, crews: Iterable[Sequence[int]] = (), *, world
     which show the world's certificate.
     """
     who: dict[str, Sequence[int]] = {robot_role([robot]): range(robot, robot + 1) for robot in range(robots)}
-    who |= {robot_role(crew): crew for crew in crews if max(crew) < robots}
+    who |= {robot_role(crew): crew for crew in crews if crew[-1] < robots}
     told = _all_are_told(run)
     rules = {role: [*_robot(run, role, hosted), *told] for role, hosted in who.items()}
     rules[OBSERVER] = [*_observer(run), *told]
@@ -42,6 +43,12 @@ def control(run: str, robots: int, crews: Iterable[Sequence[int]] = (), *, world
         "policies": [{"subjects": [role], "rules": [rule["id"] for rule in mine]} for role, mine in rules.items()],
     }
     return {"access_control": settings}
+
+
+def roles(settings: dict[str, object]) -> list[str]:
+    """Whom such settings name."""
+    found: Any = settings["access_control"]
+    return [subject["id"] for subject in found["subjects"]]
 
 
 def _robot(run: str, role: str, hosted: Sequence[int]) -> list[Rule]:

@@ -60,12 +60,13 @@ class Attendance:
     def missing(self, state: State) -> str:
         """Who is not there that the tick of `state` has to wait for, in words; nothing if nobody.
 
-        It waits for those that the scenario brings back at this tick, and while nobody at all is there.
+        It waits for those that the scenario brings back at this tick, and while nobody is there but should be.
         """
         there, planned = self._roster.whole & ~self._hung, self._schedule.get(state.tick)
         if planned is not None and (planned.back & ~there).any():
             return f"robot {np.argmax(planned.back & ~there)} did not come back"
-        return "" if there.any() else "nobody is there any more"
+        nobody = not there.any() and self._planned(state.tick)[0].any()
+        return "nobody is there any more" if nobody else ""
 
     def now(self, state: State) -> Bools:
         """Who takes part at the tick of `state` [n]."""

@@ -13,7 +13,8 @@ import re
 import sys
 import threading
 import time
-from collections.abc import AsyncIterator
+from collections import Counter
+from collections.abc import AsyncIterator, Iterable
 
 from fes import bus
 from fes.complaints import Complaints
@@ -24,6 +25,9 @@ PIPE = 1 << 20
 
 PAUSE = 0.05
 """The reader looks so often [s]: more often it would hold up the world's own thread."""
+
+KINDS_OF_ONE = 20
+"""Kinds that are told apart for one name on a certificate: nobody can fill the log, or hide another."""
 
 MAX_NAMES = 10_000
 """Sessions whose names are remembered."""
@@ -53,12 +57,27 @@ REASONS = (
 class Audit:
     """What was turned away, by kind; fed with the log as it comes."""
 
-    def __init__(self, complaints: Complaints) -> None:
-        self.complaints = complaints
+    def __init__(self, logger: logging.Logger, roles: Iterable[str]) -> None:
+        """For a run that has these `roles`; whoever else is named, even by a forged line, is one of the others."""
+        self._connections, self._others = Complaints(logger), Complaints(logger, KINDS_OF_ONE)
+        self._by_role = {role: Complaints(logger, KINDS_OF_ONE, f"{role}: other") for role in roles}
         self._rest = b""
         self._names: dict[bytes, str] = {}
         self._caching: dict[bytes, tuple[bytes, bytes, set[bytes]]] = {}
         """By thread, what it computes ahead: flow, key, and actions that would be denied."""
+
+    @property
+    def counts(self) -> Counter[str]:
+        """How often what was turned away."""
+        return sum((each.counts for each in self._each()), Counter[str]())
+
+    def log_total(self) -> None:
+        """A line for each who was turned away."""
+        for each in self._each():
+            each.log_total()
+
+    def _each(self) -> list[Complaints]:
+        return [self._connections, *self._by_role.values(), self._others]
 
     def feed(self, block: bytes) -> None:
         """Read a block of the log, which may begin and end amid a line."""
@@ -75,9 +94,11 @@ class Audit:
             self._caching[found[1]] = found[2], found[3], set()
         elif found := _TLS.search(line):
             why = next((meaning for said, meaning in REASONS if said in found["why"]), "it failed")
-            self.complaints.add(f"connection: {why}", f"a connection: {why}")
+            self._connections.add(f"connection: {why}", f"a connection: {why}")
         elif found := _STRANGER.search(line):
-            self.complaints.add("stranger", "all that a client says: no role of this run has its certificate's name")
+            self._connections.add(
+                "stranger", "all that a client says: no role of this run has its certificate's name"
+            )
 
     def _on_denial(self, line: bytes, found: re.Match[bytes]) -> None:
         """A message that was denied, or, while Zenoh computes ahead what a key permits, one that would be."""
@@ -94,13 +115,14 @@ class Audit:
             return
         who = self._names.get(found["zid"] or found["cached"], "somebody")
         act, key = found["act"].decode().lower(), found["key"].decode(errors="replace")
-        self.complaints.add(f"{who}: {act} on {key}", f"{who}'s {act} on {key}: it has no right to it")
+        complaints = self._by_role.get(who, self._others)
+        complaints.add(f"{who}: {act} on {key}", f"{who}'s {act} on {key}: it has no right to it")
 
 
 @contextlib.asynccontextmanager
-async def kept() -> AsyncIterator[None]:
-    """Log what is turned away while the block lasts, and at its end how often."""
-    audit = Audit(Complaints(logging.getLogger("world")))
+async def kept(roles: Iterable[str]) -> AsyncIterator[None]:
+    """Log what is turned away from a run of these `roles` while the block lasts, and at its end how often."""
+    audit = Audit(logging.getLogger("world"), roles)
     sys.stdout.flush()
     original = os.dup(1)
     out, into = os.pipe()
@@ -118,7 +140,7 @@ async def kept() -> AsyncIterator[None]:
         os.dup2(original, 1)  # the pipe's last writer is gone, which ends its reader
         os.close(original)
         reader.join(1.0)
-        audit.complaints.log_total()
+        audit.log_total()
 
 
 def _follow(pipe: int, audit: Audit) -> None:

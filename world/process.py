@@ -41,7 +41,8 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
     run, scenario = start.run, start.scenario
     rules = access.control(run, scenario.robots.number, identity.crews(flags.keys)) if flags.keys else None
     endpoints = process.world_endpoints(flags, rules)
-    async with audit.kept() if flags.keys else contextlib.nullcontext(), bus.opened(endpoints) as opened:
+    audited = audit.kept(access.roles(rules)) if rules else contextlib.nullcontext()
+    async with audited, bus.opened(endpoints) as opened:
         connected = bool(flags.connect or flags.config or flags.cfg) or flags.mode not in (None, "router")
         await claim.claim(opened, run, connected=connected)
         with _recorder(flags, start) as recorder:
@@ -50,23 +51,27 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
             if flags.out is not None:
                 server.keep = partial(summary.write_scenario, flags.out)
                 server.keep(course.scenario)
-            reached, pausing, ended = None, False, False
+            reached, first = None, course.state.tick
+            goes_on, ended = keeper is not None, False
             try:
                 if not course.is_over:
                     await server.gather()
                 await server.run()
             except asyncio.CancelledError as stopped:
-                pausing = keeper is not None and stopped.args == (signal.SIGTERM.name,) and not course.is_over
-                ended = not pausing
-                if pausing:
+                # Only who means it ends a run for good: not an accident, and not who took up one by a wrong flag.
+                meant = stopped.args in ((), (signal.SIGINT.name,)) and not 0 < first == course.state.tick
+                ended = meant or course.is_over
+                goes_on = goes_on and not ended
+                if goes_on:
                     server.save()
-                if not course.is_over:
-                    what = f"paused: fes-world --resume {flags.out} goes on" if pausing else "ended before its time"
-                    server.logger.info("tick %d of %d: %s", course.state.tick, scenario.ticks, what)
                 raise
             finally:
+                goes_on = goes_on and not course.is_over
+                if not course.is_over:
+                    what = f"paused: fes-world --resume {flags.out} goes on" if goes_on else "ended before its time"
+                    server.logger.info("tick %d of %d: %s", course.state.tick, scenario.ticks, what)
                 try:
-                    if not pausing:  # else the robots wait for a world that goes on
+                    if not goes_on:  # else the robots wait for a world that goes on
                         server.dismiss()
                     server.complaints.log_total(server.overflow)
                 finally:
@@ -133,11 +138,13 @@ def _start(flags: argparse.Namespace, held: contextlib.ExitStack) -> Start:
             flags.out.mkdir(parents=True, exist_ok=True)
             held.enter_context(alone(flags.out))
             summary.write_scenario(flags.out, scenario)
-        return Start(scenario, flags.name or Path(flags.scenario).stem, keys.check_run(flags.run))
+        return Start(scenario, flags.name or Path(flags.scenario).stem, keys.check_run(flags.run or keys.DEFAULT_RUN))
     if flags.scenario or flags.out or flags.name or flags.no_record or overrides(flags):
         raise FesError("--resume goes on with the run as it was: no SCENARIO, and no flag about it")
     held.enter_context(alone(flags.resume))
     kept = resume.load(flags.resume)
+    if flags.run not in (None, kept.run):
+        raise FesError(f"--resume goes on with run '{kept.run}', not with '{flags.run}'")
     _check_pace(flags, kept.scenario)
     flags.out = flags.resume
     return Start(kept.scenario, kept.name, kept.run, kept)
@@ -166,6 +173,7 @@ def main() -> None:
     )
     parser.add_argument("--no-record", action="store_true", help="write no log (run.mcap)")
     process.add_network_flags(parser)
+    parser.set_defaults(run=None)  # a run that is gone on with has its own
     flags = parser.parse_args()
     with contextlib.ExitStack() as held:
         try:

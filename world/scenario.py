@@ -22,6 +22,7 @@ from fes.config import (
     Table,
 )
 from fes.errors import ScenarioError
+from fes.keys import MAX_ROBOTS
 from world import equipment, events
 from world.equipment import Transmission
 from world.events import EventConfig, Planned, attendance, changed, schedule
@@ -29,7 +30,6 @@ from world.expect import ExpectConfig
 from world.radio_config import RadioConfig
 from world.rules import first_rule
 
-MAX_ROBOTS = 100_000
 MAX_TICKS = 1e9
 
 PoseRow = Annotated[tuple[float, float, float], Field(strict=False)]

@@ -78,21 +78,31 @@ Silence = MessageError | Absent | Refused
 async def examine(endpoints: Endpoints, run: str, wanted: bool) -> tuple[list[Finding], int | None]:
     """All that can be seen of a run from outside, and how many robots it has.
 
-    It fails where nobody is there only if the run is `wanted`: who names no run may have none.
+    It fails where nobody is there only if the run is `wanted`: who names no run may have none. It looks for
+    other runs only without certificates: with them nobody may.
     """
     try:
         async with _opened(endpoints) as opened:
             standing = await opened.standing(keys.tree(run), PATIENCE)
-            others = await opened.standing(keys.world_alive("*"), PATIENCE)
+            others = [] if endpoints.security else await opened.standing(keys.world_alive("*"), PATIENCE)
             answer = await _ask(opened, run) if keys.world_alive(run) in standing else None
     except (TransportError, TimeoutError, Absent) as error:
         said = str(error) or f"{endpoints.shown} is open, but does not speak Zenoh"
         if wanted:
-            return [failed("endpoint", said, "start fes-world or fes run, or name its endpoint with -e")], None
+            return [failed("endpoint", said, remedy(said))], None
         return [ok("endpoint", f"{said}: no run goes on")], None
     robots = answer.about.robots if isinstance(answer, Answer) else None
     found = [ok("endpoint", f"{endpoints.shown} answers"), alive(run, standing, others, robots, wanted)]
     return found + (list(said_by(answer)) if answer is not None else []), robots
+
+
+def remedy(said: str) -> str:
+    """What to do where no session opened, after what is `said` of that."""
+    if "--keys" in said:
+        return "fes doctor -e tls/HOST:PORT --keys DIR, with ca.crt and observer.{crt,key} in DIR"
+    if "certificate" in said:
+        return "certificates in date, of the authority of that world (fes keys list), and one of its names for HOST"
+    return "start fes-world or fes run, or name its endpoint with -e"
 
 
 @asynccontextmanager
