@@ -7,10 +7,10 @@ from re import findall
 import pytest
 
 from agents import mouth
-from console import observer
+from console import launcher, observer
 from fes import bus, complaints, inbox
 from fes.endpoints import Endpoints
-from world import checkpoint, deadlines, live, lockstep, roster
+from world import audit, checkpoint, deadlines, live, lockstep, roster
 
 ROOT = Path(__file__).parent.parent
 TEXT = " ".join((ROOT / "docs" / "reliability.md").read_text(encoding="utf-8").split())
@@ -40,6 +40,8 @@ FIGURES = [
     f"A robot that is silent for {live.HANG_TIMEOUT:g} s is left out",
     f"the first {live.WARM_UP} ticks, and those after a world came back",
     f"its session is gone with its lease of {SESSION_LEASE:g} s",
+    f"its world has {launcher.CLOSING:g} s to write it down",
+    f"over TLS {audit.KINDS_OF_ONE} of each certificate",
     f"{bus.QUESTIONS} wait for one handler",
     f"(Zenoh's ring) | {bus.MAILBOX} samples",
     f"`agents.mouth`, what was said | {mouth.REMEMBERED} ticks",
