@@ -41,3 +41,16 @@ def test_a_robot_that_seems_to_have_been_there_all_the_time_but_has_a_new_proces
     assert not roster.renewed
     roster.renewed.add(1)  # of who is told all anew at this tick anyhow, nothing is missed
     assert attendance.now(replace(state, since=np.array([0, 6]))).tolist() == [True, True]
+
+
+def test_a_session_of_several_robots_that_begins_anew_within_a_tick_costs_all_of_them_that_tick() -> None:
+    roster = SimpleNamespace(whole=np.ones(3, dtype=np.bool_), alive=np.ones(3, dtype=np.uint8), renewed=set())
+    roster.group = lambda robot: (0, 1) if robot < 2 else (2,)
+    poses = [[0.0, 0.0, 0.5], [60.0, 0.0, 2.0], [120.0, 0.0, 1.0]]
+    scenario = load("pair.toml", robots__poses=poses)
+    attendance = Attendance(roster, scenario)  # type: ignore[arg-type]
+    state = replace(simulation.start(simulation.create(scenario)), tick=5)
+    attendance.lost(1)  # and its token stands again, as that of robot 0 does
+    assert attendance.there.tolist() == [False, False, True]
+    assert attendance.now(state).tolist() == [False, False, True]
+    assert attendance.now(state).tolist() == [True, True, True]
