@@ -110,4 +110,5 @@ def test_a_checkpoint_takes_the_place_of_the_one_before_it_when_all_of_it_is_on_
     keeper.save(course, {}, 0.1, at_once=True)
     keeper.close(course)
     assert replaced == [of(tmp_path / FOLDER / STATE)]
+    assert sorted(path.name for path in (tmp_path / FOLDER).iterdir()) == ["journal-2", STATE, TRAIL]
     assert resume.load(tmp_path).state.tick == 5
