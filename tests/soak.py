@@ -2,10 +2,11 @@
 
     python -m tests.soak --minutes 10
 
-Ten agents and a world, each a process, are killed (SIGKILL), suspended (SIGSTOP, SIGCONT) and, the world, told to
-stop (SIGTERM), at random times; whoever is gone is started again, the world with --resume. Then there is peace, and
-the run goes on to its end. Expected: every tick is in the log and comes out the same when it is executed again, every
-process has ended well and by itself, nobody is left, and the formation stands.
+Ten agents and a world, each a process, are killed (SIGKILL), suspended (SIGSTOP, SIGCONT; the world for less than the
+lease of a session) and, the world, told to stop (SIGTERM), at random times; whoever is gone is started again, the
+world with --resume. Then there is peace, and the run goes on to its end. Expected: every tick is in the log and comes
+out the same when it is executed again, every process has ended well and by itself, nobody is left, and the formation
+stands.
 """
 
 import argparse
@@ -41,7 +42,10 @@ AWAY = (0.0, 3.0)
 """How long who was killed is away [s]."""
 
 ASLEEP = (0.5, 14.0)
-"""How long who was suspended sleeps [s]: some longer than the world waits."""
+"""How long an agent that was suspended sleeps [s]: some longer than the world waits."""
+
+DOZE = (0.2, 1.0)
+"""How long the world sleeps [s]: less than a session's lease of 2 s, so that nobody takes it for gone."""
 
 PATIENCE = 600.0
 """[s]"""
@@ -128,13 +132,17 @@ class Trouble:
 
     def _fault(self) -> None:
         busy = {robot for _, _, robot in self._later}
-        robot = self._chance.choice([-1, -1, *range(self._team.robots)])
+        robot = self._chance.choice([-1, -1, -1, *range(self._team.robots)])
         if robot in busy:
             return
         soon = time.monotonic() + self._chance.uniform(*AWAY)
         if robot < 0:
-            how = self._chance.choice([signal.SIGKILL, signal.SIGTERM])
+            how = self._chance.choice([signal.SIGKILL, signal.SIGTERM, signal.SIGSTOP])
             self._team.world.send_signal(how)
+            if how is signal.SIGSTOP:
+                self._later.append((time.monotonic() + self._chance.uniform(*DOZE), "continue", robot))
+                self.counts["worlds suspended"] += 1
+                return
             code = self._team.world.wait(PATIENCE)
             self._expect(code in (0, -how), f"the world ended with {code}")  # -how: one that is hardly there yet
             self._later.append((soon, "resume", robot))
@@ -158,7 +166,7 @@ class Trouble:
             elif what == "rejoin":
                 self._team.rejoin(robot)
             else:
-                self._team.agents[robot].send_signal(signal.SIGCONT)
+                (self._team.world if robot < 0 else self._team.agents[robot]).send_signal(signal.SIGCONT)
 
     def peace(self) -> None:
         """Wait for the end of the run."""

@@ -111,7 +111,7 @@ def nobody_hears_of(disturb: Any) -> None:
 def test_another_run_on_the_same_router_is_not_heard_at_all() -> None:
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
-            begin.set()
+            await ticks_go_by(vandal, 5, begin)  # all listen to their peers by now
             for _ in range(20):
                 for key, sent in everywhere(b"\xc1 junk", "other"):
                     vandal._session.put(key, sent)
@@ -124,7 +124,7 @@ def test_another_run_on_the_same_router_is_not_heard_at_all() -> None:
 def test_a_payload_longer_than_the_limit_does_not_arrive_and_harms_nobody() -> None:
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
-            begin.set()
+            await ticks_go_by(vandal, 5, begin)
             for key, _ in everywhere(b""):
                 vandal._session.put(key, bytes(2 * wire.MAX_PAYLOAD))
             await arrived(vandal)

@@ -90,7 +90,17 @@ class Trap:
         return os.mkdir, ("trapped",)
 
 
-@pytest.mark.parametrize("told", [pickle.dumps(Trap()), b"ctrap\nanything\n."], ids=["a call", "an import"])
+HARM = {
+    "a call": pickle.dumps(Trap()),
+    "an import": b"ctrap\nanything\n.",
+    "a function of the world": b"cworld.checkpoint\nclear\n(Vtrapped\ntR.",
+    "what the world imports": b"cworld.checkpoint\nshutil\n.",
+    "a class that others made": b"cworld.checkpoint\nPath\n(Vtrapped\ntR.",
+    "a class of the world that is no table": b"cworld.checkpoint\nKeeper\n.",
+}
+
+
+@pytest.mark.parametrize("told", HARM.values(), ids=HARM)
 def test_a_checkpoint_cannot_run_anything(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, told: bytes) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)

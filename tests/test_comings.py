@@ -3,7 +3,7 @@
 import asyncio
 import json
 import subprocess
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
@@ -29,15 +29,21 @@ DEADS: list[dict[str, Any]] = [{"at": 0.6, "kill": [4, 6]}, {"at": 1.2, "restart
 Story = Callable[[Server, list["asyncio.Task[Agent]"], str], Awaitable[None]]
 
 
-def live_through(scenario: Scenario, path: Path, story: Story, pace: float = 2.0) -> dict[str, Any]:
-    """A recorded run of robots in a process each, while `story` happens; returns its summary."""
+def live_through(
+    scenario: Scenario,
+    path: Path,
+    story: Story,
+    pace: float = 2.0,
+    groups: Sequence[Sequence[int]] | None = None,
+) -> dict[str, Any]:
+    """A recorded run of robots, an agent a group or a robot, while `story` happens; returns its summary."""
 
     async def main() -> dict[str, Any]:
         async with session.router() as (opened, endpoint), asyncio.timeout(100.0):
             with Recorder(path, scenario, "test", "processes") as recorder:
                 server = Server(opened, Course(scenario, recorder), "test", RUN, pace)
-                robots = range(scenario.robots.number)
-                agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in robots]
+                crews = groups or [[robot] for robot in range(scenario.robots.number)]
+                agents = [asyncio.ensure_future(session.live(endpoint, crew)) for crew in crews]
                 await server.gather()
                 running = asyncio.ensure_future(server.run())
                 await story(server, agents, endpoint)
@@ -76,12 +82,21 @@ async def until(server: Server, holds: Callable[[Any], Any]) -> int:
 
 
 def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_it_can_be_executed_again(
-    tmp_path: Path,
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    for patience in ("ANSWER_TIMEOUT", "ASK_AGAIN"):  # its token alone tells the barrier
+        monkeypatch.setattr(f"world.lockstep.{patience}", 1e6)
+    dying, say, unsaid = asyncio.Event(), Mouth.say, list[int]()
+    monkeypatch.setattr(
+        Mouth, "say", lambda *what: unsaid.append(what[1]) if dying.is_set() and what[2][0][0] == 4 else say(*what)
+    )
     seen: dict[str, Any] = {}
 
     async def story(server: Server, agents: list["asyncio.Task[Agent]"], endpoint: str) -> None:
         await until(server, lambda state: state.tick >= 40)
+        dying.set()  # with an answer on its tongue, for which all wait
+        await until(server, lambda state: unsaid)
+        dying.clear()
         agents[4].cancel()
         gone = await until(server, lambda state: not state.present[4])
         pose = server.course.state.poses[4].tolist()

@@ -11,15 +11,17 @@ import pytest
 from agents.mouth import Mouth
 from agents.presence import Presence
 from agents.turns import Turns
-from console import header
+from console import header, inprocess
 from fes import keys, messages
 from fes.complaints import Complaints
 from fes.inbox import Inbox
 from fes.messages import Command, Observation
+from fes.report import decode_report, encode_report
 from tests.clocks import Clock
 from tests.frames import a_report
 from tests.loop import load
-from world import live, simulation
+from world import live, reporting, simulation
+from world.account import Account
 from world.deadlines import COMMAND_TIMEOUT, Deadlines, none
 from world.live import WARM_UP, Live
 from world.lockstep import Lockstep
@@ -220,6 +222,18 @@ def test_a_world_that_is_late_slips_and_gives_every_robot_a_whole_tick(monkeypat
     asyncio.run(main())
     assert wall.slept == pytest.approx([0.02, 0.019, 0.02, 0.019])
     assert deadlines.slipped == pytest.approx(0.5)
+
+
+def test_a_report_tells_of_what_was_missed_and_came_late_until_its_tick() -> None:
+    sums = Account(load("pair.toml", run__clock="live"))
+    for tick in inprocess.ticks(load("pair.toml", run__duration=0.1)):
+        sums.add(tick.state, tick.twists, tick.telemetry, np.array([tick.state.tick, 1]))
+    assert sums.deadlines is not None
+    sums.deadlines.late[1] = 2
+    report = reporting.build(sums, "test", np.ones(2, dtype=np.uint8), 0.0, 0.0)
+    told = decode_report(encode_report(report))
+    assert told.missed.tolist() == [0, 3]  # from tick 2 to 4
+    assert told.late.tolist() == [0, 2]
 
 
 def test_the_dashboard_shows_what_was_missed_and_whose_it_was() -> None:

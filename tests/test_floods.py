@@ -14,9 +14,11 @@ from tests import session
 from tests.attackers import (
     FLOOD,
     ROBOTS,
+    arrived,
     attacked,
     everywhere,
     reversioned,
+    ticks_go_by,
 )
 from tests.session import PATIENCE, RUN, client
 
@@ -36,6 +38,35 @@ def test_a_flood_of_junk_on_all_keys_at_once_changes_no_digit() -> None:
     server, _ = attacked(disturb)
     # a third of the keys are commands; what came when the run was over is not counted
     assert 0 < server.complaints.counts["Command: is not msgpack (FormatError)"] <= FLOOD
+
+
+def test_the_lockstep_has_a_priority_of_its_own_and_no_message_of_it_is_dropped() -> None:
+    """What Zenoh's tools and a flood put goes by another queue of each link, and reports do, too."""
+    seen: set[tuple[str, str, str]] = set()
+
+    def note(sample: zenoh.Sample) -> None:
+        key = str(sample.key_expr).rpartition("/")[2]
+        seen.add((key, str(sample.priority), str(sample.congestion_control)))
+
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        async with client(endpoint) as watcher:
+            listening = watcher._session.declare_subscriber(
+                f"fes/{RUN}/**", zenoh.handlers.Callback(note, indirect=False)
+            )
+            await ticks_go_by(watcher, 5, begin)
+            report = watcher.publisher(f"fes/{RUN}/no/report", "x", drop=True)
+            watcher._session.put(f"fes/{RUN}/no/stranger", b"")
+            report(b"")
+            await arrived(watcher)
+            listening.undeclare()
+
+    attacked(disturb)
+    default = str(zenoh.Priority.DATA)
+    [priority] = {of for key, of, _ in seen if key not in ("report", "stranger")}
+    assert priority != default
+    lockstep = {(key, priority, str(zenoh.CongestionControl.BLOCK)) for key in ("observation", "beacon", "command")}
+    others = {(key, default, str(zenoh.CongestionControl.DROP)) for key in ("report", "stranger")}
+    assert seen == lockstep | others
 
 
 @pytest.mark.parametrize("size", [1_000, 60_000])

@@ -149,5 +149,19 @@ def test_what_comes_beyond_the_limit_is_dropped_and_counted(monkeypatch: pytest.
     assert play(scene) == ([f"0/{number}" for number in range(5)], 3, ["after"])
 
 
+def test_a_few_large_messages_fill_it_too_and_a_small_one_may_find_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(inboxes, "LIMIT_BYTES", 100)
+
+    async def scene(inbox: Inbox) -> tuple[list[str], int, list[str]]:
+        for key, size in (("a", 60), ("b", 41), ("c", 40), ("d", 1), ("e", 0)):
+            inbox.put(key, bytes(size))
+        inbox.put("f", None)
+        kept, dropped = [key for key, _ in inbox.drain()], inbox.dropped
+        inbox.put("after", bytes(100))
+        return kept, dropped, [key for key, _ in inbox.drain()]
+
+    assert play(scene) == (["a", "c", "e", "f"], 2, ["after"])
+
+
 def test_the_limit_is_there_and_is_no_small_number() -> None:
     assert 10_000 <= inboxes.LIMIT <= 10_000_000

@@ -4,12 +4,14 @@ import asyncio
 import logging
 import subprocess
 import sys
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from agents import process
 from console import inprocess
+from fes import keys, messages
 from fes.complaints import Complaints
 from fes.errors import Absent, Refused
 from fes.messages import Join
@@ -17,7 +19,7 @@ from tests import session
 from tests.loop import load
 from tests.session import RUN, client
 from world.course import Course
-from world.roster import Roster
+from world.roster import LEASE, Roster
 from world.scenario import agent_config
 from world.server import Server
 
@@ -77,6 +79,39 @@ def test_a_robot_is_free_again_when_its_agent_is_gone_and_until_then_nobody_gets
                 first.cancel()
                 assert await process.lease(third, RUN, session.PATIENCE) == 0
             second.cancel()
+
+    asyncio.run(main())
+
+
+@pytest.mark.usefixtures("at_length")
+def test_who_is_promised_a_robot_and_does_not_come_loses_it_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [1000.0]
+    monkeypatch.setattr("world.roster.time", SimpleNamespace(monotonic=lambda: now[0]))
+
+    async def main() -> None:
+        async with session.router() as (opened, endpoint), client(endpoint) as asker:
+            Server(opened, Course(load("pair.toml")), "test", RUN)
+
+            async def joined(agent: int) -> str:
+                join = messages.encode_join(Join((0,), agent))
+                try:
+                    await asker.ask(keys.welcome(RUN, "0"), join, session.PATIENCE)
+                except Refused as refused:
+                    return str(refused)
+                return "welcome"
+
+            assert [await process.lease(asker, RUN, 0.5) for _ in range(2)] == [0, 1]
+            now[0] += LEASE - 0.1
+            with pytest.raises(Refused, match=r"^all 2 robots are hosted already$"):
+                await process.lease(asker, RUN, 0.5)
+            now[0] += 0.2
+            assert await process.lease(asker, RUN, 0.5) == 0
+            refusal = "robot 0 is hosted by another agent already"
+            assert [await joined(agent) for agent in (7, 8, 7)] == ["welcome", refusal, "welcome"]
+            now[0] += LEASE - 0.1
+            assert await joined(8) == refusal
+            now[0] += 0.2
+            assert [await joined(agent) for agent in (8, 7)] == ["welcome", refusal]
 
     asyncio.run(main())
 

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import re
 import signal
 import subprocess
 import time
@@ -11,6 +12,7 @@ from typing import Any
 import pytest
 
 from agents.mouth import Mouth
+from agents.radio import Radio
 from console import log, replay
 from console.launcher import free_port
 from fes import keys
@@ -103,8 +105,9 @@ def test_nobody_waits_for_a_robot_that_says_nothing_and_it_stops(
 ) -> None:
     monkeypatch.setattr("world.live.HANG_TIMEOUT", 1.0)
     mute, say = asyncio.Event(), Mouth.say
+    unsaid: list[tuple[Mouth, int, Any]] = []
     monkeypatch.setattr(
-        Mouth, "say", lambda mouth, tick, said: None if mute.is_set() and said[0][0] == 1 else say(mouth, tick, said)
+        Mouth, "say", lambda *what: unsaid.append(what) if mute.is_set() and what[2][0][0] == 1 else say(*what)
     )
     seen: dict[str, Any] = {}
 
@@ -122,16 +125,38 @@ def test_nobody_waits_for_a_robot_that_says_nothing_and_it_stops(
         await until(lambda: course.state.tick >= seen["gone"] + 20)
         seen["stood"] = course.state.poses[1].tolist() == pose
         mute.clear()
+        say(*unsaid[-1])  # as one does that goes on where it hung
+        await until(lambda: course.state.present[1] or course.is_over)
+        seen["back"] = course.state.since[1]
 
     scenario = load("pair.toml", run__duration=4.0, run__clock="live")
     summary = live_through(scenario, tmp_path / "run.mcap", story)
     assert seen["stood"]
     assert seen["gone"] >= seen["heard"] + round(1.0 / TICK)
+    assert seen["back"] >= seen["gone"] + 20
     assert summary["ticks"] == 200
     kept = summary["deadlines"]
     assert kept["missed"][1] >= 45
     assert kept["stopped"][1] >= 30
     assert replay.again(log.load(tmp_path / "run.mcap"))["digest"] == summary["digest"]
+
+
+def test_a_beacon_that_comes_too_late_is_lost_and_counted_and_nobody_asks_for_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    heard = Radio.heard
+    monkeypatch.setattr(Radio, "heard", lambda radio, tick: heard(radio, tick) if tick < WARM_UP + 5 else [])
+    near = load("pair.toml", channel__model="perfect", run__duration=1.0, run__clock="live")
+
+    async def main() -> Any:
+        async with asyncio.timeout(PATIENCE):
+            return await session.run(near, [[0], [1]])
+
+    summary, _, agents = asyncio.run(main())
+    assert summary["ticks"] == 50
+    for agent in agents:
+        assert re.match(r"[1-9]\d* beacons came too late, \d+ ticks were skipped", agent.lag)
+        assert not agent.complaints.counts["Beacon: recalled"]
 
 
 def test_ten_processes_keep_the_formation_on_the_live_clock(tmp_path: Path) -> None:

@@ -89,8 +89,9 @@ def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, r
             assert snapshot.state.tick == max(0, (tick + 2) // 7 * 7 - 2 if tick >= 5 else 0)
             again = resume.recorder(second, snapshot)
             assert (again is not None) == recorded
-            other, kept, _ = resume.course(second, snapshot, again, 1e9)
+            other, kept, elapsed = resume.course(second, snapshot, again, 1e9)
             assert other.state.tick == tick + 1
+            assert elapsed == 0.1  # as every tick was told
             assert other.state.poses.tobytes() == course.state.poses.tobytes()
             assert other.state.radio.burst.tobytes() == course.state.radio.burst.tobytes()
             assert other.state.channel == course.state.channel

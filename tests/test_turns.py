@@ -1,0 +1,117 @@
+"""Which ticks an agent answers in lockstep: each in its turn, those that come again again, and no others."""
+
+import asyncio
+import logging
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from agents.presence import Presence
+from agents.turns import Turns
+from fes import keys, messages
+from fes.complaints import Complaints
+from fes.errors import Absent
+from fes.inbox import Inbox
+from fes.messages import Observation
+
+NOTHING = np.zeros(0, dtype=np.int64)
+ODD = "Observation: is not for this tick"
+
+
+class Said:
+    """A mouth that remembers the last two ticks, and notes what it repeats."""
+
+    def __init__(self) -> None:
+        self.last = -1
+        self.repeated: list[int] = []
+
+    def remembers(self, tick: int) -> bool:
+        return self.last - 1 <= tick <= self.last
+
+    def repeat(self, tick: int, robot: int) -> None:
+        self.repeated.append(tick)
+
+
+Sense = Callable[..., None]
+Scene = Callable[[int, Sense, Presence], None]
+"""What is sensed when a tick is being answered; the last one is over."""
+
+
+def play(scene: Scene) -> tuple[list[int], Said, Complaints]:
+    """The ticks that were answered, what was repeated, and what was odd, while tick 0 and then a scene come."""
+    mouth, complaints = Said(), Complaints(logging.getLogger("test"))
+    answered: list[int] = []
+
+    async def main() -> None:
+        inbox = Inbox(asyncio.get_running_loop())
+        turns, world = Turns((3,), inbox, mouth, complaints), Presence("the world", inbox)  # type: ignore[arg-type]
+
+        def sense(tick: int, since: int = 0, over: bool = False) -> None:
+            sensed = Observation(tick, 3, (0.0, 0.0, 0.0), NOTHING, NOTHING.astype(np.uint8), over, since)
+            inbox.put(keys.observation("test", 3), messages.encode_observation(sensed))
+
+        sense(0)
+        async with asyncio.timeout(60.0):
+            async for [observation] in turns.lockstep(world):
+                assert observation.tick == turns.tick
+                answered.append(observation.tick)
+                mouth.last = observation.tick
+                scene(observation.tick, sense, world)
+
+    asyncio.run(main())
+    return answered, mouth, complaints
+
+
+def test_what_comes_early_is_refused_and_does_not_take_the_place_of_what_is_next() -> None:
+    def scene(tick: int, sense: Sense, world: Presence) -> None:
+        for early in (2, 10**6):
+            sense(tick + early)
+        sense(tick + 1, over=tick == 3)
+
+    answered, mouth, complaints = play(scene)
+    assert answered == [0, 1, 2, 3]
+    assert not mouth.repeated
+    assert complaints.counts == {ODD: 8}
+
+
+def test_what_comes_again_is_answered_again_and_what_is_older_is_refused() -> None:
+    def scene(tick: int, sense: Sense, world: Presence) -> None:
+        for late in (0, 1, 2):
+            sense(max(0, tick - late))
+        sense(tick + 1, over=tick == 2)
+
+    answered, mouth, complaints = play(scene)
+    assert answered == [0, 1, 2]
+    assert mouth.repeated == [0, 0, 0, 1, 2]
+    assert complaints.counts == {ODD: 4}
+
+
+def test_a_world_that_is_back_is_answered_one_tick_before_the_last_too_and_ends_who_cannot() -> None:
+    def scene(tick: int, sense: Sense, world: Presence) -> None:
+        if tick == 2:
+            world.is_new = True
+            sense(1)
+        sense(tick + 1, over=tick == 3)
+
+    assert play(scene)[1].repeated == [1]
+
+    def too_old(tick: int, sense: Sense, world: Presence) -> None:
+        if tick < 3:
+            sense(tick + 1)
+            return
+        world.is_new = True
+        sense(1)
+        sense(1)
+
+    with pytest.raises(Absent, match=r"^the world is back at tick 1, and 3 was answered$"):
+        play(too_old)
+
+
+def test_who_was_away_goes_on_where_it_is_told_that_it_takes_part_again() -> None:
+    def scene(tick: int, sense: Sense, world: Presence) -> None:
+        sense(900 if tick == 0 else 901, since=900, over=tick > 0)
+
+    answered, _, complaints = play(scene)
+    assert answered == [0, 900]
+    assert not complaints.counts
