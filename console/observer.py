@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import math
 from collections import deque
 from collections.abc import AsyncIterator
 
@@ -19,7 +20,11 @@ connection may have been lost, or another world goes on with the run."""
 
 
 STRANGE = 10
-"""After so many reports of another protocol version, and none that can be read, there is nothing to be seen."""
+"""After so many reports of another protocol version, in STRANGE_FOR at least, and none that can be read, there is
+nothing to be seen. Worlds report ten times a second, so whoever puts others between them hides none."""
+
+STRANGE_FOR = 3.0
+"""[s]"""
 
 
 async def reports(bus: Bus, run: str, timeout: float, idle: float) -> AsyncIterator[Report | None]:
@@ -33,7 +38,8 @@ async def reports(bus: Bus, run: str, timeout: float, idle: float) -> AsyncItera
     loop = asyncio.get_running_loop()
     waiting: deque[bytes] = deque(maxlen=MAX_WAITING)
     news = asyncio.Event()
-    here, since, latest, strange = False, loop.time(), None, 0
+    here, since, latest = False, loop.time(), None
+    strange, first = 0, math.inf
 
     def on_report(key: str, payload: bytes | None) -> None:
         if payload is not None:
@@ -58,8 +64,9 @@ async def reports(bus: Bus, run: str, timeout: float, idle: float) -> AsyncItera
             try:
                 latest = decode_report(waiting.popleft())
             except MessageError as error:
-                strange += about.speaks_otherwise(error)
-                if latest is None and strange >= STRANGE:
+                if about.speaks_otherwise(error):
+                    strange, first = strange + 1, min(first, loop.time())
+                if latest is None and strange >= STRANGE and loop.time() - first >= STRANGE_FOR:
                     raise
                 continue  # a view shows what it can read
             asked = loop.time()

@@ -78,7 +78,7 @@ def announced(run: str) -> tuple[Path, Address] | None:
     """The run of this folder that was started last of those that go on and can be watched (one in process cannot):
     where it says so, and what it says."""
     said = (path for path in ROOT.glob(f"*/{ENDPOINT}") if not path.parent.is_symlink())
-    for path in sorted(said, key=lambda path: path.stat().st_mtime, reverse=True):
+    for path in sorted(said, key=_written, reverse=True):
         with contextlib.suppress(OSError, ValueError, TypeError):
             found = Address(**json.loads(path.read_text(encoding="utf-8")))
             if found.run == run and _lives(found.pid):
@@ -90,6 +90,14 @@ def find(run: str) -> Address:
     """Where to look without being told: the run that is announced in this folder, else the default endpoint."""
     found = announced(run)
     return found[1] if found else Address(DEFAULT_ENDPOINT, run)
+
+
+def _written(path: Path) -> float:
+    """When it was written [s]; long ago where it was withdrawn just now."""
+    try:
+        return path.stat().st_mtime
+    except OSError:
+        return 0.0
 
 
 def _lives(pid: int) -> bool:

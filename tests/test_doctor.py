@@ -132,9 +132,9 @@ def test_nobody_at_the_endpoint_fails_only_where_somebody_is_expected() -> None:
 def test_a_listener_that_says_nothing_does_not_hold_it_up() -> None:
     with socket.create_server(("127.0.0.1", 0)) as mute:
         begun = time.monotonic()
-        endpoint = f"tcp/127.0.0.1:{mute.getsockname()[1]}"
-        found, _ = asyncio.run(network.examine(client_of(endpoint), RUN, True))
-        assert time.monotonic() - begun < 2 * network.PATIENCE + 50.0  # twice its patience, on a machine of any speed
+        endpoints = Endpoints("client", (f"tcp/127.0.0.1:{mute.getsockname()[1]}",), timeout=600.0)
+        found, _ = asyncio.run(network.examine(endpoints, RUN, True))
+        assert time.monotonic() - begun < endpoints.timeout / 2.0  # what Zenoh itself would wait
     assert [one.status for one in found] == [Status.FAILED]
 
 
@@ -187,7 +187,8 @@ def test_the_command_prints_json_or_a_table_and_its_exit_code_says_whether_anyth
 
     healthy = call(tmp_path, "fes", "doctor")
     assert (healthy.returncode, healthy.stderr) == (0, "")
-    assert "no run goes on" in " ".join(healthy.stdout.split())
+    taken = network.port(DEFAULT_ENDPOINT, world=False).status == Status.WARNING  # a person's own run, perhaps
+    assert taken or "no run goes on" in " ".join(healthy.stdout.split())
 
 
 def test_the_table_fits_eighty_columns() -> None:

@@ -142,3 +142,10 @@ def test_a_run_that_is_not_as_expected_exits_with_two_and_shows_what_was_seen(ba
     assert any("estimate_error_max" in line and "does not hold" in line for line in lines)
     kept = json.loads((tmp_path / "runs/latest/summary.json").read_text())
     assert [verdict["holds"] for verdict in kept["expectations"]] == [True, False]
+
+
+def test_deadlines_are_expected_of_a_live_clock_only() -> None:
+    wanted = [{"of": "deadlines.missed_share", "below": 0.1}]
+    assert load("pair.toml", run__clock="live", expect=wanted).expect
+    with pytest.raises(ScenarioError, match=r"'deadlines.missed_share' is of a live clock only"):
+        load("pair.toml", expect=wanted)

@@ -193,8 +193,8 @@ def test_an_observer_shows_what_it_can_read_through_a_flood_of_junk_reports() ->
             begin.set()
 
             def flood() -> None:
-                for _ in range(FLOOD):
-                    vandal._session.put(keys.report(RUN), b"\xc1 junk")
+                for number in range(FLOOD):
+                    vandal._session.put(keys.report(RUN), (b"\xc1 junk", b"\x92\x02\x00")[number % 2])
 
             flooding = asyncio.ensure_future(asyncio.to_thread(flood))
             try:

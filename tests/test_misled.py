@@ -39,11 +39,11 @@ def test_an_agent_without_a_role_in_the_run_is_told_where_to_look(
     async def main() -> tuple[str, Stage]:
         async with stage(tmp_path, keyed) as world:
             certificates.directory(keyed, issuer, [f"robot-{robots}"])
-            return await said(world, robots, 2.0, *world.flags), world
+            return await said(world, robots, 10.0, *world.flags), world
 
     line, world = asyncio.run(main())
     assert line == (
-        f"fes-agent: error: no world of run 'main' appeared within 2 s: {world.endpoint} takes our certificate; "
+        f"fes-agent: error: no world of run 'main' appeared within 10 s: {world.endpoint} takes our certificate; "
         f"a world there logs whether its run has no role 'robot-{robots}'"
     )
     assert "no role of this run has its certificate's name" in world.log()
@@ -56,7 +56,7 @@ def test_an_agent_whose_certificate_expires_while_its_world_is_away_is_told_so(
 
     async def main() -> str:
         async with stage(tmp_path, keyed) as world:
-            ending = asyncio.ensure_future(said(world, "0", 2.0, *world.flags))
+            ending = asyncio.ensure_future(said(world, "0", 10.0, *world.flags))
             async with world.visitor("observer") as observer:
                 while keys.robot_alive(RUN, 0) not in await observer.standing(keys.tree(RUN), PATIENCE):
                     await asyncio.sleep(0.02)

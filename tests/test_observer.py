@@ -96,10 +96,16 @@ def test_a_world_that_does_not_follow_is_missed_from_when_the_reader_is_back() -
 
 
 def test_who_hears_only_another_version_is_told_so() -> None:
-    strange = [(1.0 + 0.1 * at, of_another_version(at)) for at in range(20)]
+    strange = [(1.0 + 0.1 * at, of_another_version(at)) for at in range(50)]
     ticks, error, when = seen(30.0, (0.5, True), *strange)
     assert (ticks, str(error)) == ([], "Report: speaks protocol 1, got version: 2")
-    assert when <= 3.0 + IDLE  # as soon as the world has said enough
+    assert when <= 1.0 + observer.STRANGE_FOR + IDLE  # as soon as the world has said enough, for long enough
+
+
+def test_a_flood_of_another_version_before_the_first_report_hides_none() -> None:
+    strange = [(1.0 + 0.001 * at, of_another_version(at)) for at in range(500)]
+    ticks, error, _ = seen(5.0, (0.5, True), *strange, (2.0, report(7)), (6.0, report(TICKS - 1)), (7.0, False))
+    assert (ticks, error) == ([7, TICKS - 1], None)
 
 
 def test_junk_of_another_version_between_reports_hides_none() -> None:

@@ -19,7 +19,7 @@ from typing import Any
 from fes import bus, identity, keys, process
 from fes.errors import FesError, reason
 from world import access, audit, claim, expect, resume, summary
-from world.checkpoint import PERIOD, Keeper, Snapshot, alone, clear, is_kept
+from world.checkpoint import FOLDER, PERIOD, Keeper, Snapshot, alone, clear, is_kept
 from world.course import Course
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
@@ -58,9 +58,9 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
                     await server.gather()
                 await server.run()
             except asyncio.CancelledError as stopped:
-                # Only who means it ends a run for good: not an accident, and not who took up one by a wrong flag.
-                meant = stopped.args in ((), (signal.SIGINT.name,)) and not 0 < first == course.state.tick
-                ended = meant or course.is_over
+                # Only who means it ends a run for good: no accident, and not who took it up by a wrong flag.
+                waited = start.kept is not None and course.state.tick == first and not flags.exit_with_stdin
+                ended = course.is_over or (stopped.args == (signal.SIGINT.name,) and not waited)
                 goes_on = goes_on and not ended
                 if goes_on:
                     server.save()
@@ -69,6 +69,8 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
                 goes_on = goes_on and not course.is_over
                 if not course.is_over:
                     what = f"paused: fes-world --resume {flags.out} goes on" if goes_on else "ended before its time"
+                    if goes_on and course.state.tick == first:
+                        what += f"; to end it for good, remove {flags.out / FOLDER}"
                     server.logger.info("tick %d of %d: %s", course.state.tick, scenario.ticks, what)
                 try:
                     if not goes_on:  # else the robots wait for a world that goes on
@@ -132,13 +134,14 @@ def _start(flags: argparse.Namespace, held: contextlib.ExitStack) -> Start:
     if flags.resume is None:
         if flags.scenario is None:
             raise FesError("give a SCENARIO, or --resume RUN_DIR")
+        run = keys.check_run(keys.DEFAULT_RUN if flags.run is None else flags.run)
         scenario = load(Path(flags.scenario), overrides(flags))
         _check_pace(flags, scenario)
         if flags.out is not None:
             flags.out.mkdir(parents=True, exist_ok=True)
             held.enter_context(alone(flags.out))
             summary.write_scenario(flags.out, scenario)
-        return Start(scenario, flags.name or Path(flags.scenario).stem, keys.check_run(flags.run or keys.DEFAULT_RUN))
+        return Start(scenario, flags.name or Path(flags.scenario).stem, run)
     if flags.scenario or flags.out or flags.name or flags.no_record or overrides(flags):
         raise FesError("--resume goes on with the run as it was: no SCENARIO, and no flag about it")
     held.enter_context(alone(flags.resume))

@@ -115,6 +115,13 @@ class Scenario(Table):
             raise ValueError(str(error)) from None
         return self
 
+    @model_validator(mode="after")
+    def _deadlines_of_a_live_clock(self) -> Self:
+        for one in self.expect:
+            if one.of.startswith("deadlines") and self.run.clock != "live":
+                raise ValueError(f"expect: '{one.of}' is of a live clock only (run.clock)")
+        return self
+
     @property
     def changes(self) -> dict[int, dict[str, Any]]:
         """Tick -> what is set from it on, in order."""

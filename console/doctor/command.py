@@ -42,7 +42,7 @@ def doctor(
     named = bool(connect or config or run)
     announced = rundir.announced(who.run)
     if announced is not None and (
-        connect or isinstance(where, Finding) or announced[1].endpoint not in where.connect
+        connect or config or cfg or isinstance(where, Finding) or announced[1].endpoint not in where.connect
     ):
         announced = None  # it is not where we look
 
