@@ -18,7 +18,7 @@ from fes import process
 async def main():
     Path("here").touch()
     try:
-        await asyncio.sleep(1000.0)
+        await asyncio.Event().wait()
     finally:
         while not Path("go").exists():
             await asyncio.sleep(0.01)
@@ -48,7 +48,7 @@ def test_a_world_that_is_slow_to_write_what_was_reached_is_not_ended_as_soon_as_
     assert (tmp_path / "kept").exists()
 
 
-ENDLESS = "import time; time.sleep(1000.0)"
+ENDLESS = "import signal; signal.pause()"
 
 
 async def child(where: Path, name: str, code: str, said: str = "") -> Child:

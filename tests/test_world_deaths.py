@@ -6,7 +6,7 @@ import shutil
 import signal
 import subprocess
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -99,9 +99,10 @@ class Run:
         return found
 
 
-@pytest.fixture
-def run(tmp_path: Path) -> Iterator[Run]:
-    going = Run(tmp_path, "neighborhood.toml", "--duration", "40")
+@contextmanager
+def under_way(where: Path, scenario: str) -> Iterator[Run]:
+    """40 s of a scenario, of which nobody is left behind."""
+    going = Run(where, scenario, "--duration", "40")
     try:
         yield going
     finally:
@@ -109,6 +110,12 @@ def run(tmp_path: Path) -> Iterator[Run]:
             if process.poll() is None:
                 process.kill()
             process.communicate()
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Iterator[Run]:
+    with under_way(tmp_path, "neighborhood.toml") as going:
+        yield going
 
 
 def test_a_run_whose_world_is_killed_and_told_to_stop_comes_to_the_same_digest(run: Run) -> None:

@@ -11,7 +11,7 @@ import pytest
 from console import inprocess
 from tests.loop import load
 from tests.test_processes import PATIENCE, alive, children, command, fes, start, until
-from tests.test_world_deaths import Run
+from tests.test_world_deaths import Run, under_way
 from world.checkpoint import FOLDER
 from world.summary import write_scenario
 
@@ -19,16 +19,10 @@ from world.summary import write_scenario
 @pytest.fixture
 def pair(tmp_path: Path) -> Iterator[Run]:
     """Two robots at the fourfold pace of the wall clock."""
-    going = Run(tmp_path, "pair.toml", "--duration", "40")
-    for robot in (0, 1):
-        going.join(robot)
-    try:
+    with under_way(tmp_path, "pair.toml") as going:
+        for robot in (0, 1):
+            going.join(robot)
         yield going
-    finally:
-        for process in (going.world, *going.agents.values()):
-            if process.poll() is None:
-                process.kill()
-            process.communicate()
 
 
 def whole() -> str:
