@@ -179,9 +179,10 @@ async def lease(opened: Bus, run: str, timeout: float) -> int:
         left = end - time.monotonic()
         try:
             answer = await opened.ask(keys.lease(run), b"", max(left, PATIENCE))
-        except (Absent, Refused):
+        except (Absent, Refused) as error:
             if left <= PATIENCE:
-                raise
+                never = Absent(f"no world of run '{run}' leases robots here (asked for {timeout:g} s)")
+                raise error if isinstance(error, Refused) else never from None
             await asyncio.sleep(PATIENCE)  # a world may come, or a robot be left by its agent
         else:
             return messages.decode_lease(answer)

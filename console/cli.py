@@ -157,7 +157,11 @@ def main() -> None:
         message = getattr(error, "format_message", None)
         if message is None:
             raise
-        process.complain("fes", message().replace("Value error, ", "") or "expects a command; see fes --help")
+        said = message().replace("Value error, ", "")
+        if said.startswith("Usage:"):  # without a command it is the whole help, and no error of one line
+            print(said, file=sys.stderr)
+        else:
+            process.complain("fes", said or "expects a command; see fes --help")
         code = process.FAILURE
     if code == INTERRUPTED:
         process.complain("fes", "stopped by SIGINT")

@@ -194,7 +194,11 @@ def test_a_reader_that_went_away_is_said_without_a_file(
     assert (left.value.code, capsys.readouterr().err) == (1, "fes: error: Broken pipe\n")
 
 
-def test_without_a_command_the_help_is_shown_and_no_empty_error(tmp_path: Path) -> None:
-    done = call(tmp_path, "fes")
-    assert "Usage: fes" in done.stdout + done.stderr
-    assert "fes: error: \n" not in done.stderr
+@pytest.mark.parametrize("words", [["fes"], ["fes", "keys"]], ids=" ".join)
+def test_without_a_command_the_help_is_shown_as_it_is(tmp_path: Path, words: list[str]) -> None:
+    done = call(tmp_path, *words)
+    said = (done.stdout + done.stderr).splitlines()
+    assert done.returncode != 0
+    assert [line for line in said if line.startswith(f"Usage: {' '.join(words)} ")]
+    assert not [line for line in said if "error" in line]
+    assert len(said) > 5

@@ -21,7 +21,7 @@ from console.doctor.finding import Finding, Status
 from console.doctor.network import Answer
 from fes import about, keys
 from fes.about import About
-from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
+from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
 from fes.errors import MessageError
 from tests import session
 from tests.loop import load
@@ -129,13 +129,14 @@ def test_nobody_at_the_endpoint_fails_only_where_somebody_is_expected() -> None:
         assert ([one.status for one in found], robots) == ([status], None)
 
 
-def test_a_listener_that_says_nothing_does_not_hold_it_up() -> None:
+@pytest.mark.parametrize(("wanted", "status"), [(True, Status.FAILED), (False, Status.WARNING)])
+def test_a_listener_that_says_nothing_does_not_hold_it_up(wanted: bool, status: Status) -> None:
     with socket.create_server(("127.0.0.1", 0)) as mute:
         begun = time.monotonic()
         endpoints = Endpoints("client", (f"tcp/127.0.0.1:{mute.getsockname()[1]}",), timeout=600.0)
-        found, _ = asyncio.run(network.examine(endpoints, RUN, True))
+        found, _ = asyncio.run(network.examine(endpoints, RUN, wanted))
         assert time.monotonic() - begun < endpoints.timeout / 2.0  # what Zenoh itself would wait
-    assert [one.status for one in found] == [Status.FAILED]
+    assert [(one.status, bool(one.remedy)) for one in found] == [(status, True)]
 
 
 def test_a_world_that_does_not_answer_is_a_warning() -> None:
@@ -164,6 +165,12 @@ def test_a_listener_on_a_network_is_a_warning(endpoint: str, table: str, status:
     found = network.exposure(endpoint, table)
     assert found.status == status
     assert bool(found.remedy) == (status != Status.OK)
+
+
+def test_the_default_address_is_the_same_over_tls() -> None:
+    assert network.is_default(DEFAULT_ENDPOINT)
+    assert network.is_default(default_endpoint(secure=True))
+    assert not network.is_default("tls/127.0.0.1:7448")
 
 
 def test_a_taken_port_is_a_warning_unless_a_world_has_it() -> None:

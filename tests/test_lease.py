@@ -133,7 +133,7 @@ def test_a_world_that_goes_on_leases_no_robot_whose_agent_may_still_find_it() ->
 def test_without_a_world_there_is_nothing_to_lease() -> None:
     async def main() -> None:
         async with session.router() as (_, endpoint), client(endpoint) as lonely:
-            with pytest.raises(Absent, match="nobody answers on fes/test/world/lease"):
+            with pytest.raises(Absent, match=r"^no world of run 'test' leases robots here \(asked for 0.5 s\)$"):
                 await process.lease(lonely, RUN, 0.5)
 
     asyncio.run(main())

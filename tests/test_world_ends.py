@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from console import inprocess
-from tests.loop import load
+from console.launcher import free_port
+from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, alive, children, command, fes, start, until
 from tests.test_world_deaths import Run, under_way
 from world.checkpoint import FOLDER
@@ -89,6 +90,20 @@ def test_a_run_that_is_gone_on_with_keeps_its_name(pair: Run) -> None:
     assert (other.returncode, other.stderr) == (1, said)
     pair.start("--resume", str(pair.out), "--run", "main", rtf="max")
     assert pair.finish()["digest"] == whole()
+
+
+def test_a_run_directory_that_is_used_again_tells_nothing_of_the_run_before(tmp_path: Path) -> None:
+    """Not even where the new run comes to nothing."""
+    (tmp_path / "summary.json").write_text("{}")
+    (tmp_path / "run.mcap").write_text("a log")
+    words = ["--out", str(tmp_path), "--no-record", "-l", f"tcp/127.0.0.1:{free_port()}"]
+    world = start(command("world.process", str(CONFIGS / "pair.toml"), *words), tmp_path)
+    assert world.stderr is not None
+    while "waiting for 2 robots" not in world.stderr.readline():
+        assert world.poll() is None
+    world.send_signal(signal.SIGINT)
+    world.communicate(timeout=PATIENCE)
+    assert [path.name for path in tmp_path.iterdir()] == ["scenario.toml"]
 
 
 def test_a_launcher_that_is_killed_takes_nothing_of_its_run_with_it(tmp_path: Path) -> None:

@@ -98,6 +98,8 @@ def _recorder(flags: argparse.Namespace, start: Start) -> AbstractContextManager
         if is_kept(flags.out):
             logging.getLogger("world").warning("the run that %s could have gone on with is given up", flags.out)
         clear(flags.out)  # before the log, without which nobody could go on with it
+        summary.clear(flags.out)
+        (flags.out / NAME).unlink(missing_ok=True)
     if flags.out is None or flags.no_record:
         return nullcontext()
     return Recorder(flags.out / NAME, start.scenario, start.name, "processes")

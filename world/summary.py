@@ -56,6 +56,11 @@ def summarize(account: Account, name: str, backend: str, wall: float) -> dict[st
     return {**found, "expectations": expect.verdicts(scenario.expect, found)}
 
 
+def clear(directory: Path) -> None:
+    """Leave no summary of an older run in a run directory."""
+    (directory / "summary.json").unlink(missing_ok=True)
+
+
 def write(directory: Path, summary: dict[str, Any]) -> None:
     """Write summary.json: complete or not at all."""
     temporary = directory / ".summary.json"

@@ -42,6 +42,11 @@ def port(endpoint: str, world: bool) -> Finding:
         return warning("port", f"{endpoint}: {(error.strerror or str(error)).lower()}", remedy)
 
 
+def is_default(endpoint: str) -> bool:
+    """Whether an endpoint has the default address, in plain or over TLS."""
+    return endpoint.partition("/")[2] == DEFAULT_ENDPOINT.partition("/")[2]
+
+
 def exposure(endpoint: str, table: str | None = None) -> Finding:
     """Whether what listens at an endpoint listens on the loopback interface only; `table` as in /proc/net/tcp."""
     check, found = "loopback only", _TCP.fullmatch(endpoint)
@@ -79,7 +84,7 @@ Silence = MessageError | Absent | Refused
 async def examine(endpoints: Endpoints, run: str, wanted: bool) -> tuple[list[Finding], int | None]:
     """All that can be seen of a run from outside, and how many robots it has.
 
-    It fails where nobody is there only if the run is `wanted`: who names no run may have none. It looks for
+    It fails where none can be seen only if the run is `wanted`: who names no run may have none. It looks for
     other runs only without certificates: with them nobody may.
     """
     try:
@@ -91,7 +96,9 @@ async def examine(endpoints: Endpoints, run: str, wanted: bool) -> tuple[list[Fi
         said = str(error) or f"{endpoints.shown} is open, but does not speak Zenoh, {SLOW}"
         if wanted:
             return [failed("endpoint", said, remedy(said))], None
-        return [ok("endpoint", f"{said}: no run goes on")], None
+        if "nobody listens" in said:
+            return [ok("endpoint", f"{said}: no run goes on")], None
+        return [warning("endpoint", said, remedy(said))], None
     except FesError as error:
         return [refused(error)], None
     robots = answer.about.robots if isinstance(answer, Answer) else None
