@@ -5,7 +5,6 @@ import json
 import sys
 from contextlib import nullcontext
 from enum import StrEnum
-from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,7 +17,7 @@ from console.options import Cfg, Config, Connect, ObserverKeys
 from console.processes import Launch
 from console.rundir import Visitor
 from console.sweep import command
-from fes import bus, keys, process
+from fes import bus, distribution, keys, process
 from fes.errors import FesError, ScenarioError, reason
 from fes.identity import OBSERVER
 from world import expect
@@ -51,7 +50,7 @@ class Backend(StrEnum):
 
 def _version(wanted: bool) -> None:
     if wanted:
-        print(version("fes"))
+        print(distribution.version())
         raise typer.Exit
 
 

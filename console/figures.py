@@ -16,6 +16,7 @@ from console.history import History
 from console.learning import CHANGE, Learning
 from fes import objective, outage
 from fes.config import ChannelConfig, ObjectiveConfig
+from fes.distribution import install
 from fes.errors import FesError
 from world.optimum import optimal_separation
 
@@ -43,7 +44,7 @@ FLOOR = 1e-6
 def require() -> None:
     """Raise FesError if no figure can be drawn here."""
     if find_spec("matplotlib") is None:
-        raise FesError("figures need matplotlib: install the extra `plot`")
+        raise FesError(f"figures need matplotlib: {install('plot')}")
 
 
 def outage_figure() -> "Figure":

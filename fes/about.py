@@ -4,7 +4,7 @@ import time
 from importlib.metadata import PackageNotFoundError, version
 from typing import NamedTuple
 
-from fes import wire
+from fes import distribution, wire
 from fes.errors import MessageError
 
 LONGEST = 100
@@ -26,7 +26,7 @@ class About(NamedTuple):
 
 def here(robots: int) -> About:
     """What this process says of itself."""
-    return About(installed("fes"), installed("eclipse-zenoh"), robots, time.time())
+    return About(installed(distribution.NAME), installed("eclipse-zenoh"), robots, time.time())
 
 
 def installed(package: str) -> str:

@@ -17,6 +17,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from fes import keys
+from fes.distribution import install
 from fes.errors import FesError
 
 WORLD, OBSERVER, OPERATOR = "world", "observer", "operator"
@@ -161,4 +162,4 @@ def warn_if_open(key: Path) -> None:
 
 def missing_extra() -> FesError:
     """The error of an installation that cannot read certificates."""
-    return FesError("certificates need the extra 'security': pip install 'fes[security]'")
+    return FesError(f"certificates need cryptography: {install('security')}")

@@ -44,7 +44,7 @@ def test_a_worker_that_is_killed_midway_costs_nothing_and_doubles_nothing(dask: 
 
 
 def test_a_worker_with_another_version_of_fes_is_refused(dask: LocalCluster, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cluster, "version", lambda name: "9.9")
+    monkeypatch.setattr(cluster, "version", lambda: "9.9")
     planned = design.plan(Path(PAIR), [], "0:1", ["run.duration=1"])
     with cluster.connected(dask.scheduler_address) as workers:
         assert workers.count == 2

@@ -21,10 +21,10 @@ import threading
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, BinaryIO
 
+from fes.distribution import version
 from fes.errors import FesError, reason
 from fes.messages import Join
 from world.account import Account
@@ -146,7 +146,7 @@ class Keeper:
             course.recorder.pause() if course.recorder is not None else None,
             elapsed,
         )
-        told = b"\n".join([MAGIC, version("fes").encode(), pickle.dumps(snapshot, protocol=5)])
+        told = b"\n".join([MAGIC, version().encode(), pickle.dumps(snapshot, protocol=5)])
         before, self._journal = self._journal, Journal(self._folder / f"journal-{self._number}")
         if before is not None:
             before.close()

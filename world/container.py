@@ -5,7 +5,7 @@ import json
 import struct
 import time
 from collections.abc import Iterator
-from importlib.metadata import version
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from mcap.records import Schema as McapSchema
 from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.writer import CompressionType, Writer
 
+from fes import distribution
 from fes.errors import FesError
 from world.descriptors import describe
 from world.protobuf import Message
@@ -53,7 +54,7 @@ class Container:
             self._writer = Writer(
                 self._file, chunk_size=1 << 40, compression=CompressionType.ZSTD, enable_data_crcs=True
             )
-            self._writer.start(PROFILE, f"fes {version('fes')}; mcap-python {version('mcap')}")
+            self._writer.start(PROFILE, f"fes {distribution.version()}; mcap-python {metadata.version('mcap')}")
 
     def put(self, topic: str, schema: Schema, payload: bytes, at: int, tick: int) -> None:
         """Add a message of a topic, `at` a simulated time [ns]; nothing to a file that could not be written."""

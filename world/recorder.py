@@ -9,12 +9,13 @@ the file can be read up to its last chunk.
 import json
 import platform
 from dataclasses import dataclass
-from importlib.metadata import version
+from importlib import metadata
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 import tomli_w
 
+from fes import distribution
 from fes.arrays import Bytes, Floats
 from fes.errors import FesError
 from fes.report import encode_report
@@ -138,14 +139,19 @@ class Recorder:
         self._summary = summary
 
     def _begin(self, backend: str) -> None:
-        libraries = {name: version(name) for name in ("fes", "numpy", "mcap", "eclipse-zenoh")}
+        versions = {name: metadata.version(name) for name in ("numpy", "mcap", "eclipse-zenoh")}
         tables = self._scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
         told = {
             "log": schemas.VERSION,
             "name": self._name,
             "backend": backend,
             "scenario": tomli_w.dumps(tables),
-            "versions": {**libraries, "python": platform.python_version(), "machine": platform.machine()},
+            "versions": {
+                "fes": distribution.version(),
+                **versions,
+                "python": platform.python_version(),
+                "machine": platform.machine(),
+            },
         }
         self._put("/scenario", schemas.SCENARIO, json.dumps(told).encode())
         robots = self._scenario.robots.number

@@ -3,7 +3,6 @@
 import io
 import pickle
 from dataclasses import is_dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from fes import messages
+from fes.distribution import version
 from fes.errors import FesError, MessageError, ScenarioError, reason
 from fes.messages import Join
 from world import checkpoint, journal
@@ -49,8 +49,8 @@ def load(directory: Path) -> Snapshot:
         raise FesError(f"{path} is not a checkpoint") from None
     if magic != MAGIC:
         raise FesError(f"{path} is not a checkpoint that this fes can read")
-    if ours.decode(errors="replace") != version("fes"):
-        raise FesError(f"{path} was kept by fes {ours.decode(errors='replace')[:20]}, this is {version('fes')}")
+    if ours.decode(errors="replace") != version():
+        raise FesError(f"{path} was kept by fes {ours.decode(errors='replace')[:20]}, this is {version()}")
     try:
         snapshot = _Tables(io.BytesIO(told)).load()
     except Exception as error:

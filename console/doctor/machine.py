@@ -13,6 +13,7 @@ from importlib import metadata
 from pathlib import Path
 
 from console.doctor.finding import Finding, failed, ok, warning
+from fes import distribution
 from fes.about import installed
 
 OLDEST_PYTHON = (3, 11)
@@ -53,14 +54,14 @@ def python() -> Finding:
 def packages(requirements: list[str] | None = None) -> Iterator[Finding]:
     """What must be installed, each in a version that is new enough; then the extras, which nobody must have."""
     try:
-        wanted = metadata.requires("fes") or [] if requirements is None else requirements
+        wanted = metadata.requires(distribution.NAME) or [] if requirements is None else requirements
     except metadata.PackageNotFoundError:
-        yield failed("packages", "fes itself is not installed", "pip install -e . in the clone")
+        yield failed("packages", "fes itself is not installed", distribution.install())
         return
     parsed = [found.groups() for found in map(_REQUIREMENT.match, wanted) if found]
     missing = [said for name, _, rule, extra in parsed if not extra and (said := lacks(name, rule))]
     if missing:
-        yield failed("packages", "; ".join(missing), "pip install --upgrade fes, or -e . in a clone")
+        yield failed("packages", "; ".join(missing), distribution.install())
     else:
         have = [f"{name} {installed(name)}" for name, _, _, extra in parsed if not extra]
         yield ok("packages", ", ".join(have))

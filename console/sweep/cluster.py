@@ -10,11 +10,11 @@ import re
 from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import CancelledError
 from functools import partial
-from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 from console.sweep import work
 from console.sweep.work import Batch, Done, Workers
+from fes.distribution import install, version
 from fes.errors import FesError
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def connected(address: str) -> Iterator[Workers]:
     try:
         import distributed
     except ImportError:
-        raise FesError("--scheduler needs dask.distributed: install the extra `cluster`") from None
+        raise FesError(f"--scheduler needs dask.distributed: {install('cluster')}") from None
     for name in ("distributed", "distributed.client"):  # what they would tell is raised here, in one line
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
@@ -50,7 +50,7 @@ def connected(address: str) -> Iterator[Workers]:
 def _carry_out(client: "Client", batches: Sequence[Batch]) -> Generator[list[Done], None, None]:
     from distributed import as_completed
 
-    here = version("fes")
+    here = version()
     futures = [client.submit(_at_worker, here, batch, key=_key(batch), retries=0, pure=False) for batch in batches]
     try:
         for future in as_completed(futures, loop=client.loop):
@@ -66,8 +66,8 @@ def _carry_out(client: "Client", batches: Sequence[Batch]) -> Generator[list[Don
 
 def _at_worker(wanted: str, batch: Batch) -> list[Done]:
     """On a worker: carry out a batch, unless another version of fes would."""
-    if version("fes") != wanted:
-        raise FesError(f"a Dask worker has fes {version('fes')}, and the sweep is of fes {wanted}")
+    if version() != wanted:
+        raise FesError(f"a Dask worker has fes {version()}, and the sweep is of fes {wanted}")
     return work.carry_out(batch)
 
 

@@ -10,12 +10,12 @@ import json
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import IO, Any
 
 from console.sweep.design import Design, digest, seeded
 from console.sweep.work import Done
+from fes.distribution import version
 from fes.errors import FesError, reason
 
 HEADER = "sweep.json"
@@ -79,7 +79,7 @@ def _identity(design: Design) -> dict[str, Any]:
         "scenario": design.name,
         "axes": axes,
         "cells": hashlib.sha256(cells.encode()).hexdigest(),
-        "fes": version("fes"),
+        "fes": version(),
     }
 
 

@@ -13,6 +13,7 @@ from typing import IO, Any
 
 from console.sweep.design import Design, Value
 from console.sweep.work import Done
+from fes.distribution import install
 from fes.errors import FesError
 
 SEED, ERROR = "seed", "error"
@@ -33,7 +34,7 @@ class Format(StrEnum):
 def require(form: Format) -> None:
     """Raise FesError if this format cannot be written here."""
     if form is Format.PARQUET and find_spec("pyarrow") is None:
-        raise FesError("--format parquet needs pyarrow: install the extra `parquet`")
+        raise FesError(f"--format parquet needs pyarrow: {install('parquet')}")
 
 
 def rows(design: Design, done: dict[str, Done]) -> list[Row]:
