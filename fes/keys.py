@@ -10,7 +10,8 @@
 | fes/<run>/world/about           | empty, answered by About | person -> world -> person           | when asked   |
 | fes/<run>/robot/<i>/observation | Observation              | world -> agent i                    | each tick    |
 | fes/<run>/robot/<i>/beacon      | Beacon                   | agent i -> peers in range           | each tick   |
-| fes/<run>/robot/<i>/recall      | Recall, answered by Beacon | agent -> peer -> agent            | if one was lost |
+| fes/<run>/robot/<i>/recall      | Recall, answered by Beacon | world -> agent i -> world         | if one was lost |
+| fes/<run>/world/beacon/<i>      | Recall, answered by Beacon | agent -> world -> agent           | if one was lost |
 | fes/<run>/robot/<i>/command     | Command                  | agent i -> world                    | each tick    |
 | fes/<run>/world/report          | Report                   | world -> observers                  | 10 Hz (wall) |
 | fes/<run>/world/set             | Change, answered by Effect | person -> world -> person         | when asked   |
@@ -110,8 +111,13 @@ def beacon(run: str, robot: int | str) -> str:
 
 
 def recall(run: str, robot: int | str) -> str:
-    """Where a peer asks for a beacon that it lost."""
+    """Where the world asks a robot to repeat a beacon that it did not get."""
     return f"fes/{run}/robot/{robot}/recall"
+
+
+def held_beacon(run: str, robot: int | str) -> str:
+    """Where a peer asks the world for its copy of a robot's beacon."""
+    return f"fes/{run}/world/beacon/{robot}"
 
 
 def command(run: str, robot: int | str) -> str:
