@@ -7,7 +7,6 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: no thread po
 import argparse
 import asyncio
 import logging
-import re
 import time
 from pathlib import Path
 
@@ -26,11 +25,8 @@ from fes.endpoints import Endpoints
 from fes.errors import Absent, FesError, Refused
 from fes.identity import Identity
 from fes.inbox import Inbox
-from fes.keys import MAX_ROBOTS
 from fes.messages import Beacon, Welcome
 from fes.sensing import Observations
-
-_NUMBER = re.compile("[0-9]{1,9}")
 
 AUTO = "auto"
 """Instead of an id: the lowest robot that is free."""
@@ -146,7 +142,7 @@ async def lease(opened: Bus, run: str, timeout: float) -> int:
 async def serve(flags: argparse.Namespace) -> int:
     """One agent process, from start to exit code."""
     run = keys.check_run(flags.run)
-    robots = parse_ids(flags.id) if flags.id != AUTO else (0,)
+    robots = keys.parse_span(flags.id, "--id", "I, A-B or auto") if flags.id != AUTO else (0,)
     if flags.id == AUTO and flags.keys:
         raise FesError("--id auto does not go with --keys: a certificate is for one robot")
     endpoints = process.agent_endpoints(flags, flags.timeout, identity.robot_role(robots))
@@ -168,21 +164,6 @@ async def serve(flags: argparse.Namespace) -> int:
             if agent.lag:
                 agent.logger.info("%s", agent.lag)
     return process.SUCCESS
-
-
-def parse_ids(text: str) -> tuple[int, ...]:
-    """Robot ids from `--id I` or `--id A-B`; raises FesError.
-
-    >>> parse_ids("3"), parse_ids("2-4")
-    ((3,), (2, 3, 4))
-    """
-    first, dash, last = text.partition("-")
-    if not _NUMBER.fullmatch(first) or (dash and not _NUMBER.fullmatch(last)):
-        raise FesError(f"--id expects I, A-B or auto with integers from 0, got '{text[:40]}'")
-    low, high = int(first), int(last) if dash else int(first)
-    if high < low or high >= MAX_ROBOTS:
-        raise FesError(f"--id expects I or A-B with A <= B < {MAX_ROBOTS}, got '{text}'")
-    return tuple(range(low, high + 1))
 
 
 def main() -> None:

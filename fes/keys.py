@@ -30,6 +30,7 @@ MAX_ROBOTS = 100_000
 """Robots of a run, at most; ids are below."""
 
 _RUN = re.compile(r"[A-Za-z0-9_.-]{1,64}")
+_NUMBER = re.compile("[0-9]{1,9}")
 _ROBOT = re.compile(r"fes/[^/]+/robot/(0|[1-9][0-9]{0,9})/[a-z]+")
 
 
@@ -83,6 +84,21 @@ def span(robots: Sequence[int]) -> str:
     """
     first, last = min(robots), max(robots)
     return f"{first}" if first == last else f"{first}-{last}"
+
+
+def parse_span(text: str, flag: str, forms: str = "I or A-B") -> tuple[int, ...]:
+    """The robots that a person names after `flag` in one of these `forms`; raises FesError.
+
+    >>> parse_span("3", "--id"), parse_span("2-4", "--id")
+    ((3,), (2, 3, 4))
+    """
+    first, dash, last = text.partition("-")
+    if not _NUMBER.fullmatch(first) or (dash and not _NUMBER.fullmatch(last)):
+        raise FesError(f"{flag} expects {forms} with integers from 0, got '{text[:40]}'")
+    low, high = int(first), int(last) if dash else int(first)
+    if high < low or high >= MAX_ROBOTS:
+        raise FesError(f"{flag} expects I or A-B with A <= B < {MAX_ROBOTS}, got '{text}'")
+    return tuple(range(low, high + 1))
 
 
 def report(run: str) -> str:
