@@ -23,7 +23,7 @@ from fes.arrays import Bools, Floats, Ints
 from fes.config import AgentConfig
 from fes.edges import Edges
 from fes.errors import FesError
-from fes.sensing import Beacons, Observations, Telemetry
+from fes.sensing import MAX_TOLD, MAX_TWIST, Beacons, Observations, Telemetry, bounded
 
 FIRST_EXCHANGE_TICKS = 2
 """Ticks from a robot's first link until it has heard whether others chose it: its initial graph."""
@@ -134,6 +134,7 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
     pull = formation.pull(used.edges, error, links.bearing(known, used.contact))
     twists = formation.twist(pull, observations.poses[:, geometry.HEADING], config.dt, config.formation)
 
+    twists = bounded(twists, MAX_TWIST)
     if not np.isfinite(twists).all():
         robot = int(crew.ids[~np.isfinite(twists).all(axis=1)][0])
         raise FesError(f"robot {robot} computed a twist that is not finite at tick {tick}: check gains and exponents")
@@ -142,11 +143,11 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
     measured = state.reception
     if config.seeking.index == "measured":
         measured = _measure(crew, state, tick, known, used, heard)
-    said, statistics = used.state[seeking.ESTIMATE], np.zeros((len(crew.ids), 0))
+    said, statistics = bounded(used.state[seeking.ESTIMATE], MAX_TOLD), np.zeros((len(crew.ids), 0))
     if crew.statistics:
-        statistics = measured.sums
+        statistics = bounded(measured.sums, MAX_TOLD)
     named = named.take(used.contact)
-    beacons = Beacons(tick, crew.ids, observations.poses, used.edges, said, named, statistics)
+    beacons = Beacons(tick, crew.ids, bounded(observations.poses, MAX_TOLD), used.edges, said, named, statistics)
     beacons, unsent = transmitter.send(crew.transmitters, state.unsent, beacons)
     used = replace(used, state=_seek(crew, tick, known, used, measured), said=said)
     return State(observations.poses, known, witnesses, used, measured, since, begun, unsent), beacons, twists
