@@ -159,11 +159,13 @@ class Family:
             one.signal(signal.SIGKILL)
 
     def abandon(self) -> None:
-        """End every child by force, and return when they have ended; their exit codes are lost."""
+        """End every child by force, and return when they have ended (where the system can wait and leave it to
+        asyncio to reap them)."""
         self.kill()
-        for one in self.children:
-            with contextlib.suppress(OSError):
-                os.waitpid(one.process.pid, 0)
+        if hasattr(os, "waitid"):
+            for one in self.children:
+                with contextlib.suppress(OSError):
+                    os.waitid(os.P_PID, one.process.pid, os.WEXITED | os.WNOWAIT)
 
     async def _start_agent(self, robots: str) -> None:
         if any(agent.robots == robots and agent.runs for agent in self.agents):

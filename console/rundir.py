@@ -123,13 +123,15 @@ class RunDirectory:
                     shutil.rmtree(path, ignore_errors=True)
                 elif path.name in FILES or path.suffix == ".log":
                     path.unlink(missing_ok=True)
-            for folder in self.parents:
-                folder.rmdir()
+            if self.parents:
+                self.path.rmdir()
             latest = ROOT / LATEST
             if latest.is_symlink() and latest.readlink() == Path(self.path.name) and not latest.exists():
                 latest.unlink()
                 if self.latest is not None and (ROOT / self.latest).exists():
                     _point_at(self.latest)
+            for folder in self.parents[1:]:
+                folder.rmdir()
 
 
 def announce(directory: Path, address: Address) -> None:
