@@ -25,6 +25,11 @@ class Join(NamedTuple):
     agent: int
     """A number that it has drawn, from 0 to MAX_AGENT: no other agent of these robots has the same."""
 
+    @property
+    def mark(self) -> bytes:
+        """What stands beside each of its Commands: another process with the same certificate does not know it."""
+        return self.agent.to_bytes(8, "little")
+
 
 class Welcome(NamedTuple):
     """World to agent, once per join: which robots it hosts, and all it may know."""

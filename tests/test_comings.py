@@ -119,6 +119,8 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
     assert summary["ticks"] == 300
     found = log.load(tmp_path / "run.mcap")
     again = replay.again(found, everybody=True)
+    absent = sum(not tick.said.commands[4] for tick in found.ticks())
+    assert summary["unscheduled_absences"] == again["unscheduled_absences"] == absent > 60
     assert again["digest"] == summary["digest"] != inprocess.run(scenario, "test")["digest"]
     assert replay.alone(found, 4) == 300
 
@@ -175,6 +177,7 @@ def test_scheduled_deaths_have_one_digest_in_one_loop_and_over_zenoh(name: str, 
 
     summary, server, _ = asyncio.run(bounded())
     assert summary["digest"] == inprocess.run(dying, "test")["digest"]
+    assert summary["unscheduled_absences"] == 0
     assert not server.complaints.counts
 
 

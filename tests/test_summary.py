@@ -43,6 +43,7 @@ CONTRACT = {
     "radio": list,
     "deadlines": type(None),
     "links_gap_longest": float,
+    "unscheduled_absences": int,
     "expectations": list,
 }
 """The keys of design.md, section 5, and what they hold in a run that has links; what is after the digest is ours."""

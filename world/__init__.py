@@ -23,7 +23,9 @@ schemas     its message types
 views       what viewers show of it
 protobuf    how its messages are encoded
 descriptors  how its message types are described
-ears        the beacons, for the log
+beacon_tap  the world's own copy of every beacon, by which it judges senders
+command_gate  which process may command a robot
+farewell    the end of a run, said until it is heard
 scenario    the typed scenario, from TOML
 radio_config  its table [channel]: the formula, shadowing, bursts, jammers
 kinematics  the unicycle (5) on its exact arc

@@ -8,7 +8,7 @@ from fes import objective
 from fes.arrays import Floats, Ints
 from fes.edges import Edges
 from fes.sensing import Telemetry
-from world import deadlines, metrics
+from world import deadlines, events, metrics
 from world.breathing import Breathing
 from world.channel import Radio
 from world.metrics import Tally
@@ -40,6 +40,10 @@ class Account:
         self._channel: RadioConfig | None = None
         self.deadlines = deadlines.none(scenario.robots.number) if scenario.run.clock == "live" else None
         """Where the clock is live."""
+        self.unscheduled_absences = 0
+        """Robot-ticks in which a robot took no part although the schedule had it present."""
+        self._attendance = scenario.attendance
+        self._scheduled = np.ones(scenario.robots.number, dtype=np.bool_)
 
     def add(self, state: State, twists: Floats, telemetry: Telemetry, spoken: Ints | None = None) -> None:
         """Add a tick: the state, the twists [n, 2] of the robots in it, and what they said.
@@ -48,6 +52,7 @@ class Account:
         """
         if self.deadlines is not None and spoken is not None:
             self.deadlines.add(state.tick, state.present, spoken)
+        self._add_absences(state)
         changed = state.channel is not self._channel and state.channel != self._channel
         if changed:
             self._channel = state.channel
@@ -71,6 +76,13 @@ class Account:
             index = float(np.mean(wish * link_reception(state.radio, links)))
         apart = self.tally.errors["disagreement"]
         self.tracking.add(state.tick, self.optimal, changed, error, apart, rms, index)
+
+    def _add_absences(self, state: State) -> None:
+        planned = self._attendance.get(state.tick)
+        if planned is not None:
+            self._scheduled = events.attended(self._scheduled, planned)
+        if not state.present.all():
+            self.unscheduled_absences += int(np.count_nonzero(self._scheduled & ~state.present))
 
 
 def link_reception(radio: Radio, links: Edges) -> Floats:

@@ -75,13 +75,15 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
                 try:
                     if not goes_on:  # else the robots wait for a world that goes on
                         server.dismiss()
-                    server.complaints.log_total(server.overflow)
+                    server.complaints.log_total(server.overflow, server.strangers)
                 finally:
                     reached = _keep(flags.out, server, recorder)
                     if keeper is not None:
                         (keeper.discard if ended else keeper.close)(course)
         if keeper is not None:  # last of all: until here it can be gone on with
             keeper.discard(course)
+        with contextlib.suppress(asyncio.CancelledError):  # the run is over and kept: a signal only ends the wait
+            await server.linger()
         server.logger.info("the run is over after %d ticks", scenario.ticks)
     for verdict in reached["expectations"] if reached else []:
         level = logging.INFO if verdict["holds"] else logging.ERROR

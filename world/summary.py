@@ -52,6 +52,7 @@ def summarize(account: Account, name: str, backend: str, wall: float) -> dict[st
         "radio": _contacts(final.radio),
         "deadlines": None if account.deadlines is None else account.deadlines.table(),
         "links_gap_longest": tally.longest_gap * scenario.run.dt,
+        "unscheduled_absences": account.unscheduled_absences,
     }
     return {**found, "expectations": expect.verdicts(scenario.expect, found)}
 
