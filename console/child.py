@@ -129,10 +129,10 @@ def _signal_name(number: int) -> str:
 
 
 def _printable(line: str) -> str:
-    """A line of a log on one line of a terminal, which it cannot command.
+    r"""A line of a log on one line of a terminal, which it cannot command.
 
-    >>> _printable("no \x1b[2Jroom")
-    'no \\x1b[2Jroom'
+    >>> print(_printable("no \x1b[2Jroom"))
+    no \x1b[2Jroom
     """
     shown = "".join(char if char.isprintable() else repr(char)[1:-1] for char in line[:LONGEST])
     return shown if len(line) <= LONGEST else shown + "..."

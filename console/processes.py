@@ -127,6 +127,7 @@ async def _family(directory: RunDirectory) -> AsyncIterator[Family]:
     def abandon() -> None:
         if family.has_begun:
             rundir.withdraw(directory.path)
+            process.complain("fes", f"stopped at once: the world closes {directory.path} by itself")
         else:
             family.abandon()
             directory.discard()

@@ -6,7 +6,7 @@ schedule, and no failure of the run; unless the run has not begun, since its wor
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from console.child import Child, ended
 from console.launcher import DISMISSAL, Family
@@ -22,7 +22,7 @@ class ChildFailed(FesError):
     """A child process ended as it should not have, and its run with it."""
 
 
-@dataclass(frozen=True)
+@dataclass
 class Supervisor:
     """Follows the children of a run to its end."""
 
@@ -33,6 +33,8 @@ class Supervisor:
     """Said when none is left."""
     respawn: Respawn | None = None
     """How agents that die are started again; None: they are not."""
+    _ended: set[Child] = field(default_factory=set)
+    """The agents of whose end this knows."""
 
     async def finish(self) -> None:
         """Wait until the world has ended well, and for a moment for the agents that it dismissed.
@@ -48,6 +50,7 @@ class Supervisor:
 
     async def _miss(self, agent: Child) -> None:
         """What follows from the end of an agent while the world goes on; raises ChildFailed."""
+        self._ended.add(agent)
         if agent in self.family.killed or (agent.process.returncode == SUCCESS and agent.was_dismissed):
             return
         plural, whom = ("s", "them") if "-" in agent.robots else ("", "it")
@@ -63,7 +66,7 @@ class Supervisor:
         if not self.family.has_begun:
             await self._blame(why)
         self.warn(f"{robots}: {why}; the run continues without {whom}")
-        if self.family.is_deserted:
+        if self.family.is_deserted and self._ended.issuperset(self.family.agents):
             self.warn(self.deserted)
 
     async def _blame(self, why: str) -> None:
