@@ -83,7 +83,9 @@ async def until(holds: Callable[[], object]) -> None:
             await asyncio.sleep(0.01)
 
 
-def test_a_world_that_is_slow_to_close_is_not_ended_as_soon_as_its_agents_are_gone(tmp_path: Path) -> None:
+def test_a_world_that_is_slow_to_write_what_was_reached_is_not_ended_as_soon_as_its_agents_are_gone(
+    tmp_path: Path,
+) -> None:
     async def main() -> None:
         async with family(tmp_path) as kin:
             await world(kin, SLOW)
