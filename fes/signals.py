@@ -30,7 +30,8 @@ def hold(code: int, program: str = "") -> None:
         os._exit(code)
 
     for number in STOP_SIGNALS:
-        signal.signal(number, stop)
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # nohup means it
+            signal.signal(number, stop)
     deliver()
 
 

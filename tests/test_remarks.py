@@ -100,11 +100,14 @@ def test_fes_run_says_them_with_both_backends_and_fes_world_in_its_log(tmp_path:
     assert [line.partition(" world: ")[2] for line in logged[:2]] == said
 
 
-def test_fes_sweep_says_them_once(tmp_path: Path) -> None:
-    call = fes("sweep", str(CONFIGS / "pair.toml"), "--seeds", "0:3", "--set", "run.duration=0.05", "--jobs", "1")
+def test_fes_sweep_says_them_once_for_all_of_its_cells(tmp_path: Path) -> None:
+    words = ["--seeds", "0:3", "--set", "run.duration=0.05", "--axis", "formation.rule=disk,two_nearest"]
+    call = fes("sweep", str(CONFIGS / "pair.toml"), *words, "--out", "/dev/null")  # where it cannot go further
     done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
-    assert done.returncode == 0
-    assert done.stderr.count("run.duration 0.05 s is no multiple of run.dt") == 1
+    assert done.returncode == 1
+    line = "fes: warning: run.duration 0.05 s is no multiple of run.dt 0.02 s: 2 ticks are run, 0.04 s\n"
+    assert done.stderr.startswith(line)
+    assert done.stderr.count("\n") == 2
 
 
 @pytest.mark.parametrize(
