@@ -1,5 +1,6 @@
 """One robot a process, or a crew of them: from observations and beacons to beacons and commands.
 
+__main__    entry point of fes-agent
 process     the shell: fes-agent joins, waits for a tick, publishes
 assembly    messages into a crew's arrays, and back
 radio       the beacons of the peers in range, and of no others

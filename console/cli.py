@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import signal
 import sys
 from contextlib import nullcontext
 from enum import StrEnum
@@ -11,7 +12,19 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from console import compare, evidence, inprocess, keyring, processes, replay, rundir, setting, summary, view
+from console import (
+    compare,
+    evidence,
+    inprocess,
+    keyring,
+    leftovers,
+    processes,
+    replay,
+    rundir,
+    setting,
+    summary,
+    view,
+)
 from console.doctor.command import doctor
 from console.options import Cfg, Config, Connect, ObserverKeys
 from console.processes import Launch
@@ -20,13 +33,15 @@ from console.sweep import command
 from fes import bus, distribution, keys, process
 from fes.errors import FesError, ScenarioError, reason
 from fes.identity import OBSERVER
-from world import expect
+from world import expect, remarks
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
 from world.summary import write, write_scenario
 
 INTERRUPTED = 130
 """What Typer makes of a KeyboardInterrupt."""
+
+DISTURBED = "the digest is not that of an undisturbed run"
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
 
@@ -80,35 +95,61 @@ def run(
     headless: Annotated[bool, typer.Option("--headless", help="No dashboard.")] = False,
     json_: Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else.")] = False,
     record: Annotated[bool, typer.Option(help="Write a log of every message, run.mcap.")] = True,
+    respawn: Annotated[
+        bool, typer.Option("--respawn", help="Start agents that die again, each with all of its robots.")
+    ] = False,
 ) -> int:
-    """Run a scenario: world, robots and dashboard."""
+    """Run a scenario: world, robots and dashboard.
+
+    An agent that dies does not end the run: its robots stand still from then on, or until it is there again.
+    """
     fields = [("run.seed", seed), ("run.duration", duration), ("run.clock", clock)]
     overrides = [*(set_ or []), *(f"{field}={value}" for field, value in fields if value is not None)]
-    loaded = load(scenario, dict(parse_override(text) for text in overrides))
-    pace = _pace(rtf)
-    if secure and backend is Backend.INPROCESS:
-        raise FesError("--secure needs --backend processes: what stays in one loop needs no certificates")
-    if backend is Backend.INPROCESS:
-        inprocess.check(loaded)
-    elif loaded.run.clock == "live" and pace is not None:
-        raise FesError("--rtf does not go with the live clock: its pace is that of the wall clock")
-    directory = rundir.create(scenario.stem, out)
-    write_scenario(directory, loaded)
-    screen = Console(stderr=json_)
-    dashboard = screen.is_terminal and not headless and not json_
-    if backend is Backend.INPROCESS:
-        recording = Recorder(directory / NAME, loaded, scenario.stem, backend.value) if record else nullcontext()
-        with recording as recorder:
-            result = _in_process(loaded, scenario.stem, pace, directory, screen if dashboard else None, recorder)
-    else:
-        launch = Launch(scenario.stem, agents_per_process, rtf, dashboard, record, secure)
-        result = processes.run(launch, loaded, directory, screen)
-    if json_:
-        print(json.dumps(result))
-    else:
-        screen.print(summary.render(result))
-        screen.print(f"run directory: {directory}", highlight=False)
+    with process.interruptible():
+        loaded = load(scenario, dict(parse_override(text) for text in overrides))
+        in_process, pace = backend is Backend.INPROCESS, _pace(rtf)
+        for flag, given in (("--secure", secure), ("--respawn", respawn)):
+            if given and in_process:
+                raise FesError(f"{flag} needs --backend processes: one loop has no processes of its own")
+        if in_process:
+            inprocess.check(loaded)
+        elif loaded.run.clock == "live" and pace is not None:
+            raise FesError("--rtf does not go with the live clock: its pace is that of the wall clock")
+        name, screen = scenario.stem, Console(stderr=json_)
+        dashboard = screen.is_terminal and not headless and not json_
+        launch = Launch(name, agents_per_process, rtf, dashboard, record, secure, respawn)
+        if not in_process:
+            processes.check(launch, loaded)
+        _begin(loaded, in_process, launch)
+        with rundir.made(name, out) as directory:
+            write_scenario(directory.path, loaded)
+            if in_process:
+                log = Recorder(directory.path / NAME, loaded, name, backend.value) if record else nullcontext()
+                with log as recorder:
+                    shown = screen if dashboard else None
+                    result = _in_process(loaded, name, pace, directory.path, shown, recorder)
+            else:
+                result = processes.run(launch, loaded, directory, screen)
+            if absences := result.get("unscheduled_absences"):
+                process.warn("fes", f"unscheduled absences: {absences} robot-ticks; {DISTURBED}")
+            if json_:
+                print(json.dumps(result), flush=True)
+            else:
+                screen.print(summary.render(result))
+                screen.print(f"run directory: {directory.path}", highlight=False)
     return process.UNMET if expect.unmet(result) else process.SUCCESS
+
+
+def _begin(scenario: Scenario, in_process: bool, launch: Launch) -> None:
+    """Say at once what is started, what of the scenario is not run as it is written, and which keys were removed."""
+    robots = scenario.robots.number
+    what = f"a world and {robots} robot{'s' if robots > 1 else ''}"
+    crews = f" in {len(launch.groups(robots))} processes" if launch.agents_per_process > 1 else ""
+    process.tell(f"running {what} in one loop ..." if in_process else f"starting {what}{crews} ...")
+    for line in remarks.of(scenario):
+        process.warn("fes", line)
+    for path in leftovers.remove(rundir.ROOT):
+        process.warn("fes", f"removed {path}: private keys of a run that was killed")
 
 
 @app.command(name="view")
@@ -142,9 +183,11 @@ def view_command(
 
 def main() -> None:
     """Entry point of fes: every error is one line, and the exit code says which kind it was."""
-    command = typer.main.get_command(app)
     try:
-        code = command(standalone_mode=False)
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # no longer that of the first moments
+        code = typer.main.get_command(app)(standalone_mode=False)
+    except KeyboardInterrupt:
+        code = INTERRUPTED
     except FesError as error:
         process.complain("fes", str(error))
         code = error.exit_code
@@ -165,6 +208,7 @@ def main() -> None:
     if code == INTERRUPTED:
         process.complain("fes", "stopped by SIGINT")
         code = process.FAILURE
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Python's own would be a traceback out of its shutdown
     sys.exit(code if isinstance(code, int) else process.SUCCESS)
 
 
@@ -189,8 +233,7 @@ def _in_process(
         if recorder is not None:
             recorder.conclude(reached)
 
-    with process.interruptible():
-        if screen is None:
-            return inprocess.run(scenario, name, pace, keep=keep, recorder=recorder)
-        with view.Screen(screen) as shown:
-            return inprocess.run(scenario, name, pace, shown.show, keep, recorder)
+    if screen is None:
+        return inprocess.run(scenario, name, pace, keep=keep, recorder=recorder)
+    with view.Screen(screen) as shown:
+        return inprocess.run(scenario, name, pace, shown.show, keep, recorder)

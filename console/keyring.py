@@ -14,7 +14,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from fes import identity, process
+from console import leftovers
+from fes import identity, process, signals
 from fes.endpoints import Endpoints
 from fes.errors import FesError
 from fes.identity import AUTHORITY, OBSERVER, OPERATOR, WORLD
@@ -134,15 +135,24 @@ def _nested(settings: Mapping[str, object]) -> dict[str, object]:
 
 @contextlib.contextmanager
 def of_a_run(directory: Path, groups: Iterable[str]) -> Iterator[Path]:
-    """Certificates for one run, in its directory: deleted when it ends. Its authority's key is never written."""
-    where = (directory / "keys").resolve()
+    """Certificates for one run, in its directory: deleted when it ends, also where a second signal ends this process.
+
+    Its authority's key is never written.
+    """
+    where = (directory / leftovers.KEYS).resolve()
     authority = _authorities().found(RUN_DAYS)
-    try:
-        _write(where, AUTHORITY, authority.pem, with_key=False)
-        _issue(authority, where, [WORLD, OBSERVER, OPERATOR, *(f"robot-{ids}" for ids in groups)], RUN_DAYS)
-        yield where
-    finally:
+    where.mkdir(mode=PRIVATE_DIRECTORY)
+
+    def delete() -> None:
         shutil.rmtree(where, ignore_errors=True)
+
+    try:
+        with signals.if_forced(delete), leftovers.marked(where):
+            _write(where, AUTHORITY, authority.pem, with_key=False)
+            _issue(authority, where, [WORLD, OBSERVER, OPERATOR, *(f"robot-{ids}" for ids in groups)], RUN_DAYS)
+            yield where
+    finally:
+        delete()
 
 
 def _issue(

@@ -12,6 +12,7 @@ from fes import bus, change, keys, process
 from fes.change import Change
 from fes.errors import Absent
 from fes.identity import OPERATOR
+from world import remarks
 from world.scenario import parse_override
 
 
@@ -42,6 +43,8 @@ def set_command(
                     f"{effect.path} = {json.dumps(effect.value)} from tick {effect.tick} on; "
                     f"r* = {effect.optimal_separation:.3f} m"
                 )
+            if effect.unnoticed:  # of the last change: the channel as it is now
+                print(remarks.UNNOTICED)
         return process.SUCCESS
 
     process.leave("fes", ask)

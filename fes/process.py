@@ -12,9 +12,10 @@ from collections.abc import Callable, Coroutine, Iterator, Mapping
 from pathlib import Path
 from typing import NoReturn, TypeVar
 
-from fes import identity, keys
+from fes import identity, keys, signals
 from fes.endpoints import Endpoints, Mode, default_endpoint
 from fes.errors import FesError, Stopped, reason
+from fes.signals import STOP_SIGNALS
 
 SUCCESS, FAILURE, UNMET = 0, 1, 2
 """Exit codes: success; bad configuration or run-time error; the run finished, but not as its scenario expects."""
@@ -25,8 +26,6 @@ FORCED = 130
 YEAR = 3.2e7  # s
 
 T = TypeVar("T")
-
-STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def run(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_with_stdin: bool = False) -> NoReturn:
@@ -59,8 +58,12 @@ def leave(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_wit
 
 
 def supervise(main: Callable[[], Coroutine[None, None, T]], *, exit_with_stdin: bool = False) -> T:
-    """The result of `main`, run to its end; a signal cancels it, lets it clean up, and raises Stopped."""
-    return asyncio.run(_until_stopped(main, exit_with_stdin))
+    """The result of `main`, run to its end; a signal cancels it, lets it clean up, and raises Stopped.
+
+    Signals have the handlers of before again when this is over.
+    """
+    with signals.restored():
+        return asyncio.run(_until_stopped(main, exit_with_stdin))
 
 
 @contextlib.contextmanager
@@ -70,12 +73,10 @@ def interruptible() -> Iterator[None]:
     def stop(number: int, frame: object) -> NoReturn:
         raise Stopped(f"stopped by {signal.Signals(number).name}")
 
-    before = {number: signal.signal(number, stop) for number in STOP_SIGNALS}
-    try:
+    with signals.restored():
+        for number in STOP_SIGNALS:
+            signal.signal(number, stop)
         yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 async def _until_stopped(main: Callable[[], Coroutine[None, None, T]], exit_with_stdin: bool) -> T:
@@ -85,11 +86,12 @@ async def _until_stopped(main: Callable[[], Coroutine[None, None, T]], exit_with
     def stop(by: str) -> None:
         told.append(by)
         if len(told) > 1:
-            os._exit(FORCED)
+            signals.force(FORCED)
         task.cancel(by)  # who is cancelled can see why
 
     for number in STOP_SIGNALS:
         loop.add_signal_handler(number, stop, number.name)
+    signals.deliver()
     if exit_with_stdin:
         try:
             loop.add_reader(sys.stdin.fileno(), lambda: _at_end_of_stdin(loop, stop))
@@ -123,9 +125,20 @@ def _wake_at_end_of_stdin() -> None:
 
 def complain(name: str, message: str) -> None:
     """Say what is wrong, in one line."""
+    tell(f"{name}: error: {message}")
+
+
+def warn(name: str, message: str) -> None:
+    """Say what a person should know of a program that continues, in one line."""
+    tell(f"{name}: warning: {message}")
+
+
+def tell(message: str) -> None:
+    """Say something on standard error, in one line; nothing if that is closed."""
     line = " ".join(message.split("\n"))
-    with contextlib.suppress(OSError):  # the terminal may be gone
-        print(f"{name}: error: {line}", file=sys.stderr)
+    if sys.stderr is not None:  # print() would take standard output instead
+        with contextlib.suppress(OSError, ValueError):  # the terminal may be gone
+            print(line, file=sys.stderr, flush=True)
 
 
 def seconds(text: str) -> float:

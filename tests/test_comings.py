@@ -17,7 +17,7 @@ from fes.arrays import Bools
 from tests import session
 from tests.loop import load
 from tests.session import RUN
-from tests.test_processes import PATIENCE, fes
+from tests.test_processes import PATIENCE, STARTING, fes
 from world.course import Course
 from world.recorder import Recorder
 from world.scenario import Scenario
@@ -222,7 +222,7 @@ def test_fes_run_kills_the_processes_that_its_scenario_has_die_and_the_digest_is
     write_scenario(tmp_path, scenario)
     words = ["run", "scenario.toml", "--headless", "--json", "--rtf", "4", "--out", "out"]
     done = subprocess.run(fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, done.stderr) == (0, STARTING.format(10))
     assert json.loads(done.stdout)["digest"] == inprocess.run(scenario, "scenario")["digest"]
     logs = {robot: (tmp_path / f"out/agent-{robot}.log").read_text() for robot in (4, 5, 6)}
     assert [logs[robot].count("ready") for robot in (4, 5, 6)] == [2, 1, 1]

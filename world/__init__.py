@@ -1,5 +1,6 @@
 """Ground truth, the radio channel and the barrier.
 
+__main__    entry point of fes-world
 process     the shell: fes-world
 server      the world on the bus: observations out, commands in, tick after tick
 course      one run as the world goes through it
@@ -43,6 +44,7 @@ tracking    how fast and how well the optimum is found, after the start and afte
 breathing   separations averaged over a period of the dither
 rules       a broken rule, in one line
 expect      what a scenario expects of its run
+remarks     what of a scenario is not run as it is written
 events      what changes while a run goes on
 equipment   faulty transmitters, and clocks that are off
 summary     summary.json and scenario.toml of a run directory

@@ -14,7 +14,7 @@ from fes.arrays import Bools, Bytes, Floats, Ints
 from fes.change import Effect
 from fes.messages import Command
 from fes.sensing import Telemetry, untold
-from world import events, simulation, wording
+from world import events, remarks, simulation, wording
 from world.account import Account
 from world.optimum import optimal_separation
 from world.recorder import Recorder, Said
@@ -106,7 +106,8 @@ class Course:
         self.scenario, self.state = scenario, replace(self.state, channel=channel)
         if self.recorder is not None:
             self.recorder.change(tick, path, value)
-        return Effect(path, value, tick, optimal_separation(self.scenario.objective, channel))
+        unnoticed = remarks.is_unnoticed(scenario.seeking, scenario.channel.formula, channel.formula)
+        return Effect(path, value, tick, optimal_separation(self.scenario.objective, channel), unnoticed)
 
     def observations(self, addressed: Bools) -> list[bytes]:
         """The payload of each robot's Observation of this tick, in id order; empty for all but `addressed` [n]."""

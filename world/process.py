@@ -18,7 +18,7 @@ from typing import Any
 
 from fes import bus, identity, keys, process
 from fes.errors import FesError, reason
-from world import access, audit, claim, expect, resume, summary
+from world import access, audit, claim, expect, remarks, resume, summary
 from world.checkpoint import FOLDER, PERIOD, Keeper, Snapshot, alone, clear, is_kept
 from world.course import Course
 from world.recorder import NAME, Recorder
@@ -39,6 +39,8 @@ class Start:
 async def serve(flags: argparse.Namespace, start: Start) -> int:
     """One world process, from start to exit code."""
     run, scenario = start.run, start.scenario
+    for line in remarks.of(scenario) if start.kept is None else []:
+        logging.getLogger("world").warning("%s", line)
     rules = access.control(run, scenario.robots.number, identity.crews(flags.keys)) if flags.keys else None
     endpoints = process.world_endpoints(flags, rules)
     audited = audit.kept(access.roles(rules)) if rules else contextlib.nullcontext()

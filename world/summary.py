@@ -1,5 +1,6 @@
 """The summary of a run and its directory: what scripts outside the project read."""
 
+import contextlib
 import json
 import os
 from pathlib import Path
@@ -10,6 +11,7 @@ import tomli_w
 
 from fes.arrays import Floats
 from fes.edges import Edges
+from fes.errors import FesError, reason
 from world import expect, graphs, metrics
 from world.account import Account
 from world.channel import Radio
@@ -63,10 +65,8 @@ def clear(directory: Path) -> None:
 
 
 def write(directory: Path, summary: dict[str, Any]) -> None:
-    """Write summary.json: complete or not at all."""
-    temporary = directory / ".summary.json"
-    temporary.write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
-    os.replace(temporary, directory / "summary.json")
+    """Write summary.json: complete or not at all; raises FesError."""
+    _write(directory / "summary.json", json.dumps(summary, indent=1) + "\n")
 
 
 def lines(summary: dict[str, Any]) -> list[str]:
@@ -87,11 +87,24 @@ def lines(summary: dict[str, Any]) -> list[str]:
 
 
 def write_scenario(directory: Path, scenario: Scenario) -> None:
-    """Write scenario.toml, complete or not at all: the scenario as it is run, with every default and override."""
+    """Write scenario.toml, complete or not at all: the scenario as it is run, with every default and override.
+
+    Raises FesError.
+    """
     tables = scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
-    temporary = directory / ".scenario.toml"
-    temporary.write_text(tomli_w.dumps(tables), encoding="utf-8")
-    os.replace(temporary, directory / "scenario.toml")
+    _write(directory / "scenario.toml", tomli_w.dumps(tables))
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a file, complete or not at all; raises FesError, which names it."""
+    temporary = path.with_name(f".{path.name}")
+    try:
+        temporary.write_text(text, encoding="utf-8")
+        os.replace(temporary, path)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+        raise FesError(f"cannot write {path}: {reason(error)}") from None
 
 
 def _edges(links: Edges, separation: Floats, estimates: Floats) -> list[list[float | int | None]]:
