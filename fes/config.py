@@ -33,7 +33,7 @@ MAX_SUB_STEP_PHASE = 2.0
 class Table(BaseModel):
     """A table of a scenario: frozen, complete, strict."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, use_attribute_docstrings=True)
 
 
 class ChannelConfig(Table):

@@ -16,7 +16,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from fes import bus, identity, keys, process
+from fes import bus, identity, keys, output, process
 from fes.errors import FesError, reason
 from world import access, audit, claim, expect, resume, summary
 from world.checkpoint import FOLDER, PERIOD, Keeper, Snapshot, alone, clear, is_kept
@@ -162,6 +162,7 @@ def _check_pace(flags: argparse.Namespace, scenario: Scenario) -> None:
 
 def main() -> None:
     """Entry point of fes-world."""
+    output.configure()
     parser = process.OneLineParser(prog="fes-world", description="Ground truth and radio channel of a run.")
     parser.add_argument("scenario", nargs="?", metavar="SCENARIO", help="a scenario file, such as configs/paper.toml")
     parser.add_argument("--resume", type=Path, metavar="RUN_DIR", help="go on with a run whose world ended before it")

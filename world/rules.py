@@ -7,6 +7,7 @@ from typing import get_args
 from pydantic import ValidationError
 
 from fes.config import Table
+from fes.output import printable
 
 LONGEST = 120
 """Of a field's name in a message [characters]."""
@@ -34,7 +35,7 @@ def first_rule(error: ValidationError, model: type[Table], whole: str, prefix: s
 
 def _short(text: str) -> str:
     """A field's name as it can be printed."""
-    shown = "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text[: LONGEST + 1])
+    shown = printable(text[: LONGEST + 1])
     return shown if len(shown) <= LONGEST else shown[: LONGEST - 1] + "…"
 
 
