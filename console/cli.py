@@ -183,7 +183,8 @@ def main() -> None:
             raise
         said = message().replace("Value error, ", "")
         if said.startswith("Usage:"):  # without a command it is the whole help, and no error of one line
-            print(said, file=sys.stderr)
+            for text in said.splitlines():
+                printing.line(text, stderr=True)
         else:
             process.complain("fes", said or "expects a command; see fes --help")
         code = process.FAILURE

@@ -66,7 +66,8 @@ class Screen:
         """Print the last frame as ordinary lines, if there was one."""
         if self.history.latest is not None:
             height = max(LEAST, self._console.height - self._below - 1)  # less one, for the shell's prompt
-            self._console.print(render(self.history, self._console.width, height))
+            with contextlib.suppress(OSError, SystemExit):  # rich's word for a reader that is gone
+                self._console.print(render(self.history, self._console.width, height))
 
 
 def save_picture(path: Path, frame: RenderableType, width: int, height: int, title: str) -> None:
