@@ -233,7 +233,9 @@ def parse_ids(text: str) -> tuple[int, ...]:
 def main() -> None:
     """Entry point of fes-agent."""
     output.configure()
-    parser = process.OneLineParser(prog="fes-agent", description="One robot, or a range of robots, of a run.")
+    parser = process.OneLineParser(
+        prog="fes-agent", description="One robot, or a range of robots, of a run.", epilog="example: fes-agent --id 0"
+    )
     parser.add_argument("--id", required=True, metavar="I|A-B|auto", help="the robot, a range, or any that is free")
     parser.add_argument(
         "--timeout",

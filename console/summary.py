@@ -43,7 +43,7 @@ def render(summary: dict[str, Any], verbose: bool = False) -> RenderableType:
     facts.add_column(overflow="fold")
     for name, value in [*_course(summary), *([] if verbose else _expected(summary)), *_headline(summary)]:
         facts.add_row(cell(name), value if isinstance(value, Text) else cell(value))
-    digest = Text.assemble(("digest", "bold"), f"  {summary['digest']}", no_wrap=True, overflow="ignore")
+    digest = Text.assemble(("digest", "bold"), cell(f"  {summary['digest']}"), no_wrap=True, overflow="ignore")
     return Group(*(_tables(summary) if verbose else []), facts, digest)
 
 
@@ -103,7 +103,7 @@ def _expected(summary: dict[str, Any]) -> list[tuple[str, Text]]:
     ]
     if len(verdicts) > MAX_EXPECTED:
         broken = sum(not one["holds"] for one in verdicts)
-        told.append(("", cell(f"{len(verdicts)} expectations in all, of which {broken} do not hold")))
+        told.append(("", cell(f"{len(verdicts)} expectations, {broken} not met")))
     for _, line in told:
         line.no_wrap, line.overflow = True, "ellipsis"
     return told

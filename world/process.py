@@ -163,7 +163,11 @@ def _check_pace(flags: argparse.Namespace, scenario: Scenario) -> None:
 def main() -> None:
     """Entry point of fes-world."""
     output.configure()
-    parser = process.OneLineParser(prog="fes-world", description="Ground truth and radio channel of a run.")
+    parser = process.OneLineParser(
+        prog="fes-world",
+        description="Ground truth and radio channel of a run.",
+        epilog="example: fes-world configs/pair.toml --out runs/by-hand",
+    )
     parser.add_argument("scenario", nargs="?", metavar="SCENARIO", help="a scenario file, such as configs/paper.toml")
     parser.add_argument("--resume", type=Path, metavar="RUN_DIR", help="go on with a run whose world ended before it")
     parser.add_argument("--name", help="name of the scenario in the summary (default: that of its file)")
