@@ -18,6 +18,7 @@ from console import (
     keyring,
     printing,
     processes,
+    progress,
     replay,
     rundir,
     schema,
@@ -217,6 +218,8 @@ def _in_process(
 
     with process.interruptible():
         if screen is None:
-            return inprocess.run(scenario, name, pace, keep=keep, recorder=recorder)
+            with progress.bar(name, scenario.ticks) as bar:
+                watch = (lambda report: bar.reach(report.tick + 1)) if bar.is_shown else None
+                return inprocess.run(scenario, name, pace, watch, keep, recorder)
         with view.Screen(screen, summary.BELOW) as shown:
             return inprocess.run(scenario, name, pace, shown.show, keep, recorder)

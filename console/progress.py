@@ -29,9 +29,18 @@ class Bar:
         self._shown = shown
         self._task = shown.add_task(printable(what), total=total, note="")
 
+    @property
+    def is_shown(self) -> bool:
+        """True if somebody can see it."""
+        return not self._shown.disable
+
+    def measure(self, total: float) -> None:
+        """So much is to be done."""
+        self._shown.update(self._task, total=total)
+
     def advance(self, by: float = 1.0) -> None:
         """So much more is done."""
-        if not self._shown.disable:
+        if self.is_shown:
             self._shown.advance(self._task, by)
 
     def reach(self, done: float) -> None:

@@ -135,6 +135,11 @@ def test_what_the_doctor_saw_is_text(capfd: pytest.CaptureFixture[str]) -> None:
     assert words(SHOWN) in words(out)
 
 
+def test_brackets_and_colons_are_text_on_every_console(capfd: pytest.CaptureFixture[str]) -> None:
+    printing.console().print("[bold]x[/] [/b] :smile: \\[")
+    assert capfd.readouterr().out == "[bold]x[/] [/b] :smile: \\[\n"
+
+
 def test_an_error_and_a_line_of_a_log_are_one_line_of_text(capfd: pytest.CaptureFixture[str]) -> None:
     process.complain("fes", EVIL)
     record = logging.LogRecord("world", logging.INFO, "", 0, "summary: %s", (EVIL,), None)

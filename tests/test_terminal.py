@@ -255,3 +255,23 @@ def test_what_cannot_draw_gets_no_escapes_though_colors_are_forced(tmp_path: Pat
     assert dumb.end() == 0
     assert "\x1b" not in dumb.text
     assert dumb.text.endswith("run directory: dumb\n")
+
+
+def test_a_last_frame_that_nobody_reads_is_no_error() -> None:
+    code = """
+from console import printing, view
+from tests.frames import a_report
+with view.Screen(printing.console()) as shown:
+    shown.show(a_report([(0.0, 0.0)]))
+print("on", file=__import__("sys").stderr)
+"""
+    reader, writer = os.pipe()
+    os.close(reader)
+    root = Path(__file__).parent.parent
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", code], cwd=root, stdout=writer, stderr=subprocess.PIPE, text=True
+        )
+    finally:
+        os.close(writer)
+    assert (done.returncode, done.stderr) == (0, "on\n")

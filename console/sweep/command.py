@@ -66,10 +66,11 @@ def _workers(scheduler: str | None, jobs: int | None) -> Iterator[Workers]:
 
 def _work_off(planned: Design, book: Ledger, workers: Workers) -> None:
     """Carry out all runs that the ledger does not have."""
-    missing = [run for run in planned.runs if run.key not in book.done]
-    total, done = len(planned.runs), len(planned.runs) - len(missing)
-    before = sum(run.scenario.ticks for run in planned.runs if run.key in book.done)
-    with progress.bar(planned.name, sum(run.scenario.ticks for run in planned.runs)) as bar:
+    with progress.bar(planned.name) as bar:
+        missing = [run for run in planned.runs if run.key not in book.done]
+        total, done = len(planned.runs), len(planned.runs) - len(missing)
+        before = sum(run.scenario.ticks for run in planned.runs if run.key in book.done)
+        bar.measure(sum(run.scenario.ticks for run in planned.runs))
 
         def watch(ticks: int) -> None:
             bar.reach(before + ticks)
@@ -96,7 +97,8 @@ def _tell(planned: Design, book: Ledger, directory: Path, form: Format, plot: bo
         if differences:
             written.append(table.write(directory, "differences", [_contrast(planned, one) for one in differences]))
         if plot and picture.drawable(planned, rows):
-            written += figures.save(picture.sweep_figure(planned, rows, differences), directory / "sweep")
+            with progress.bar("figure"):
+                written += figures.save(picture.sweep_figure(planned, rows, differences), directory / "sweep")
     except OSError as error:
         raise FesError(f"cannot write the tables: {reason(error)}") from None
     printing.show(printing.console(), report.render(planned, spreads, differences))
