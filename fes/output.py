@@ -15,6 +15,8 @@ def configure() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
+    if logging.lastResort is not None:  # for tools that have no log
+        logging.lastResort.setFormatter(Formatter("%(message)s"))
 
 
 def printable(text: str) -> str:

@@ -6,12 +6,14 @@ import multiprocessing
 import os
 import signal
 import threading
+import time
 from collections.abc import Generator, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnContext
+from queue import Empty, SimpleQueue
 
 from console.sweep import work
 from console.sweep.work import Batch, Done, Watch, Workers
@@ -25,7 +27,7 @@ PERIOD = 0.1
 """Time [s] between two looks at what the workers have done."""
 
 Ticks = ctypes.Array[ctypes.c_int64]
-"""Robots' worlds stepped in each batch so far; one worker writes in a place, and nobody waits for it."""
+"""Ticks done of each batch; each place has one writer, so no lock is needed."""
 
 _ticks: Ticks | None = None
 """In a worker: the array of its sweep."""
@@ -49,13 +51,18 @@ def _carry_out(jobs: int, batches: Sequence[Batch], watch: Watch) -> Generator[l
     ticks: Ticks = context.RawArray(ctypes.c_int64, len(batches))
     with _pool(min(jobs, len(batches)), context, ticks) as pool:
         try:
+            ended: SimpleQueue[Future[list[Done]]] = SimpleQueue()
             with _unheard(signal.SIGINT):
-                waiting = {pool.submit(_work, at, batch) for at, batch in enumerate(batches)}
-            while waiting:
-                ended, waiting = wait(waiting, PERIOD, FIRST_COMPLETED)
-                for future in ended:
-                    yield future.result()
-                watch(sum(ticks))
+                for at, batch in enumerate(batches):
+                    pool.submit(_work, at, batch).add_done_callback(ended.put)
+            left, looked = len(batches), time.monotonic()
+            while left:
+                with contextlib.suppress(Empty):
+                    yield ended.get(timeout=PERIOD).result()
+                    left -= 1
+                if left == 0 or time.monotonic() - looked >= PERIOD:
+                    looked = time.monotonic()
+                    watch(sum(ticks))
         except BrokenProcessPool:
             raise FesError("a worker of the sweep was ended from outside; the same command resumes it") from None
 
