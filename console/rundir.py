@@ -1,7 +1,6 @@
 """Run directories: where a run leaves its scenario, its summary and its children's logs."""
 
 import contextlib
-import json
 import os
 import shutil
 from collections.abc import Iterator
@@ -10,7 +9,7 @@ from pathlib import Path
 from typing import Self
 
 from console import leftovers
-from fes import keys, signals
+from fes import keys, signals, strict_json
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
 from fes.errors import FesError, Stopped, reason
 from fes.identity import security
@@ -136,7 +135,7 @@ class RunDirectory:
 
 def announce(directory: Path, address: Address) -> None:
     """Say in the run directory where the run can be watched."""
-    (directory / ENDPOINT).write_text(json.dumps(vars(address)) + "\n", encoding="utf-8")
+    (directory / ENDPOINT).write_text(strict_json.dumps(vars(address)) + "\n", encoding="utf-8")
 
 
 def withdraw(directory: Path) -> None:
@@ -150,7 +149,7 @@ def announced(run: str) -> tuple[Path, Address] | None:
     said = (path for path in ROOT.glob(f"*/{ENDPOINT}") if not path.parent.is_symlink())
     for path in sorted(said, key=_written, reverse=True):
         with contextlib.suppress(OSError, ValueError, TypeError):
-            found = Address(**json.loads(path.read_text(encoding="utf-8")))
+            found = Address(**strict_json.loads(path.read_text(encoding="utf-8")))
             if found.run == run and _lives(found.pid):
                 return path, found
     return None

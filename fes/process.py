@@ -12,7 +12,7 @@ from collections.abc import Callable, Coroutine, Iterator, Mapping
 from pathlib import Path
 from typing import NoReturn, TypeVar
 
-from fes import identity, keys, signals
+from fes import identity, keys, output, signals
 from fes.endpoints import Endpoints, Mode, default_endpoint
 from fes.errors import FesError, Stopped, reason
 from fes.signals import STOP_SIGNALS
@@ -34,7 +34,9 @@ def run(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_with_
     The first signal cancels `main`, the second ends the process at once. With `exit_with_stdin` the end of
     standard input counts as a signal: a child whose parent is gone, however it went, must not stay.
     """
-    logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="%(asctime)s %(name)s: %(message)s")
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(output.Formatter("%(asctime)s %(name)s: %(message)s"))
+    logging.basicConfig(level=logging.INFO, handlers=[handler])
     leave(name, main, exit_with_stdin=exit_with_stdin)
 
 
@@ -68,9 +70,13 @@ def supervise(main: Callable[[], Coroutine[None, None, T]], *, exit_with_stdin: 
 
 @contextlib.contextmanager
 def interruptible() -> Iterator[None]:
-    """A block without a loop, in which a signal raises Stopped."""
+    """A block without a loop, in which the first signal raises Stopped, and the second ends the process at once."""
+    told: list[int] = []
 
-    def stop(number: int, frame: object) -> NoReturn:
+    def stop(number: int, frame: object) -> None:
+        told.append(number)
+        if len(told) > 1:
+            signals.force(FORCED)
         raise Stopped(f"stopped by {signal.Signals(number).name}")
 
     with signals.restored():
@@ -135,7 +141,7 @@ def warn(name: str, message: str) -> None:
 
 def tell(message: str) -> None:
     """Say something on standard error, in one line; nothing if that is closed."""
-    line = " ".join(message.split("\n"))
+    line = output.printable(" ".join(message.split("\n")))
     if sys.stderr is not None:  # print() would take standard output instead
         with contextlib.suppress(OSError, ValueError):  # the terminal may be gone
             print(line, file=sys.stderr, flush=True)
