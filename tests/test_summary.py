@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from console import inprocess
+from fes.errors import FesError
 from tests import loop, witness
 from world import scenario, summary
 
@@ -172,7 +173,7 @@ def test_a_summary_that_cannot_be_written_leaves_the_old_one(tmp_path: Path, mon
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(Path, "write_text", half)
-    with pytest.raises(OSError, match="No space"):
+    with pytest.raises(FesError, match="No space"):
         summary.write(tmp_path, {"run": "new"})
     assert json.loads((tmp_path / "summary.json").read_text()) == {"run": "old"}
 
