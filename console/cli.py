@@ -18,9 +18,9 @@ from console.processes import Launch
 from console.rundir import Visitor
 from console.sweep import command
 from fes import bus, distribution, keys, process
-from fes.errors import FesError, ScenarioError, reason
+from fes.errors import FesError, ScenarioError, no_memory, reason
 from fes.identity import OBSERVER
-from world import expect
+from world import crowd, expect
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
 from world.summary import write, write_scenario
@@ -85,6 +85,7 @@ def run(
     fields = [("run.seed", seed), ("run.duration", duration), ("run.clock", clock)]
     overrides = [*(set_ or []), *(f"{field}={value}" for field, value in fields if value is not None)]
     loaded = load(scenario, dict(parse_override(text) for text in overrides))
+    crowd.check(loaded)
     pace = _pace(rtf)
     if secure and backend is Backend.INPROCESS:
         raise FesError("--secure needs --backend processes: what stays in one loop needs no certificates")
@@ -150,6 +151,9 @@ def main() -> None:
         code = error.exit_code
     except OSError as error:
         process.complain("fes", reason(error))
+        code = process.FAILURE
+    except MemoryError as error:
+        process.complain("fes", no_memory(error))
         code = process.FAILURE
     except Exception as error:
         # Typer's own complaints about arguments know how to say themselves in one line.

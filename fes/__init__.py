@@ -24,5 +24,6 @@ inbox       from Zenoh's threads to the loop, one wake-up a tick
 complaints  bad messages, counted and logged once a kind
 process     signals, exit codes, Zenoh's command-line flags
 distribution  name and version of the installed distribution, and how a clone installs it
+memory      how much of it there is
 errors      every error, on one page
 """

@@ -14,7 +14,7 @@ from typing import NoReturn, TypeVar
 
 from fes import identity, keys
 from fes.endpoints import Endpoints, Mode, default_endpoint
-from fes.errors import FesError, Stopped, reason
+from fes.errors import FesError, Stopped, no_memory, reason
 
 SUCCESS, FAILURE, UNMET = 0, 1, 2
 """Exit codes: success; bad configuration or run-time error; the run finished, but not as its scenario expects."""
@@ -50,6 +50,9 @@ def leave(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_wit
         code = error.exit_code
     except OSError as error:
         complain(name, reason(error))
+        code = FAILURE
+    except MemoryError as error:
+        complain(name, no_memory(error))
         code = FAILURE
     with contextlib.suppress(OSError):  # the terminal may be gone
         sys.stdout.flush()

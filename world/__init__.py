@@ -27,6 +27,7 @@ scenario    the typed scenario, from TOML
 radio_config  its table [channel]: the formula, shadowing, bursts, jammers
 kinematics  the unicycle (5) on its exact arc
 proximity   which pairs of robots are within communication range
+crowd       what robots need that start within range of each other
 channel     which beacons decode
 shadowing   correlated in space, reciprocal
 bursts      losses in a row

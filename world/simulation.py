@@ -7,7 +7,7 @@ import numpy as np
 
 from fes.arrays import Bools, Floats, Ints
 from fes.sensing import DECODED, Observations
-from world import channel, events, kinematics, proximity
+from world import channel, crowd, events, kinematics, proximity
 from world.channel import Medium, Radio
 from world.equipment import Transmission
 from world.events import Planned
@@ -69,7 +69,8 @@ def create(scenario: Scenario) -> World:
 
 
 def start(world: World) -> State:
-    """The state at tick 0."""
+    """The state at tick 0; raises ScenarioError where there is too little memory for all contacts."""
+    crowd.check(world.scenario)
     poses, radio = initial_poses(world.scenario), world.scenario.channel
     near = proximity.measure(world.ids, poses, radio.communication_range, None)
     return _changed(
