@@ -9,6 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from console.text import UNKNOWN, percent
+from world.summary import links_lost
 
 _TIMES = {
     "disagreement_1m": "disagreement < 1 m",
@@ -127,6 +128,8 @@ def _facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("algebraic connectivity", "not computed" if connectivity is None else f"{connectivity:.4f}"),
         ("beacons decoded", f"{summary['beacons_decoded']} of {sent}"),
     ]
+    if summary["links_lost_at"] is not None:
+        facts.append(("links", links_lost(summary["links_lost_at"])))
     kept = summary["deadlines"]
     if kept is not None:
         facts.append(("deadlines missed", _deadlines(kept)))

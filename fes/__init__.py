@@ -7,6 +7,8 @@ draws       random numbers as a function of (seed, stream, tick, sender, receive
 outage      equations (3) and (4); of the agents only agents.oracle may import it
 objective   the robots' own half of the performance index (16)
 config      AgentConfig: all that an agent may know
+stability   rules between the tick and the gains
+counts      how often one setting fits into another
 sensing     what a crew senses and says in one tick, as arrays
 messages    Welcome, Observation, Beacon, Command, and their encoding
 report      Report, what observers see, and its encoding

@@ -24,6 +24,9 @@ FORCED = 130
 
 YEAR = 3.2e7  # s
 
+SLOWEST = 1e-6
+"""Least pace [simulated seconds per second]: a tick of it can be slept through."""
+
 T = TypeVar("T")
 
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -148,15 +151,15 @@ def period(text: str) -> float:
 
 
 def real_time_factor(text: str) -> float | None:
-    """The argument of --rtf: a positive number, or `max` for full speed (None); raises ArgumentTypeError."""
+    """The argument of --rtf: a number from SLOWEST on, or `max` for full speed (None); raises ArgumentTypeError."""
     if text == "max":
         return None
     try:
         value = float(text)
     except ValueError:
         value = 0.0
-    if not 0.0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"expects 'max' or a positive number, got '{text}'")
+    if not SLOWEST <= value < float("inf"):
+        raise argparse.ArgumentTypeError(f"expects 'max' or a number that is at least {SLOWEST:g}, got '{text}'")
     return value
 
 

@@ -24,6 +24,7 @@ protobuf    how its messages are encoded
 descriptors  how its message types are described
 ears        the beacons, for the log
 scenario    the typed scenario, from TOML
+robots_config  its table [robots]: where robots start
 radio_config  its table [channel]: the formula, shadowing, bursts, jammers
 kinematics  the unicycle (5) on its exact arc
 proximity   which pairs of robots are within communication range

@@ -68,6 +68,7 @@ def create(scenario: Scenario) -> World:
     return World(scenario, ids, medium, scenario.changes, scenario.attendance, scenario.transmissions)
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def start(world: World) -> State:
     """The state at tick 0; raises ScenarioError where there is too little memory for all contacts."""
     crowd.check(world.scenario)
@@ -81,6 +82,7 @@ def start(world: World) -> State:
     )
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a robot may be driven anywhere: beyond all numbers none is in range
 def step(world: World, state: State, twists: Floats) -> State:
     """The state one tick later, the robots holding `twists` [n, 2] [m/s, rad/s]; see `held`."""
     poses = kinematics.move(state.poses, twists, world.scenario.run.dt)

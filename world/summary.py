@@ -16,6 +16,7 @@ from world.channel import Radio
 from world.scenario import Scenario
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def summarize(account: Account, name: str, backend: str, wall: float) -> dict[str, Any]:
     """The summary of a run up to the last tick of `account`; `wall` is how long it took [s]."""
     scenario, final, tally, optimal = account.scenario, account.state, account.tally, account.optimal
@@ -52,6 +53,7 @@ def summarize(account: Account, name: str, backend: str, wall: float) -> dict[st
         "radio": _contacts(final.radio),
         "deadlines": None if account.deadlines is None else account.deadlines.table(),
         "links_gap_longest": tally.longest_gap * scenario.run.dt,
+        "links_lost_at": tally.links_lost_at,
     }
     return {**found, "expectations": expect.verdicts(scenario.expect, found)}
 
@@ -71,6 +73,7 @@ def write(directory: Path, summary: dict[str, Any]) -> None:
 def lines(summary: dict[str, Any]) -> list[str]:
     """What was reached, in the few lines of a log."""
     links, time = len(summary["edges"]), f"{summary['simulated_s']:g} s in {summary['wall_s']:.1f} s"
+    lost = summary["links_lost_at"]
     found = [
         f"{summary['scenario']}, {summary['robots']} robots, seed {summary['seed']}: {time}",
         f"{links} links, r* = {summary['optimal_separation']:.3f} m",
@@ -80,9 +83,18 @@ def lines(summary: dict[str, Any]) -> list[str]:
             (error.replace("_", " "), summary[f"{error}_max"]) for error in ("separation_error", "estimate_error")
         )
         found += [f"largest {error}: {largest:.4f} m" for error, largest in errors]
+    if lost is not None:
+        found.append(links_lost(lost))
     held = summary["time_to"]["separation_0_1m"]
     found.append("separation error < 0.1 m: " + ("never" if held is None else f"from {held:.2f} s on"))
     return [*found, f"digest {summary['digest']}"]
+
+
+def links_lost(since: float) -> str:
+    """What it means that the links are lost since a time [s], in a line."""
+    if since == 0.0:
+        return "no robot ever had a link"
+    return f"all links were lost for good at {since:g} s: no robot has had one since"
 
 
 def write_scenario(directory: Path, scenario: Scenario) -> None:
