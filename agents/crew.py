@@ -4,7 +4,6 @@
 robot or all of them.
 """
 
-import math
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -18,7 +17,7 @@ from agents.neighbors import Witnesses
 from agents.reception import Reception
 from agents.seeking import Index, Seeker
 from agents.transmitter import Memory, Transmitters
-from fes import geometry, objective
+from fes import counts, geometry, objective, stability
 from fes.arrays import Bools, Floats, Ints
 from fes.config import AgentConfig
 from fes.edges import Edges
@@ -64,10 +63,14 @@ class State:
 
 
 def assemble(config: AgentConfig, ids: Ints) -> Crew:
-    """The crew of robots `ids` [n], ascending, of a run with `config`."""
+    """The crew of robots `ids` [n], ascending, of a run with `config`; raises FesError for settings out of bounds."""
+    try:
+        stability.check(config.dt, config.seeking, config.formation)
+    except ValueError as error:
+        raise FesError(f"the run's settings: {error}") from None
     seeker = Seeker(config.seeking, _index(config), config.dt)
     statistics = reception.SUMS if config.seeking.index == "measured" and config.seeking.pooling == "network" else 0
-    timeout = math.ceil(config.formation.contact_timeout / config.dt)
+    timeout = counts.ticks_within(config.formation.contact_timeout, config.dt)
     return Crew(config, ids, seeker, timeout, statistics, clocks.of(config, ids), transmitter.of(config, ids))
 
 
@@ -111,6 +114,7 @@ def telemetry(crew: Crew, state: State) -> Telemetry:
     return Telemetry(edges, state.links.said, learnt)
 
 
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # settings may be anything: twists are looked at
 def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -> tuple[State, Beacons, Floats]:
     """One tick: from what the robots sense now and heard of the last tick, to what they say and do.
 

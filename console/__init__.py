@@ -3,6 +3,7 @@
 __main__    entry point of fes
 cli         the commands
 guide       their order, and an example of each
+announcement  what fes run says before it starts anything
 processes   fes run with real processes
 launcher    child processes, never left behind
 child       one of them, and what is said of its end

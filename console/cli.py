@@ -12,12 +12,12 @@ import typer
 from rich.console import Console
 
 from console import (
+    announcement,
     compare,
     evidence,
     guide,
     inprocess,
     keyring,
-    leftovers,
     printing,
     processes,
     progress,
@@ -34,9 +34,9 @@ from console.processes import Launch
 from console.rundir import Visitor
 from console.sweep import command
 from fes import bus, distribution, keys, output, process, strict_json
-from fes.errors import FesError, ScenarioError, reason
+from fes.errors import FesError, ScenarioError, no_memory, reason
 from fes.identity import OBSERVER
-from world import expect, remarks
+from world import crowd, expect
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
 from world.summary import write, write_scenario
@@ -120,6 +120,7 @@ def run(
     overrides = [*(set_ or []), *(f"{field}={value}" for field, value in fields if value is not None)]
     with process.interruptible():
         loaded = load(scenario, dict(parse_override(text) for text in overrides))
+        crowd.check(loaded)
         in_process, pace = backend is Backend.INPROCESS, _pace(rtf)
         for flag, given in (("--secure", secure), ("--respawn", respawn)):
             if given and in_process:
@@ -133,7 +134,7 @@ def run(
         launch = Launch(name, agents_per_process, rtf, dashboard, record, secure, respawn)
         if not in_process:
             processes.check(launch, loaded)
-        _begin(loaded, in_process, launch)
+        announcement.say(loaded, in_process, launch)
         with rundir.made(name, out) as directory:
             write_scenario(directory.path, loaded)
             if in_process:
@@ -151,18 +152,6 @@ def run(
                 printing.show(screen, summary.render(result, verbose))
                 printing.line(f"run directory: {directory.path}")
     return process.UNMET if expect.unmet(result) else process.SUCCESS
-
-
-def _begin(scenario: Scenario, in_process: bool, launch: Launch) -> None:
-    """Say at once what is started, what of the scenario is not run as it is written, and which keys were removed."""
-    robots = scenario.robots.number
-    what = f"a world and {robots} robot{'s' if robots > 1 else ''}"
-    crews = f" in {len(launch.groups(robots))} processes" if launch.agents_per_process > 1 else ""
-    process.tell(f"running {what} in one loop ..." if in_process else f"starting {what}{crews} ...")
-    for line in remarks.of(scenario):
-        process.warn("fes", line)
-    for path in leftovers.remove(rundir.ROOT):
-        process.warn("fes", f"removed {path}: private keys of a run that was killed")
 
 
 @guide.command(app, "view")
@@ -208,6 +197,9 @@ def main() -> None:
         code = error.exit_code
     except OSError as error:
         process.complain("fes", reason(error))
+        code = process.FAILURE
+    except MemoryError as error:
+        process.complain("fes", no_memory(error))
         code = process.FAILURE
     except Exception as error:
         # Typer's own complaints about arguments know how to say themselves in one line.

@@ -7,6 +7,8 @@ draws       random numbers as a function of (seed, stream, tick, sender, receive
 outage      equations (3) and (4); of the agents only agents.oracle may import it
 objective   the robots' own half of the performance index (16)
 config      AgentConfig: all that an agent may know
+stability   rules between the tick and the gains
+counts      how often one setting fits into another
 sensing     what a crew senses and says in one tick, as arrays
 messages    Welcome, Observation, Beacon, Command, and their encoding
 report      Report, what observers see, and its encoding
@@ -27,5 +29,6 @@ output      text that leaves a process: any encoding, no control characters
 strict_json JSON without NaN and Infinity
 process     signals, exit codes, Zenoh's command-line flags
 distribution  name and version of the installed distribution, and how a clone installs it
+memory      how much of it there is
 errors      every error, on one page
 """

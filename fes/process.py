@@ -14,7 +14,7 @@ from typing import NoReturn, TypeVar
 
 from fes import identity, keys, output, signals
 from fes.endpoints import Endpoints, Mode, default_endpoint
-from fes.errors import FesError, Stopped, reason
+from fes.errors import FesError, Stopped, no_memory, reason
 from fes.signals import STOP_SIGNALS
 
 SUCCESS, FAILURE, UNMET = 0, 1, 2
@@ -24,6 +24,9 @@ FORCED = 130
 """Exit code after a second signal."""
 
 YEAR = 3.2e7  # s
+
+SLOWEST = 1e-6
+"""Least pace [simulated seconds per second]: a tick of it can be slept through."""
 
 T = TypeVar("T")
 
@@ -51,6 +54,9 @@ def leave(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_wit
         code = error.exit_code
     except OSError as error:
         complain(name, reason(error))
+        code = FAILURE
+    except MemoryError as error:
+        complain(name, no_memory(error))
         code = FAILURE
     with contextlib.suppress(OSError):  # the terminal may be gone
         sys.stdout.flush()
@@ -164,15 +170,15 @@ def period(text: str) -> float:
 
 
 def real_time_factor(text: str) -> float | None:
-    """The argument of --rtf: a positive number, or `max` for full speed (None); raises ArgumentTypeError."""
+    """The argument of --rtf: a number from SLOWEST on, or `max` for full speed (None); raises ArgumentTypeError."""
     if text == "max":
         return None
     try:
         value = float(text)
     except ValueError:
         value = 0.0
-    if not 0.0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"expects 'max' or a positive number, got '{text}'")
+    if not SLOWEST <= value < float("inf"):
+        raise argparse.ArgumentTypeError(f"expects 'max' or a number that is at least {SLOWEST:g}, got '{text}'")
     return value
 
 

@@ -45,6 +45,7 @@ CONTRACT = {
     "deadlines": type(None),
     "links_gap_longest": float,
     "unscheduled_absences": int,
+    "links_lost_at": type(None),
     "expectations": list,
 }
 """The keys of design.md, section 5, and what they hold in a run that has links; what is after the digest is ours."""
@@ -183,7 +184,7 @@ def test_a_summary_that_cannot_be_written_leaves_the_old_one(tmp_path: Path, mon
     "overrides",
     [
         {},
-        {"run__dt": 1 / 3, "run__seed": 2**63 - 1, "formation__linear_limit": 2.5},
+        {"run__dt": 1 / 7, "run__seed": 2**63 - 1, "formation__linear_limit": 2.5},
         {"channel__reference_snr": 12345678.901234567, "seeking__initial_estimate": [1e-5, 1e300]},
         {"robots": {"count": 7, "kind": "line", "jitter": 0.1}, "seeking": {}, "objective": {}},
     ],

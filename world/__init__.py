@@ -27,9 +27,11 @@ beacon_tap  the world's own copy of every beacon, by which it judges senders
 command_gate  which process may command a robot
 farewell    the end of a run, said until it is heard
 scenario    the typed scenario, from TOML
+robots_config  its table [robots]: where robots start
 radio_config  its table [channel]: the formula, shadowing, bursts, jammers
 kinematics  the unicycle (5) on its exact arc
 proximity   which pairs of robots are within communication range
+crowd       what robots need that start within range of each other
 channel     which beacons decode
 shadowing   correlated in space, reciprocal
 bursts      losses in a row

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Self
 
 import tomli_w
 
-from fes import distribution, strict_json
+from fes import counts, distribution, strict_json
 from fes.arrays import Bytes, Floats
 from fes.errors import FesError
 from fes.report import encode_report
@@ -230,4 +230,4 @@ class Recorder:
 
 def report_period(scenario: Scenario) -> int:
     """Ticks between two Reports of a log."""
-    return max(1, round(VIEW_PERIOD / scenario.run.dt))
+    return counts.ticks_of(VIEW_PERIOD, scenario.run.dt)

@@ -18,6 +18,7 @@ from world.channel import Radio
 from world.scenario import Scenario
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def summarize(account: Account, name: str, backend: str, wall: float) -> dict[str, Any]:
     """The summary of a run up to the last tick of `account`; `wall` is how long it took [s].
 
@@ -58,6 +59,7 @@ def summarize(account: Account, name: str, backend: str, wall: float) -> dict[st
         "deadlines": None if account.deadlines is None else account.deadlines.table(),
         "links_gap_longest": tally.longest_gap * scenario.run.dt,
         "unscheduled_absences": account.unscheduled_absences,
+        "links_lost_at": tally.links_lost_at,
     }
     complete: dict[str, Any] = strict_json.finite({**found, "expectations": expect.verdicts(scenario.expect, found)})
     return complete
@@ -76,6 +78,7 @@ def write(directory: Path, summary: dict[str, Any]) -> None:
 def lines(summary: dict[str, Any]) -> list[str]:
     """What was reached, in the few lines of a log."""
     links, time = len(summary["edges"]), f"{summary['simulated_s']:g} s in {summary['wall_s']:.1f} s"
+    lost = summary["links_lost_at"]
     found = [
         f"{summary['scenario']}, {summary['robots']} robots, seed {summary['seed']}: {time}",
         f"{links} links, r* = {_meters(summary['optimal_separation'], 3)}",
@@ -85,9 +88,18 @@ def lines(summary: dict[str, Any]) -> list[str]:
             (error.replace("_", " "), summary[f"{error}_max"]) for error in ("separation_error", "estimate_error")
         )
         found += [f"largest {error}: {_meters(largest, 4)}" for error, largest in errors]
+    if lost is not None:
+        found.append(links_lost(lost))
     held = summary["time_to"]["separation_0_1m"]
     found.append("separation error < 0.1 m: " + ("never" if held is None else f"from {held:.2f} s on"))
     return [*found, f"digest {summary['digest']}"]
+
+
+def links_lost(since: float) -> str:
+    """What it means that the links are lost since a time [s], in a line."""
+    if since == 0.0:
+        return "no robot ever had a link"
+    return f"all links were lost for good at {since:g} s: no robot has had one since"
 
 
 def _meters(value: float | None, digits: int) -> str:
