@@ -18,7 +18,7 @@ from mcap.records import Channel, Chunk, DataEnd, McapRecord, Message
 from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
 from mcap.writer import MCAP0_MAGIC
 
-from fes.errors import FesError, MessageError
+from fes.errors import FesError, MessageError, reason
 from fes.report import Report, decode_report
 from world import protobuf, schemas
 from world.recorder import AT_ITS_END, NAME, SUMMARY, Said
@@ -234,4 +234,4 @@ def _records(path: Path) -> Iterator[McapRecord]:
     except _BROKEN as error:
         raise FesError(f"{path} is damaged: {error}") from None
     except OSError as error:
-        raise FesError(f"{path}: {error.strerror}") from None
+        raise FesError(f"{path}: {reason(error, with_file=False)}") from None

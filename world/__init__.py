@@ -24,6 +24,8 @@ protobuf    how its messages are encoded
 descriptors  how its message types are described
 ears        the beacons, for the log
 scenario    the typed scenario, from TOML
+overrides   fields of a scenario that --set overrides
+toml        TOML of others: bounded, or one line
 radio_config  its table [channel]: the formula, shadowing, bursts, jammers
 kinematics  the unicycle (5) on its exact arc
 proximity   which pairs of robots are within communication range

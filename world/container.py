@@ -19,7 +19,7 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.writer import CompressionType, Writer
 
 from fes import distribution
-from fes.errors import FesError
+from fes.errors import FesError, reason
 from world.descriptors import describe
 from world.protobuf import Message
 
@@ -147,4 +147,4 @@ class Container:
             yield
         except OSError as error:
             self._broken = True
-            raise FesError(f"cannot write {self._path}: {error.strerror}") from None
+            raise FesError(f"cannot write {self._path}: {reason(error, with_file=False)}") from None

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from fes.config import Table
 
 LONGEST = 120
-"""Of a field's name in a message [characters]."""
+"""Of a text of others in a message [characters]."""
 
 
 def first_rule(error: ValidationError, model: type[Table], whole: str, prefix: str = "") -> str:
@@ -20,7 +20,7 @@ def first_rule(error: ValidationError, model: type[Table], whole: str, prefix: s
     # an unknown field goes first: it may be the missing one, misspelt
     first = min(error.errors(include_url=False), key=lambda found: found["type"] != "extra_forbidden")
     at = ".".join(str(part) for part in first["loc"])
-    field = _short(prefix + at) if at else whole
+    field = short(prefix + at) if at else whole
     if first["type"] == "extra_forbidden":
         near = difflib.get_close_matches(field, _fields(model, prefix), n=1, cutoff=0.4)
         return f"unknown field '{field}'" + (f"; did you mean '{near[0]}'?" if near else "")
@@ -32,8 +32,8 @@ def first_rule(error: ValidationError, model: type[Table], whole: str, prefix: s
     return f"{field}: {message}, got {reprlib.repr(first['input'])}"
 
 
-def _short(text: str) -> str:
-    """A field's name as it can be printed."""
+def short(text: str) -> str:
+    """A text of others as it can be printed: without control characters, and cut."""
     shown = "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text[: LONGEST + 1])
     return shown if len(shown) <= LONGEST else shown[: LONGEST - 1] + "…"
 

@@ -15,6 +15,7 @@ from pathlib import Path
 from console.doctor.finding import Finding, failed, ok, warning
 from fes import distribution
 from fes.about import installed
+from fes.errors import reason
 
 OLDEST_PYTHON = (3, 11)
 
@@ -143,7 +144,7 @@ def directory(root: Path) -> Finding:
         with contextlib.suppress(OSError):
             free = shutil.disk_usage(where).free
     except OSError as error:
-        said = f"{where.resolve()}: {error.strerror}"
+        said = f"{where.resolve()}: {reason(error, with_file=False)}"
         return failed("run directory", said, "stand where you may write, or give --out a folder where you may")
     if free is None:
         return ok("run directory", f"{where.resolve()} can be written")
