@@ -17,7 +17,7 @@ from console.options import Cfg, Config, Connect, ObserverKeys
 from console.processes import Launch
 from console.rundir import Visitor
 from console.sweep import command
-from fes import bus, distribution, keys, process
+from fes import bus, distribution, encoding, keys, process
 from fes.errors import FesError, ScenarioError, reason
 from fes.identity import OBSERVER
 from world import expect
@@ -92,16 +92,16 @@ def run(
         inprocess.check(loaded)
     elif loaded.run.clock == "live" and pace is not None:
         raise FesError("--rtf does not go with the live clock: its pace is that of the wall clock")
-    directory = rundir.create(scenario.stem, out)
+    directory, name = rundir.create(scenario.stem, out), encoding.name_of(scenario)
     write_scenario(directory, loaded)
     screen = Console(stderr=json_)
     dashboard = screen.is_terminal and not headless and not json_
     if backend is Backend.INPROCESS:
-        recording = Recorder(directory / NAME, loaded, scenario.stem, backend.value) if record else nullcontext()
+        recording = Recorder(directory / NAME, loaded, name, backend.value) if record else nullcontext()
         with recording as recorder:
-            result = _in_process(loaded, scenario.stem, pace, directory, screen if dashboard else None, recorder)
+            result = _in_process(loaded, name, pace, directory, screen if dashboard else None, recorder)
     else:
-        launch = Launch(scenario.stem, agents_per_process, rtf, dashboard, record, secure)
+        launch = Launch(name, agents_per_process, rtf, dashboard, record, secure)
         result = processes.run(launch, loaded, directory, screen)
     if json_:
         print(json.dumps(result))

@@ -116,7 +116,7 @@ def read_summary(directory: Path) -> dict[str, Any]:
     """The summary in a run directory; raises FesError."""
     try:
         found = json.loads((directory / "summary.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         raise FesError(f"{directory} has no summary") from None
     return found if isinstance(found, dict) else {}
 

@@ -5,8 +5,9 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from fes import keys
+from fes import addresses, encoding, keys
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
 from fes.errors import FesError, reason
 from fes.identity import security
@@ -79,11 +80,20 @@ def announced(run: str) -> tuple[Path, Address] | None:
     where it says so, and what it says."""
     said = (path for path in ROOT.glob(f"*/{ENDPOINT}") if not path.parent.is_symlink())
     for path in sorted(said, key=_written, reverse=True):
-        with contextlib.suppress(OSError, ValueError, TypeError):
-            found = Address(**json.loads(path.read_text(encoding="utf-8")))
+        with contextlib.suppress(OSError, ValueError, TypeError, OverflowError, RecursionError, FesError):
+            found = _address(json.loads(encoding.read(path)))
             if found.run == run and _lives(found.pid):
                 return path, found
     return None
+
+
+def _address(told: dict[str, Any]) -> Address:
+    """What an endpoint.json says; raises TypeError or FesError for what `announce` cannot have written."""
+    found = Address(**told)
+    if type(found.pid) is not int or not isinstance(found.run, str) or not isinstance(found.keys, str | None):
+        raise TypeError
+    addresses.check(found.endpoint, listening=False)
+    return found
 
 
 def find(run: str) -> Address:

@@ -1,11 +1,14 @@
 """Text from outside: files, arguments and names of files, which may be in any encoding, and of any length.
 
-Everything that a person writes passes one of these functions before a parser sees it. They raise ValueError with a
-rule in one line.
+Everything that a person writes passes one of these functions before a parser sees it. Where they raise ValueError, it
+has a rule in one line, and the caller knows the place.
 """
 
 import codecs
+import os
 from pathlib import Path
+
+from fes.errors import FesError
 
 LONGEST_FILE = 1 << 26
 """Longest text file that is read [bytes]; a scenario with 100,000 poses has a tenth of that."""
@@ -84,6 +87,19 @@ def argument(text: str) -> str:
     return text.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
 
 
+def file_name(text: str) -> str:
+    """Valid text as the name of a file: in UTF-8 also where the locale has no letters for it.
+
+    >>> file_name("pair")
+    'pair'
+    """
+    try:
+        os.fsencode(text)
+    except UnicodeEncodeError:
+        return os.fsdecode(text.encode("utf-8"))
+    return text
+
+
 def name_of(path: Path) -> str:
     """The name of a scenario, after its file: valid text that can be printed.
 
@@ -94,8 +110,8 @@ def name_of(path: Path) -> str:
 
 
 def check_name(name: str) -> str:
-    """The name of a scenario as valid text that can be printed; raises ValueError if it is too long."""
+    """The name of a scenario as valid text that can be printed; raises FesError if it is too long."""
     shown = "".join(letter if letter.isprintable() else "?" for letter in argument(name))
     if len(shown) > LONGEST_NAME:
-        raise ValueError(f"the name of a scenario has at most {LONGEST_NAME} characters, got {len(shown)}")
+        raise FesError(f"the name of a scenario has at most {LONGEST_NAME} characters, got {len(shown)}")
     return shown

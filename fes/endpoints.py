@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from fes import addresses
+from fes import addresses, encoding
 from fes.errors import FesError
 from fes.wire import MAX_PAYLOAD
 
@@ -78,7 +78,7 @@ class Endpoints:
 
     def own_settings(self) -> list[tuple[str, str]]:
         """The person's settings, as key and JSON5 value; raises FesError for one without a colon."""
-        pairs = [setting.partition(":") for setting in self.settings]
+        pairs = [encoding.argument(setting).partition(":") for setting in self.settings]
         for key, colon, _ in pairs:
             if not colon:
                 raise FesError(f"--cfg expects KEY:VALUE, got '{key}'")

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from console import inprocess
+from fes import encoding
 from fes.errors import ScenarioError
 from world.scenario import Scenario, load, parse_override
 
@@ -104,7 +105,7 @@ def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design
         scenario = load(path, {**fixed, **dict(zip(fields, combination, strict=True))})
         inprocess.check(scenario)
         cells.append(Cell(tuple(_value(scenario, field) for field in fields), scenario))
-    design = Design(path.stem, tuple(fields), cells, numbers)
+    design = Design(encoding.name_of(path), tuple(fields), cells, numbers)
     for at, (field, values) in enumerate(fields.items()):
         if len(design.values(at)) < len(values):
             raise ScenarioError("--axis", f"expects each value of '{field}' once, got {', '.join(map(str, values))}")

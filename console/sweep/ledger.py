@@ -15,6 +15,7 @@ from typing import IO, Any
 
 from console.sweep.design import Design, digest, seeded
 from console.sweep.work import Done
+from fes import encoding
 from fes.distribution import version
 from fes.errors import FesError, reason
 
@@ -53,7 +54,7 @@ class Ledger:
 
 def default_directory(design: Design) -> Path:
     """Where the same command finds its sweep again."""
-    return Path("sweeps") / f"{design.name}-{_identity(design)['cells'][:8]}"
+    return Path("sweeps") / f"{encoding.file_name(design.name)}-{_identity(design)['cells'][:8]}"
 
 
 @contextlib.contextmanager
@@ -95,7 +96,7 @@ def _claim(directory: Path, design: Design) -> None:
         return
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
-    except ValueError:
+    except (ValueError, RecursionError):
         found = None
     if not isinstance(found, dict):
         raise FesError(f"--out {directory}: {HEADER} cannot be read")
@@ -122,7 +123,7 @@ def _read(file: IO[bytes], path: Path) -> dict[str, Done]:
     for number, line in enumerate(whole.splitlines(), 1):
         try:
             one = Done(**json.loads(line))
-        except (ValueError, TypeError):
+        except (ValueError, TypeError, RecursionError):
             raise FesError(f"{path}: line {number} is not a run") from None
         done.setdefault(one.key, one)
     return done
