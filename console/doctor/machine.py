@@ -40,6 +40,9 @@ MOMENT = 0.1
 
 YEAR_2024 = 1_704_067_200.0  # s since 1970
 
+TOOLS = "dev"
+"""The extra of a developer, of no use to a run."""
+
 _REQUIREMENT = re.compile(r"([A-Za-z0-9._-]+)(\[.*\])?\s*([^;]*)(?:;.*extra\s*==\s*['\"]([\w-]+)['\"])?")
 
 
@@ -66,11 +69,12 @@ def packages(requirements: list[str] | None = None) -> Iterator[Finding]:
     else:
         have = [f"{name} {installed(name)}" for name, _, _, extra in parsed if not extra]
         yield ok("packages", ", ".join(have))
-    extras = sorted({str(extra) for *_, extra in parsed if extra})
-    lack = {extra: [lacks(name, rule) for name, _, rule, own in parsed if own == extra] for extra in extras}
-    told = [f"{extra}: {'; '.join(filter(None, said)) or 'installed'}" for extra, said in lack.items()]
+    extras = sorted({str(extra) for *_, extra in parsed if extra} - {TOOLS})
+    absent = [extra for extra in extras if any(own == extra and lacks(name, rule) for name, _, rule, own in parsed)]
+    states = {"installed": [extra for extra in extras if extra not in absent], "not installed": absent}
+    told = [f"{', '.join(named)}: {state}" for state, named in states.items() if named]
     if told:
-        yield ok("extras", ", ".join(told))
+        yield ok("extras", "; ".join(told))
 
 
 def lacks(name: str, rule: str) -> str:
