@@ -90,7 +90,12 @@ def announced(run: str) -> tuple[Path, Address] | None:
 def _address(told: dict[str, Any]) -> Address:
     """What an endpoint.json says; raises TypeError or FesError for what `announce` cannot have written."""
     found = Address(**told)
-    if type(found.pid) is not int or not isinstance(found.run, str) or not isinstance(found.keys, str | None):
+    if (
+        type(found.pid) is not int
+        or found.pid < 0
+        or not isinstance(found.run, str)
+        or not isinstance(found.keys, str | None)
+    ):
         raise TypeError
     addresses.check(found.endpoint, listening=False)
     return found

@@ -16,7 +16,8 @@ from fes.errors import FesError
 
 ROOT = Path(__file__).parent.parent
 INSTALLERS = re.compile(
-    r"\b(?:pip3?|pipx|uv|uvx|conda|poetry|python3? -m pip)\b[^\n|&;`#]*?\b(?:install|add|run|download|tool)\b(?P<rest>[^\n|;&#]*)"
+    r"\b(?:pip3?|pipx|uvx?|conda|poetry)\b[^\n|&;`#]*?"
+    r"\b(?:install|add|run|download|tool)\b(?P<rest>[^\n|;&#]*)"
 )
 BY_NAME = re.compile(r"""(?<![\w./*-])(?:fes|fes[-_]robots)(?:\[[\w,-]*\])?(?=$|[\s'"`),:=<>~!])""")
 """The distribution, or the stranger's, as an installer takes it from an index: not in a path, and not of a file."""
