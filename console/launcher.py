@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
+from fes import encoding
 from fes.errors import FesError
 from fes.process import SUCCESS, UNMET
 from world.checkpoint import is_kept
@@ -191,7 +192,7 @@ class Family:
                 "-P",  # a folder called `world` where the person stands is not ours
                 "-m",
                 module,
-                *map(_encoded, arguments),
+                *map(encoding.as_bytes, arguments),
                 "--exit-with-stdin",
                 stdin=asyncio.subprocess.PIPE,  # never written to: its end tells the child that we are gone
                 stdout=stream,
@@ -230,14 +231,6 @@ def share(robots: int, per_process: int) -> Iterator[str]:
     for first in range(0, robots, per_process):
         last = min(first + per_process, robots) - 1
         yield str(first) if first == last else f"{first}-{last}"
-
-
-def _encoded(argument: str) -> bytes:
-    """An argument of a child in bytes: a name of a scenario may have letters that the locale cannot write."""
-    try:
-        return os.fsencode(argument)
-    except UnicodeEncodeError:
-        return argument.encode("utf-8", "surrogateescape")
 
 
 def _signal(child: Child, number: signal.Signals) -> None:

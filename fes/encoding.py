@@ -93,11 +93,15 @@ def file_name(text: str) -> str:
     >>> file_name("pair")
     'pair'
     """
+    return os.fsdecode(as_bytes(text))
+
+
+def as_bytes(text: str) -> bytes:
+    """An argument of a process or a name of a file in bytes: in UTF-8 where the locale has no letters for it."""
     try:
-        os.fsencode(text)
+        return os.fsencode(text)
     except UnicodeEncodeError:
-        return os.fsdecode(text.encode("utf-8"))
-    return text
+        return text.encode("utf-8", "surrogateescape")
 
 
 def name_of(path: Path) -> str:

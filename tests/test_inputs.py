@@ -1,10 +1,7 @@
 """Text of others: whatever a file, an argument or a name has in it, it is read, or refused in one line."""
 
-import ast
-import contextlib
 import json
 import os
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,7 +16,7 @@ from console.sweep import design
 from fes import change, encoding, identity
 from fes.errors import FesError
 from tests.loop import CONFIGS
-from tests.test_cli import PROGRAMS, call, complaint
+from tests.test_cli import call, complaint
 from world import scenario
 from world.scenario import parse_override
 
@@ -237,83 +234,3 @@ def test_a_certificate_may_begin_with_a_byte_order_mark(mark: bytes, tmp_path: P
     path = tmp_path / "keys" / "world.crt"
     path.write_bytes(mark + path.read_bytes())
     assert line(lambda: identity.security(tmp_path / "keys", identity.WORLD)) == ""
-
-
-# -- reasons
-
-
-def test_only_one_function_asks_an_error_for_its_text() -> None:
-    for package in ("fes", "agents", "world", "console", "bench"):
-        for path in (ROOT / package).rglob("*.py"):
-            tree = ast.parse(path.read_text(encoding="utf-8"))
-            asked = [
-                node.lineno for node in ast.walk(tree) if isinstance(node, ast.Attribute) and node.attr == "strerror"
-            ]
-            assert asked == [] or path == ROOT / "fes" / "errors.py", f"{path}: lines {asked}"
-
-
-def test_a_log_that_comes_through_a_pipe_is_refused_with_a_reason(tmp_path: Path) -> None:
-    assert call(tmp_path, "fes", "run", str(CONFIGS / "pair.toml"), *IN, "--out", "run").returncode == 0
-    for words in ("replay LOG", "compare LOG run", "compare run LOG", "plot LOG"):
-        script = f"{PROGRAMS}/fes {words.replace('LOG', '<(cat run/run.mcap)')}"
-        done = subprocess.run(["bash", "-c", script], cwd=tmp_path, capture_output=True, text=True, timeout=60)
-        said = complaint(done, "fes")
-        assert said.startswith("/dev/fd/")
-        assert said.endswith(": File or stream is not seekable.")
-
-
-def test_a_scenario_may_come_through_a_pipe(tmp_path: Path) -> None:
-    script = f"{PROGRAMS}/fes run <(cat {CONFIGS / 'pair.toml'}) {' '.join(IN)}"
-    done = subprocess.run(["bash", "-c", script], cwd=tmp_path, capture_output=True, text=True, timeout=60)
-    assert (done.returncode, done.stderr) == (0, "")
-
-
-# -- names
-
-
-NAMES = {b"bad\xff": "bad\ufffd", "caf\u00e9".encode(): "caf\u00e9", b"a\x1b[2J\nb": "a?[2J?b", b"n" * 250: "n" * 250}
-ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
-
-
-def fes(where: Path, locale: dict[str, str], *words: str | bytes) -> dict[str, Any]:
-    """What a command that ends well prints as JSON."""
-    command = [bytes(PROGRAMS / "fes"), *words]
-    done = subprocess.run(command, cwd=where, env={**os.environ, **locale}, capture_output=True, timeout=90)
-    assert (done.returncode, done.stderr) == (0, b"")
-    found: dict[str, Any] = json.loads(done.stdout)
-    return found
-
-
-@pytest.mark.parametrize(("name", "shown"), NAMES.items(), ids=["bytes", "letters", "escapes", "long"])
-def test_any_name_of_a_file_is_one_valid_name_of_its_run(name: bytes, shown: str, tmp_path: Path) -> None:
-    (tmp_path / os.fsdecode(name + b".toml")).write_text(PAIR, encoding="utf-8")
-    assert fes(tmp_path, ASCII, "run", name + b".toml", *IN, "--out", "run")["scenario"] == shown
-    assert fes(tmp_path, ASCII, "replay", "run", "--json")["scenario"] == shown
-
-
-@pytest.mark.parametrize("locale", [{}, ASCII], ids=["UTF-8", "ASCII"])
-def test_processes_are_given_that_name_in_any_locale(locale: dict[str, str], tmp_path: Path) -> None:
-    for number, (name, shown) in enumerate(list(NAMES.items())[:2]):
-        (tmp_path / os.fsdecode(name + b".toml")).write_text(PAIR, encoding="utf-8")
-        words = [*IN[2:], "--agents-per-process", "2", "--out", str(number)]
-        assert fes(tmp_path, locale, "run", name + b".toml", *words)["scenario"] == shown
-
-
-def test_a_sweep_keeps_any_name_of_a_file(tmp_path: Path) -> None:
-    for name, shown in NAMES.items():
-        (tmp_path / os.fsdecode(name + b".toml")).write_text(PAIR, encoding="utf-8")
-        planned = design.plan(tmp_path / os.fsdecode(name + b".toml"), [], "0:1", [])
-        assert planned.name == shown
-
-
-def test_a_name_that_is_given_is_bounded_as_a_files_is(tmp_path: Path) -> None:
-    done = call(tmp_path, "fes-world", str(CONFIGS / "pair.toml"), "--name", "n" * 256)
-    assert complaint(done, "fes-world") == "the name of a scenario has at most 255 characters, got 256"
-
-
-def test_an_argument_in_utf_8_is_read_in_any_locale() -> None:
-    for text in ("caf\u00e9", "\u4e16\u754c"):
-        garbled = text.encode().decode("ascii", "surrogateescape")
-        assert encoding.argument(garbled) == encoding.argument(text) == text
-        with contextlib.suppress(UnicodeEncodeError):
-            assert encoding.file_name(text) == text
