@@ -154,7 +154,7 @@ def _start(flags: argparse.Namespace, held: contextlib.ExitStack) -> Start:
         raise FesError(f"--resume goes on with run '{kept.run}', not with '{flags.run}'")
     _check_pace(flags, kept.scenario)
     flags.out = flags.resume
-    return Start(kept.scenario, kept.name, kept.run, kept)
+    return Start(kept.scenario, kept.name, keys.check_run(kept.run), kept)
 
 
 def _check_pace(flags: argparse.Namespace, scenario: Scenario) -> None:
