@@ -7,6 +7,7 @@ of them before it knows that they are ours, and that this system can run them.
 
 import importlib
 import importlib.util
+import signal
 import sys
 from pathlib import Path
 
@@ -47,7 +48,12 @@ def fes_agent() -> None:
 
 
 def _start(command: str, module: str) -> None:
-    if why := trouble():
+    python = signal.getsignal(signal.SIGINT)
+    if python is signal.default_int_handler:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # no traceback out of an import
+    why = trouble()
+    signal.signal(signal.SIGINT, python)
+    if why:
         print(f"{command}: error: {why}", file=sys.stderr)
         raise SystemExit(1)
     importlib.import_module(module).main()
