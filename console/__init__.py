@@ -1,6 +1,7 @@
-"""What a person runs: fes run, view, set, replay, compare, sweep, doctor, keys, plot, claims.
+"""What a person runs: fes run, view, set, replay, compare, sweep, plot, schema, doctor, keys, claims.
 
 cli         the commands
+guide       their order, and an example of each
 processes   fes run with real processes
 launcher    child processes, never left behind
 faults      scheduled deaths and hangs, for real
@@ -12,6 +13,7 @@ learning    how robots that count beacons find the optimum, over seeds
 study       how the integration error depends on the step
 options     flags that several commands share
 setting     the command fes set
+schema      the command fes schema
 evidence    the commands fes plot and fes claims
 keyring     fes keys: certificates in a directory, or of one run
 authority   certificates themselves
@@ -27,7 +29,10 @@ doctor      fes doctor: what may keep a run from starting
 sweep       fes sweep: many runs, compared
 summary     the summary as a person reads it
 observer    the world's reports, as they come
-view        the live dashboard: the only place where rich's Live is
+view        the live dashboard
+screen      the whole of a terminal: the only place where rich's Live is
+printing    lines and tables, in which data is never markup
+progress    bars of what takes longer than a second
 dashboard   one frame, from the reports so far
 header      its first lines
 teammap     its map

@@ -1,7 +1,6 @@
 """The `fes` command: what a person runs."""
 
 import argparse
-import json
 import sys
 from contextlib import nullcontext
 from enum import StrEnum
@@ -11,13 +10,28 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from console import compare, evidence, inprocess, keyring, processes, replay, rundir, setting, summary, view
+from console import (
+    compare,
+    evidence,
+    guide,
+    inprocess,
+    keyring,
+    printing,
+    processes,
+    progress,
+    replay,
+    rundir,
+    schema,
+    setting,
+    summary,
+    view,
+)
 from console.doctor.command import doctor
-from console.options import Cfg, Config, Connect, ObserverKeys
+from console.options import SET, VERBOSE, Cfg, Config, Connect, ObserverKeys
 from console.processes import Launch
 from console.rundir import Visitor
 from console.sweep import command
-from fes import bus, distribution, encoding, keys, process
+from fes import bus, distribution, encoding, keys, output, process, strict_json
 from fes.errors import FesError, ScenarioError, reason
 from fes.identity import OBSERVER
 from world import expect
@@ -28,17 +42,19 @@ from world.summary import write, write_scenario
 INTERRUPTED = 130
 """What Typer makes of a KeyboardInterrupt."""
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
+app = typer.Typer(
+    cls=guide.Ordered, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None, epilog=guide.BEGIN
+)
 
-
-app.command()(evidence.plot)
-app.command(name="claims")(evidence.show_claims)
-app.command(name="set")(setting.set_command)
-app.command()(replay.replay)
-app.command()(compare.compare)
-app.command()(command.sweep)
-app.command()(doctor)
-app.add_typer(keyring.app, name="keys")
+guide.command(app, "set")(setting.set_command)
+guide.command(app, "replay")(replay.replay)
+guide.command(app, "compare")(compare.compare)
+guide.command(app, "sweep")(command.sweep)
+guide.command(app, "plot")(evidence.plot)
+guide.command(app, "schema")(schema.schema)
+guide.command(app, "doctor")(doctor)
+guide.command(app, "claims")(evidence.show_claims)
+app.add_typer(keyring.app, name="keys", epilog=f"\b\nExample: {guide.EXAMPLES['keys']}")
 
 
 class Backend(StrEnum):
@@ -48,9 +64,16 @@ class Backend(StrEnum):
     INPROCESS = "inprocess"
 
 
+class Clock(StrEnum):
+    """The values of run.clock; `fes.config.Clock` says what they mean."""
+
+    LOCKSTEP = "lockstep"
+    LIVE = "live"
+
+
 def _version(wanted: bool) -> None:
     if wanted:
-        print(distribution.version())
+        printing.line(distribution.version())
         raise typer.Exit
 
 
@@ -63,23 +86,24 @@ def about(
     """Formation by extremum seeking: robots that find the best separation for their radio together."""
 
 
-@app.command()
+@guide.command(app, "run")
 def run(
     scenario: Annotated[Path, typer.Argument(help="A scenario file, such as configs/paper.toml.")],
-    set_: Annotated[list[str] | None, typer.Option("--set", metavar="A.B=C", help="Override a field.")] = None,
+    set_: Annotated[list[str] | None, typer.Option("--set", metavar="A.B=C", help=SET)] = None,
     seed: Annotated[int | None, typer.Option(help="Override run.seed.")] = None,
     duration: Annotated[float | None, typer.Option(help="Override run.duration [s].")] = None,
     backend: Annotated[Backend, typer.Option(help="One process a robot over Zenoh, or all in one loop.")] = (
         Backend.PROCESSES
     ),
     agents_per_process: Annotated[int, typer.Option(min=1, help="Robots hosted by each agent.")] = 1,
-    clock: Annotated[str | None, typer.Option(help="Override run.clock.")] = None,
+    clock: Annotated[Clock | None, typer.Option(help="Override run.clock.")] = None,
     rtf: Annotated[str, typer.Option(metavar="max|X", help="Pace: simulated seconds a second.")] = "max",
     out: Annotated[Path | None, typer.Option(help="Run directory (default runs/<scenario>-<n>).")] = None,
     secure: Annotated[bool, typer.Option("--secure", help="TLS, with certificates made for this run.")] = False,
     headless: Annotated[bool, typer.Option("--headless", help="No dashboard.")] = False,
     json_: Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else.")] = False,
     record: Annotated[bool, typer.Option(help="Write a log of every message, run.mcap.")] = True,
+    verbose: Annotated[bool, typer.Option("--verbose", help=VERBOSE)] = False,
 ) -> int:
     """Run a scenario: world, robots and dashboard."""
     fields = [("run.seed", seed), ("run.duration", duration), ("run.clock", clock)]
@@ -94,8 +118,8 @@ def run(
         raise FesError("--rtf does not go with the live clock: its pace is that of the wall clock")
     directory, name = rundir.create(scenario.stem, out), encoding.name_of(scenario)
     write_scenario(directory, loaded)
-    screen = Console(stderr=json_)
-    dashboard = screen.is_terminal and not headless and not json_
+    screen = printing.console(stderr=json_)
+    dashboard = printing.is_screen(screen) and not headless and not json_
     if backend is Backend.INPROCESS:
         recording = Recorder(directory / NAME, loaded, name, backend.value) if record else nullcontext()
         with recording as recorder:
@@ -104,14 +128,14 @@ def run(
         launch = Launch(name, agents_per_process, rtf, dashboard, record, secure)
         result = processes.run(launch, loaded, directory, screen)
     if json_:
-        print(json.dumps(result))
+        print(strict_json.dumps(result))
     else:
-        screen.print(summary.render(result))
-        screen.print(f"run directory: {directory}", highlight=False)
+        printing.show(screen, summary.render(result, verbose))
+        printing.line(f"run directory: {directory}")
     return process.UNMET if expect.unmet(result) else process.SUCCESS
 
 
-@app.command(name="view")
+@guide.command(app, "view")
 def view_command(
     connect: Connect = None,
     config: Config = None,
@@ -126,15 +150,16 @@ def view_command(
     """Show a run that goes on in another terminal (by default the latest one started in this folder)."""
     visitor = Visitor(OBSERVER, certificates, run, timeout)
     endpoints = rundir.reach(visitor, connect, config, cfg)
-    screen = Console()
+    screen = printing.console()
 
     async def show() -> int:
         async with bus.opened(endpoints) as opened:
             with view.Screen(screen) as shown:
-                await view.watch(opened, run, timeout, shown)
-        screen.print(shown.frame())
-        if picture is not None:
-            view.save_picture(picture, shown.frame(), screen.width, screen.height, "fes view")
+                try:
+                    await view.watch(opened, run, timeout, shown)
+                finally:
+                    if picture is not None:
+                        view.save_picture(picture, shown.frame(), screen.width, screen.height, "fes view")
         return process.SUCCESS
 
     process.leave("fes", show)
@@ -142,6 +167,7 @@ def view_command(
 
 def main() -> None:
     """Entry point of fes: every error is one line, and the exit code says which kind it was."""
+    output.configure()
     command = typer.main.get_command(app)
     try:
         code = command(standalone_mode=False)
@@ -158,7 +184,8 @@ def main() -> None:
             raise
         said = message().replace("Value error, ", "")
         if said.startswith("Usage:"):  # without a command it is the whole help, and no error of one line
-            print(said, file=sys.stderr)
+            for text in said.splitlines():
+                printing.line(text, stderr=True)
         else:
             process.complain("fes", said or "expects a command; see fes --help")
         code = process.FAILURE
@@ -191,6 +218,8 @@ def _in_process(
 
     with process.interruptible():
         if screen is None:
-            return inprocess.run(scenario, name, pace, keep=keep, recorder=recorder)
-        with view.Screen(screen) as shown:
+            with progress.bar(name, scenario.ticks) as bar:
+                watch = (lambda report: bar.reach(report.tick + 1)) if bar.is_shown else None
+                return inprocess.run(scenario, name, pace, watch, keep, recorder)
+        with view.Screen(screen, summary.BELOW) as shown:
             return inprocess.run(scenario, name, pace, shown.show, keep, recorder)

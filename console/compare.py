@@ -1,7 +1,6 @@
 """The command fes compare: where two recorded runs first differ."""
 
 import itertools
-import json
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
@@ -9,9 +8,10 @@ from typing import Annotated, Any
 import typer
 
 from console import log as logs
+from console import printing, progress
 from console.difference import Difference, between, of_reports, of_summaries
 from console.log import Log, Tick
-from fes import process
+from fes import process, strict_json
 
 MISSING = "nothing"
 
@@ -26,15 +26,17 @@ def compare(
 ) -> int:
     """Say where two recorded runs first differ: exit code 0 if they do not, 1 if they do."""
     one, other = logs.load(first), logs.load(second)
-    settings = list(of_scenarios(one, other))
-    found = first_difference(one, other)
+    with progress.bar("compared"):
+        settings = list(of_scenarios(one, other))
+        found = first_difference(one, other)
     if json_:
         told = found._asdict() if found else None
-        print(json.dumps({"scenario": [list(setting) for setting in settings], "first": told}))
+        printing.line(strict_json.dumps({"scenario": [list(setting) for setting in settings], "first": told}))
     else:
         for path, mine, theirs in settings:
-            print(f"scenario, {path}: {mine!r} in A and {theirs!r} in B")
-        print(found.told("in A", "in B") if found else "every message of every tick is the same to the bit")
+            printing.line(f"scenario, {path}: {mine!r} in A and {theirs!r} in B")
+        same = "every message of every tick is the same to the bit"
+        printing.line(found.told("in A", "in B") if found else same)
     return process.FAILURE if settings or found else process.SUCCESS
 
 

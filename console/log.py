@@ -1,7 +1,6 @@
 """Logs of runs, read back; docs/log.md says what is in them."""
 
 import itertools
-import json
 import struct
 import tomllib
 from collections.abc import Iterator
@@ -18,6 +17,7 @@ from mcap.records import Channel, Chunk, DataEnd, McapRecord, Message
 from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
 from mcap.writer import MCAP0_MAGIC
 
+from fes import strict_json
 from fes.errors import FesError, MessageError, reason
 from fes.report import Report, decode_report
 from world import protobuf, schemas
@@ -101,7 +101,7 @@ def load(target: Path) -> Log:
         raise FesError(f"{path} is a log of version {told.get('log')}; this fes reads version {schemas.VERSION}")
     ended = _metadata(path)
     try:
-        summary = json.loads(ended["summary"]) if ended and "summary" in ended else None
+        summary = strict_json.loads(ended["summary"]) if ended and "summary" in ended else None
         if summary is not None and not isinstance(summary, dict):
             raise TypeError("its summary is not a table")
         scenario = parse(tomllib.loads(told["scenario"]), str(path))
@@ -118,7 +118,7 @@ def _scenario(path: Path) -> dict[str, Any]:
     with suppress(ValueError, RecursionError):
         for topic, message in _messages(path):
             if topic == "/scenario":
-                told = json.loads(message.data)
+                told = strict_json.loads(message.data)
                 if isinstance(told, dict):
                     return told
             break
@@ -148,7 +148,7 @@ def _ticks(path: Path, robots: int) -> Iterator[Tick]:
                     report = decode_report(next(iter(_contents(data)), b""))
                 except MessageError as error:
                     raise FesError(f"{path}: tick {number}: {error}") from None
-            elif (event := json.loads(data))["tick"] == number:
+            elif (event := strict_json.loads(data))["tick"] == number:
                 if event["what"] == "set":
                     set_[event["by"]].append((str(event["path"]), event["value"]))
                 elif event["what"] == "present":

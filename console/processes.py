@@ -2,7 +2,6 @@
 
 import asyncio
 import contextlib
-import json
 import os
 from collections.abc import AsyncIterator
 from dataclasses import dataclass
@@ -13,8 +12,11 @@ from rich.console import Console
 
 from console import faults, keyring, launcher, observer, rundir, view
 from console.launcher import Family
+from console.printing import is_screen
+from console.progress import SPINNER
 from console.rundir import Address
-from fes import bus, identity, keys, process
+from console.summary import BELOW
+from fes import bus, identity, keys, process, strict_json
 from fes.endpoints import Endpoints
 from fes.errors import FesError, Stopped
 from world.scenario import Scenario
@@ -115,7 +117,7 @@ def _visitor(address: Address) -> Endpoints:
 def read_summary(directory: Path) -> dict[str, Any]:
     """The summary in a run directory; raises FesError."""
     try:
-        found = json.loads((directory / "summary.json").read_text(encoding="utf-8"))
+        found = strict_json.loads((directory / "summary.json").read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         raise FesError(f"{directory} has no summary") from None
     return found if isinstance(found, dict) else {}
@@ -123,7 +125,7 @@ def read_summary(directory: Path) -> dict[str, Any]:
 
 async def _attend(family: Family, launch: Launch, address: Address, console: Console) -> None:
     """Wait for the children to end, and show the run meanwhile if a person looks."""
-    if not console.is_terminal:
+    if not is_screen(console):
         await family.finish()
         return
     show = asyncio.ensure_future(_show(launch, address, console))
@@ -139,10 +141,10 @@ async def _show(launch: Launch, address: Address, console: Console) -> None:
     """The dashboard, or a line of progress; a view only, whose failure is not the run's."""
     async with bus.opened(_visitor(address)) as opened:
         if launch.dashboard:
-            with view.Screen(console) as screen:
+            with view.Screen(console, BELOW) as screen:
                 await view.watch(opened, RUN, JOIN_TIMEOUT, screen)
             return
-        with console.status("waiting for the robots") as status:
+        with console.status("waiting for the robots", spinner=SPINNER) as status:
             async for report in observer.reports(opened, RUN, JOIN_TIMEOUT, view.IDLE):
                 if report is not None:
                     status.update(

@@ -3,7 +3,6 @@
 Whatever comes out is compared with the log, to the bit.
 """
 
-import json
 from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
@@ -14,7 +13,7 @@ from agents import assembly, contacts, crew, transmitter
 from agents.assembly import Assembly
 from console.difference import Difference, between, of_payloads, of_reports
 from console.log import Log, Tick
-from fes import messages
+from fes import messages, strict_json
 from fes.arrays import Floats, Ints
 from fes.errors import FesError, MessageError
 from fes.messages import Beacon, Command, Observation
@@ -114,7 +113,7 @@ def summary(log: Log, sums: Account, elapsed: float = 0.0) -> dict[str, Any]:
     if sums.deadlines is not None and isinstance(kept, dict):  # the log cannot tell how late what came late was
         sums.deadlines.late = np.array(kept.get("late"), dtype=np.int64)
         sums.deadlines.slipped = float(kept.get("slipped_s", 0.0))
-    found: dict[str, Any] = json.loads(json.dumps(summarize(sums, log.name, log.backend, wall)))
+    found: dict[str, Any] = strict_json.loads(strict_json.dumps(summarize(sums, log.name, log.backend, wall)))
     return found
 
 
@@ -190,7 +189,7 @@ def _check_summary(log: Log, found: dict[str, Any]) -> None:
     if log.summary is None:
         return
     for key in [*log.summary, *(key for key in found if key not in log.summary)]:
-        mine, theirs = (json.dumps(one[key]) if key in one else None for one in (log.summary, found))
+        mine, theirs = (strict_json.dumps(one[key]) if key in one else None for one in (log.summary, found))
         if mine != theirs:
             told = [repr(one[key]) if key in one else "missing" for one in (log.summary, found)]
             raise FesError(f"summary: {key} is {told[0]} in the log and {told[1]} executed again")

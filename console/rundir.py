@@ -1,13 +1,12 @@
 """Run directories: where a run leaves its scenario, its summary and its children's logs."""
 
 import contextlib
-import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fes import addresses, encoding, keys
+from fes import addresses, encoding, keys, strict_json
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
 from fes.errors import FesError, reason
 from fes.identity import security
@@ -67,7 +66,7 @@ def create(scenario: str, out: Path | None) -> Path:
 
 def announce(directory: Path, address: Address) -> None:
     """Say in the run directory where the run can be watched."""
-    (directory / ENDPOINT).write_text(json.dumps(vars(address)) + "\n", encoding="utf-8")
+    (directory / ENDPOINT).write_text(strict_json.dumps(vars(address)) + "\n", encoding="utf-8")
 
 
 def withdraw(directory: Path) -> None:
@@ -81,7 +80,7 @@ def announced(run: str) -> tuple[Path, Address] | None:
     said = (path for path in ROOT.glob(f"*/{ENDPOINT}") if not path.parent.is_symlink())
     for path in sorted(said, key=_written, reverse=True):
         with contextlib.suppress(OSError, ValueError, TypeError, OverflowError, RecursionError, FesError):
-            found = _address(json.loads(encoding.read(path)))
+            found = _address(strict_json.loads(encoding.read(path)))
             if found.run == run and _lives(found.pid):
                 return path, found
     return None

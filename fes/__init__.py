@@ -23,6 +23,8 @@ bus         a session of Zenoh: everything it declares, and its way to asyncio
 session     how it is opened
 inbox       from Zenoh's threads to the loop, one wake-up a tick
 complaints  bad messages, counted and logged once a kind
+output      text that leaves a process: any encoding, no control characters
+strict_json JSON without NaN and Infinity
 process     signals, exit codes, Zenoh's command-line flags
 distribution  name and version of the installed distribution, and how a clone installs it
 encoding    text from outside: files, arguments and names, in any encoding

@@ -12,7 +12,7 @@ from collections.abc import Callable, Coroutine, Iterator, Mapping
 from pathlib import Path
 from typing import NoReturn, TypeVar
 
-from fes import identity, keys
+from fes import identity, keys, output
 from fes.endpoints import Endpoints, Mode, default_endpoint
 from fes.errors import FesError, Stopped, reason
 
@@ -35,7 +35,9 @@ def run(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_with_
     The first signal cancels `main`, the second ends the process at once. With `exit_with_stdin` the end of
     standard input counts as a signal: a child whose parent is gone, however it went, must not stay.
     """
-    logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="%(asctime)s %(name)s: %(message)s")
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(output.Formatter("%(asctime)s %(name)s: %(message)s"))
+    logging.basicConfig(level=logging.INFO, handlers=[handler])
     leave(name, main, exit_with_stdin=exit_with_stdin)
 
 
@@ -65,9 +67,13 @@ def supervise(main: Callable[[], Coroutine[None, None, T]], *, exit_with_stdin: 
 
 @contextlib.contextmanager
 def interruptible() -> Iterator[None]:
-    """A block without a loop, in which a signal raises Stopped."""
+    """A block without a loop, in which the first signal raises Stopped, and the second ends the process at once."""
+    told: list[int] = []
 
-    def stop(number: int, frame: object) -> NoReturn:
+    def stop(number: int, frame: object) -> None:
+        told.append(number)
+        if len(told) > 1:
+            output.end_at_once(FORCED)
         raise Stopped(f"stopped by {signal.Signals(number).name}")
 
     before = {number: signal.signal(number, stop) for number in STOP_SIGNALS}
@@ -85,7 +91,7 @@ async def _until_stopped(main: Callable[[], Coroutine[None, None, T]], exit_with
     def stop(by: str) -> None:
         told.append(by)
         if len(told) > 1:
-            os._exit(FORCED)
+            output.end_at_once(FORCED)
         task.cancel(by)  # who is cancelled can see why
 
     for number in STOP_SIGNALS:
@@ -123,7 +129,7 @@ def _wake_at_end_of_stdin() -> None:
 
 def complain(name: str, message: str) -> None:
     """Say what is wrong, in one line."""
-    line = " ".join(message.split("\n"))
+    line = output.printable(" ".join(message.split("\n")))
     with contextlib.suppress(OSError):  # the terminal may be gone
         print(f"{name}: error: {line}", file=sys.stderr)
 

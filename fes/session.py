@@ -2,7 +2,6 @@
 
 import asyncio
 import contextlib
-import json
 import os
 import threading
 from dataclasses import replace
@@ -18,7 +17,7 @@ os.environ.setdefault(
 
 import zenoh
 
-from fes import addresses, encoding, errors, handshake
+from fes import addresses, encoding, errors, handshake, strict_json
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, warn_if_exposed
 from fes.errors import FesError, TransportError
 
@@ -80,7 +79,7 @@ def _config(endpoints: Endpoints) -> zenoh.Config:
         if path is not None and key in endpoints.by_default and config.get_json(key) != plain.get_json(key):
             continue
         try:
-            config.insert_json5(key, json.dumps(value))
+            config.insert_json5(key, strict_json.dumps(value))
         except zenoh.ZError:
             raise FesError(f"not an endpoint like {DEFAULT_ENDPOINT}: {endpoints.shown}") from None
     for key, text in endpoints.own_settings():
@@ -116,7 +115,7 @@ def _effective(endpoints: Endpoints, config: zenoh.Config) -> Endpoints:
     """The endpoints as they hold: a configuration file or a setting may have given others; raises FesError."""
 
     def given(key: str) -> tuple[str, ...]:
-        value = json.loads(config.get_json(key))
+        value = strict_json.loads(config.get_json(key))
         named = value.get(endpoints.mode, []) if isinstance(value, dict) else value
         return tuple(one for one in named if isinstance(one, str))
 

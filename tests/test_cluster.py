@@ -49,7 +49,7 @@ def test_a_worker_with_another_version_of_fes_is_refused(dask: LocalCluster, mon
     with cluster.connected(dask.scheduler_address) as workers:
         assert workers.count == 2
         with pytest.raises(FesError, match=r"a Dask worker has fes .*, and the sweep is of fes 9\.9"):
-            list(workers.carry_out(work.batches("pair", planned.runs, 2)))
+            list(workers.carry_out(work.batches("pair", planned.runs, 2), work.ignore))
 
 
 def test_a_scheduler_that_does_not_answer_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

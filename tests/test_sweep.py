@@ -33,10 +33,10 @@ from console.sweep import work
 carry_out = work.carry_out
 
 @functools.wraps(carry_out)
-def witnessed(batch):
+def witnessed(batch, *watch):
     with open(os.environ["WITNESS"], "a") as file:
         file.write("".join(f"{os.getpid()} {key}\\n" for key in batch.keys))
-    return carry_out(batch)
+    return carry_out(batch, *watch)
 
 work.carry_out = witnessed
 """

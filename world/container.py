@@ -1,7 +1,6 @@
 """The file of a log: topics, schemas and chunks, through the mcap library."""
 
 import contextlib
-import json
 import struct
 import time
 from collections.abc import Iterator
@@ -18,7 +17,7 @@ from mcap.records import Schema as McapSchema
 from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.writer import CompressionType, Writer
 
-from fes import distribution
+from fes import distribution, strict_json
 from fes.errors import FesError, reason
 from world.descriptors import describe
 from world.protobuf import Message
@@ -127,7 +126,7 @@ class Container:
     def _register(self, topic: str, schema: Schema) -> int:
         if isinstance(schema, Message):
             return self._declare(topic, "protobuf", schema.name, "protobuf", describe(schema))
-        return self._declare(topic, "json", schema["title"], "jsonschema", json.dumps(schema).encode())
+        return self._declare(topic, "json", schema["title"], "jsonschema", strict_json.dumps(schema).encode())
 
     def _declare(self, topic: str, encoding: str, name: str, kind: str, described: bytes) -> int:
         if name not in self._schemas:

@@ -17,6 +17,7 @@ class TransmitterConfig(Table):
     """The whole condition of a robot's transmitter from a tick on; what is not given is healthy."""
 
     robot: RobotId
+    """Id of the robot."""
     loss: Annotated[float, Field(ge=0, le=1)] = 0.0
     """Share of its beacons that are lost at every receiver, whatever the channel does [1]."""
     delay: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
@@ -29,6 +30,7 @@ class ClockConfig(Table):
     """How a robot's clock is off from a tick on."""
 
     robot: RobotId
+    """Id of the robot."""
     skew: Annotated[float, Field(ge=-MAX_SKEW, le=MAX_SKEW)] | None = None
     """How far it is ahead of the team's [s]; left out: as it was drawn within `run.clock_skew`."""
 

@@ -22,7 +22,7 @@ class EventConfig(Table):
     """What happens at one time."""
 
     at: Annotated[float, Field(ge=0, le=1e9)]
-    """[s]; it acts from the tick nearest to it on."""
+    """Simulated time of the event [s]; it acts from the tick nearest to it on."""
     settings: dict[str, Any] = Field(default={}, alias="set")
     """Field of the channel, by its dotted path -> its new value."""
     kill: list[RobotId] = Field(default=[])
@@ -34,7 +34,9 @@ class EventConfig(Table):
     wake: list[RobotId] = Field(default=[])
     """Robots whose processes go on; for the others they come back."""
     transmitter: TransmitterConfig | None = None
+    """New condition of a robot's transmitter."""
     clock: ClockConfig | None = None
+    """New skew of a robot's clock."""
     world_away: Annotated[float, Field(gt=0, le=10)] | None = None
     """The world's process dies, and another goes on after so long [s; wall clock]. It moves nothing: simulated time
     stands still."""

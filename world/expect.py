@@ -51,8 +51,11 @@ class ExpectConfig(Table):
     of: str = Field(min_length=1)
     """A key of the summary, by its dotted path, such as `time_to.estimate_1m` or `tracking.0.rmse`."""
     below: Bound | None = None
+    """The value must be below this."""
     above: Bound | None = None
+    """The value must be above this."""
     equals: bool | float | str | None = None
+    """The value must be equal to this."""
 
     @field_validator("of")
     @classmethod

@@ -6,7 +6,6 @@ A chunk never divides a tick and is handed to the system when it is closed, so t
 the file can be read up to its last chunk.
 """
 
-import json
 import platform
 from dataclasses import dataclass
 from importlib import metadata
@@ -15,7 +14,7 @@ from typing import Any, NamedTuple, Self
 
 import tomli_w
 
-from fes import distribution
+from fes import distribution, strict_json
 from fes.arrays import Bytes, Floats
 from fes.errors import FesError
 from fes.report import encode_report
@@ -111,7 +110,7 @@ class Recorder:
         self._set_by_persons(tick)
         for robots in self._present.pop(tick, []):
             event = {"tick": tick, "what": "present", "robots": robots}
-            self._put("/events", schemas.EVENT, json.dumps(event).encode())
+            self._put("/events", schemas.EVENT, strict_json.dumps(event).encode())
             self._remark(views.WARNING, f"{len(robots)} robots take part from tick {tick} on: {robots}")
         if tick % self._period == 0 or tick == self._scenario.ticks - 1:
             self._report(account, twists, alive, elapsed)
@@ -153,7 +152,7 @@ class Recorder:
                 "machine": platform.machine(),
             },
         }
-        self._put("/scenario", schemas.SCENARIO, json.dumps(told).encode())
+        self._put("/scenario", schemas.SCENARIO, strict_json.dumps(told).encode())
         robots = self._scenario.robots.number
         seed, ticks = self._scenario.run.seed, self._scenario.ticks
         self._remark(views.INFO, f"{self._name}: {robots} robots, seed {seed}, {ticks} ticks")
@@ -165,12 +164,12 @@ class Recorder:
         ticks = self._tick = self._tick + 1
         self._set_by_persons(ticks)
         event = {"tick": ticks, "what": "end", **({"reason": reason} if reason else {})}
-        self._put("/events", schemas.EVENT, json.dumps(event).encode())
+        self._put("/events", schemas.EVENT, strict_json.dumps(event).encode())
         because = f": {reason}" if reason else ""
         self._remark(views.WARNING if reason else views.INFO, f"the run is over after {ticks} ticks{because}")
         ended = {"ended": reason or AT_ITS_END}
         if self._summary is not None:
-            ended["summary"] = json.dumps(self._summary)
+            ended["summary"] = strict_json.dumps(self._summary)
         self._file.finish(SUMMARY, ended)
 
     def _set_by_persons(self, tick: int) -> None:
@@ -180,7 +179,7 @@ class Recorder:
 
     def _set(self, tick: int, by: str, path: str, value: Any) -> None:
         event = {"tick": tick, "what": "set", "by": by, "path": path, "value": value}
-        self._put("/events", schemas.EVENT, json.dumps(event).encode())
+        self._put("/events", schemas.EVENT, strict_json.dumps(event).encode())
         self._remark(views.INFO, f"{path} = {value}, by {by}")
 
     def _report(self, account: Account, twists: Floats, alive: Bytes, elapsed: float) -> None:

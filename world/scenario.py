@@ -33,8 +33,6 @@ from world.rules import first_rule
 
 MAX_TICKS = 1e9
 
-PoseRow = Annotated[tuple[float, float, float], Field(strict=False)]
-
 
 class RunConfig(Table):
     """How long and how fine."""
@@ -42,8 +40,9 @@ class RunConfig(Table):
     dt: Positive = 0.02
     """Tick length [s]."""
     duration: Positive = 60.0
-    """[s]; a whole number of ticks is run."""
+    """Simulated time of the run [s]; a whole number of ticks is run."""
     seed: int = Field(default=0, ge=0, lt=2**63)
+    """Seed of every random draw of the run."""
     clock: Clock = "lockstep"
     clock_skew: Annotated[float, Field(ge=0, le=10)] = 0.0
     """How far robots' own clocks may be off the team's [s]: each has a skew of its own, seeded, in +- this."""
@@ -58,12 +57,14 @@ class RunConfig(Table):
 class RobotsConfig(Table):
     """Where the robots start: explicit poses, or a generator."""
 
-    poses: list[PoseRow] | None = None
-    """[[x, y, heading], ...] [m, m, rad; world frame], in the order of the robot ids."""
+    poses: list[Annotated[tuple[float, float, float], Field(strict=False)]] | None = None
+    """Initial poses [[x, y, heading], ...] [m, m, rad; world frame], in the order of the robot ids."""
     kind: Literal["grid", "line"] = "grid"
+    """Shape of the generated start."""
     count: int | None = Field(default=None, ge=1, le=MAX_ROBOTS)
+    """Number of robots of the generated start; give either this or `poses`."""
     spacing: Positive = 78.0
-    """Between neighbors of the generated start [m]."""
+    """Distance between neighbors of the generated start [m]."""
     jitter: NonNegative = 0.0
     """Each generated position is moved by up to this much along x and y [m], seeded."""
 
@@ -87,12 +88,19 @@ class Scenario(Table):
     """What is run."""
 
     schema_version: int = Field(alias="schema", ge=1, le=1)
+    """Version of the scenario format."""
     run: RunConfig = RunConfig()
+    """Duration, tick, seed and clock."""
     robots: RobotsConfig
+    """Number and initial poses of the robots."""
     channel: RadioConfig = RadioConfig()
+    """The radio channel."""
     objective: ObjectiveConfig = ObjectiveConfig()
+    """The separations that the team prefers."""
     seeking: SeekingConfig = SeekingConfig()
+    """The seeking law."""
     formation: FormationConfig = FormationConfig()
+    """The formation law and its graph."""
     event: list[EventConfig] = Field(default=[])
     """What changes while the run goes on."""
     expect: list[ExpectConfig] = Field(default=[])

@@ -1,6 +1,5 @@
 """The summary of a run and its directory: what scripts outside the project read."""
 
-import json
 import os
 from pathlib import Path
 from typing import Any
@@ -8,6 +7,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from fes import strict_json
 from fes.arrays import Floats
 from fes.edges import Edges
 from world import expect, graphs, metrics
@@ -17,7 +17,10 @@ from world.scenario import Scenario
 
 
 def summarize(account: Account, name: str, backend: str, wall: float) -> dict[str, Any]:
-    """The summary of a run up to the last tick of `account`; `wall` is how long it took [s]."""
+    """The summary of a run up to the last tick of `account`; `wall` is how long it took [s].
+
+    A number that does not exist or is not finite is None.
+    """
     scenario, final, tally, optimal = account.scenario, account.state, account.tally, account.optimal
     n, links, estimates = scenario.robots.number, account.telemetry.links, account.telemetry.estimates
     separation = account.separation
@@ -53,7 +56,8 @@ def summarize(account: Account, name: str, backend: str, wall: float) -> dict[st
         "deadlines": None if account.deadlines is None else account.deadlines.table(),
         "links_gap_longest": tally.longest_gap * scenario.run.dt,
     }
-    return {**found, "expectations": expect.verdicts(scenario.expect, found)}
+    complete: dict[str, Any] = strict_json.finite({**found, "expectations": expect.verdicts(scenario.expect, found)})
+    return complete
 
 
 def clear(directory: Path) -> None:
@@ -64,7 +68,7 @@ def clear(directory: Path) -> None:
 def write(directory: Path, summary: dict[str, Any]) -> None:
     """Write summary.json: complete or not at all."""
     temporary = directory / ".summary.json"
-    temporary.write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
+    temporary.write_text(strict_json.dumps(summary, indent=1) + "\n", encoding="utf-8")
     os.replace(temporary, directory / "summary.json")
 
 
@@ -73,16 +77,20 @@ def lines(summary: dict[str, Any]) -> list[str]:
     links, time = len(summary["edges"]), f"{summary['simulated_s']:g} s in {summary['wall_s']:.1f} s"
     found = [
         f"{summary['scenario']}, {summary['robots']} robots, seed {summary['seed']}: {time}",
-        f"{links} links, r* = {summary['optimal_separation']:.3f} m",
+        f"{links} links, r* = {_meters(summary['optimal_separation'], 3)}",
     ]
     if links:
         errors = (
             (error.replace("_", " "), summary[f"{error}_max"]) for error in ("separation_error", "estimate_error")
         )
-        found += [f"largest {error}: {largest:.4f} m" for error, largest in errors]
+        found += [f"largest {error}: {_meters(largest, 4)}" for error, largest in errors]
     held = summary["time_to"]["separation_0_1m"]
     found.append("separation error < 0.1 m: " + ("never" if held is None else f"from {held:.2f} s on"))
     return [*found, f"digest {summary['digest']}"]
+
+
+def _meters(value: float | None, digits: int) -> str:
+    return "unknown" if value is None else f"{value:.{digits}f} m"
 
 
 def write_scenario(directory: Path, scenario: Scenario) -> None:

@@ -13,7 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from console.sweep import work
-from console.sweep.work import Batch, Done, Workers
+from console.sweep.work import Batch, Done, Watch, Workers
 from fes import addresses
 from fes.distribution import install, version
 from fes.errors import FesError
@@ -53,14 +53,18 @@ def connected(address: str) -> Iterator[Workers]:
         yield Workers(sum(client.nthreads().values()), partial(_carry_out, client))
 
 
-def _carry_out(client: "Client", batches: Sequence[Batch]) -> Generator[list[Done], None, None]:
+def _carry_out(client: "Client", batches: Sequence[Batch], watch: Watch) -> Generator[list[Done], None, None]:
+    """What batches come to; their ticks are told of when they end."""
     from distributed import as_completed
 
-    here = version()
+    here, ticks = version(), 0
     futures = [client.submit(_at_worker, here, batch, key=_key(batch), retries=0, pure=False) for batch in batches]
+    sizes = {_key(batch): sum(scenario.ticks for scenario in batch.scenarios) for batch in batches}
     try:
         for future in as_completed(futures, loop=client.loop):
             yield future.result()
+            ticks += sizes[future.key]
+            watch(ticks)
     except FesError:
         raise
     except (Exception, CancelledError) as error:

@@ -6,14 +6,13 @@ cell: common random numbers, without anybody's doing.
 
 import hashlib
 import itertools
-import json
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from console import inprocess
-from fes import encoding
+from fes import encoding, strict_json
 from fes.errors import ScenarioError
 from world.rules import short
 from world.scenario import Scenario, load, parse_override
@@ -156,7 +155,7 @@ def seeded(scenario: Scenario, seed: int) -> Scenario:
 def digest(scenario: Scenario) -> str:
     """SHA-256 of a scenario as it is run."""
     tables = scenario.model_dump(mode="json", by_alias=True)
-    return hashlib.sha256(json.dumps(tables, sort_keys=True).encode()).hexdigest()
+    return hashlib.sha256(strict_json.dumps(tables, sort_keys=True).encode()).hexdigest()
 
 
 def _split(raw: str) -> list[str]:
@@ -181,4 +180,4 @@ def _value(scenario: Scenario, field: str) -> Value:
         value = value[part]
     if isinstance(value, dict):
         raise ScenarioError("--axis", f"expects a field, and '{field}' is a table")
-    return json.dumps(value) if isinstance(value, list) else value
+    return strict_json.dumps(value) if isinstance(value, list) else value

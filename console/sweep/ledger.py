@@ -6,7 +6,6 @@ A line that a kill tore off is dropped, and its run is run again; a run has one 
 import contextlib
 import fcntl
 import hashlib
-import json
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
@@ -15,7 +14,7 @@ from typing import IO, Any
 
 from console.sweep.design import Design, digest, seeded
 from console.sweep.work import Done
-from fes import encoding
+from fes import encoding, strict_json
 from fes.distribution import version
 from fes.errors import FesError, reason
 
@@ -41,7 +40,7 @@ class Ledger:
     def add(self, ended: Sequence[Done]) -> None:
         """Keep what these runs came to; it is on the disk when this returns."""
         fresh = {one.key: one for one in ended if one.key not in self.done}
-        self._file.write(b"".join(json.dumps(asdict(one)).encode() + b"\n" for one in fresh.values()))
+        self._file.write(b"".join(strict_json.dumps(asdict(one)).encode() + b"\n" for one in fresh.values()))
         self._file.flush()
         os.fsync(self._file.fileno())
         self.done |= fresh
@@ -91,18 +90,18 @@ def _claim(directory: Path, design: Design) -> None:
         temporary = directory / f".{HEADER}"
         if any(found != temporary for found in directory.iterdir()):  # that one a kill may have left behind
             raise FesError(f"--out {directory}: the directory is not empty, and no sweep's")
-        temporary.write_text(json.dumps(wanted, indent=1) + "\n", encoding="utf-8")
+        temporary.write_text(strict_json.dumps(wanted, indent=1) + "\n", encoding="utf-8")
         os.replace(temporary, path)
         return
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = strict_json.loads(path.read_text(encoding="utf-8"))
     except (ValueError, RecursionError):
         found = None
     if not isinstance(found, dict):
         raise FesError(f"--out {directory}: {HEADER} cannot be read")
     for name, what in _DIFFERS.items():
         if found.get(name) != wanted[name]:
-            told = json.dumps(found.get(name))
+            told = strict_json.dumps(found.get(name))
             raise FesError(f"--out {directory}: it holds a sweep of {what}; {HEADER} has {name} = {told}")
 
 
@@ -122,7 +121,7 @@ def _read(file: IO[bytes], path: Path) -> dict[str, Done]:
     done: dict[str, Done] = {}
     for number, line in enumerate(whole.splitlines(), 1):
         try:
-            one = Done(**json.loads(line))
+            one = Done(**strict_json.loads(line))
         except (ValueError, TypeError, RecursionError):
             raise FesError(f"{path}: line {number} is not a run") from None
         done.setdefault(one.key, one)

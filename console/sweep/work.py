@@ -45,14 +45,22 @@ class Batch:
     scenarios: tuple[Scenario, ...]
 
 
+Watch = Callable[[int], None]
+"""Called from time to time with the ticks that are done, of all runs together."""
+
+
+def ignore(ticks: int) -> None:
+    """A Watch that does not look."""
+
+
 @dataclass(frozen=True)
 class Workers:
     """Who carries out batches, wherever they are."""
 
     count: int
     """How many batches they carry out at a time."""
-    carry_out: Callable[[Sequence[Batch]], Generator[list[Done], None, None]]
-    """What each batch came to, as they end."""
+    carry_out: Callable[[Sequence[Batch], Watch], Generator[list[Done], None, None]]
+    """What each batch came to, as they end; Watch is called meanwhile."""
 
 
 def batches(name: str, runs: Sequence[Run], workers: int) -> list[Batch]:
@@ -70,11 +78,11 @@ def batches(name: str, runs: Sequence[Run], workers: int) -> list[Batch]:
     return [batch for _, group in groups for batch in _cut(name, group, workers)]
 
 
-def carry_out(batch: Batch) -> list[Done]:
+def carry_out(batch: Batch, watch: Watch = ignore) -> list[Done]:
     """Run a batch. An error in one run is that run's: then each is run by itself."""
     with np.errstate(all="ignore"):  # a number that is not finite ends a run with an error, or is in its row
         try:
-            summaries = stack.run(batch.scenarios, batch.name)
+            summaries = stack.run(batch.scenarios, batch.name, watch)
         except FesError:
             return [_alone(batch.name, key, one) for key, one in zip(batch.keys, batch.scenarios, strict=True)]
     return [Done(key, scalars(found)) for key, found in zip(batch.keys, summaries, strict=True)]
