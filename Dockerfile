@@ -15,6 +15,7 @@ COPY fes fes
 COPY agents agents
 COPY world world
 COPY console console
+COPY fes_robots.py ./
 RUN pip install --no-deps .
 
 # Docker gives a new volume the owner of the folder it is mounted on, so the folders of all volumes are made here.

@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from fes import encoding
 from fes.errors import reason
 from fes.signals import STOP_SIGNALS
 
@@ -92,7 +93,7 @@ async def start(name: str, module: str, arguments: list[str], log: Path, robots:
                 "-P",  # a folder called `world` in the working directory is not ours
                 "-m",
                 module,
-                *arguments,
+                *map(encoding.as_bytes, arguments),
                 "--exit-with-stdin",
                 stdin=subprocess.PIPE,  # never written to: its end tells the child that we are gone
                 stdout=stream,

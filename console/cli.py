@@ -33,7 +33,7 @@ from console.options import SET, VERBOSE, Cfg, Config, Connect, ObserverKeys
 from console.processes import Launch
 from console.rundir import Visitor
 from console.sweep import command
-from fes import bus, distribution, keys, output, process, strict_json
+from fes import bus, distribution, encoding, keys, output, process, strict_json
 from fes.errors import FesError, ScenarioError, no_memory, reason
 from fes.identity import OBSERVER
 from world import crowd, expect
@@ -129,13 +129,13 @@ def run(
             inprocess.check(loaded)
         elif loaded.run.clock == "live" and pace is not None:
             raise FesError("--rtf does not go with the live clock: its pace is that of the wall clock")
-        name, screen = scenario.stem, printing.console(stderr=json_)
+        name, screen = encoding.name_of(scenario), printing.console(stderr=json_)
         dashboard = printing.is_screen(screen) and not headless and not json_
         launch = Launch(name, agents_per_process, rtf, dashboard, record, secure, respawn)
         if not in_process:
             processes.check(launch, loaded)
         announcement.say(loaded, in_process, launch)
-        with rundir.made(name, out) as directory:
+        with rundir.made(scenario.stem, out) as directory:
             write_scenario(directory.path, loaded)
             if in_process:
                 log = Recorder(directory.path / NAME, loaded, name, backend.value) if record else nullcontext()

@@ -116,8 +116,8 @@ def _again(directory: Path) -> History:
         raise FesError(f"{directory} is not a run directory: it has no scenario.toml and summary.json")
     summary, loaded = processes.read_summary(directory), load(scenario)
     ticks = summary.get("ticks")
-    if not isinstance(ticks, int) or ticks < 1 or "digest" not in summary:
-        raise FesError(f"{directory / 'summary.json'} is no summary: it lacks ticks or digest")
+    if not isinstance(ticks, int) or not 1 <= ticks <= loaded.ticks or "digest" not in summary:
+        raise FesError(f"{directory / 'summary.json'} is no summary of {scenario.name}: it lacks ticks or digest")
     run = loaded.run.model_copy(update={"duration": ticks * loaded.run.dt})
     seen = history.follow(loaded.model_copy(update={"run": run}))
     if seen.digest != summary["digest"]:

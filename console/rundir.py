@@ -6,10 +6,10 @@ import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from console import leftovers
-from fes import files, keys, signals, strict_json
+from fes import addresses, files, keys, signals, strict_json
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
 from fes.errors import FesError, Stopped, reason
 from fes.identity import security
@@ -154,11 +154,25 @@ def announced(run: str) -> tuple[Path, Address] | None:
     where it says so, and what it says."""
     said = (path for path in ROOT.glob(f"*/{ENDPOINT}") if not path.parent.is_symlink())
     for path in sorted(said, key=_written, reverse=True):
-        with contextlib.suppress(FesError, TypeError):
-            found = Address(**files.read_table(path))
+        with contextlib.suppress(FesError, TypeError, OverflowError):
+            found = _address(files.read_table(path))
             if found.run == run and _lives(found.pid):
                 return path, found
     return None
+
+
+def _address(told: dict[str, Any]) -> Address:
+    """What an endpoint.json says; raises TypeError or FesError for what `announce` cannot have written."""
+    found = Address(**told)
+    if (
+        type(found.pid) is not int
+        or found.pid < 0
+        or not isinstance(found.run, str)
+        or not isinstance(found.keys, str | None)
+    ):
+        raise TypeError
+    addresses.check(found.endpoint, listening=False)
+    return found
 
 
 def find(run: str) -> Address:

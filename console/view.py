@@ -14,7 +14,7 @@ from console import observer, screen
 from console.dashboard import History, render
 from console.screen import Draw
 from fes.bus import Bus
-from fes.errors import FesError
+from fes.errors import FesError, reason
 from fes.report import Report
 
 IDLE = 0.25
@@ -78,7 +78,7 @@ def save_picture(path: Path, frame: RenderableType, width: int, height: int, tit
     try:
         path.write_text(picture, encoding="utf-8")
     except OSError as error:
-        raise FesError(f"cannot write {path}: {error.strerror}") from None
+        raise FesError(f"cannot write {path}: {reason(error, with_file=False)}") from None
 
 
 async def watch(bus: Bus, run: str, timeout: float, shown: Screen) -> None:

@@ -19,6 +19,7 @@ wire        fields of a payload, packed and checked
 keys        every key expression, in one table
 identity    who a process is: the certificate of its role
 endpoints   how a process takes part in the network
+addresses   rules of an endpoint's address, and names that do not resolve
 handshake   why a session did not open
 health      whether a port is listened at, or a connection stands: for health checks
 bus         a session of Zenoh: everything it declares, and its way to asyncio
@@ -32,5 +33,6 @@ files       read with a bound on their size: somebody else may have written them
 process     signals, exit codes, Zenoh's command-line flags
 distribution  name and version of the installed distribution, and how a clone installs it
 memory      how much of it there is
+encoding    text from outside: files, arguments and names, in any encoding
 errors      every error, on one page
 """

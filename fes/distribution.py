@@ -1,13 +1,28 @@
-"""The distribution that installs this project, and how a clone installs it.
+"""The distribution that installs this project: its name, its packages, and how a clone installs it.
 
 `fes` on the Python Package Index is another project. Ours is not published there, so no text may tell a user to
 install it by name: every command that installs something comes from this module and names a clone.
+
+`fes_robots.py` loads this file before it knows whether the package `fes` is ours: it imports the standard library
+only.
 """
 
+import importlib.util
+from collections.abc import Iterator
 from importlib import metadata
+from pathlib import Path
 
 NAME = "fes-robots"
 """Name of the distribution; the import names are fes, agents, world and console."""
+
+STRANGER = "fes"
+"""Name of a distribution that is not ours: another project's, or this one before version 0.2.0."""
+
+PACKAGES = ("fes", "agents", "world", "console")
+"""Top-level packages of the distribution, beside the module fes_robots."""
+
+HOME = Path(__file__).resolve().parent.parent
+"""Folder of our packages: site-packages, or a clone."""
 
 
 def version() -> str:
@@ -23,3 +38,24 @@ def install(extra: str = "") -> str:
     """
     target = f"'.[{extra}]'" if extra else "."
     return f"pip install -e {target} (in a clone of fes)"
+
+
+def separate() -> str:
+    """The commands that install this project where no other package can stand in its way."""
+    return f"use an environment of its own: python3 -m venv .venv && .venv/bin/{install()}"
+
+
+def foreign() -> Iterator[str]:
+    """Each package of ours that Python finds elsewhere: its name, and where it is instead."""
+    for package in PACKAGES:
+        try:
+            spec = importlib.util.find_spec(package)
+        except ValueError:  # it is imported, and has no spec
+            spec = None
+        origin = Path(spec.origin) if spec is not None and spec.origin else None
+        if origin is None:
+            yield f"the package '{package}' is missing beside those in {HOME}"
+        elif origin.resolve() != HOME / package / "__init__.py":
+            owners = metadata.packages_distributions().get(package, [])
+            others = ", ".join(sorted(set(owners) - {NAME}))
+            yield f"the package '{package}' is that of {others or 'another project'}: {origin}, not in {HOME}"

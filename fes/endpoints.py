@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from fes import addresses, encoding
 from fes.errors import FesError
 from fes.wire import MAX_PAYLOAD
 
@@ -16,8 +17,6 @@ SECURE_ENDPOINT = "tls/127.0.0.1:7447"
 
 MAX_MESSAGE = MAX_PAYLOAD
 """Bytes; larger messages are dropped by the transport."""
-
-_ENDPOINT = re.compile(r"(tcp|tls|udp|quic|ws)/\S+:\d{1,5}(\?\S*)?|(unixsock-stream|unixpipe|vsock|serial)/\S+")
 
 _OPEN = re.compile(r"(tcp|udp|ws)/(?P<host>\S+):\d{1,5}")
 """An endpoint that neither encrypts nor asks who comes."""
@@ -49,8 +48,7 @@ class Endpoints:
 
     def __post_init__(self) -> None:
         for endpoint in (*self.connect, *self.listen):
-            if not _ENDPOINT.fullmatch(endpoint):
-                raise FesError(f"not an endpoint like {DEFAULT_ENDPOINT}: {endpoint}")
+            addresses.check(endpoint, listening=endpoint in self.listen)
             if self.security and not endpoint.startswith("tls/"):
                 raise FesError(f"--keys needs an endpoint like {SECURE_ENDPOINT}: {endpoint}")
 
@@ -80,7 +78,7 @@ class Endpoints:
 
     def own_settings(self) -> list[tuple[str, str]]:
         """The person's settings, as key and JSON5 value; raises FesError for one without a colon."""
-        pairs = [setting.partition(":") for setting in self.settings]
+        pairs = [encoding.argument(setting).partition(":") for setting in self.settings]
         for key, colon, _ in pairs:
             if not colon:
                 raise FesError(f"--cfg expects KEY:VALUE, got '{key}'")

@@ -19,18 +19,23 @@ class FesError(Exception):
     exit_code = 1
 
 
-def reason(error: OSError) -> str:
-    """What the system says of an error, in a line.
+def reason(error: OSError, *, with_file: bool = True) -> str:
+    """What the system says of an error, in a line; `with_file` adds its file, if it has one.
+
+    Not every error has a text of the system: one of Python's own, such as that of a pipe that is to be sought in, has
+    only that of Python.
 
     >>> reason(BrokenPipeError(32, "Broken pipe"))
     'Broken pipe'
-    >>> reason(OSError(24, "Too many open files"))
-    'Too many open files (ulimit -n allows more)'
+    >>> reason(FileNotFoundError(2, "No such file or directory", "a.toml"), with_file=False)
+    'No such file or directory'
+    >>> reason(OSError(24, "Too many open files")), reason(OSError("not seekable")), reason(TimeoutError())
+    ('Too many open files (ulimit -n allows more)', 'not seekable', 'TimeoutError')
     """
-    what = error.strerror or str(error)
+    what = error.strerror or str(error) or type(error).__name__
     if error.errno == errno.EMFILE:
         what += " (ulimit -n allows more)"
-    return what if error.filename is None else f"{what}: {error.filename}"
+    return f"{what}: {error.filename}" if with_file and error.filename is not None else what
 
 
 def no_memory(error: MemoryError) -> str:

@@ -6,6 +6,7 @@ import ssl
 from collections.abc import Mapping
 from typing import Any
 
+from fes import addresses, errors
 from fes.endpoints import Endpoints
 
 PATIENCE = 2.0
@@ -18,42 +19,74 @@ MUTE = "somebody listens there, but opens no session"
 SLOW = "or it is suspended or overloaded"
 """What is said where somebody listens and says nothing."""
 
-_PLACE = re.compile(r"(?P<protocol>tcp|tls)/(?P<host>\S+):(?P<port>\d{1,5})")
-
 
 def reason(endpoints: Endpoints, message: str) -> str:
     """Why a session did not open, in one line; `message` is what Zenoh says of it."""
     if "in use" in message.lower():
         return f"cannot listen on {', '.join(endpoints.listen)}: the address is already in use"
+    for endpoint in endpoints.listen:
+        if why := _unusable(endpoint):
+            return f"cannot listen on {endpoint}: {why}"
+    for endpoint in endpoints.connect:
+        if why := addresses.unresolved(endpoint):
+            return f"cannot join the network at {endpoint}: {why} (tried for {endpoints.timeout:g} s)"
     if endpoints.mode == "client":
         for endpoint in endpoints.connect:
-            if (why := complaint(endpoint, endpoints.security)) is not None:
-                return f"cannot join the network at {endpoint}: {why}"
+            if (wrong := complaint(endpoint, endpoints.security)) is not None:
+                return f"cannot join the network at {endpoint}: {wrong}"
         return f"nobody listens on {endpoints.shown} (tried for {endpoints.timeout:g} s)"
     return f"cannot open a session on {endpoints.shown}: {first_line(message)}"
 
 
 def first_line(message: str) -> str:
-    """The first line of an error of Zenoh, without the places in its source."""
-    line = message.strip().splitlines()[0] if message.strip() else "unknown error"
-    return re.sub(r" at /\S+:\d+\.?", "", line)
+    """The first line of an error of Zenoh, without the places in its source; of one with a picture of where in a text
+    it is, that place and the last line, which says why.
+
+    >>> first_line(" --> 1:2\\n  |\\n1 | {\\n  |  ^---\\n  |\\n  = expected identifier or string at /src/lib.rs:14.")
+    'line 1, column 2: expected identifier or string'
+    """
+    lines = re.sub(r" at /\S+:\d+\.?", "", message).strip().splitlines() or ["unknown error"]
+    place = re.fullmatch(r"--> (\d+):(\d+)", lines[0])
+    return f"line {place[1]}, column {place[2]}: {lines[-1].strip(' =')}" if place else lines[0]
 
 
 def complaint(endpoint: str, security: Mapping[str, object]) -> str | None:
     """What is wrong between us and who listens at `endpoint`, in a few words; None if nothing is found, or nobody."""
-    found = _PLACE.match(endpoint)
-    if found is None:
+    protocol, found = endpoint.partition("/")[0], addresses.place(endpoint)
+    if found is None or protocol not in ("tcp", "tls"):
         return None
-    host = found["host"].strip("[]")
+    host = found.host
     try:
-        with socket.create_connection((host, int(found["port"])), PATIENCE) as connection:
-            if found["protocol"] == "tcp":
+        with socket.create_connection(found, PATIENCE) as connection:
+            if protocol == "tcp":
                 return (
                     f"somebody listens there, but opens no session: a world with --keys wants tls/ and --keys, {SLOW}"
                 )
             return _over_tls(connection, host, security)
-    except OSError:
+    except ConnectionRefusedError:
         return None
+    except TimeoutError:
+        return f"nothing answers there within {PATIENCE:g} s"
+    except OSError as error:
+        return f"it cannot be reached: {errors.reason(error)}"
+
+
+def _unusable(endpoint: str) -> str:
+    """Why this machine cannot listen at `endpoint`, in a few words; empty if it can, or this cannot be tried."""
+    if why := addresses.unresolved(endpoint):
+        return why
+    where = addresses.place(endpoint)
+    if where is None:
+        return ""
+    kind = socket.SOCK_DGRAM if endpoint.startswith(("udp/", "quic/")) else socket.SOCK_STREAM
+    try:
+        family, _, _, _, address = socket.getaddrinfo(*where, type=kind)[0]
+        with socket.socket(family, kind) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            probe.bind(address)
+    except OSError as error:
+        return errors.reason(error)
+    return ""
 
 
 def _over_tls(connection: socket.socket, host: str, security: Mapping[str, object]) -> str | None:

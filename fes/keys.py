@@ -37,7 +37,8 @@ _ROBOT = re.compile(r"fes/[^/]+/robot/(0|[1-9][0-9]{0,9})/[a-z]+")
 def check_run(run: str) -> str:
     """`run` itself, if it can be part of a key; raises FesError."""
     if not _RUN.fullmatch(run):
-        raise FesError(f"a run's name is 1 to 64 letters, digits, '_', '.' or '-', got '{run}'")
+        shown = run if len(run) <= 100 else f"{run[:100]}…"
+        raise FesError(f"a run's name is 1 to 64 letters, digits, '_', '.' or '-', got '{shown}'")
     return run
 
 

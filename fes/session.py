@@ -4,6 +4,8 @@ import asyncio
 import contextlib
 import os
 import threading
+from dataclasses import replace
+from pathlib import Path
 
 # Set before the first session opens. One thread only sends: else messages that wait for room in full queues leave
 # nobody to empty these, and Zenoh closes links of robots that did no wrong. The others are eight, since each may wait
@@ -15,14 +17,22 @@ os.environ.setdefault(
 
 import zenoh
 
-from fes import handshake, strict_json
+from fes import addresses, encoding, errors, handshake, strict_json
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, warn_if_exposed
 from fes.errors import FesError, TransportError
+
+LONGEST_NAMESPACE = 1000
+"""Longest namespace [characters]. Zenoh puts it before every key, and panics at a key of 65,535 bytes."""
+
+LONGEST_SHOWN = 200
+"""Of a setting in a message [characters]."""
 
 
 async def begin(endpoints: Endpoints) -> zenoh.Session:
     """An open session; raises TransportError in one line: port taken, nobody there, bad flag."""
     config = _config(endpoints)
+    endpoints = _effective(endpoints, config)
+    addresses.warn_of_names(endpoints.connect, endpoints.timeout)
     try:
         return await _open(config)
     except zenoh.ZError as error:
@@ -63,12 +73,7 @@ async def _open(config: zenoh.Config) -> zenoh.Session:
 
 def _config(endpoints: Endpoints) -> zenoh.Config:
     path = endpoints.config_file
-    try:
-        config = zenoh.Config.from_file(path) if path is not None else zenoh.Config()
-    except zenoh.ZError as error:
-        raise TransportError(
-            f"cannot read the Zenoh configuration {path}: {handshake.first_line(str(error))}"
-        ) from None
+    config = zenoh.Config() if path is None else _read(path)
     plain = zenoh.Config()
     for key, value in endpoints.house_rules().items():
         if path is not None and key in endpoints.by_default and config.get_json(key) != plain.get_json(key):
@@ -79,8 +84,39 @@ def _config(endpoints: Endpoints) -> zenoh.Config:
             raise FesError(f"not an endpoint like {DEFAULT_ENDPOINT}: {endpoints.shown}") from None
     for key, text in endpoints.own_settings():
         try:
+            encoding.check_depth(text)
             config.insert_json5(key, text)
-        except zenoh.ZError:
-            raise FesError(f"--cfg {key}:{text}: no such setting, or its value is not JSON5") from None
+        except (zenoh.ZError, ValueError):
+            shown = text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…"
+            raise FesError(f"--cfg {key}:{shown}: no such setting, or its value is not JSON5") from None
+    if len(config.get_json("namespace")) > LONGEST_NAMESPACE:
+        raise FesError(
+            f"Zenoh's setting `namespace` has at most {LONGEST_NAMESPACE} letters: every key begins with it"
+        )
     warn_if_exposed(config.get_json("listen/endpoints"))
     return config
+
+
+def _read(path: Path) -> zenoh.Config:
+    """The configuration in a file; raises FesError for one that Zenoh cannot read, or that would end the process."""
+    try:
+        encoding.check_depth(encoding.read(path))
+        return zenoh.Config.from_file(path)
+    except OSError as error:
+        said = errors.reason(error, with_file=False)
+    except zenoh.ZError as error:
+        said = handshake.first_line(str(error))
+    except ValueError as error:
+        said = str(error)
+    raise TransportError(f"cannot read the Zenoh configuration {path}: {said}")
+
+
+def _effective(endpoints: Endpoints, config: zenoh.Config) -> Endpoints:
+    """The endpoints as they hold: a configuration file or a setting may have given others; raises FesError."""
+
+    def given(key: str) -> tuple[str, ...]:
+        value = strict_json.loads(config.get_json(key))
+        named = value.get(endpoints.mode, []) if isinstance(value, dict) else value
+        return tuple(one for one in named if isinstance(one, str))
+
+    return replace(endpoints, connect=given("connect/endpoints"), listen=given("listen/endpoints"))

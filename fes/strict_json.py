@@ -29,7 +29,7 @@ def dumps(value: Any, indent: int | None = None, sort_keys: bool = False, refuse
 
 
 def loads(text: str | bytes) -> Any:
-    """The value of a JSON text; raises ValueError, also for a number that is not finite and for deep nesting.
+    """The value of a JSON text; raises ValueError, also for a number that is not finite, and for deep nesting.
 
     >>> loads('{"a": null}')
     {'a': None}
@@ -40,7 +40,7 @@ def loads(text: str | bytes) -> Any:
     try:
         return json.loads(text, parse_constant=_refuse, parse_float=_number)
     except RecursionError:
-        raise ValueError("it is nested too deeply") from None
+        raise ValueError("is nested too deeply") from None
 
 
 def _number(word: str) -> float:

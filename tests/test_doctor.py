@@ -29,7 +29,7 @@ from tests.session import RUN, client
 from tests.test_cli import call, vacant
 
 CHECKS = [
-    *("python", "packages", "clock", "open files", "run directory"),
+    *("python", "our names", "packages", "clock", "open files", "run directory"),
     *("loopback", "port", "loopback only", "endpoint"),
 ]
 

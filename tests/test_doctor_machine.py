@@ -8,6 +8,8 @@ import pytest
 from console.doctor import machine
 from console.doctor.finding import Status
 
+EXTRAS = [(1, "plot"), (2, "security"), (3, "security"), (4, "dev"), (1, "dev")]
+
 
 def test_a_missing_and_an_old_package_fail_and_a_missing_extra_does_not() -> None:
     required = ["numpy>=1.0", "no-such-package>=1", "rich>=1000.1", 'no-such-plot>=3; extra == "plot"']
@@ -16,7 +18,13 @@ def test_a_missing_and_an_old_package_fail_and_a_missing_extra_does_not() -> Non
     assert "no-such-package is missing" in found.seen
     assert "is older than 1000.1" in found.seen
     assert "numpy" not in found.seen
-    assert (extras.status, extras.seen) == (Status.OK, "plot: no-such-plot is missing")
+    assert (extras.status, extras.seen) == (Status.OK, "plot: not installed")
+
+
+def test_the_extras_are_one_line_that_says_missing_of_nothing_and_leaves_out_a_developers_tools() -> None:
+    wanted = ["numpy>=1.0", *(f'no-such-{number}>=3; extra == "{extra}"' for number, extra in EXTRAS)]
+    extras = [found for found in machine.packages([*wanted, 'rich>=13; extra == "table"']) if found.check == "extras"]
+    assert [found.seen for found in extras] == ["table: installed; plot, security: not installed"]
 
 
 def test_a_folder_that_cannot_be_written_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

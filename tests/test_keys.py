@@ -1,8 +1,10 @@
 """Keys: every function yields a key of the module's table, and a key tells whose it is."""
 
 import re
+import uuid
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -10,6 +12,9 @@ from hypothesis import strategies as st
 
 from fes import keys
 from fes.errors import FesError
+from fes.session import LONGEST_NAMESPACE
+from tests.loop import CONFIGS
+from tests.test_cli import call
 
 WORLD: list[Callable[[str], str]] = [
     *(keys.world_alive, keys.report, keys.change, keys.about, keys.lease),
@@ -40,6 +45,35 @@ def test_the_worlds_keys_and_patterns_belong_to_no_robot(run: str) -> None:
     assert keys.robot_of(keys.welcome(run, "3")) is None
     assert keys.robot_of(keys.held_beacon(run, 3)) is None
     assert [keys.robot_of(key(run, "*")) for key in ROBOT] == [None] * len(ROBOT)
+
+
+def test_the_longest_key_is_far_from_what_zenoh_can_bear() -> None:
+    """Zenoh's client ends its process at a key of 65,535 bytes; a namespace of its own may come before ours."""
+    run, robot = keys.check_run("r" * 64), keys.MAX_ROBOTS - 1
+    longest = [keys.claim(run, uuid.uuid4().hex), keys.welcome(run, keys.span([robot - 1, robot]))]
+    longest += [world(run) for world in WORLD] + [key(run, robot) for key in ROBOT]
+    assert max(len(key.encode()) for key in longest) < 200
+    assert 200 + LONGEST_NAMESPACE * 4 < 65_535 / 10
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["fes-agent", "--id", "0", "--run"],
+        ["fes-world", str(CONFIGS / "pair.toml"), "--run"],
+        ["fes", "view", "--run"],
+        ["fes", "set", "channel.reference_snr=1", "--run"],
+        ["fes", "doctor", "--run"],
+        ["fes", "keys", "rules", "--robots", "1", "--run"],
+    ],
+    ids=lambda words: " ".join(words[:2]),
+)
+def test_every_program_refuses_a_run_name_that_would_make_keys_too_long(words: list[str], tmp_path: Path) -> None:
+    if "keys" in words:
+        assert call(tmp_path, "fes", "keys", "init").returncode == 0
+    done = call(tmp_path, *words, "r" * 70_000)
+    assert done.returncode == 1
+    assert "a run's name is 1 to 64 letters" in done.stdout + done.stderr
 
 
 @given(key=st.text() | st.from_regex(r"fes/main/robot/[^/]{0,12}/[a-z]{0,9}", fullmatch=True))

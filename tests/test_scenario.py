@@ -137,7 +137,7 @@ def test_a_file_that_is_not_there_is_refused_by_name(tmp_path: Path) -> None:
     assert str(caught.value) == f"{path}: cannot be read: No such file or directory"
 
 
-@pytest.mark.parametrize("content", [b"schema = = 1", b"schema = 1\nschema = 2", b"\xff\xfe"])
+@pytest.mark.parametrize("content", [b"schema = = 1", b"schema = 1\nschema = 2"])
 def test_a_file_that_is_not_toml_is_refused_in_one_line(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "broken.toml"
     path.write_bytes(content)

@@ -32,6 +32,8 @@ command_gate  which process may command a robot
 farewell    the end of a run, said until it is heard
 scenario    the typed scenario, from TOML
 robots_config  its table [robots]: where robots start
+overrides   fields of a scenario that --set overrides
+toml        TOML of others: bounded, or one line
 radio_config  its table [channel]: the formula, shadowing, bursts, jammers
 kinematics  the unicycle (5) on its exact arc
 proximity   which pairs of robots are within communication range

@@ -15,7 +15,7 @@ from mcap.records import Schema as McapSchema
 from mcap.writer import CompressionType, Writer
 
 from fes import distribution, strict_json
-from fes.errors import FesError
+from fes.errors import FesError, reason
 from world import hashed_file, records
 from world.descriptors import describe
 from world.hashed_file import HashedFile
@@ -165,7 +165,7 @@ class Container:
             yield
         except OSError as error:
             self._broken = True
-            raise FesError(f"cannot write {self._path}: {error.strerror or error}") from None
+            raise FesError(f"cannot write {self._path}: {reason(error, with_file=False)}") from None
 
 
 class _Contents:

@@ -16,7 +16,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from fes import bus, identity, keys, output, process
+from fes import bus, encoding, identity, keys, output, process
 from fes.errors import FesError, reason
 from world import access, audit, claim, expect, remarks, resume, summary
 from world.checkpoint import FOLDER, PERIOD, Keeper, clear, is_kept
@@ -149,7 +149,9 @@ def _start(flags: argparse.Namespace, held: contextlib.ExitStack) -> Start:
             flags.out.mkdir(parents=True, exist_ok=True)
             held.enter_context(alone(flags.out))
             summary.write_scenario(flags.out, scenario)
-        return Start(scenario, flags.name or Path(flags.scenario).stem, run)
+        return Start(
+            scenario, encoding.check_name(flags.name) if flags.name else encoding.name_of(Path(flags.scenario)), run
+        )
     if flags.scenario or flags.out or flags.name or flags.no_record or overrides(flags):
         raise FesError("--resume goes on with the run as it was: no SCENARIO, and no flag about it")
     held.enter_context(alone(flags.resume))
@@ -158,7 +160,7 @@ def _start(flags: argparse.Namespace, held: contextlib.ExitStack) -> Start:
         raise FesError(f"--resume goes on with run '{kept.run}', not with '{flags.run}'")
     _check_pace(flags, kept.scenario)
     flags.out = flags.resume
-    return Start(kept.scenario, kept.name, kept.run, kept)
+    return Start(kept.scenario, kept.name, keys.check_run(kept.run), kept)
 
 
 def _check_pace(flags: argparse.Namespace, scenario: Scenario) -> None:

@@ -10,7 +10,7 @@ from fes.config import Table
 from fes.output import printable
 
 LONGEST = 120
-"""Of a field's name in a message [characters]."""
+"""Of a text of others in a message [characters]."""
 
 
 def first_rule(error: ValidationError, model: type[Table], whole: str, prefix: str = "") -> str:
@@ -21,7 +21,7 @@ def first_rule(error: ValidationError, model: type[Table], whole: str, prefix: s
     # an unknown field goes first: it may be the missing one, misspelt
     first = min(error.errors(include_url=False), key=lambda found: found["type"] != "extra_forbidden")
     at = ".".join(str(part) for part in first["loc"])
-    field = _short(prefix + at) if at else whole
+    field = short(prefix + at) if at else whole
     if first["type"] == "extra_forbidden":
         plain = prefix + ".".join(str(part) for part in first["loc"] if not isinstance(part, int))
         near = _nearest(plain, _fields(model, prefix))
@@ -35,8 +35,8 @@ def first_rule(error: ValidationError, model: type[Table], whole: str, prefix: s
     return f"{field}: {message}, got {reprlib.repr(first['input'])}"
 
 
-def _short(text: str) -> str:
-    """A field's name as it can be printed."""
+def short(text: str) -> str:
+    """A text of others as it can be printed: without control characters, and cut."""
     shown = printable(text[: LONGEST + 1])
     return shown if len(shown) <= LONGEST else shown[: LONGEST - 1] + "…"
 

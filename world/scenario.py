@@ -1,12 +1,11 @@
 """The scenario: one TOML file, typed, frozen and complete, with the names that `--set` overrides use."""
 
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Self
 
 from pydantic import Field, ValidationError, model_validator
 
-from fes import counts, draws, stability
+from fes import counts, draws, encoding, stability
 from fes.arrays import Floats
 from fes.config import (
     AgentConfig,
@@ -17,11 +16,13 @@ from fes.config import (
     SeekingConfig,
     Table,
 )
-from fes.errors import ScenarioError
-from world import equipment, events, robots_config
+from fes.errors import ScenarioError, reason
+from world import equipment, events, robots_config, toml
 from world.equipment import Transmission
 from world.events import EventConfig, Planned, attendance, changed, schedule
 from world.expect import ExpectConfig
+from world.overrides import override
+from world.overrides import parse_override as parse_override
 from world.radio_config import RadioConfig
 from world.robots_config import RobotsConfig
 from world.rules import first_rule
@@ -138,13 +139,13 @@ def load(path: Path, overrides: dict[str, Any] | None = None) -> Scenario:
     Raises ScenarioError: one line that names the field, the rule and the offending value.
     """
     try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+        tables = toml.parse(encoding.read(path))
     except OSError as error:
-        raise ScenarioError(str(path), f"cannot be read: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ScenarioError(str(path), f"is not valid TOML: {error}") from None
+        raise ScenarioError(str(path), f"cannot be read: {reason(error, with_file=False)}") from None
+    except ValueError as error:
+        raise ScenarioError(str(path), str(error)) from None
     for dotted, value in (overrides or {}).items():
-        _override(tables, dotted, value)
+        override(tables, dotted, value)
     return parse(tables, str(path))
 
 
@@ -154,24 +155,6 @@ def parse(tables: dict[str, Any], where: str) -> Scenario:
         return Scenario.model_validate(tables)
     except ValidationError as error:
         raise ScenarioError(where, first_rule(error, Scenario, "scenario")) from None
-
-
-def parse_override(text: str) -> tuple[str, Any]:
-    """A `--set` argument `a.b=value` as its path and its TOML value; bare words are strings.
-
-    >>> parse_override("run.seed=3"), parse_override("formation.rule=disk")
-    (('run.seed', 3), ('formation.rule', 'disk'))
-    """
-    dotted, equals, raw = text.partition("=")
-    if not equals or not dotted.strip():
-        raise ScenarioError("--set", f"expects table.field=value, got '{text}'")
-    try:
-        parsed = tomllib.loads(f"value = {raw}")
-    except tomllib.TOMLDecodeError:
-        parsed = {"value": raw}
-    if parsed.keys() != {"value"}:
-        raise ScenarioError("--set", f"expects one value, got '{raw}'")
-    return dotted.strip(), parsed["value"]
 
 
 def with_event(scenario: Scenario, tick: int, path: str, value: Any) -> Scenario:
@@ -208,12 +191,3 @@ def _check_partition(channel: RadioConfig, robots: int) -> None:
     unknown = [robot for group in channel.partition for robot in group if robot >= robots]
     if unknown:
         raise ValueError(f"channel.partition: robot {unknown[0]} does not exist, there are {robots}")
-
-
-def _override(tables: dict[str, Any], dotted: str, value: Any) -> None:
-    *path, field = dotted.split(".")
-    for part in path:
-        tables = tables.setdefault(part, {})
-        if not isinstance(tables, dict):
-            raise ScenarioError("--set", f"'{dotted}' goes through '{part}', which is not a table")
-    tables[field] = value

@@ -9,7 +9,7 @@ from rich import box
 from rich.table import Table
 
 from console import printing, progress, rundir
-from console.doctor import machine, network
+from console.doctor import installation, machine, network
 from console.doctor.finding import Finding, Status, warning
 from console.options import Cfg, Config, Connect, ObserverKeys
 from console.printing import cell
@@ -60,7 +60,7 @@ def doctor(
 
 async def examine(where: Endpoints | Finding, run: str, wanted: bool) -> list[Finding]:
     """All checks; those of the machine in a thread, while the network is asked, if it is known `where`."""
-    local = asyncio.create_task(asyncio.to_thread(lambda: [machine.python(), *machine.packages(), machine.clock()]))
+    local = asyncio.create_task(asyncio.to_thread(_local))
     if isinstance(where, Endpoints):
         (seen, robots), places = await network.examine(where, run, wanted), where.connect
     else:
@@ -75,6 +75,11 @@ async def examine(where: Endpoints | Finding, run: str, wanted: bool) -> list[Fi
         network.exposure(places[0] if places else DEFAULT_ENDPOINT),
         *seen,
     ]
+
+
+def _local() -> list[Finding]:
+    """The checks that take a moment, of this process's installation and its clock."""
+    return [machine.python(), *installation.own(), *machine.packages(), machine.clock()]
 
 
 def awaited(found: Finding, path: Path, address: Address) -> Finding:

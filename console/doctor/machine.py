@@ -16,6 +16,7 @@ from console import leftovers
 from console.doctor.finding import Finding, failed, ok, warning
 from fes import distribution
 from fes.about import installed
+from fes.errors import reason
 
 OLDEST_PYTHON = (3, 11)
 
@@ -39,6 +40,9 @@ MOMENT = 0.1
 """How long the clocks are watched [s]."""
 
 YEAR_2024 = 1_704_067_200.0  # s since 1970
+
+TOOLS = "dev"
+"""The extra of a developer, of no use to a run."""
 
 _REQUIREMENT = re.compile(r"([A-Za-z0-9._-]+)(\[.*\])?\s*([^;]*)(?:;.*extra\s*==\s*['\"]([\w-]+)['\"])?")
 
@@ -66,11 +70,12 @@ def packages(requirements: list[str] | None = None) -> Iterator[Finding]:
     else:
         have = [f"{name} {installed(name)}" for name, _, _, extra in parsed if not extra]
         yield ok("packages", ", ".join(have))
-    extras = sorted({str(extra) for *_, extra in parsed if extra})
-    lack = {extra: [lacks(name, rule) for name, _, rule, own in parsed if own == extra] for extra in extras}
-    told = [f"{extra}: {'; '.join(filter(None, said)) or 'installed'}" for extra, said in lack.items()]
+    extras = sorted({str(extra) for *_, extra in parsed if extra} - {TOOLS})
+    absent = [extra for extra in extras if any(own == extra and lacks(name, rule) for name, _, rule, own in parsed)]
+    states = {"installed": [extra for extra in extras if extra not in absent], "not installed": absent}
+    told = [f"{', '.join(named)}: {state}" for state, named in states.items() if named]
     if told:
-        yield ok("extras", ", ".join(told))
+        yield ok("extras", "; ".join(told))
 
 
 def lacks(name: str, rule: str) -> str:
@@ -144,7 +149,7 @@ def directory(root: Path) -> Finding:
         with contextlib.suppress(OSError):
             free = shutil.disk_usage(where).free
     except OSError as error:
-        said = f"{where.resolve()}: {error.strerror}"
+        said = f"{where.resolve()}: {reason(error, with_file=False)}"
         return failed("run directory", said, "stand where you may write, or give --out a folder where you may")
     if free is None:
         return ok("run directory", f"{where.resolve()} can be written")

@@ -15,7 +15,7 @@ from fes import about, bus, health, keys
 from fes.about import About
 from fes.bus import Bus
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
-from fes.errors import Absent, FesError, MessageError, Refused, TransportError
+from fes.errors import Absent, FesError, MessageError, Refused, TransportError, reason
 from fes.handshake import SLOW
 from fes.wire import PROTOCOL
 
@@ -39,7 +39,7 @@ def port(endpoint: str, world: bool) -> Finding:
         if world:
             return ok("port", f"{endpoint}: a world listens there")
         remedy = f"if it is no world of yours: fes-world -l tcp/127.0.0.1:PORT (ss -ltnp sport = :{number} names it)"
-        return warning("port", f"{endpoint}: {(error.strerror or str(error)).lower()}", remedy)
+        return warning("port", f"{endpoint}: {reason(error).lower()}", remedy)
 
 
 def is_default(endpoint: str) -> bool:

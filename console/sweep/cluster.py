@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from console.sweep import work
 from console.sweep.work import Batch, Done, Watch, Workers
-from fes import fingerprint
+from fes import addresses, fingerprint
 from fes.distribution import install, version
 from fes.errors import FesError
 
@@ -28,8 +28,13 @@ PATIENCE = 10.0
 @contextlib.contextmanager
 def connected(address: str) -> Iterator[Workers]:
     """The workers of the scheduler at `address`; raises FesError if there is none."""
-    if not re.fullmatch(r"(tcp|tls|ucx|ws|wss)://[^\s/]+:\d{1,5}", address):
+    found = re.fullmatch(r"(?:tcp|tls|ucx|ws|wss)://([^\s/]+:\d{1,5})", address)
+    if found is None:
         raise FesError(f"--scheduler expects an address such as tcp://10.0.0.1:8786, got '{address}'")
+    place = f"tcp/{found[1]}"
+    addresses.check(place, listening=False)
+    if why := addresses.unresolved(place):
+        raise FesError(f"no Dask scheduler answers at {address}: {why}")
     try:
         import distributed
     except ImportError:

@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from console import inprocess
-from fes import strict_json
+from fes import encoding, strict_json
 from fes.errors import ScenarioError
 from world import crowd
+from world.rules import short
 from world.scenario import Scenario, load, parse_override
 
 SEED = "run.seed"
@@ -88,9 +89,9 @@ def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design
     for text in axes:
         field, values = parse_axis(text)
         if field in fields:
-            raise ScenarioError("--axis", f"expects each field once, got '{field}' again")
+            raise ScenarioError("--axis", f"expects each field once, got '{short(field)}' again")
         if field in fixed:
-            raise ScenarioError("--axis", f"'{field}' is given by --set, and cannot be an axis too")
+            raise ScenarioError("--axis", f"'{short(field)}' is given by --set, and cannot be an axis too")
         fields[field] = values
     if SEED in fields or SEED in fixed:
         raise ScenarioError("--seeds", f"is where seeds are given, not '{SEED}'")
@@ -106,7 +107,7 @@ def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design
         inprocess.check(scenario)
         crowd.check(scenario)
         cells.append(Cell(tuple(_value(scenario, field) for field in fields), scenario))
-    design = Design(path.stem, tuple(fields), cells, numbers)
+    design = Design(encoding.name_of(path), tuple(fields), cells, numbers)
     for at, (field, values) in enumerate(fields.items()):
         if len(design.values(at)) < len(values):
             raise ScenarioError("--axis", f"expects each value of '{field}' once, got {', '.join(map(str, values))}")
@@ -124,7 +125,7 @@ def parse_axis(text: str) -> tuple[str, list[Any]]:
     field, equals, raw = text.partition("=")
     pieces = _split(raw)
     if not equals or not field.strip() or not all(piece.strip() for piece in pieces):
-        raise ScenarioError("--axis", f"expects table.field=value,value, got '{text}'")
+        raise ScenarioError("--axis", f"expects table.field=value,value, got '{short(text)}'")
     return field.strip(), [parse_override(f"{field}={piece.strip()}")[1] for piece in pieces]
 
 
@@ -140,11 +141,11 @@ def parse_seeds(text: str) -> list[int]:
     except ValueError:
         seeds = []
     if len(seeds[: MAX_RUNS + 1]) > MAX_RUNS:
-        raise ScenarioError("--seeds", f"are at most {MAX_RUNS}, got '{text}'")
+        raise ScenarioError("--seeds", f"are at most {MAX_RUNS}, got '{short(text)}'")
     if not seeds or min(seeds) < 0 or max(seeds) >= 2**63:
-        raise ScenarioError("--seeds", f"expects A:B with 0 <= A < B, or a list such as 1,2,5, got '{text}'")
+        raise ScenarioError("--seeds", f"expects A:B with 0 <= A < B, or a list such as 1,2,5, got '{short(text)}'")
     if len(set(seeds)) < len(seeds):
-        raise ScenarioError("--seeds", f"expects each seed once, got '{text}'")
+        raise ScenarioError("--seeds", f"expects each seed once, got '{short(text)}'")
     return list(seeds)
 
 

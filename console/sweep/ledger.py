@@ -16,7 +16,7 @@ from typing import IO, Any
 
 from console.sweep.design import Design, digest, seeded
 from console.sweep.work import Done
-from fes import files, fingerprint, strict_json
+from fes import encoding, files, fingerprint, strict_json
 from fes.distribution import version
 from fes.errors import FesError, reason
 
@@ -62,7 +62,7 @@ class Ledger:
 
 def default_directory(design: Design) -> Path:
     """Where the same command finds its sweep again."""
-    return Path("sweeps") / f"{design.name}-{_identity(design)['cells'][:8]}"
+    return Path("sweeps") / f"{encoding.file_name(design.name)}-{_identity(design)['cells'][:8]}"
 
 
 @contextlib.contextmanager

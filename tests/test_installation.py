@@ -1,0 +1,187 @@
+"""What is installed: a wheel in an environment of its own, and other projects' packages that have our names."""
+
+import base64
+import hashlib
+import json
+import os
+import subprocess
+import sys
+import sysconfig
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+from hatchling.build import build_wheel
+
+from fes import distribution
+from tests.loop import CONFIGS
+from tests.test_cli import PROGRAMS, complaint
+
+ROOT = Path(__file__).parent.parent
+COMMANDS = {"fes": ["doctor"], "fes-world": [str(CONFIGS / "pair.toml")], "fes-agent": ["--id", "0"]}
+
+
+def wheel_of_another_project(folder: Path) -> Path:
+    """The wheel of a project `robot-agents` 1.0, whose one package is called `agents`."""
+    about = "robot_agents-1.0.dist-info"
+    files = {
+        "agents/__init__.py": "SOMEBODY_ELSES = True\n",
+        f"{about}/METADATA": "Metadata-Version: 2.1\nName: robot-agents\nVersion: 1.0\n",
+        f"{about}/WHEEL": "Wheel-Version: 1.0\nGenerator: test\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
+    }
+    lines = [f"{name},sha256={_digest(text)},{len(text)}\n" for name, text in files.items()]
+    files[f"{about}/RECORD"] = "".join([*lines, f"{about}/RECORD,,\n"])
+    path = folder / "robot_agents-1.0-py3-none-any.whl"
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, text in files.items():
+            archive.writestr(name, text)
+    return path
+
+
+def _digest(text: str) -> str:
+    return base64.urlsafe_b64encode(hashlib.sha256(text.encode()).digest()).rstrip(b"=").decode()
+
+
+class Environment:
+    """A virtual environment with nothing of ours, in which the libraries of this one can be imported."""
+
+    def __init__(self, folder: Path) -> None:
+        venv.create(folder)
+        self.programs = folder / "bin"
+        self.packages = Path(sysconfig.get_path("purelib", "venv", {"base": str(folder)}))
+        (self.packages / "libraries.pth").write_text(sysconfig.get_path("purelib") + "\n")
+
+    def install(self, wheel: Path) -> None:
+        """Install a wheel, and nothing else."""
+        python = str(self.programs / "python")
+        words = ["--python", python, "install", "-q", "--no-deps", "--no-index", "--disable-pip-version-check"]
+        subprocess.run([sys.executable, "-m", "pip", *words, str(wheel)], check=True, timeout=120)
+
+    def call(self, where: Path, *words: str) -> "subprocess.CompletedProcess[str]":
+        """The outcome of one of its commands in the folder `where`."""
+        kept = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+        return subprocess.run(
+            [str(self.programs / words[0]), *words[1:]],
+            cwd=where, env=kept, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120,
+        )  # fmt: skip
+
+    def names(self, where: Path) -> dict[str, str]:
+        """What its doctor says of our names."""
+        [found] = [
+            one
+            for one in json.loads(self.call(where, "fes", "doctor", "--json").stdout)
+            if one["check"] == "our names"
+        ]
+        return found  # type: ignore[no-any-return]
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("wheel")
+    before = Path.cwd()
+    os.chdir(ROOT)
+    try:
+        return folder / build_wheel(str(folder))
+    finally:
+        os.chdir(before)
+
+
+def test_an_installed_wheel_runs_a_scenario_in_one_loop_and_in_processes(wheel: Path, tmp_path: Path) -> None:
+    environment = Environment(tmp_path / "venv")
+    environment.install(wheel)
+    assert environment.call(tmp_path, "fes", "--version").stdout == f"{distribution.version()}\n"
+    assert environment.names(tmp_path)["status"] == "ok"
+    assert str(environment.packages) in environment.names(tmp_path)["seen"]
+    words = ["fes", "run", str(CONFIGS / "pair.toml"), "--duration", "0.5", "--headless", "--json"]
+    done = [environment.call(tmp_path, *words, "--backend", backend) for backend in ("inprocess", "processes")]
+    assert [(one.returncode, one.stderr) for one in done] == [(0, ""), (0, "")]
+    assert len({json.loads(one.stdout)["digest"] for one in done}) == 1
+
+
+def test_a_wheel_says_on_which_systems_it_runs_and_that_it_is_typed(wheel: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        [about] = [name for name in archive.namelist() if name.endswith("/METADATA")]
+        text = archive.read(about).decode()
+        assert {f"{package}/py.typed" for package in distribution.PACKAGES} <= set(archive.namelist())
+    for system in ("MacOS", "POSIX :: Linux"):
+        assert f"Classifier: Operating System :: {system}\n" in text
+
+
+def test_another_project_that_wrote_over_a_package_of_ours_fails(wheel: Path, tmp_path: Path) -> None:
+    environment = Environment(tmp_path / "venv")
+    environment.install(wheel)
+    environment.install(wheel_of_another_project(tmp_path))
+    found = environment.names(tmp_path)
+    assert found["status"] == "failed"
+    assert "agents/__init__.py is not what fes-robots" in found["seen"]
+    assert "robot-agents wrote over it" in found["seen"]
+    assert found["remedy"] == distribution.separate()
+    assert environment.call(tmp_path, "fes", "doctor").returncode == 1
+
+
+def test_another_project_over_which_ours_was_installed_is_a_warning(wheel: Path, tmp_path: Path) -> None:
+    environment = Environment(tmp_path / "venv")
+    environment.install(wheel_of_another_project(tmp_path))
+    environment.install(wheel)
+    found = environment.names(tmp_path)
+    assert (found["status"], found["seen"]) == ("warning", "robot-agents has the package 'agents' too")
+    assert distribution.separate() in found["remedy"]
+
+
+def test_a_distribution_called_fes_is_a_warning(tmp_path: Path) -> None:
+    about = tmp_path / "fes-1.0.62.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: fes\nVersion: 1.0.62\n")
+    said = with_path(tmp_path, tmp_path, "fes", "doctor", "--json").stdout
+    [found] = [one for one in json.loads(said) if one["check"] == "our names"]
+    assert (found["status"], found["seen"]) == ("warning", "'fes' 1.0.62 is installed; this project is 'fes-robots'")
+    assert "pip uninstall fes" in found["remedy"]
+
+
+def with_path(folder: Path, where: Path, *words: str) -> "subprocess.CompletedProcess[str]":
+    """The outcome of an installed command for which Python looks for packages in `folder` first."""
+    return subprocess.run(
+        [str(PROGRAMS / words[0]), *words[1:]],
+        cwd=where, env={**os.environ, "PYTHONPATH": str(folder)}, stdin=subprocess.DEVNULL, capture_output=True,
+        text=True, timeout=60,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("package", distribution.PACKAGES)
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_package_that_python_finds_before_ours_ends_every_command_in_one_line(
+    command: str, package: str, tmp_path: Path
+) -> None:
+    (tmp_path / "elsewhere" / package).mkdir(parents=True)
+    (tmp_path / "elsewhere" / package / "__init__.py").write_text("raise ImportError('of another project')\n")
+    line = complaint(with_path(tmp_path / "elsewhere", tmp_path, command, *COMMANDS[command]), command)
+    assert f"the package '{package}' is that of another project: {tmp_path / 'elsewhere' / package}" in line
+    assert line.endswith(distribution.separate())
+
+
+@pytest.mark.parametrize("module", ["fcntl", "termios", "resource"])
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_system_that_is_not_unix_ends_every_command_in_one_line(command: str, module: str, tmp_path: Path) -> None:
+    code = f"""
+import sys
+sys.modules[{module!r}] = None  # as where Python has no such module
+sys.argv = {[command, *COMMANDS[command]]!r}
+import fes_robots
+fes_robots.{command.replace("-", "_")}()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert complaint(done, command) == (
+        f"fes runs on Linux and macOS; Python on {sys.platform} has no module '{module}'"
+    )
+
+
+def test_the_readme_names_the_systems() -> None:
+    assert "Linux or macOS" in (ROOT / "README.md").read_text(encoding="utf-8")
