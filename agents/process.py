@@ -18,7 +18,7 @@ from agents.membership import PATIENCE, Membership
 from agents.mouth import Mouth
 from agents.radio import Radio
 from agents.turns import Turns
-from fes import bus, identity, keys, messages, process
+from fes import bus, identity, keys, messages, output, process
 from fes.bus import Bus
 from fes.complaints import Complaints
 from fes.endpoints import Endpoints
@@ -168,7 +168,10 @@ async def serve(flags: argparse.Namespace) -> int:
 
 def main() -> None:
     """Entry point of fes-agent."""
-    parser = process.OneLineParser(prog="fes-agent", description="One robot, or a range of robots, of a run.")
+    output.configure()
+    parser = process.OneLineParser(
+        prog="fes-agent", description="One robot, or a range of robots, of a run.", epilog="example: fes-agent --id 0"
+    )
     parser.add_argument("--id", required=True, metavar="I|A-B|auto", help="the robot, a range, or any that is free")
     parser.add_argument(
         "--timeout",

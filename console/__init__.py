@@ -1,7 +1,9 @@
-"""What a person runs: fes run, view, set, replay, compare, sweep, doctor, keys, plot, claims.
+"""What a person runs: fes run, view, set, replay, compare, sweep, plot, schema, doctor, keys, claims.
 
 __main__    entry point of fes
 cli         the commands
+guide       their order, and an example of each
+announcement  what fes run says before it starts anything
 processes   fes run with real processes
 launcher    child processes, never left behind
 child       one of them, and what is said of its end
@@ -16,6 +18,7 @@ learning    how robots that count beacons find the optimum, over seeds
 study       how the integration error depends on the step
 options     flags that several commands share
 setting     the command fes set
+schema      the command fes schema
 evidence    the commands fes plot and fes claims
 keyring     fes keys: certificates in a directory, or of one run
 authority   certificates themselves
@@ -32,7 +35,10 @@ doctor      fes doctor: what may keep a run from starting
 sweep       fes sweep: many runs, compared
 summary     the summary as a person reads it
 observer    the world's reports, as they come
-view        the live dashboard: the only place where rich's Live is
+view        the live dashboard
+screen      the whole of a terminal: the only place where rich's Live is
+printing    lines and tables, in which data is never markup
+progress    bars of what takes longer than a second
 dashboard   one frame, from the reports so far
 header      its first lines
 teammap     its map

@@ -1,7 +1,6 @@
 """The `fes` command: what a person runs."""
 
 import argparse
-import json
 import signal
 import sys
 from contextlib import nullcontext
@@ -13,27 +12,31 @@ import typer
 from rich.console import Console
 
 from console import (
+    announcement,
     compare,
     evidence,
+    guide,
     inprocess,
     keyring,
-    leftovers,
+    printing,
     processes,
+    progress,
     replay,
     rundir,
+    schema,
     setting,
     summary,
     view,
 )
 from console.doctor.command import doctor
-from console.options import Cfg, Config, Connect, ObserverKeys
+from console.options import SET, VERBOSE, Cfg, Config, Connect, ObserverKeys
 from console.processes import Launch
 from console.rundir import Visitor
 from console.sweep import command
-from fes import bus, distribution, keys, process
-from fes.errors import FesError, ScenarioError, reason
+from fes import bus, distribution, keys, output, process, strict_json
+from fes.errors import FesError, ScenarioError, no_memory, reason
 from fes.identity import OBSERVER
-from world import expect, remarks
+from world import crowd, expect
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
 from world.summary import write, write_scenario
@@ -43,17 +46,19 @@ INTERRUPTED = 130
 
 DISTURBED = "the digest is not that of an undisturbed run"
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
+app = typer.Typer(
+    cls=guide.Ordered, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None, epilog=guide.BEGIN
+)
 
-
-app.command()(evidence.plot)
-app.command(name="claims")(evidence.show_claims)
-app.command(name="set")(setting.set_command)
-app.command()(replay.replay)
-app.command()(compare.compare)
-app.command()(command.sweep)
-app.command()(doctor)
-app.add_typer(keyring.app, name="keys")
+guide.command(app, "set")(setting.set_command)
+guide.command(app, "replay")(replay.replay)
+guide.command(app, "compare")(compare.compare)
+guide.command(app, "sweep")(command.sweep)
+guide.command(app, "plot")(evidence.plot)
+guide.command(app, "schema")(schema.schema)
+guide.command(app, "doctor")(doctor)
+guide.command(app, "claims")(evidence.show_claims)
+app.add_typer(keyring.app, name="keys", epilog=f"\b\nExample: {guide.EXAMPLES['keys']}")
 
 
 class Backend(StrEnum):
@@ -63,9 +68,16 @@ class Backend(StrEnum):
     INPROCESS = "inprocess"
 
 
+class Clock(StrEnum):
+    """The values of run.clock; `fes.config.Clock` says what they mean."""
+
+    LOCKSTEP = "lockstep"
+    LIVE = "live"
+
+
 def _version(wanted: bool) -> None:
     if wanted:
-        print(distribution.version())
+        printing.line(distribution.version())
         raise typer.Exit
 
 
@@ -78,17 +90,17 @@ def about(
     """Formation by extremum seeking: robots that find the best separation for their radio together."""
 
 
-@app.command()
+@guide.command(app, "run")
 def run(
     scenario: Annotated[Path, typer.Argument(help="A scenario file, such as configs/paper.toml.")],
-    set_: Annotated[list[str] | None, typer.Option("--set", metavar="A.B=C", help="Override a field.")] = None,
+    set_: Annotated[list[str] | None, typer.Option("--set", metavar="A.B=C", help=SET)] = None,
     seed: Annotated[int | None, typer.Option(help="Override run.seed.")] = None,
     duration: Annotated[float | None, typer.Option(help="Override run.duration [s].")] = None,
     backend: Annotated[Backend, typer.Option(help="One process a robot over Zenoh, or all in one loop.")] = (
         Backend.PROCESSES
     ),
     agents_per_process: Annotated[int, typer.Option(min=1, help="Robots hosted by each agent.")] = 1,
-    clock: Annotated[str | None, typer.Option(help="Override run.clock.")] = None,
+    clock: Annotated[Clock | None, typer.Option(help="Override run.clock.")] = None,
     rtf: Annotated[str, typer.Option(metavar="max|X", help="Pace: simulated seconds a second.")] = "max",
     out: Annotated[Path | None, typer.Option(help="Run directory (default runs/<scenario>-<n>).")] = None,
     secure: Annotated[bool, typer.Option("--secure", help="TLS, with certificates made for this run.")] = False,
@@ -98,6 +110,7 @@ def run(
     respawn: Annotated[
         bool, typer.Option("--respawn", help="Start agents that die again, each with all of its robots.")
     ] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", help=VERBOSE)] = False,
 ) -> int:
     """Run a scenario: world, robots and dashboard.
 
@@ -107,6 +120,7 @@ def run(
     overrides = [*(set_ or []), *(f"{field}={value}" for field, value in fields if value is not None)]
     with process.interruptible():
         loaded = load(scenario, dict(parse_override(text) for text in overrides))
+        crowd.check(loaded)
         in_process, pace = backend is Backend.INPROCESS, _pace(rtf)
         for flag, given in (("--secure", secure), ("--respawn", respawn)):
             if given and in_process:
@@ -115,12 +129,12 @@ def run(
             inprocess.check(loaded)
         elif loaded.run.clock == "live" and pace is not None:
             raise FesError("--rtf does not go with the live clock: its pace is that of the wall clock")
-        name, screen = scenario.stem, Console(stderr=json_)
-        dashboard = screen.is_terminal and not headless and not json_
+        name, screen = scenario.stem, printing.console(stderr=json_)
+        dashboard = printing.is_screen(screen) and not headless and not json_
         launch = Launch(name, agents_per_process, rtf, dashboard, record, secure, respawn)
         if not in_process:
             processes.check(launch, loaded)
-        _begin(loaded, in_process, launch)
+        announcement.say(loaded, in_process, launch)
         with rundir.made(name, out) as directory:
             write_scenario(directory.path, loaded)
             if in_process:
@@ -133,26 +147,14 @@ def run(
             if absences := result.get("unscheduled_absences"):
                 process.warn("fes", f"unscheduled absences: {absences} robot-ticks; {DISTURBED}")
             if json_:
-                print(json.dumps(result), flush=True)
+                print(strict_json.dumps(result), flush=True)
             else:
-                screen.print(summary.render(result))
-                screen.print(f"run directory: {directory.path}", highlight=False)
+                printing.show(screen, summary.render(result, verbose))
+                printing.line(f"run directory: {directory.path}")
     return process.UNMET if expect.unmet(result) else process.SUCCESS
 
 
-def _begin(scenario: Scenario, in_process: bool, launch: Launch) -> None:
-    """Say at once what is started, what of the scenario is not run as it is written, and which keys were removed."""
-    robots = scenario.robots.number
-    what = f"a world and {robots} robot{'s' if robots > 1 else ''}"
-    crews = f" in {len(launch.groups(robots))} processes" if launch.agents_per_process > 1 else ""
-    process.tell(f"running {what} in one loop ..." if in_process else f"starting {what}{crews} ...")
-    for line in remarks.of(scenario):
-        process.warn("fes", line)
-    for path in leftovers.remove(rundir.ROOT):
-        process.warn("fes", f"removed {path}: private keys of a run that was killed")
-
-
-@app.command(name="view")
+@guide.command(app, "view")
 def view_command(
     connect: Connect = None,
     config: Config = None,
@@ -167,15 +169,16 @@ def view_command(
     """Show a run that goes on in another terminal (by default the latest one started in this folder)."""
     visitor = Visitor(OBSERVER, certificates, run, timeout)
     endpoints = rundir.reach(visitor, connect, config, cfg)
-    screen = Console()
+    screen = printing.console()
 
     async def show() -> int:
         async with bus.opened(endpoints) as opened:
             with view.Screen(screen) as shown:
-                await view.watch(opened, run, timeout, shown)
-        screen.print(shown.frame())
-        if picture is not None:
-            view.save_picture(picture, shown.frame(), screen.width, screen.height, "fes view")
+                try:
+                    await view.watch(opened, run, timeout, shown)
+                finally:
+                    if picture is not None:
+                        view.save_picture(picture, shown.frame(), screen.width, screen.height, "fes view")
         return process.SUCCESS
 
     process.leave("fes", show)
@@ -183,6 +186,7 @@ def view_command(
 
 def main() -> None:
     """Entry point of fes: every error is one line, and the exit code says which kind it was."""
+    output.configure()
     try:
         signal.signal(signal.SIGINT, signal.default_int_handler)  # no longer that of the first moments
         code = typer.main.get_command(app)(standalone_mode=False)
@@ -190,9 +194,14 @@ def main() -> None:
         code = INTERRUPTED
     except FesError as error:
         process.complain("fes", str(error))
+        for note in getattr(error, "__notes__", ()):
+            print(f"fes: {note}", file=sys.stderr)
         code = error.exit_code
     except OSError as error:
         process.complain("fes", reason(error))
+        code = process.FAILURE
+    except MemoryError as error:
+        process.complain("fes", no_memory(error))
         code = process.FAILURE
     except Exception as error:
         # Typer's own complaints about arguments know how to say themselves in one line.
@@ -201,7 +210,8 @@ def main() -> None:
             raise
         said = message().replace("Value error, ", "")
         if said.startswith("Usage:"):  # without a command it is the whole help, and no error of one line
-            print(said, file=sys.stderr)
+            for text in said.splitlines():
+                printing.line(text, stderr=True)
         else:
             process.complain("fes", said or "expects a command; see fes --help")
         code = process.FAILURE
@@ -234,6 +244,8 @@ def _in_process(
             recorder.conclude(reached)
 
     if screen is None:
-        return inprocess.run(scenario, name, pace, keep=keep, recorder=recorder)
-    with view.Screen(screen) as shown:
+        with progress.bar(name, scenario.ticks) as bar:
+            watch = (lambda report: bar.reach(report.tick + 1)) if bar.is_shown else None
+            return inprocess.run(scenario, name, pace, watch, keep, recorder)
+    with view.Screen(screen, summary.BELOW) as shown:
         return inprocess.run(scenario, name, pace, shown.show, keep, recorder)

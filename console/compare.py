@@ -1,7 +1,6 @@
 """The command fes compare: where two recorded runs first differ."""
 
 import itertools
-import json
 from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
@@ -9,9 +8,10 @@ from typing import Annotated, Any
 import typer
 
 from console import log as logs
+from console import printing, progress
 from console.difference import Difference, between, of_reports, of_summaries
 from console.log import Log, Tick
-from fes import keys, process
+from fes import fingerprint, keys, process, strict_json
 from fes.errors import FesError
 
 MISSING = "nothing"
@@ -35,16 +35,23 @@ def compare(
     """
     one, other = logs.load(first), logs.load(second)
     chosen = None if robots is None else chosen_robots(robots, one.scenario.robots.number)
-    settings = [] if chosen else list(of_scenarios(one, other))
-    found = first_difference(one, other, chosen)
+    with progress.bar("compared"):
+        settings = [] if chosen else list(of_scenarios(one, other))
+        found = first_difference(one, other, chosen)
     if json_:
         told = found._asdict() if found else None
-        print(json.dumps({"scenario": [list(setting) for setting in settings], "first": told}))
+        arithmetic = [dict(log.arithmetic) for log in (one, other)]
+        differing = [list(setting) for setting in settings]
+        printing.line(strict_json.dumps({"scenario": differing, "first": told, "arithmetic": arithmetic}))
     else:
         for path, mine, theirs in settings:
-            print(f"scenario, {path}: {mine!r} in A and {theirs!r} in B")
+            printing.line(f"scenario, {path}: {mine!r} in A and {theirs!r} in B")
         whose = f" of robots {', '.join(robots)}" if robots else ""
-        print(found.told("in A", "in B") if found else f"every message{whose} of every tick is the same to the bit")
+        same = f"every message{whose} of every tick is the same to the bit"
+        printing.line(found.told("in A", "in B") if found else same)
+        if found:
+            a, b = (fingerprint.text(log.arithmetic) for log in (one, other))
+            printing.line(f"A was recorded with {a}; B was recorded with {b}")
     return process.FAILURE if settings or found else process.SUCCESS
 
 

@@ -1,13 +1,12 @@
 """Where two ticks differ: message, robot, field and both values."""
 
-import json
 import struct
 from collections.abc import Callable, Container
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fes import messages
+from fes import messages, strict_json
 from fes.errors import MessageError
 from fes.report import Report
 from world.recorder import Said
@@ -20,7 +19,7 @@ _DECODERS: dict[str, Callable[[bytes], Any]] = {
 _PARTS = {"pose": ("x", "y", "heading"), "twist": ("linear", "angular")}
 _OUTSIDE = {"scenario", "elapsed", "ticks_per_s", "alive", "late"}
 """Fields of a Report that are of the machine or of the scenario's file, and not of the run."""
-_OUTSIDE_SUMMARY = {"scenario", "backend", "wall_s", "ticks_per_s", "real_time_factor"}
+_OUTSIDE_SUMMARY = {"scenario", "backend", "wall_s", "ticks_per_s", "real_time_factor", "arithmetic"}
 """The same of a summary."""
 
 
@@ -90,7 +89,7 @@ def of_summaries(tick: int, one: dict[str, Any], other: dict[str, Any]) -> Diffe
     """The first difference of two summaries, but for what is of the machine and the name."""
     for key in dict.fromkeys([*one, *other]):
         mine, theirs = one.get(key), other.get(key)
-        if key not in _OUTSIDE_SUMMARY and json.dumps(mine) != json.dumps(theirs):
+        if key not in _OUTSIDE_SUMMARY and strict_json.dumps(mine) != strict_json.dumps(theirs):
             return Difference(tick, "summary", None, key, mine, theirs)
     return None
 

@@ -1,18 +1,17 @@
 """The commands that show evidence: fes plot and fes claims."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
-from console import claims, figures, history, learning, processes, study
+from console import claims, figures, history, learning, printing, processes, progress, study
 from console import log as logs
 from console.history import History
 from console.log import Log
-from fes import process
+from fes import fingerprint, process, strict_json
 from fes.errors import FesError, reason
 from world.scenario import load
 
@@ -29,21 +28,27 @@ def plot(
     ] = None,
 ) -> int:
     """Draw figures as PNG and SVG: the paper's Figs. 1, 3, 5 and 6; how beacons are counted; or those of a run."""
-    if target == PAPER:
-        directory, drawn = out or Path("figures"), _paper_figures()
-    elif target == MEASURED:
-        seen = learning.learn(claims.CONFIGS)
-        directory, drawn = out or Path("figures"), {"measured": figures.learning_figure(seen)}
-    else:
-        where = Path(target)
-        directory, drawn = out or (where.parent if where.is_file() else where), _run_figures(where)
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        written = [path for name, figure in drawn.items() for path in figures.save(figure, directory / name)]
-    except OSError as error:
-        raise FesError(f"cannot write figures: {reason(error)}") from None
+    with progress.bar("figures") as bar:
+        if target == PAPER:
+            directory, drawn = out or Path("figures"), _paper_figures(bar)
+        elif target == MEASURED:
+            bar.note("many seeds of robots that count beacons")
+            seen = learning.learn(claims.CONFIGS)
+            directory, drawn = out or Path("figures"), {"measured": figures.learning_figure(seen)}
+        else:
+            bar.note("the run again")
+            where = Path(target)
+            directory, drawn = out or (where.parent if where.is_file() else where), _run_figures(where)
+        written = []
+        try:
+            directory.mkdir(parents=True, exist_ok=True)
+            for name, figure in drawn.items():
+                bar.note(name)
+                written += figures.save(figure, directory / name)
+        except OSError as error:
+            raise FesError(f"cannot write figures: {reason(error)}") from None
     for path in written:
-        print(path)
+        printing.line(path)
     return process.SUCCESS
 
 
@@ -54,22 +59,30 @@ def show_claims(
     """Compute where the paper's text does not hold (docs/paper.md says what the numbers mean)."""
     if name is not None and name not in claims.CLAIMS:
         raise FesError(f"no claim '{name}'; there are {', '.join(claims.CLAIMS)}")
-    found = {key: claims.CLAIMS[key]() for key in ([name] if name else claims.CLAIMS)}
+    wanted, found = [name] if name else list(claims.CLAIMS), {}
+    with progress.bar("claims", len(wanted)) as bar:
+        for key in wanted:
+            bar.note(key)
+            found[key] = claims.CLAIMS[key]()
+            bar.advance()
     if json_:
-        print(json.dumps(found))
+        print(strict_json.dumps(found))
         return process.SUCCESS
-    screen = Console(soft_wrap=True)
+    screen = printing.console()
     for key, numbers in found.items():
         table = Table.grid(padding=(0, 2))
         for label, value in numbers.items():
-            table.add_row(f"  {label}".replace("[", r"\["), f"{value:.6g}")
-        screen.print(f"[bold]{key}[/]: {str(claims.CLAIMS[key].__doc__).splitlines()[0]}", highlight=False)
-        screen.print(table, highlight=False)
+            table.add_row(printing.cell(f"  {label}"), f"{value:.6g}")
+        title = Text.assemble((key, "bold"), f": {str(claims.CLAIMS[key].__doc__).splitlines()[0]}")
+        screen.print(title, soft_wrap=True)
+        screen.print(table, soft_wrap=True)
     return process.SUCCESS
 
 
-def _paper_figures() -> "dict[str, Figure]":
+def _paper_figures(bar: progress.Bar) -> "dict[str, Figure]":
+    bar.note("the paper's run")
     seen = history.follow(load(claims.CONFIGS / "paper.toml"))
+    bar.note("the same with other steps")
     return {
         "fig1-outage": figures.outage_figure(),
         "fig3-index": figures.index_figure(),
@@ -108,5 +121,10 @@ def _again(directory: Path) -> History:
     run = loaded.run.model_copy(update={"duration": ticks * loaded.run.dt})
     seen = history.follow(loaded.model_copy(update={"run": run}))
     if seen.digest != summary["digest"]:
-        raise FesError(f"{directory} cannot be executed again bit for bit here: another machine or version made it")
+        here = f"this is {fingerprint.text()}"
+        try:
+            made = f"it was made with {fingerprint.text(summary['arithmetic'])}"
+        except (KeyError, TypeError):
+            made = "it does not say with which arithmetic it was made"
+        raise FesError(f"{directory} cannot be executed again bit for bit here: {made}; {here}")
     return seen

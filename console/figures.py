@@ -18,6 +18,7 @@ from fes import objective, outage
 from fes.config import ChannelConfig, ObjectiveConfig
 from fes.distribution import install
 from fes.errors import FesError
+from fes.output import printable
 from world.optimum import optimal_separation
 
 if TYPE_CHECKING:
@@ -158,6 +159,16 @@ def learning_figure(seen: Learning) -> "Figure":
         axes[0].set(ylabel=r"mean estimate $-\; r^*$ [m]")
         axes[0].legend(frameon=False, loc="upper right")
     return figure
+
+
+def plain(text: str) -> str:
+    """Data as a label: matplotlib takes text between two dollars for a formula, and hides what begins with `_`.
+
+    >>> plain("_$a$")
+    ' _\\\\$a\\\\$'
+    """
+    shown = printable(text).replace("$", r"\$")
+    return f" {shown}" if shown.startswith("_") else shown
 
 
 def save(figure: "Figure", path: Path) -> list[Path]:

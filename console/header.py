@@ -6,7 +6,8 @@ import numpy as np
 from rich.cells import cell_len
 
 from console.canvas import Line
-from console.text import count, number, printable, styled
+from console.text import count, number, styled
+from fes.output import printable
 from fes.report import Report
 
 _GAP = 3

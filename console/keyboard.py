@@ -8,6 +8,8 @@ import tty
 from types import TracebackType
 from typing import Self
 
+from fes import signals
+
 LEFT, RIGHT, END = "left", "right", "end of input"
 
 _SEQUENCES = {b"\x1b[C": RIGHT, b"\x1b[D": LEFT, b"\x1bOC": RIGHT, b"\x1bOD": LEFT}
@@ -21,12 +23,20 @@ class Keyboard:
 
     def __enter__(self) -> Self:
         self._before = termios.tcgetattr(self._terminal)
+        self._restored = signals.if_forced(self._restore)
+        self._restored.__enter__()
         tty.setcbreak(self._terminal)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        try:
+            self._restore()
+        finally:
+            self._restored.__exit__(None, None, None)
+
+    def _restore(self) -> None:
         with contextlib.suppress(termios.error):  # the terminal may be gone
             termios.tcsetattr(self._terminal, termios.TCSADRAIN, self._before)
 

@@ -1,7 +1,6 @@
 """fes keys: certificates in a directory, and those that live as long as one run."""
 
 import contextlib
-import json
 import os
 import shutil
 import stat
@@ -11,11 +10,10 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
-from console import leftovers
-from fes import identity, process, signals
+from console import guide, leftovers, printing, progress
+from fes import identity, process, signals, strict_json
 from fes.endpoints import Endpoints
 from fes.errors import FesError
 from fes.identity import AUTHORITY, OBSERVER, OPERATOR, WORLD
@@ -45,7 +43,7 @@ Hosts = Annotated[
 ]
 
 
-@app.command()
+@guide.command(app, "keys init")
 def init(
     robots: Annotated[int, typer.Option(min=0, max=MAX_ROBOTS, help="Certificates for robots 0 to N-1.")] = 0,
     host: Hosts = None,
@@ -60,12 +58,15 @@ def init(
     roles = [WORLD, OBSERVER, OPERATOR, *(identity.robot_role([robot]) for robot in range(robots))]
     authority = _authorities().found(YEARS_10)
     _write(keys, AUTHORITY, authority.pem)
-    _issue(authority, keys, roles, days, hosts)
-    print(f"{keys}: an authority and {len(roles)} certificates, valid for {days:g} days")
+    with progress.bar("certificates", len(roles)) as bar:
+        for role in roles:
+            _issue(authority, keys, [role], days, hosts)
+            bar.advance()
+    printing.line(f"{keys}: an authority and {len(roles)} certificates, valid for {days:g} days")
     return process.SUCCESS
 
 
-@app.command()
+@guide.command(app, "keys issue")
 def issue(
     roles: Annotated[list[str], typer.Argument(help="world, observer, operator, robot-3, or the crew robot-0-4.")],
     host: Hosts = None,
@@ -79,13 +80,13 @@ def issue(
     _check_directory(keys)
     hosts = _check_hosts(host) or (_hosts(keys) if WORLD in checked else ())
     _issue(_restore(keys), keys, checked, days, hosts)
-    print(f"{keys}: {', '.join(checked)}, valid for {days:g} days")
+    printing.line(f"{keys}: {', '.join(checked)}, valid for {days:g} days")
     if WORLD in checked:
-        print(f"the world serves as {', '.join(_hosts(keys))}")
+        printing.line(f"the world serves as {', '.join(_hosts(keys))}")
     return process.SUCCESS
 
 
-@app.command(name="list")
+@guide.command(app, "keys list")
 def show(keys: Directory = DIRECTORY) -> int:
     """List certificates: role, serial number, end of validity, SHA-256 fingerprint, and for which hosts."""
     found = sorted(keys.glob("*.crt"), key=lambda path: [(len(part), part) for part in path.stem.split("-")])
@@ -96,15 +97,17 @@ def show(keys: Directory = DIRECTORY) -> int:
     )
     for path in found:
         try:
-            table.add_row(*_authorities().describe(path.stem, path.read_bytes()))
+            table.add_row(*map(printing.cell, _authorities().describe(path.stem, path.read_bytes())))
         except ValueError:
             raise FesError(f"{path}: not a certificate") from None
-    screen = Console(highlight=False)
-    screen.print(table) if screen.is_terminal else Console(width=WIDE, highlight=False).print(table)
+    screen = printing.console()
+    if not printing.is_screen(screen):
+        screen.width = WIDE
+    screen.print(table)
     return process.SUCCESS
 
 
-@app.command()
+@guide.command(app, "keys rules")
 def rules(
     robots: Annotated[int, typer.Option(min=1, max=MAX_ROBOTS, help="Robots 0 to N-1 may take part.")],
     run: Annotated[str, typer.Option(help="Name of the run.")] = DEFAULT_RUN,
@@ -117,7 +120,7 @@ def rules(
     control = access.control(check_run(run), robots, identity.crews(keys), world=True)
     ends = Endpoints("router", tuple(connect or ()), (listen,), security={**certificate, **control})
     settings = {**ends.house_rules(), "connect/timeout_ms": -1}  # it waits for other routers for ever
-    print(json.dumps(_nested(settings), indent=2))
+    print(strict_json.dumps(_nested(settings), indent=2))
     return process.SUCCESS
 
 

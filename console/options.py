@@ -5,6 +5,9 @@ from typing import Annotated
 
 import typer
 
+SET = "Override a field of the scenario; fes schema lists them."
+VERBOSE = "Print the tracking, the links, their beacons and all expectations too."
+
 Connect = Annotated[
     list[str] | None, typer.Option("--connect", "-e", metavar="ENDPOINT", help="Where the world listens.")
 ]

@@ -6,10 +6,9 @@ from collections import deque
 from collections.abc import Iterator
 
 from rich.console import Console, Group, RenderableType
-from rich.live import Live
 from rich.text import Text
 
-from console import reexecution
+from console import reexecution, screen
 from console.dashboard import History, render
 from console.keyboard import END, LEFT, RIGHT, Keyboard
 from console.log import Log
@@ -117,19 +116,19 @@ def play(log: Log, console: Console, speed: float) -> None:
         with (
             process.interruptible(),
             Keyboard(sys.stdin.fileno()) as keyboard,
-            Live(console=console, screen=True, auto_refresh=False) as live,
+            screen.whole(console) as draw,
         ):
             before = time.monotonic()
             while not player.over:
                 now = time.monotonic()
                 player.advance(now - before)
                 before = now
-                live.update(frame(player, console.width, console.height), refresh=True)
+                draw(frame(player, console.width, console.height))
                 for key in keyboard.pressed(_FRAME if player.playing else _IDLE):
                     player.press(key)
     except Stopped:
         pass  # a view that was told to stop, and stopped
-    console.print(frame(player, console.width, console.height))
+    console.print(frame(player, console.width, console.height - 1))
 
 
 def frame(player: Player, width: int, height: int) -> RenderableType:

@@ -2,7 +2,6 @@
 
 import asyncio
 import contextlib
-import json
 import os
 from collections.abc import AsyncIterator
 from dataclasses import dataclass
@@ -15,16 +14,23 @@ from console import faults, keyring, launcher, observer, rundir, view
 from console.doctor import machine
 from console.doctor.finding import Status
 from console.launcher import Family
+from console.printing import is_screen
+from console.progress import SPINNER
 from console.respawn import Respawn
 from console.rundir import Address, RunDirectory
+from console.screen import cursor_back
+from console.summary import BELOW
 from console.supervision import Supervisor
-from fes import bus, identity, keys, process, signals
+from fes import bus, files, identity, keys, process, signals, strict_json
 from fes.endpoints import Endpoints
 from fes.errors import FesError
 from world.lockstep import RETURN_TIMEOUT
 from world.scenario import Scenario
 
 RUN = keys.DEFAULT_RUN
+MAX_SUMMARY = 1 << 30
+"""Size of a summary that is read [bytes]; that of a hundred robots has 100 kB."""
+
 JOIN_TIMEOUT = 60.0
 """How long children look for the world [s]; a loaded machine starts ten interpreters slowly."""
 
@@ -182,7 +188,7 @@ def _visitor(address: Address) -> Endpoints:
 def read_summary(directory: Path) -> dict[str, Any]:
     """The summary in a run directory; raises FesError."""
     try:
-        found = json.loads((directory / "summary.json").read_text(encoding="utf-8"))
+        found = strict_json.loads(files.read(directory / "summary.json", MAX_SUMMARY))
     except (OSError, ValueError):
         raise FesError(f"{directory} has no summary") from None
     return found if isinstance(found, dict) else {}
@@ -190,7 +196,7 @@ def read_summary(directory: Path) -> dict[str, Any]:
 
 async def _attend(supervisor: Supervisor, launch: Launch, address: Address, console: Console) -> None:
     """Wait for the children to end, and show the run meanwhile if a person looks."""
-    if not console.is_terminal:
+    if not is_screen(console):
         await supervisor.finish()
         return
     show = asyncio.ensure_future(_show(launch, address, console))
@@ -205,16 +211,12 @@ async def _attend(supervisor: Supervisor, launch: Launch, address: Address, cons
 async def _show(launch: Launch, address: Address, console: Console) -> None:
     """The dashboard, or a line of progress; a view only, whose failure is not the run's."""
 
-    def restore() -> None:
-        console.set_alt_screen(False)
-        console.show_cursor()
-
     async with bus.opened(_visitor(address)) as opened:
         if launch.dashboard:
-            with signals.if_forced(restore), view.Screen(console) as screen:
+            with view.Screen(console, BELOW) as screen:
                 await view.watch(opened, RUN, JOIN_TIMEOUT, screen)
             return
-        with signals.if_forced(restore), console.status("waiting for the robots") as status:
+        with cursor_back(console), console.status("waiting for the robots", spinner=SPINNER) as status:
             async for report in observer.reports(opened, RUN, JOIN_TIMEOUT, view.IDLE):
                 if report is not None:
                     status.update(

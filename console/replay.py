@@ -1,18 +1,18 @@
 """The command fes replay: a recorded run again, to look at, to sum up, or to execute and compare."""
 
-import json
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 
 from console import log as logs
-from console import player, reexecution, summary
+from console import player, printing, progress, reexecution, summary
 from console.log import Log
+from console.options import VERBOSE
 from console.reexecution import Robots
-from fes import process
+from fes import process, strict_json
 from fes.errors import FesError
 from world.account import Account
 from world.recorder import AT_ITS_END
@@ -29,33 +29,39 @@ def replay(
     speed: Annotated[float, typer.Option(min=1e-3, max=1e6, help="Simulated seconds a second.")] = 1.0,
     headless: Annotated[bool, typer.Option("--headless", help="No dashboard.")] = False,
     json_: Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else.")] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", help=VERBOSE)] = False,
 ) -> int:
     """Show a recorded run again; or execute it again, bit for bit."""
     if robot is not None and all_:
         raise FesError(f"--all executes every robot again, give it or --robot {robot}")
     log = logs.load(target)
-    screen = Console(stderr=json_)
+    screen = printing.console(stderr=json_)
     if robot is not None:
-        ticks = alone(log, robot)
-        _print(screen, json_, {"robot": robot, "ticks": ticks}, f"robot {robot}, executed again", ticks)
-    elif all_ or json_ or headless or not (screen.is_terminal and sys.stdin.isatty()):
-        result = again(log, everybody=all_)
-        ticks = result["ticks"]
+        with progress.bar(f"robot {robot}, executed again", _length(log)) as bar:
+            ticks = alone(log, robot, bar.advance)
+        _print(json_, {"robot": robot, "ticks": ticks}, f"robot {robot}, executed again", ticks)
+    elif all_ or json_ or headless or not (printing.is_screen(screen) and sys.stdin.isatty()):
+        what = f"the world{' and all robots' if all_ else ''}, executed again"
+        with progress.bar(what, _length(log)) as bar:
+            result = again(log, all_, bar.advance)
         if not json_:
-            screen.print(summary.render(result))
-        _print(screen, json_, result, f"the world{' and all robots' if all_ else ''}, executed again", ticks)
+            printing.show(screen, summary.render(result, verbose))
+        _print(json_, result, what, result["ticks"])
     else:
         player.play(log, screen, speed)
     if log.ended not in (None, AT_ITS_END):
-        screen.print(f"the run ended early: {log.ended}", highlight=False, markup=False, soft_wrap=True)
+        printing.line(f"the run ended early: {log.ended}", stderr=json_)
     complaint = log.complaint
     if complaint is not None:
         raise FesError(complaint)
     return process.SUCCESS
 
 
-def alone(log: Log, robot: int) -> int:
-    """Execute one robot again, from its recorded inputs; returns the number of ticks, or raises Mismatch."""
+def alone(log: Log, robot: int, told: Callable[[], None] = lambda: None) -> int:
+    """Execute one robot again, from its recorded inputs; returns the number of ticks, or raises Mismatch.
+
+    `told` is called after each tick.
+    """
     robots = log.scenario.robots.number
     if robot >= robots:
         raise FesError(f"--robot {robot}: the run has robots 0 to {robots - 1}")
@@ -63,11 +69,14 @@ def alone(log: Log, robot: int) -> int:
     for tick in log.ticks():
         own.step(tick)
         ticks += 1
+        told()
     return ticks
 
 
-def again(log: Log, everybody: bool = False) -> dict[str, Any]:
+def again(log: Log, everybody: bool = False, told: Callable[[], None] = lambda: None) -> dict[str, Any]:
     """Execute the world again, and with `everybody` all robots; returns the summary.
+
+    `told` is called after each tick.
 
     Raises Mismatch where a message comes out otherwise, and FesError where a Report or the summary does.
     """
@@ -79,11 +88,15 @@ def again(log: Log, everybody: bool = False) -> dict[str, Any]:
         found = sums
         if moment.recorded.report is not None:
             elapsed = moment.recorded.report.elapsed
+        told()
     return reexecution.summary(log, found, elapsed)
 
 
-def _print(screen: Console, json_: bool, result: dict[str, Any], what: str, ticks: int) -> None:
-    if json_:
-        print(json.dumps(result))
-    else:
-        screen.print(f"{what}: {ticks} ticks, the same to the bit", highlight=False)
+def _length(log: Log) -> float:
+    """Ticks that a log has, or may have if it has no end."""
+    ticks = (log.summary or {}).get("ticks")
+    return ticks if isinstance(ticks, int) else log.scenario.ticks
+
+
+def _print(json_: bool, result: dict[str, Any], what: str, ticks: int) -> None:
+    printing.line(strict_json.dumps(result) if json_ else f"{what}: {ticks} ticks, the same to the bit")

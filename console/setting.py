@@ -1,14 +1,13 @@
 """fes set: change the channel of a run that goes on."""
 
-import json
 from typing import Annotated
 
 import typer
 
-from console import rundir
+from console import printing, progress, rundir
 from console.options import Cfg, Config, Connect, OperatorKeys
 from console.rundir import Visitor
-from fes import bus, change, keys, process
+from fes import bus, change, keys, process, strict_json
 from fes.change import Change
 from fes.errors import Absent
 from fes.identity import OPERATOR
@@ -35,12 +34,13 @@ def set_command(
         async with bus.opened(endpoints) as opened:
             for one in changes:
                 try:
-                    answer = await opened.ask(keys.change(run), one, timeout)
+                    with progress.waiting("waiting for the world's answer"):
+                        answer = await opened.ask(keys.change(run), one, timeout)
                 except Absent:
                     raise Absent(f"no world of run '{run}' answers at {endpoints.shown}") from None
                 effect = change.decode_effect(answer)
-                print(
-                    f"{effect.path} = {json.dumps(effect.value)} from tick {effect.tick} on; "
+                printing.line(
+                    f"{effect.path} = {strict_json.dumps(effect.value)} from tick {effect.tick} on; "
                     f"r* = {effect.optimal_separation:.3f} m"
                 )
             if effect.unnoticed:  # of the last change: the channel as it is now

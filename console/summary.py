@@ -1,25 +1,28 @@
-"""The summary as a person reads it."""
+"""The summary as a person reads it: the numbers that matter most stand last, where a terminal still shows them."""
 
 from collections.abc import Iterable
 from typing import Any
 
 from rich.console import Group, RenderableType
-from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
+from console.printing import cell
 from console.text import UNKNOWN, percent
+from world.summary import links_lost
 
-_TIMES = {
-    "disagreement_1m": "disagreement < 1 m",
-    "estimate_1m": "estimate error < 1 m",
-    "estimate_0_1m": "estimate error < 0.1 m",
-    "separation_1m": "separation error < 1 m",
-    "separation_0_1m": "separation error < 0.1 m",
-}
+BELOW = 11
+"""Lines on a terminal of 80 columns, the run directory included, of a summary without deadlines and expectations."""
 
 MAX_EDGES = 30
 MAX_CONTACTS = 5
+MAX_EXPECTED = 4
+"""Lines of expectations, those first that do not hold."""
+
+LONGEST_NAME = 40
+
+FIXED = 1e9
+"""Larger numbers are shown with an exponent."""
 
 _TRACKING = (
     ("at", "from", "{:,.2f} s"),
@@ -34,16 +37,79 @@ _TRACKING = (
 """Columns: the key of a row of the summary's tracking, heading and format."""
 
 
-def render(summary: dict[str, Any]) -> RenderableType:
-    """The summary of a run as tables."""
+def render(summary: dict[str, Any], verbose: bool = False) -> RenderableType:
+    """The summary of a run; with `verbose` after tables of its tracking, links, beacons and expectations."""
     facts = Table.grid(padding=(0, 2))
-    facts.add_column(style="bold")
+    facts.add_column(style="bold", no_wrap=True)
     facts.add_column(overflow="fold")
-    for name, value in _facts(summary):
-        facts.add_row(name, value)
-    digest = Text.assemble(("digest", "bold"), f" {summary['digest']}")
-    tables = [*_tracking(summary["tracking"]), *_edges(summary["edges"]), *_radio(summary)]
-    return Group(facts, digest, *tables, *_expectations(summary))
+    for name, value in [*_course(summary), *([] if verbose else _expected(summary)), *_headline(summary)]:
+        facts.add_row(cell(name), value if isinstance(value, Text) else cell(value))
+    digest = Text.assemble(("digest", "bold"), cell(f"  {summary['digest']}"), no_wrap=True, overflow="ignore")
+    return Group(*(_tables(summary) if verbose else []), facts, digest)
+
+
+def _tables(summary: dict[str, Any]) -> list[RenderableType]:
+    tables = [_tracking(summary["tracking"]), _edges(summary["edges"]), _radio(summary), _expectations(summary)]
+    return [part for table in tables if table for part in (*table, "")]
+
+
+def _course(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    """What happened on the way."""
+    disk = "always" if summary["disk_connected_always"] else "not always"
+    links = "always" if summary["links_connected_always"] else "not always"
+    connectivity = summary["algebraic_connectivity"]
+    lambda_2 = "not computed" if connectivity is None else f"{connectivity:.4f}"
+    sent, decoded = summary["beacons_sent"], summary["beacons_decoded"]
+    share = f" ({percent(decoded / sent)})" if sent else ""
+    found = [
+        ("connected", f"disk graph {disk}, links {links}, λ₂ {lambda_2}"),
+        ("beacons decoded", f"{decoded:,} of {sent:,}{share}"),
+    ]
+    if summary["links_lost_at"] is not None:
+        found.append(("links", links_lost(summary["links_lost_at"])))
+    if summary["deadlines"] is not None:
+        found.append(("deadlines missed", _deadlines(summary["deadlines"])))
+    return found
+
+
+def _headline(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    """What came of it."""
+    name = summary["scenario"]
+    name = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}…"
+    rate = f"{_number(summary['ticks_per_s'], 0)} ticks/s, {_number(summary['real_time_factor'], 1)}× real time"
+    return [
+        ("run", f"{name}, {summary['robots']} robots, seed {summary['seed']}, {summary['backend']}"),
+        ("disagreement", f"{_meters(summary['disagreement'], 6)}{_since(summary, 'disagreement')}"),
+        ("estimate error", f"largest {_meters(summary['estimate_error_max'], 4)}{_since(summary, 'estimate')}"),
+        ("separation error", f"largest {_meters(summary['separation_error_max'], 4)}{_since(summary, 'separation')}"),
+        ("r*", _meters(summary["optimal_separation"], 4)),
+        ("time", f"{summary['simulated_s']:g} s simulated in {_number(summary['wall_s'], 1)} s ({rate})"),
+    ]
+
+
+def _since(summary: dict[str, Any], what: str) -> str:
+    """From when on an error was below each level."""
+    told = ""
+    for level, label in (("1m", "1 m"), ("0_1m", "0.1 m")):
+        if f"{what}_{level}" in summary["time_to"]:
+            time = summary["time_to"][f"{what}_{level}"]
+            told += f", < {label} " + ("never" if time is None else f"from {time:.2f} s on")
+    return told
+
+
+def _expected(summary: dict[str, Any]) -> list[tuple[str, Text]]:
+    """What was expected, a line each, what does not hold first."""
+    verdicts = sorted(summary["expectations"], key=lambda one: bool(one["holds"]))
+    told = [
+        ("expected", Text.assemble(cell(f"{one['of']} {one['expected']}: {_seen(one['seen'])}, "), _verdict(one)))
+        for one in verdicts[:MAX_EXPECTED]
+    ]
+    if len(verdicts) > MAX_EXPECTED:
+        broken = sum(not one["holds"] for one in verdicts)
+        told.append(("", cell(f"{len(verdicts)} expectations, {broken} not met")))
+    for _, line in told:
+        line.no_wrap, line.overflow = True, "ellipsis"
+    return told
 
 
 def _tracking(rows: list[dict[str, Any]]) -> list[RenderableType]:
@@ -52,15 +118,15 @@ def _tracking(rows: list[dict[str, Any]]) -> list[RenderableType]:
     table = _table([heading for _, heading, _ in columns])
     for row in rows:
         table.add_row(*(UNKNOWN if row[key] is None else form.format(row[key]) for key, _, form in columns))
-    return [*_title("The mean estimate, in m, from the start and from each change of the channel"), table]
+    return [_title("The mean estimate, in m, from the start and from each change of the channel"), table]
 
 
 def _edges(edges: list[list[Any]]) -> list[RenderableType]:
     table = _table(["link", "separation [m]", "estimate [m]", "estimate back [m]"])
     for i, j, *numbers in edges[:MAX_EDGES]:
-        table.add_row(f"{i}–{j}", *(_meters(value, 3) for value in numbers))
+        table.add_row(f"{i}–{j}", *(_number(value, 3) for value in numbers))
     rest = [f"… and {len(edges) - MAX_EDGES} more in summary.json"] if len(edges) > MAX_EDGES else []
-    return [*_title(f"{len(edges)} link{'' if len(edges) == 1 else 's'} at the end"), table, *rest]
+    return [_title(f"{len(edges)} link{'' if len(edges) == 1 else 's'} at the end"), table, *rest]
 
 
 def _radio(summary: dict[str, Any]) -> list[RenderableType]:
@@ -74,9 +140,10 @@ def _radio(summary: dict[str, Any]) -> list[RenderableType]:
     for receiver, sender, *numbers in worst:
         table.add_row(f"{receiver} ← {sender}", *_beacons(*numbers))
     sent, decoded = (sum(row[column] for row in contacts) for column in (2, 3))
-    outage = sum(row[2] * row[4] for row in contacts) / sent
+    known = [row for row in contacts if row[4] is not None]
+    outage = sum(row[2] * row[4] for row in known) / sum(row[2] for row in known) if known else None
     table.add_row("all", *_beacons(sent, decoded, outage, max(row[5] for row in contacts)), style="bold")
-    return [*_title(f"Beacons over these links: the worst {len(worst)} of {len(contacts)} ways"), table]
+    return [_title(f"Beacons over these links: the worst {len(worst)} of {len(contacts)} ways"), table]
 
 
 def _expectations(summary: dict[str, Any]) -> list[RenderableType]:
@@ -87,54 +154,34 @@ def _expectations(summary: dict[str, Any]) -> list[RenderableType]:
     for heading in ("expected", "to be", "seen", ""):
         table.add_column(heading)
     for one in summary["expectations"]:
-        seen = f"{one['seen']:.6g}" if isinstance(one["seen"], float) else str(one["seen"])
-        mark = Text("holds", style="green") if one["holds"] else Text("does not hold", style="bold red")
-        table.add_row(escape(one["of"]), escape(one["expected"]), escape(seen), mark)
-    return [*_title("What the scenario expects"), table]
+        table.add_row(cell(one["of"]), cell(one["expected"]), cell(_seen(one["seen"])), _verdict(one))
+    return [_title("What the scenario expects"), table]
 
 
-def _title(text: str) -> list[RenderableType]:
-    return ["", Text(text, style="italic")]
+def _verdict(one: dict[str, Any]) -> Text:
+    return Text("holds", style="green") if one["holds"] else Text("does not hold", style="bold red")
+
+
+def _seen(value: Any) -> str:
+    if value is None:
+        return UNKNOWN
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _title(text: str) -> Text:
+    return Text(text, style="italic")
 
 
 def _table(headings: Iterable[str]) -> Table:
     table = Table(box=None)
     for heading in headings:
-        table.add_column(escape(heading), justify="right")
+        table.add_column(cell(heading), justify="right")
     return table
 
 
-def _beacons(sent: int, decoded: int, outage: float, longest_gap: int) -> list[str]:
-    return [f"{sent:,}", f"{decoded:,}", percent(1.0 - decoded / sent), percent(outage), f"{longest_gap:,}"]
-
-
-def _facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    sent = summary["beacons_sent"]
-    rate = f"{summary['ticks_per_s']:.0f} ticks/s, {summary['real_time_factor']:.1f}× real time"
-    connectivity = summary["algebraic_connectivity"]
-    facts = [
-        (
-            "run",
-            f"{summary['scenario']}, {summary['robots']} robots, seed {summary['seed']}, {summary['backend']}",
-        ),
-        ("time", f"{summary['simulated_s']:g} s simulated in {summary['wall_s']:.1f} s ({rate})"),
-        ("optimal separation", _meters(summary["optimal_separation"], 4) + " m"),
-        ("largest separation error", _meters(summary["separation_error_max"], 4) + " m"),
-        ("largest estimate error", _meters(summary["estimate_error_max"], 4) + " m"),
-        ("disagreement", _meters(summary["disagreement"], 6) + " m"),
-        ("disk graph connected", "always" if summary["disk_connected_always"] else "not always"),
-        ("links connected", "always" if summary["links_connected_always"] else "not always"),
-        ("algebraic connectivity", "not computed" if connectivity is None else f"{connectivity:.4f}"),
-        ("beacons decoded", f"{summary['beacons_decoded']} of {sent}"),
-    ]
-    kept = summary["deadlines"]
-    if kept is not None:
-        facts.append(("deadlines missed", _deadlines(kept)))
-    facts += [
-        (label, "never" if summary["time_to"][name] is None else f"at {summary['time_to'][name]:.2f} s, to hold")
-        for name, label in _TIMES.items()
-    ]
-    return facts
+def _beacons(sent: int, decoded: int, outage: float | None, longest_gap: int) -> list[str]:
+    lost = percent(1.0 - decoded / sent)
+    return [f"{sent:,}", f"{decoded:,}", lost, UNKNOWN if outage is None else percent(outage), f"{longest_gap:,}"]
 
 
 def _deadlines(kept: dict[str, Any]) -> str:
@@ -145,9 +192,15 @@ def _deadlines(kept: dict[str, Any]) -> str:
     of_worst = f" (robot {worst}: {missed[worst]:,})" if missed[worst] else ""
     return (
         f"{sum(missed):,}, {share}{of_worst}; {sum(kept['late']):,} commands late, "
-        f"{sum(kept['stopped']):,} ticks without one; the world slipped by {kept['slipped_s']:.3f} s"
+        f"{sum(kept['stopped']):,} ticks without one; the world slipped by {_number(kept['slipped_s'], 3)} s"
     )
 
 
 def _meters(value: float | None, digits: int) -> str:
-    return UNKNOWN if value is None else f"{value:.{digits}f}"
+    return f"{_number(value, digits)} m"
+
+
+def _number(value: float | None, digits: int) -> str:
+    if value is None:
+        return UNKNOWN
+    return f"{value:.{digits}f}" if abs(value) < FIXED else f"{value:.6g}"

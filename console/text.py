@@ -59,12 +59,3 @@ def percent(part: float) -> str:
     ('67.1%', '100%', '–')
     """
     return number(part, ".1%").replace("100.0%", "100%")
-
-
-def printable(text: str) -> str:
-    """`text` without characters that would move the cursor.
-
-    >>> printable("a\\x1b[2J")
-    'a?[2J'
-    """
-    return "".join(letter if letter.isprintable() else "?" for letter in text)

@@ -1,5 +1,6 @@
-"""The live dashboard: the only place where rich's Live is. A view, which never slows a tick."""
+"""The live dashboard. A view, which never slows a tick."""
 
+import contextlib
 import io
 import re
 import time
@@ -8,10 +9,10 @@ from types import TracebackType
 from typing import Self
 
 from rich.console import Console, RenderableType
-from rich.live import Live
 
-from console import observer
+from console import observer, screen
 from console.dashboard import History, render
+from console.screen import Draw
 from fes.bus import Bus
 from fes.errors import FesError
 from fes.report import Report
@@ -19,24 +20,33 @@ from fes.report import Report
 IDLE = 0.25
 """Without news the screen is drawn again after this time [s], for a terminal that was resized."""
 
+LEAST = 12
+"""Lines that the last frame has at least, however small the terminal and however much comes below it."""
+
 
 class Screen:
-    """A terminal that shows the dashboard while the block lasts."""
+    """A terminal that shows the dashboard while the block lasts, and keeps its last frame."""
 
-    def __init__(self, console: Console) -> None:
+    def __init__(self, console: Console, below: int = 0) -> None:
+        """`below` lines will be printed after the last frame, and are to fit under it."""
         self.history = History()
         self._console = console
-        self._live = Live(console=console, screen=True, auto_refresh=False)
+        self._below = below
+        self._draw: Draw = lambda frame: None
+        self._open = contextlib.ExitStack()
 
     def __enter__(self) -> Self:
-        self._live.__enter__()
-        self.draw()
+        with contextlib.ExitStack() as stack:
+            stack.callback(self._keep)
+            self._draw = stack.enter_context(screen.whole(self._console))
+            self.draw()
+            self._open = stack.pop_all()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._live.__exit__(kind, error, trace)
+        self._open.__exit__(kind, error, trace)
 
     def show(self, report: Report) -> None:
         """Show a report."""
@@ -46,11 +56,18 @@ class Screen:
     def draw(self, silence: float = 0.0) -> None:
         """Draw what is known, at the terminal's present size, after a `silence` [s] of the world."""
         self.history.silence = silence
-        self._live.update(self.frame(), refresh=True)
+        self._draw(self.frame())
 
     def frame(self) -> RenderableType:
         """What is known, as one frame of the terminal's present size."""
         return render(self.history, self._console.width, self._console.height)
+
+    def _keep(self) -> None:
+        """Print the last frame as ordinary lines, if there was one."""
+        if self.history.latest is not None:
+            height = max(LEAST, self._console.height - self._below - 1)  # less one, for the shell's prompt
+            with contextlib.suppress(OSError, SystemExit):  # rich's word for a reader that is gone
+                self._console.print(render(self.history, self._console.width, height))
 
 
 def save_picture(path: Path, frame: RenderableType, width: int, height: int, title: str) -> None:
@@ -64,12 +81,12 @@ def save_picture(path: Path, frame: RenderableType, width: int, height: int, tit
         raise FesError(f"cannot write {path}: {error.strerror}") from None
 
 
-async def watch(bus: Bus, run: str, timeout: float, screen: Screen) -> None:
+async def watch(bus: Bus, run: str, timeout: float, shown: Screen) -> None:
     """Show a run until its world leaves; raises Absent if none appears within `timeout` [s]."""
     heard = time.monotonic()
     async for report in observer.reports(bus, run, timeout, IDLE):
         if report is None:
-            screen.draw(time.monotonic() - heard)
+            shown.draw(time.monotonic() - heard)
         else:
             heard = time.monotonic()
-            screen.show(report)
+            shown.show(report)

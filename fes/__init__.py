@@ -3,10 +3,13 @@
 arrays      type aliases for the arrays that every signature speaks of
 edges       directed pairs (robot, peer) of a crew, and sums over them in a fixed order
 geometry    wrap, separation, line of sight
+fingerprint  of the arithmetic: what another processor or library rounds otherwise
 draws       random numbers as a function of (seed, stream, tick, sender, receiver)
 outage      equations (3) and (4); of the agents only agents.oracle may import it
 objective   the robots' own half of the performance index (16)
 config      AgentConfig: all that an agent may know
+stability   rules between the tick and the gains
+counts      how often one setting fits into another
 sensing     what a crew senses and says in one tick, as arrays
 messages    Welcome, Observation, Beacon, Command, and their encoding
 report      Report, what observers see, and its encoding
@@ -23,7 +26,11 @@ session     how it is opened
 inbox       from Zenoh's threads to the loop, one wake-up a tick
 complaints  bad messages, counted and logged once a kind
 signals     stop signals while modules are still being imported, and where a second one ends a process
+output      text that leaves a process: any encoding, no control characters
+strict_json JSON without NaN and Infinity
+files       read with a bound on their size: somebody else may have written them
 process     signals, exit codes, Zenoh's command-line flags
 distribution  name and version of the installed distribution, and how a clone installs it
+memory      how much of it there is
 errors      every error, on one page
 """

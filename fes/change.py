@@ -1,9 +1,8 @@
 """Change: a person to the world, while a run goes on. Effect: what came of it."""
 
-import json
 from typing import Any, NamedTuple
 
-from fes import wire
+from fes import strict_json, wire
 from fes.errors import MessageError
 
 LONGEST = 4096
@@ -44,9 +43,11 @@ class Effect(NamedTuple):
 def encode_change(message: Change) -> bytes:
     """The payload of a Change; raises MessageError for a value that JSON has no word for."""
     try:
-        return wire.pack(message.path, json.dumps(message.value))
-    except TypeError:
-        raise MessageError("Change", "expects numbers, words, lists or tables", str(message.value)) from None
+        text = strict_json.dumps(message.value, refuse=True)
+    except (TypeError, ValueError):
+        rule = "expects finite numbers, words, lists or tables"
+        raise MessageError("Change", rule, str(message.value)) from None
+    return wire.pack(message.path, text)
 
 
 def decode_change(payload: bytes) -> Change:
@@ -57,7 +58,7 @@ def decode_change(payload: bytes) -> Change:
 
 def encode_effect(message: Effect) -> bytes:
     """The payload of an Effect."""
-    return wire.pack(message.path, json.dumps(message.value), *message[2:])
+    return wire.pack(message.path, strict_json.dumps(message.value), *message[2:])
 
 
 def decode_effect(payload: bytes) -> Effect:
@@ -80,6 +81,6 @@ def _path(name: str, path: Any) -> str:
 def _value(name: str, text: Any, longest: int) -> Any:
     wire.check(name, type(text) is str and len(text) <= longest, "expects a value as JSON", text)
     try:
-        return json.loads(text)
+        return strict_json.loads(text)
     except (ValueError, RecursionError):
         wire.check(name, False, "expects a value as JSON", text)

@@ -4,6 +4,7 @@ import logging
 from collections import Counter
 
 from fes.errors import MessageError
+from fes.output import printable
 
 MAX_KINDS = 100
 """Kinds that are told apart, unless told otherwise."""
@@ -63,7 +64,5 @@ def shown(line: str) -> str:
     >>> shown("key\\nforged line: rule")
     'key\\\\nforged line: rule'
     """
-    if len(line) <= LONGEST_LINE and line.isprintable():
-        return line
-    shown = "".join(char if char.isprintable() else repr(char)[1:-1] for char in line[:LONGEST_LINE])
+    shown = printable(line[:LONGEST_LINE])
     return shown if len(line) <= LONGEST_LINE else shown + "..."

@@ -16,9 +16,13 @@ Cutoff = Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
-Clock = Literal["lockstep", "live"]
-"""`lockstep`: a tick waits for all robots, and simulated time for the slowest. `live`: ticks are due at times of the
-wall clock, and wait for nobody."""
+Clock = Annotated[
+    Literal["lockstep", "live"],
+    Field(
+        description="`lockstep`: a tick waits for all robots, and simulated time for the slowest. `live`: ticks are "
+        "due at times of the wall clock, and wait for nobody."
+    ),
+]
 
 MAX_DELAY = 10_000
 """Longest delay of a transmitter [ticks]: so much it has to remember."""
@@ -33,7 +37,7 @@ MAX_SUB_STEP_PHASE = 2.0
 class Table(BaseModel):
     """A table of a scenario: frozen, complete, strict."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, use_attribute_docstrings=True)
 
 
 class ChannelConfig(Table):
@@ -102,15 +106,15 @@ class SeekingConfig(Table):
     in a step are integrated less exactly.
     """
     dither_amplitude: Positive = 0.2
-    """[m] (a)."""
+    """Amplitude of the dither [m] (a)."""
     dither_frequency: Positive = 100.0
-    """[rad/s] (beta_0)."""
+    """Frequency of the dither [rad/s] (beta_0)."""
     consensus_gain: Annotated[float, Field(ge=0, le=1e4)] = 4.0
-    """[1/s] (kappa); the paper asks for beta_l^2 / 4."""
+    """Gain of the consensus of estimates [1/s] (kappa); the paper asks for beta_l^2 / 4."""
     low_pass_cutoff: Cutoff = 4.0
-    """[rad/s] (beta_l)."""
+    """Cut-off of the low-pass filter [rad/s] (beta_l)."""
     washout_cutoff: Cutoff = 25.0
-    """[rad/s] (beta_h)."""
+    """Cut-off of the washout filter [rad/s] (beta_h)."""
     sub_step: Positive = 0.02
     """Longest step of the integration [s]; a tick is cut into equal steps no longer than this."""
     initial_estimate: tuple[Positive, Positive] = Field(default=(50.0, 90.0), strict=False)
@@ -140,9 +144,9 @@ class FormationConfig(Table):
     rule: Literal["disk", "two_nearest", "relative_neighborhood"] = "relative_neighborhood"
     """Which robots in range are neighbors."""
     linear_gain: Positive = 1.0
-    """[1/s] (mu)."""
+    """Gain of the linear velocity [1/s] (mu)."""
     angular_gain: Positive = 10.0
-    """[rad/s/m] (mu'); the paper asks for mu' >= mu."""
+    """Gain of the angular velocity [rad/s/m] (mu'); the paper asks for mu' >= mu."""
     linear_limit: Positive | None = None
     """Largest linear speed [m/s]; none by default, as in the paper."""
     angular_limit: Positive | None = None
@@ -155,7 +159,9 @@ class EquipmentConfig(Table):
     """All that is wrong with a robot's transmitter and clock from a tick on, until the next one of its robot."""
 
     tick: int = Field(ge=0)
+    """From this tick on."""
     robot: int = Field(ge=0)
+    """Id of the robot."""
     delay: int = Field(default=0, ge=0, le=MAX_DELAY)
     """Its transmitter sends what it was given so many ticks ago [ticks]."""
     corrupt: bool = False
@@ -172,8 +178,11 @@ class AgentConfig(Table):
     seed: int = Field(ge=0)
     """Seed of the robots' own draws; it does not reveal the world's."""
     objective: ObjectiveConfig
+    """Which separations the team prefers."""
     seeking: SeekingConfig
+    """The seeking law."""
     formation: FormationConfig
+    """The formation law."""
     channel: ChannelConfig | None
     """The true channel, for the oracle index only."""
     clock: Clock = "lockstep"

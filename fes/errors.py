@@ -33,6 +33,17 @@ def reason(error: OSError) -> str:
     return what if error.filename is None else f"{what}: {error.filename}"
 
 
+def no_memory(error: MemoryError) -> str:
+    """What was asked for in vain, in a line.
+
+    >>> no_memory(MemoryError("Unable to allocate 5 GiB"))
+    'not enough memory: Unable to allocate 5 GiB'
+    >>> no_memory(MemoryError())
+    'not enough memory'
+    """
+    return ": ".join(filter(None, ("not enough memory", str(error))))
+
+
 class ScenarioError(FesError):
     """A scenario or an override that breaks a rule."""
 

@@ -12,9 +12,9 @@ from collections.abc import Callable, Coroutine, Iterator, Mapping
 from pathlib import Path
 from typing import NoReturn, TypeVar
 
-from fes import identity, keys, signals
+from fes import identity, keys, output, signals
 from fes.endpoints import Endpoints, Mode, default_endpoint
-from fes.errors import FesError, Stopped, reason
+from fes.errors import FesError, Stopped, no_memory, reason
 from fes.signals import STOP_SIGNALS
 
 SUCCESS, FAILURE, UNMET = 0, 1, 2
@@ -25,6 +25,9 @@ FORCED = 130
 
 YEAR = 3.2e7  # s
 
+SLOWEST = 1e-6
+"""Least pace [simulated seconds per second]: a tick of it can be slept through."""
+
 T = TypeVar("T")
 
 
@@ -34,7 +37,9 @@ def run(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_with_
     The first signal cancels `main`, the second ends the process at once. With `exit_with_stdin` the end of
     standard input counts as a signal: a child whose parent is gone, however it went, must not stay.
     """
-    logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="%(asctime)s %(name)s: %(message)s")
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(output.Formatter("%(asctime)s %(name)s: %(message)s"))
+    logging.basicConfig(level=logging.INFO, handlers=[handler])
     leave(name, main, exit_with_stdin=exit_with_stdin)
 
 
@@ -49,6 +54,9 @@ def leave(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_wit
         code = error.exit_code
     except OSError as error:
         complain(name, reason(error))
+        code = FAILURE
+    except MemoryError as error:
+        complain(name, no_memory(error))
         code = FAILURE
     with contextlib.suppress(OSError):  # the terminal may be gone
         sys.stdout.flush()
@@ -68,9 +76,13 @@ def supervise(main: Callable[[], Coroutine[None, None, T]], *, exit_with_stdin: 
 
 @contextlib.contextmanager
 def interruptible() -> Iterator[None]:
-    """A block without a loop, in which a signal raises Stopped."""
+    """A block without a loop, in which the first signal raises Stopped, and the second ends the process at once."""
+    told: list[int] = []
 
-    def stop(number: int, frame: object) -> NoReturn:
+    def stop(number: int, frame: object) -> None:
+        told.append(number)
+        if len(told) > 1:
+            signals.force(FORCED)
         raise Stopped(f"stopped by {signal.Signals(number).name}")
 
     with signals.restored():
@@ -135,7 +147,7 @@ def warn(name: str, message: str) -> None:
 
 def tell(message: str) -> None:
     """Say something on standard error, in one line; nothing if that is closed."""
-    line = " ".join(message.split("\n"))
+    line = output.printable(" ".join(message.split("\n")))
     if sys.stderr is not None:  # print() would take standard output instead
         with contextlib.suppress(OSError, ValueError):  # the terminal may be gone
             print(line, file=sys.stderr, flush=True)
@@ -158,15 +170,15 @@ def period(text: str) -> float:
 
 
 def real_time_factor(text: str) -> float | None:
-    """The argument of --rtf: a positive number, or `max` for full speed (None); raises ArgumentTypeError."""
+    """The argument of --rtf: a number from SLOWEST on, or `max` for full speed (None); raises ArgumentTypeError."""
     if text == "max":
         return None
     try:
         value = float(text)
     except ValueError:
         value = 0.0
-    if not 0.0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"expects 'max' or a positive number, got '{text}'")
+    if not SLOWEST <= value < float("inf"):
+        raise argparse.ArgumentTypeError(f"expects 'max' or a number that is at least {SLOWEST:g}, got '{text}'")
     return value
 
 

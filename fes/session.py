@@ -2,7 +2,6 @@
 
 import asyncio
 import contextlib
-import json
 import os
 import threading
 
@@ -16,7 +15,7 @@ os.environ.setdefault(
 
 import zenoh
 
-from fes import handshake
+from fes import handshake, strict_json
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, warn_if_exposed
 from fes.errors import FesError, TransportError
 
@@ -75,7 +74,7 @@ def _config(endpoints: Endpoints) -> zenoh.Config:
         if path is not None and key in endpoints.by_default and config.get_json(key) != plain.get_json(key):
             continue
         try:
-            config.insert_json5(key, json.dumps(value))
+            config.insert_json5(key, strict_json.dumps(value))
         except zenoh.ZError:
             raise FesError(f"not an endpoint like {DEFAULT_ENDPOINT}: {endpoints.shown}") from None
     for key, text in endpoints.own_settings():

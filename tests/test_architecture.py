@@ -11,8 +11,8 @@ import pytest
 ROOT = Path(__file__).parent.parent
 ROOMS = ("fes", "agents", "world", "console")
 BELOW = {"fes": set[str](), "agents": {"fes"}, "world": {"fes"}, "console": {"fes", "agents", "world"}}
-FORMULA_READERS = {"world.channel", "world.optimum", "world.reporting", "agents.oracle"}
-"""Who may know the channel's formula; the Report shows observers the true outage."""
+FORMULA_READERS = {"world.channel", "world.reporting", "agents.oracle"}
+"""Who may know the channel's formula; `world.optimum` has it in decimals. Observers see the true outage."""
 MAPPED = (*ROOMS, "console/doctor", "console/sweep")
 LONGEST_FILE = 260
 
@@ -79,8 +79,10 @@ def test_only_the_bus_and_its_session_import_zenoh() -> None:
     assert importers("fes.session") == {"fes.bus"}
 
 
-def test_only_the_logs_writer_and_its_reader_import_mcap() -> None:
-    assert importers("mcap") == {"world.container", "console.log"}
+def test_only_the_logs_writer_and_its_readers_import_mcap_and_one_of_them_its_reader() -> None:
+    assert importers("mcap") == {"world.container", "world.records", "console.log"}
+    assert importers("mcap.data_stream") == {"world.records"}
+    assert not importers("mcap.stream_reader") | importers("mcap.reader")  # which take a length for granted
 
 
 def test_only_the_world_and_the_oracle_know_the_channels_formula() -> None:

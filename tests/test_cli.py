@@ -84,7 +84,8 @@ def test_the_directory_asked_for_is_made_and_never_overwritten(tmp_path: Path) -
 
 
 def test_a_person_is_told_the_result_and_where_it_is(tmp_path: Path) -> None:
-    done = call(tmp_path, "fes", "run", PAIR, "--backend", "inprocess", "--headless", "--duration", "1")
+    words = ("run", PAIR, "--backend", "inprocess", "--headless", "--duration", "1", "--verbose")
+    done = call(tmp_path, "fes", *words)
     assert (done.returncode, done.stderr) == (0, LOOP.format(2))
     found = json.loads((tmp_path / "runs" / "latest" / "summary.json").read_text())
     assert "pair, 2 robots, seed 1, inprocess" in done.stdout
@@ -96,7 +97,7 @@ def test_a_person_is_told_the_result_and_where_it_is(tmp_path: Path) -> None:
 def test_the_tables_show_the_whole_digest_and_the_units(part: str) -> None:
     found = inprocess.run(load("pair.toml", run__duration=1), "pair")
     screen = Console(width=80, file=io.StringIO())
-    screen.print(summary.render(found))
+    screen.print(summary.render(found, verbose=True))
     assert isinstance(screen.file, io.StringIO)
     assert {"digest": found["digest"], "unit": "separation [m]"}[part] in screen.file.getvalue()
 
@@ -117,7 +118,7 @@ def test_the_tables_show_the_whole_digest_and_the_units(part: str) -> None:
         (["run", PAIR, "--seed", "x"], ["--seed", "integer"]),
         (["run", PAIR, "--rtf", "0"], ["--rtf", "'max'", "'0'"]),
         (["run", PAIR, "--rtf", "nan"], ["--rtf", "'max'", "'nan'"]),
-        (["run", PAIR, "--clock", "slow"], ["run.clock", "'slow'"]),
+        (["run", PAIR, "--clock", "slow"], ["--clock", "'slow'", "'lockstep'", "'live'"]),
         (["run", PAIR, "--backend", "threads"], ["--backend", "'threads'", "'inprocess'"]),
         (["run", PAIR, "--agents-per-process", "0"], ["--agents-per-process", "1"]),
         (["run", PAIR, "--fast"], ["No such option", "--fast"]),

@@ -147,7 +147,7 @@ def test_what_an_event_that_is_scheduled_would_make_impossible_is_refused_and_th
 
 
 def test_a_value_that_no_message_can_carry_is_one_line() -> None:
-    with pytest.raises(MessageError, match="expects numbers, words, lists or tables"):
+    with pytest.raises(MessageError, match="expects finite numbers, words, lists or tables"):
         change.encode_change(Change("channel.reference_snr", datetime.date(2020, 1, 1)))
 
 

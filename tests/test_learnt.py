@@ -139,7 +139,7 @@ def test_a_change_stays_marked_when_the_history_outgrows_its_bins() -> None:
 
 def printed(found: dict[str, Any]) -> str:
     screen = Console(width=80, file=io.StringIO())
-    screen.print(summary.render(found))
+    screen.print(summary.render(found, verbose=True))
     assert isinstance(screen.file, io.StringIO)
     return screen.file.getvalue()
 

@@ -65,7 +65,22 @@ def test_an_unknown_field_names_the_nearest_known_one(tables: dict[str, Any], un
 
 
 def test_a_field_that_resembles_none_is_just_unknown() -> None:
-    assert refusal(minimal(qqq=1)) == "here: unknown field 'qqq'"
+    assert refusal(minimal(qqq=1)) == "here: unknown field 'qqq'; fes schema lists the fields"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "meant"),
+    [
+        ({"channel": {"snr": 3.0}}, "channel.reference_snr"),
+        ({"channel": {"maximum_separation": 3.0}}, "objective.maximum_separation"),
+        ({"snr": 3.0}, "channel.reference_snr"),
+        ({"chanel": {}}, "channel"),
+        ({"run": {"sed": 1}}, "run.seed"),
+        ({"event": [{"at": 1.0, "transmiter": {}}]}, "event.transmitter"),
+    ],
+)
+def test_an_unknown_field_is_taken_for_one_of_its_table_or_of_its_name(wrong: dict[str, Any], meant: str) -> None:
+    assert refusal(minimal(**wrong)).endswith(f"; did you mean '{meant}'?")
 
 
 @pytest.mark.parametrize(

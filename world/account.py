@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from fes import objective
+from fes import counts, objective
 from fes.arrays import Floats, Ints
 from fes.edges import Edges
 from fes.sensing import Telemetry
@@ -45,6 +45,7 @@ class Account:
         self._attendance = scenario.attendance
         self._scheduled = np.ones(scenario.robots.number, dtype=np.bool_)
 
+    @np.errstate(over="ignore", invalid="ignore")  # a run may diverge: its errors are then infinite
     def add(self, state: State, twists: Floats, telemetry: Telemetry, spoken: Ints | None = None) -> None:
         """Add a tick: the state, the twists [n, 2] of the robots in it, and what they said.
 
@@ -98,4 +99,4 @@ def dither_period(scenario: Scenario) -> int:
     """Ticks over which separations are averaged: the period of a physical dither, else 1."""
     if scenario.seeking.index == "oracle":
         return 1
-    return max(1, round(2.0 * math.pi / scenario.seeking.dither_frequency / scenario.run.dt))
+    return counts.ticks_of(2.0 * math.pi / scenario.seeking.dither_frequency, scenario.run.dt)

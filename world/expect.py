@@ -26,7 +26,8 @@ SUMMARY: dict[str, Shape] = {
     **dict.fromkeys(("real_time_factor", "optimal_separation", "disagreement", "algebraic_connectivity"), NUMBER),
     **dict.fromkeys(("separation_error_max", "separation_error_rms"), NUMBER),
     **dict.fromkeys(("estimate_error_max", "estimate_error_rms"), NUMBER),
-    **dict.fromkeys(("beacons_sent", "beacons_decoded", "links_gap_longest", "unscheduled_absences"), NUMBER),
+    **dict.fromkeys(("beacons_sent", "beacons_decoded", "links_gap_longest"), NUMBER),
+    **dict.fromkeys(("links_lost_at", "unscheduled_absences"), NUMBER),
     "time_to": dict.fromkeys(
         ("disagreement_1m", "estimate_1m", "estimate_0_1m", "separation_1m", "separation_0_1m"), NUMBER
     ),
@@ -35,6 +36,7 @@ SUMMARY: dict[str, Shape] = {
         **{key: [NUMBER] for key in ("due", "missed", "stopped", "late")},
         **dict.fromkeys(("missed_share", "slipped_s"), NUMBER),
     },
+    "arithmetic": dict.fromkeys(("fingerprint", "numpy", "core"), TEXT),
     "edges": [(NUMBER,) * 5],
     "radio": [(NUMBER,) * 6],
 }
@@ -51,8 +53,11 @@ class ExpectConfig(Table):
     of: str = Field(min_length=1)
     """A key of the summary, by its dotted path, such as `time_to.estimate_1m` or `tracking.0.rmse`."""
     below: Bound | None = None
+    """The value must be below this."""
     above: Bound | None = None
+    """The value must be above this."""
     equals: bool | float | str | None = None
+    """The value must be equal to this."""
 
     @field_validator("of")
     @classmethod

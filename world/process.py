@@ -16,14 +16,16 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from fes import bus, identity, keys, process
+from fes import bus, identity, keys, output, process
 from fes.errors import FesError, reason
 from world import access, audit, claim, expect, remarks, resume, summary
-from world.checkpoint import FOLDER, PERIOD, Keeper, Snapshot, alone, clear, is_kept
+from world.checkpoint import FOLDER, PERIOD, Keeper, clear, is_kept
 from world.course import Course
+from world.lock import alone
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
 from world.server import Server
+from world.snapshot import Snapshot
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +168,12 @@ def _check_pace(flags: argparse.Namespace, scenario: Scenario) -> None:
 
 def main() -> None:
     """Entry point of fes-world."""
-    parser = process.OneLineParser(prog="fes-world", description="Ground truth and radio channel of a run.")
+    output.configure()
+    parser = process.OneLineParser(
+        prog="fes-world",
+        description="Ground truth and radio channel of a run.",
+        epilog="example: fes-world configs/pair.toml --out runs/by-hand",
+    )
     parser.add_argument("scenario", nargs="?", metavar="SCENARIO", help="a scenario file, such as configs/paper.toml")
     parser.add_argument("--resume", type=Path, metavar="RUN_DIR", help="go on with a run whose world ended before it")
     parser.add_argument("--name", help="name of the scenario in the summary (default: that of its file)")

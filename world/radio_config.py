@@ -34,11 +34,11 @@ class JammerConfig(Table):
     """A disc in which receivers hear less."""
 
     x: Finite
-    """[m; world frame]"""
+    """x of its center [m; world frame]."""
     y: Finite
-    """[m; world frame]"""
+    """y of its center [m; world frame]."""
     radius: Positive
-    """[m]"""
+    """Its radius [m]."""
     reception_factor: Annotated[float, Field(ge=0, le=1)] = 0.0
     """What it leaves of the reception probability of a receiver inside [1]; discs that overlap multiply."""
 
@@ -47,8 +47,11 @@ class RadioConfig(ChannelConfig):
     """The radio as it truly is: the formula, and what may be laid over it."""
 
     shadowing: ShadowingConfig | None = None
+    """Log-normal shadowing; none by default."""
     bursts: BurstConfig | None = None
+    """Losses in bursts; none by default."""
     jammers: list[JammerConfig] = Field(default=[])
+    """Discs in which receivers hear less."""
     partition: list[list[Annotated[int, Field(ge=0)]]] = Field(default=[])
     """Groups of robots between which no beacon decodes; those in none are one more group."""
 

@@ -7,6 +7,7 @@ from typing import get_args
 from pydantic import ValidationError
 
 from fes.config import Table
+from fes.output import printable
 
 LONGEST = 120
 """Of a field's name in a message [characters]."""
@@ -22,8 +23,10 @@ def first_rule(error: ValidationError, model: type[Table], whole: str, prefix: s
     at = ".".join(str(part) for part in first["loc"])
     field = _short(prefix + at) if at else whole
     if first["type"] == "extra_forbidden":
-        near = difflib.get_close_matches(field, _fields(model, prefix), n=1, cutoff=0.4)
-        return f"unknown field '{field}'" + (f"; did you mean '{near[0]}'?" if near else "")
+        plain = prefix + ".".join(str(part) for part in first["loc"] if not isinstance(part, int))
+        near = _nearest(plain, _fields(model, prefix))
+        hint = f"did you mean '{near}'?" if near else "fes schema lists the fields"
+        return f"unknown field '{field}'; {hint}"
     message = first["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     if first["type"] == "missing":
         return f"{field}: is required"
@@ -34,8 +37,27 @@ def first_rule(error: ValidationError, model: type[Table], whole: str, prefix: s
 
 def _short(text: str) -> str:
     """A field's name as it can be printed."""
-    shown = "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text[: LONGEST + 1])
+    shown = printable(text[: LONGEST + 1])
     return shown if len(shown) <= LONGEST else shown[: LONGEST - 1] + "…"
+
+
+def _nearest(field: str, known: list[str]) -> str | None:
+    """The known field that may be meant: one of the same table first, then one of this name in another table.
+
+    >>> _nearest("channel.snr", ["channel", "channel.reference_snr", "run.dt"])
+    'channel.reference_snr'
+    """
+    table, _, name = field.rpartition(".")
+    siblings = {other.rpartition(".")[2]: other for other in known if other.rpartition(".")[0] == table}
+    others = {other.rpartition(".")[2]: other for other in known if "." in other}
+    for names, cutoff in ((siblings, 0.6), (others, 1.0)):
+        if near := difflib.get_close_matches(name, names, n=1, cutoff=cutoff):
+            return names[near[0]]
+    for names in (siblings, {} if table else others):
+        if within := [other for other in names if name and name in other]:
+            return names[min(within, key=len)]
+    near = difflib.get_close_matches(name, siblings, n=1, cutoff=0.55)
+    return siblings[near[0]] if near else None
 
 
 def _fields(model: type[Table], prefix: str) -> list[str]:

@@ -1,7 +1,6 @@
 """The summary of a run and its directory: what scripts outside the project read."""
 
 import contextlib
-import json
 import os
 from pathlib import Path
 from typing import Any
@@ -9,6 +8,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from fes import fingerprint, strict_json
 from fes.arrays import Floats
 from fes.edges import Edges
 from fes.errors import FesError, reason
@@ -18,8 +18,12 @@ from world.channel import Radio
 from world.scenario import Scenario
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def summarize(account: Account, name: str, backend: str, wall: float) -> dict[str, Any]:
-    """The summary of a run up to the last tick of `account`; `wall` is how long it took [s]."""
+    """The summary of a run up to the last tick of `account`; `wall` is how long it took [s].
+
+    A number that does not exist or is not finite is None.
+    """
     scenario, final, tally, optimal = account.scenario, account.state, account.tally, account.optimal
     n, links, estimates = scenario.robots.number, account.telemetry.links, account.telemetry.estimates
     separation = account.separation
@@ -53,10 +57,13 @@ def summarize(account: Account, name: str, backend: str, wall: float) -> dict[st
         "tracking": account.tracking.table(),
         "radio": _contacts(final.radio),
         "deadlines": None if account.deadlines is None else account.deadlines.table(),
+        "arithmetic": fingerprint.table(),
         "links_gap_longest": tally.longest_gap * scenario.run.dt,
         "unscheduled_absences": account.unscheduled_absences,
+        "links_lost_at": tally.links_lost_at,
     }
-    return {**found, "expectations": expect.verdicts(scenario.expect, found)}
+    complete: dict[str, Any] = strict_json.finite({**found, "expectations": expect.verdicts(scenario.expect, found)})
+    return complete
 
 
 def clear(directory: Path) -> None:
@@ -66,24 +73,38 @@ def clear(directory: Path) -> None:
 
 def write(directory: Path, summary: dict[str, Any]) -> None:
     """Write summary.json: complete or not at all; raises FesError."""
-    _write(directory / "summary.json", json.dumps(summary, indent=1) + "\n")
+    _write(directory / "summary.json", strict_json.dumps(summary, indent=1) + "\n")
 
 
 def lines(summary: dict[str, Any]) -> list[str]:
     """What was reached, in the few lines of a log."""
     links, time = len(summary["edges"]), f"{summary['simulated_s']:g} s in {summary['wall_s']:.1f} s"
+    lost = summary["links_lost_at"]
     found = [
         f"{summary['scenario']}, {summary['robots']} robots, seed {summary['seed']}: {time}",
-        f"{links} links, r* = {summary['optimal_separation']:.3f} m",
+        f"{links} links, r* = {_meters(summary['optimal_separation'], 3)}",
     ]
     if links:
         errors = (
             (error.replace("_", " "), summary[f"{error}_max"]) for error in ("separation_error", "estimate_error")
         )
-        found += [f"largest {error}: {largest:.4f} m" for error, largest in errors]
+        found += [f"largest {error}: {_meters(largest, 4)}" for error, largest in errors]
+    if lost is not None:
+        found.append(links_lost(lost))
     held = summary["time_to"]["separation_0_1m"]
     found.append("separation error < 0.1 m: " + ("never" if held is None else f"from {held:.2f} s on"))
     return [*found, f"digest {summary['digest']}"]
+
+
+def links_lost(since: float) -> str:
+    """What it means that the links are lost since a time [s], in a line."""
+    if since == 0.0:
+        return "no robot ever had a link"
+    return f"all links were lost for good at {since:g} s: no robot has had one since"
+
+
+def _meters(value: float | None, digits: int) -> str:
+    return "unknown" if value is None else f"{value:.{digits}f} m"
 
 
 def write_scenario(directory: Path, scenario: Scenario) -> None:

@@ -1,22 +1,20 @@
 """fes doctor: what may keep a run from starting, or from being seen."""
 
 import asyncio
-import json
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich import box
-from rich.console import Console
 from rich.table import Table
-from rich.text import Text
 
-from console import rundir
+from console import printing, progress, rundir
 from console.doctor import machine, network
 from console.doctor.finding import Finding, Status, warning
 from console.options import Cfg, Config, Connect, ObserverKeys
+from console.printing import cell
 from console.rundir import Address, Visitor
-from fes import keys, process
+from fes import keys, process, strict_json
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
 from fes.errors import FesError
 from fes.identity import OBSERVER
@@ -47,13 +45,14 @@ def doctor(
         announced = None  # it is not where we look
 
     async def look() -> int:
-        findings = await examine(where, who.run, named or announced is not None)
+        with progress.waiting("looking at this machine and its runs"):
+            findings = await examine(where, who.run, named or announced is not None)
         if announced is not None:
             findings = [awaited(found, *announced) for found in findings]
         if json_:
-            print(json.dumps([finding._asdict() for finding in findings], indent=2))
+            print(strict_json.dumps([finding._asdict() for finding in findings], indent=2))
         else:
-            Console().print(table(findings))
+            printing.show(printing.console(), table(findings))
         return process.FAILURE if any(found.status is Status.FAILED for found in findings) else process.SUCCESS
 
     process.leave("fes", look)
@@ -94,8 +93,8 @@ def table(findings: list[Finding]) -> Table:
     shown.add_column("status", no_wrap=True)
     shown.add_column("seen", overflow="fold")
     for found in findings:
-        seen = Text(found.seen)
+        seen = cell(found.seen)
         if found.remedy:
-            seen.append(f"\n-> {found.remedy}", style="italic")
-        shown.add_row(found.check, Text(found.status, style=STYLES[found.status]), seen)
+            seen.append("\n").append(cell(f"-> {found.remedy}", "italic"))
+        shown.add_row(found.check, cell(found.status, STYLES[found.status]), seen)
     return shown

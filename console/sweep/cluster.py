@@ -13,7 +13,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from console.sweep import work
-from console.sweep.work import Batch, Done, Workers
+from console.sweep.work import Batch, Done, Watch, Workers
+from fes import fingerprint
 from fes.distribution import install, version
 from fes.errors import FesError
 
@@ -47,14 +48,18 @@ def connected(address: str) -> Iterator[Workers]:
         yield Workers(sum(client.nthreads().values()), partial(_carry_out, client))
 
 
-def _carry_out(client: "Client", batches: Sequence[Batch]) -> Generator[list[Done], None, None]:
+def _carry_out(client: "Client", batches: Sequence[Batch], watch: Watch) -> Generator[list[Done], None, None]:
+    """What batches come to; their ticks are told of when they end."""
     from distributed import as_completed
 
-    here = version()
+    here, ticks = (version(), fingerprint.text()), 0
     futures = [client.submit(_at_worker, here, batch, key=_key(batch), retries=0, pure=False) for batch in batches]
+    sizes = {_key(batch): sum(scenario.ticks for scenario in batch.scenarios) for batch in batches}
     try:
         for future in as_completed(futures, loop=client.loop):
             yield future.result()
+            ticks += sizes[future.key]
+            watch(ticks)
     except FesError:
         raise
     except (Exception, CancelledError) as error:
@@ -64,10 +69,13 @@ def _carry_out(client: "Client", batches: Sequence[Batch]) -> Generator[list[Don
             client.cancel(futures)
 
 
-def _at_worker(wanted: str, batch: Batch) -> list[Done]:
-    """On a worker: carry out a batch, unless another version of fes would."""
-    if version() != wanted:
-        raise FesError(f"a Dask worker has fes {version()}, and the sweep is of fes {wanted}")
+def _at_worker(wanted: tuple[str, str], batch: Batch) -> list[Done]:
+    """On a worker: carry out a batch, unless another version of fes would, or another arithmetic."""
+    package, arithmetic = wanted
+    if version() != package:
+        raise FesError(f"a Dask worker has fes {version()}, and the sweep is of fes {package}")
+    if fingerprint.text() != arithmetic:
+        raise FesError(f"a Dask worker has {fingerprint.text()}, and the sweep is of {arithmetic}")
     return work.carry_out(batch)
 
 

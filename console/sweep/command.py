@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from console import figures
+from console import figures, printing, progress
+from console.options import SET
 from console.sweep import cluster, comparison, design, ledger, local, picture, report, table, work
 from console.sweep.comparison import Difference, Spread
 from console.sweep.design import Design
@@ -28,7 +27,7 @@ def sweep(
     axis: Annotated[
         list[str] | None, typer.Option(metavar="A.B=V,W", help="A field and its values; several axes are crossed.")
     ] = None,
-    set_: Annotated[list[str] | None, typer.Option("--set", metavar="A.B=C", help="Override a field.")] = None,
+    set_: Annotated[list[str] | None, typer.Option("--set", metavar="A.B=C", help=SET)] = None,
     jobs: Annotated[int | None, typer.Option(min=1, help="Worker processes (default: one a core).")] = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Run on a Dask cluster, such as tcp://10.0.0.1:8786.")
@@ -70,30 +69,22 @@ def _workers(scheduler: str | None, jobs: int | None) -> Iterator[Workers]:
 
 def _work_off(planned: Design, book: Ledger, workers: Workers) -> None:
     """Carry out all runs that the ledger does not have."""
-    missing = [run for run in planned.runs if run.key not in book.done]
-    total = len(planned.runs)
-    with _progress() as progress:
-        bar = progress.add_task(planned.name, total=total, completed=total - len(missing))
-        ended = workers.carry_out(work.batches(planned.name, missing, workers.count))
+    with progress.bar(planned.name) as bar:
+        missing = [run for run in planned.runs if run.key not in book.done]
+        total, done = len(planned.runs), len(planned.runs) - len(missing)
+        before = sum(run.scenario.ticks for run in planned.runs if run.key in book.done)
+        bar.measure(sum(run.scenario.ticks for run in planned.runs))
+
+        def watch(ticks: int) -> None:
+            bar.reach(before + ticks)
+            bar.note(f"{done}/{total} runs")
+
+        watch(0)
+        ended = workers.carry_out(work.batches(planned.name, missing, workers.count), watch)
         with contextlib.closing(ended):
-            for done in ended:
-                book.add(done)
-                progress.advance(bar, len(done))
-
-
-def _progress() -> Progress:
-    """On the terminal only: standard output is for what was found, and errors are one line."""
-    screen = Console(stderr=True)
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("runs"),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-        console=screen,
-        disable=not screen.is_terminal,
-    )
+            for some in ended:
+                book.add(some)
+                done += len(some)
 
 
 def _tell(planned: Design, book: Ledger, directory: Path, form: Format, plot: bool) -> int:
@@ -109,13 +100,13 @@ def _tell(planned: Design, book: Ledger, directory: Path, form: Format, plot: bo
         if differences:
             written.append(table.write(directory, "differences", [_contrast(planned, one) for one in differences]))
         if plot and picture.drawable(planned, rows):
-            written += figures.save(picture.sweep_figure(planned, rows, differences), directory / "sweep")
+            with progress.bar("figure"):
+                written += figures.save(picture.sweep_figure(planned, rows, differences), directory / "sweep")
     except OSError as error:
         raise FesError(f"cannot write the tables: {reason(error)}") from None
-    screen = Console()
-    screen.print(report.render(planned, spreads, differences))
+    printing.show(printing.console(), report.render(planned, spreads, differences))
     for path in written:
-        print(path)
+        printing.line(path)
     failed = [(run, book.done[run.key].error) for run in planned.runs if book.done[run.key].error is not None]
     if failed:
         run, why = failed[0]

@@ -6,14 +6,15 @@ cell: common random numbers, without anybody's doing.
 
 import hashlib
 import itertools
-import json
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from console import inprocess
+from fes import strict_json
 from fes.errors import ScenarioError
+from world import crowd
 from world.scenario import Scenario, load, parse_override
 
 SEED = "run.seed"
@@ -103,6 +104,7 @@ def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design
     for combination in itertools.product(*fields.values()):
         scenario = load(path, {**fixed, **dict(zip(fields, combination, strict=True))})
         inprocess.check(scenario)
+        crowd.check(scenario)
         cells.append(Cell(tuple(_value(scenario, field) for field in fields), scenario))
     design = Design(path.stem, tuple(fields), cells, numbers)
     for at, (field, values) in enumerate(fields.items()):
@@ -154,7 +156,7 @@ def seeded(scenario: Scenario, seed: int) -> Scenario:
 def digest(scenario: Scenario) -> str:
     """SHA-256 of a scenario as it is run."""
     tables = scenario.model_dump(mode="json", by_alias=True)
-    return hashlib.sha256(json.dumps(tables, sort_keys=True).encode()).hexdigest()
+    return hashlib.sha256(strict_json.dumps(tables, sort_keys=True).encode()).hexdigest()
 
 
 def _split(raw: str) -> list[str]:
@@ -179,4 +181,4 @@ def _value(scenario: Scenario, field: str) -> Value:
         value = value[part]
     if isinstance(value, dict):
         raise ScenarioError("--axis", f"expects a field, and '{field}' is a table")
-    return json.dumps(value) if isinstance(value, list) else value
+    return strict_json.dumps(value) if isinstance(value, list) else value

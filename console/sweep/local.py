@@ -1,22 +1,36 @@
 """Workers on this machine: a process a core, none of which outlives the sweep."""
 
 import contextlib
+import ctypes
 import multiprocessing
 import os
 import signal
 import threading
+import time
 from collections.abc import Generator, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnContext
+from queue import Empty, SimpleQueue
 
 from console.sweep import work
-from console.sweep.work import Batch, Done, Workers
+from console.sweep.work import Batch, Done, Watch, Workers
 from fes.errors import FesError
 
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """A worker has a core of its own: threads of the linear algebra would only take turns."""
+
+
+PERIOD = 0.1
+"""Time [s] between two looks at what the workers have done."""
+
+Ticks = ctypes.Array[ctypes.c_int64]
+"""Ticks done of each batch; each place has one writer, so no lock is needed."""
+
+_ticks: Ticks | None = None
+"""In a worker: the array of its sweep."""
 
 
 def cores() -> int:
@@ -30,27 +44,36 @@ def hired(jobs: int) -> Iterator[Workers]:
     yield Workers(jobs, partial(_carry_out, jobs))
 
 
-def _carry_out(jobs: int, batches: Sequence[Batch]) -> Generator[list[Done], None, None]:
+def _carry_out(jobs: int, batches: Sequence[Batch], watch: Watch) -> Generator[list[Done], None, None]:
     if not batches:
         return
-    with _pool(min(jobs, len(batches))) as pool:
+    context = multiprocessing.get_context("spawn")
+    ticks: Ticks = context.RawArray(ctypes.c_int64, len(batches))
+    with _pool(min(jobs, len(batches)), context, ticks) as pool:
         try:
+            ended: SimpleQueue[Future[list[Done]]] = SimpleQueue()
             with _unheard(signal.SIGINT):
-                futures = [pool.submit(work.carry_out, batch) for batch in batches]
-            for future in as_completed(futures):
-                yield future.result()
+                for at, batch in enumerate(batches):
+                    pool.submit(_work, at, batch).add_done_callback(ended.put)
+            left, looked = len(batches), time.monotonic()
+            while left:
+                with contextlib.suppress(Empty):
+                    yield ended.get(timeout=PERIOD).result()
+                    left -= 1
+                if left == 0 or time.monotonic() - looked >= PERIOD:
+                    looked = time.monotonic()
+                    watch(sum(ticks))
         except BrokenProcessPool:
             raise FesError("a worker of the sweep was ended from outside; the same command resumes it") from None
 
 
 @contextlib.contextmanager
-def _pool(count: int) -> Iterator[ProcessPoolExecutor]:
+def _pool(count: int, context: SpawnContext, ticks: Ticks) -> Iterator[ProcessPoolExecutor]:
     """A pool on a leash: when this end of the pipe closes, with the block or with this process, the workers end."""
-    context = multiprocessing.get_context("spawn")
     held, leash = context.Pipe(duplex=False)
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     os.environ.update(ONE_THREAD)
-    pool = ProcessPoolExecutor(count, context, _hold, (held,))
+    pool = ProcessPoolExecutor(count, context, _begin, (held, ticks))
     try:
         yield pool
         pool.shutdown(wait=True)
@@ -65,15 +88,29 @@ def _pool(count: int) -> Iterator[ProcessPoolExecutor]:
                 os.environ[name] = value
 
 
-def _hold(leash: Connection) -> None:
-    """In a worker: end when the other end of the leash is let go."""
+def _begin(leash: Connection, ticks: Ticks) -> None:
+    """In a worker: end when the other end of the leash is let go; and tell of ticks there."""
+    global _ticks
+    _ticks = ticks
 
-    def wait() -> None:
+    def hold() -> None:
         with contextlib.suppress(EOFError, OSError):
             leash.recv_bytes()
         os._exit(0)
 
-    threading.Thread(target=wait, name="leash", daemon=True).start()
+    threading.Thread(target=hold, name="leash", daemon=True).start()
+
+
+def _work(at: int, batch: Batch) -> list[Done]:
+    """In a worker: carry out a batch, whose ticks are counted in its own place."""
+
+    def tell(done: int) -> None:
+        if _ticks is not None:
+            _ticks[at] = done
+
+    done = work.carry_out(batch, tell)
+    tell(sum(scenario.ticks for scenario in batch.scenarios))  # one that failed was not told of to its end
+    return done
 
 
 @contextlib.contextmanager

@@ -54,7 +54,7 @@ def sweep_figure(design: Design, rows: list[Row], differences: list[Difference])
             grid[0, column].tick_params(labelleft=column == 0)
         grid[0, 0].set(ylabel="share of runs")
         lines, labels = grid[0, 0].get_legend_handles_labels()
-        title = ", ".join(design.axes) or None
+        title = figures.plain(", ".join(design.axes)) or None
         figure.legend(lines, labels, loc="outside upper left", ncols=3, frameon=False, title=title, alignment="left")
     return figure
 
@@ -78,7 +78,7 @@ def _shares(axes: "Axes", design: Design, times: Any) -> None:
             color=color,
             linestyle=dashes,
             linewidth=1.4,
-            label=design.title(cell),
+            label=figures.plain(design.title(cell)),
         )
     axes.set(ylim=(0.0, 1.05), xlim=(0.0, 1.05 * latest))
     axes.grid(alpha=0.3)
@@ -97,5 +97,5 @@ def _intervals(axes: "Axes", found: list[Difference]) -> None:
 
 
 def _titles(design: Design, contrasts: list[tuple[int, int, int]], shown: bool) -> list[str]:
-    titles = (design.contrast(*contrast) for contrast in contrasts)
+    titles = (map(figures.plain, design.contrast(*contrast)) for contrast in contrasts)
     return [f"{what}\n({at})" if at else what for what, at in titles] if shown else [""] * len(contrasts)

@@ -3,9 +3,10 @@
 import math
 
 from rich.console import Group, RenderableType
-from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
+from console.printing import cell
 from console.sweep import comparison
 from console.sweep.comparison import Difference, Spread
 from console.sweep.design import Design
@@ -35,7 +36,7 @@ def _cells(design: Design, names: list[str], spreads: list[Spread]) -> Table:
         if at == 0 or rows[at - 1].outcome != one.outcome:
             table.add_row(_name(one.outcome))
         numbers = map(_number, (one.median, one.mean, one.largest))
-        table.add_row(_plain(f"  {design.title(one.cell)}"), f"{one.reached}/{one.runs}", *numbers)
+        table.add_row(cell(f"  {design.title(one.cell)}"), f"{one.reached}/{one.runs}", *numbers)
     return _cut(table, len(rows), "cells.csv")
 
 
@@ -48,21 +49,21 @@ def _differences(design: Design, names: list[str], differences: list[Difference]
         bounds = f"{_number(one.low, '+')} to {_number(one.high, '+')}" if math.isfinite(one.low) else UNKNOWN
         difference, at_others = design.contrast(one.axis, one.base, one.other)
         what = f"  {difference} ({at_others})" if at_others else f"  {difference}"
-        table.add_row(_plain(what), str(one.pairs), _number(one.mean, "+"), bounds)
+        table.add_row(cell(what), str(one.pairs), _number(one.mean, "+"), bounds)
     return _cut(table, len(rows), "differences.csv")
 
 
 def _table(what: str, *numbers: str) -> Table:
     table = Table(box=None, padding=(0, 2, 0, 0))
-    table.add_column(_plain(what), overflow="fold")
+    table.add_column(cell(what), overflow="fold")
     for name in numbers:
-        table.add_column(_plain(name), justify="right", no_wrap=True)
+        table.add_column(cell(name), justify="right", no_wrap=True)
     return table
 
 
-def _name(outcome: str) -> str:
+def _name(outcome: str) -> Text:
     unit = "s" if outcome.startswith("time_to.") else "m"
-    return f"[bold]{_plain(f'{outcome} [{unit}]')}[/]"
+    return cell(f"{outcome} [{unit}]", "bold")
 
 
 def _cut(table: Table, rows: int, file: str) -> Table:
@@ -75,7 +76,3 @@ def _number(value: float, sign: str = "") -> str:
     if not math.isfinite(value):
         return UNKNOWN
     return f"{value:{sign}.3g}"
-
-
-def _plain(value: object) -> str:
-    return escape(UNKNOWN if value is None else str(value))

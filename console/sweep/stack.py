@@ -7,7 +7,7 @@ robots is most of the time.
 """
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -32,13 +32,18 @@ def alike(scenario: Scenario) -> tuple[AgentConfig, int]:
     return agent_config(scenario).model_copy(update={"seed": 0}), scenario.ticks
 
 
-def run(scenarios: Sequence[Scenario], name: str) -> list[dict[str, Any]]:
-    """The summaries of runs that are alike, each equal to that of `console.inprocess.run` but for the wall-clock."""
+def run(scenarios: Sequence[Scenario], name: str, watch: Callable[[int], None] | None = None) -> list[dict[str, Any]]:
+    """The summaries of runs that are alike, each equal to that of `console.inprocess.run` but for the wall-clock.
+
+    `watch`, if given, is called after each tick with the ticks that are done, of all runs together.
+    """
     sums = [Account(scenario) for scenario in scenarios]
     begun = time.perf_counter()
-    for together in ticks(scenarios):
+    for number, together in enumerate(ticks(scenarios), 1):
         for one, tick in zip(sums, together, strict=True):
             one.add(tick.state, tick.twists, tick.telemetry)
+        if watch is not None:
+            watch(number * len(scenarios))
     wall = time.perf_counter() - begun
     return [summary.summarize(one, name, "inprocess", wall) for one in sums]
 

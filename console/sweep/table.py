@@ -13,6 +13,7 @@ from typing import IO, Any
 
 from console.sweep.design import Design, Value
 from console.sweep.work import Done
+from fes import strict_json
 from fes.distribution import install
 from fes.errors import FesError
 
@@ -50,7 +51,8 @@ def rows(design: Design, done: dict[str, Done]) -> list[Row]:
 
 
 def write(directory: Path, name: str, table: Sequence[Row], form: Format = Format.CSV) -> Path:
-    """Write a table, complete or not at all."""
+    """Write a table, complete or not at all; a number that is not finite is nothing, as one that does not exist."""
+    table = [strict_json.finite(row) for row in table]
     path = directory / f"{name}.{form.value}"
     temporary = directory / f".{path.name}"
     if form is Format.PARQUET:

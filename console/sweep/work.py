@@ -19,7 +19,7 @@ MOST_RUNS, MOST_ROBOTS = 20, 400
 WALL_CLOCK = frozenset({"wall_s", "ticks_per_s", "real_time_factor"})
 """What the summary says of the machine and not of the run."""
 
-THE_SAME = frozenset({"scenario", "seed", "backend"})
+THE_SAME = frozenset({"scenario", "seed", "backend", "arithmetic"})
 """What a sweep says elsewhere, or what is the same for all its runs."""
 
 Scalars = dict[str, Value]
@@ -45,14 +45,22 @@ class Batch:
     scenarios: tuple[Scenario, ...]
 
 
+Watch = Callable[[int], None]
+"""Called from time to time with the ticks that are done, of all runs together."""
+
+
+def ignore(ticks: int) -> None:
+    """A Watch that does not look."""
+
+
 @dataclass(frozen=True)
 class Workers:
     """Who carries out batches, wherever they are."""
 
     count: int
     """How many batches they carry out at a time."""
-    carry_out: Callable[[Sequence[Batch]], Generator[list[Done], None, None]]
-    """What each batch came to, as they end."""
+    carry_out: Callable[[Sequence[Batch], Watch], Generator[list[Done], None, None]]
+    """What each batch came to, as they end; Watch is called meanwhile."""
 
 
 def batches(name: str, runs: Sequence[Run], workers: int) -> list[Batch]:
@@ -70,11 +78,11 @@ def batches(name: str, runs: Sequence[Run], workers: int) -> list[Batch]:
     return [batch for _, group in groups for batch in _cut(name, group, workers)]
 
 
-def carry_out(batch: Batch) -> list[Done]:
+def carry_out(batch: Batch, watch: Watch = ignore) -> list[Done]:
     """Run a batch. An error in one run is that run's: then each is run by itself."""
     with np.errstate(all="ignore"):  # a number that is not finite ends a run with an error, or is in its row
         try:
-            summaries = stack.run(batch.scenarios, batch.name)
+            summaries = stack.run(batch.scenarios, batch.name, watch)
         except FesError:
             return [_alone(batch.name, key, one) for key, one in zip(batch.keys, batch.scenarios, strict=True)]
     return [Done(key, scalars(found)) for key, found in zip(batch.keys, summaries, strict=True)]
@@ -88,11 +96,13 @@ def scalars(summary: dict[str, Any], prefix: str = "") -> Scalars:
     """
     found: Scalars = {}
     for name, value in summary.items():
+        if prefix + name in WALL_CLOCK | THE_SAME:
+            continue
         if isinstance(value, list) and value and isinstance(value[0], dict):
             value = {str(at): one for at, one in enumerate(value)}
         if isinstance(value, dict):
             found |= scalars(value, f"{prefix}{name}.")
-        elif not isinstance(value, list | tuple) and prefix + name not in WALL_CLOCK | THE_SAME:
+        elif not isinstance(value, list | tuple):
             found[prefix + name] = value
     return found
 

@@ -1,0 +1,33 @@
+"""Lines, tables and frames on a terminal or in a pipe. Data is never markup, and never moves the cursor."""
+
+import sys
+
+from rich.console import Console, RenderableType
+from rich.text import Text
+
+from fes.output import printable
+
+
+def console(stderr: bool = False) -> Console:
+    """A console on standard output or standard error, on which brackets and colons are text."""
+    return Console(stderr=stderr, markup=False, emoji=False, highlight=False)
+
+
+def is_screen(screen: Console) -> bool:
+    """True if frames and bars can be drawn: on a terminal that can move its cursor, whatever FORCE_COLOR says."""
+    return screen.file.isatty() and not screen.is_dumb_terminal
+
+
+def line(text: object, stderr: bool = False) -> None:
+    """Print one line of data: printable, not wrapped, without markup."""
+    print(printable(str(text)), file=sys.stderr if stderr else sys.stdout)
+
+
+def cell(text: object, style: str = "") -> Text:
+    """Data as a piece of a table."""
+    return Text(printable(str(text)), style)
+
+
+def show(screen: Console, what: RenderableType) -> None:
+    """Print a table, or several, and cut off nothing."""
+    screen.print(what, crop=False)

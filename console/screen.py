@@ -1,0 +1,56 @@
+"""The whole of a terminal, for frames: the only place where rich's Live is."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rich.console import Console, RenderableType
+from rich.live import Live
+
+from console.printing import is_screen
+from fes import signals
+
+CURSOR = "\x1b[?25h"
+"""Show the cursor."""
+
+LEAVE = f"\x1b[?1049l{CURSOR}"
+"""Back to the ordinary screen, with a cursor."""
+
+Draw = Callable[[RenderableType], None]
+
+
+@contextmanager
+def whole(console: Console) -> Iterator[Draw]:
+    """A block in which frames are drawn on the alternate screen, which is left however the block ends.
+
+    Where no frame can be drawn, nothing happens.
+    """
+    if not is_screen(console):
+        yield lambda frame: None
+        return
+
+    def leave() -> None:
+        _write(console, LEAVE)
+
+    live = Live(console=console, screen=True, auto_refresh=False)
+    with signals.if_forced(leave):
+        try:
+            live.start()
+            yield lambda frame: live.update(frame, refresh=True)
+        finally:
+            try:
+                live.stop()
+            except BaseException:  # the frame that failed may be in its way, or a signal came
+                leave()
+                raise
+
+
+@contextmanager
+def cursor_back(console: Console) -> Iterator[None]:
+    """A block that may hide the cursor: it is there again though a second signal ends the process."""
+    with signals.if_forced(lambda: _write(console, CURSOR) if is_screen(console) else None):
+        yield
+
+
+def _write(console: Console, codes: str) -> None:
+    console.file.write(codes)
+    console.file.flush()
