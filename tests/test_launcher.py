@@ -203,15 +203,15 @@ def test_an_agent_that_dies_each_time_is_started_again_a_few_times_and_then_give
 def test_no_agent_that_waits_to_be_started_again_is_started_when_all_ends(tmp_path: Path) -> None:
     async def main() -> list[Child]:
         async with family(tmp_path) as kin:
-            await world(kin, ENDLESS)
+            await world(kin, SLOW)
             await kin.start_agent("0", ["--no-such-flag"])
             await kin.agents[0].process.wait()
-            kin.restart_agent("0", 0.0)
-            await asyncio.sleep(0)  # it is on its way
+            await until((tmp_path / "here").exists)
+            kin.restart_agent("0", 0.1)
+            asyncio.get_running_loop().call_later(0.5, (tmp_path / "go").touch)  # it closes for longer than that
         return kin.agents
 
-    agents = asyncio.run(main())
-    assert not any(one.runs for one in agents)
+    assert len(asyncio.run(main())) == 1
 
 
 def test_an_agent_that_is_stopped_at_the_end_is_told_to_end_and_not_killed(tmp_path: Path) -> None:
@@ -231,6 +231,21 @@ def test_an_agent_that_is_stopped_at_the_end_is_told_to_end_and_not_killed(tmp_p
     assert stopped.process.returncode == 0
     assert not alive(stopped.process.pid)
     assert (tmp_path / "kept").exists()
+
+
+def test_a_signal_that_meets_an_interpreter_that_only_just_starts_waits_for_its_handler(tmp_path: Path) -> None:
+    """Before that Python would die of it, or print a traceback out of its own start."""
+
+    async def main() -> Child:
+        async with family(tmp_path) as kin:
+            await kin.start_agent("0", [])
+            kin.agents[0].signal(signal.SIGINT)
+            async with asyncio.timeout(60.0):
+                await kin.agents[0].process.wait()
+        return kin.agents[0]
+
+    ended = asyncio.run(main())
+    assert (ended.process.returncode, ended.log.read_text()) == (0, "")
 
 
 @pytest.mark.parametrize("log", ["missing", "a folder", "within a file", "unreadable"])
