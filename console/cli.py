@@ -195,7 +195,7 @@ def main() -> None:
     except FesError as error:
         process.complain("fes", str(error))
         for note in getattr(error, "__notes__", ()):
-            print(f"fes: {note}", file=sys.stderr)
+            printing.line(f"fes: {note}", stderr=True)
         code = error.exit_code
     except OSError as error:
         process.complain("fes", reason(error))
