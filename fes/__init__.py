@@ -29,7 +29,7 @@ complaints  bad messages, counted and logged once a kind
 signals     stop signals while modules are still being imported, and where a second one ends a process
 output      text that leaves a process: any encoding, no control characters
 strict_json JSON without NaN and Infinity
-files       read with a bound on their size: somebody else may have written them
+files       files from others, read with a bound on their size
 process     signals, exit codes, Zenoh's command-line flags
 distribution  name and version of the installed distribution, and how a clone installs it
 memory      how much of it there is
