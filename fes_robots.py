@@ -34,17 +34,17 @@ def trouble() -> str:
 
 def fes() -> None:
     """Entry point of fes."""
-    _start("fes", "console.cli")
+    _start("fes", "console.__main__")
 
 
 def fes_world() -> None:
     """Entry point of fes-world."""
-    _start("fes-world", "world.process")
+    _start("fes-world", "world.__main__")
 
 
 def fes_agent() -> None:
     """Entry point of fes-agent."""
-    _start("fes-agent", "agents.process")
+    _start("fes-agent", "agents.__main__")
 
 
 def _start(command: str, module: str) -> None:

@@ -1,5 +1,6 @@
 """Who is heard, and where: the peers in range, each with what its last decoded beacon said."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -123,9 +124,15 @@ def all_here(contacts: Contacts, observations: Observations) -> bool:
     return bool(present.all() or present[observations.reception == DECODED].all())
 
 
-def missing(contacts: Contacts, observations: Observations) -> int:
-    """How many beacons were decoded, says the world, and had not come."""
-    return int(np.count_nonzero((observations.reception == DECODED) & ~contacts.lookup.present))
+def decoded(observations: Observations) -> set[int]:
+    """The peers whose beacon of the previous tick decoded at a robot of this crew."""
+    return set(observations.in_range.peers[observations.reception == DECODED].tolist())
+
+
+def missing(observations: Observations, senders: Sequence[int]) -> int:
+    """Number of contacts whose beacon decoded and is not among those of `senders`."""
+    peers = observations.in_range.peers[observations.reception == DECODED]
+    return int(np.count_nonzero(~np.isin(peers, senders)))
 
 
 def _look_up(edges: Edges, beacons: Beacons) -> Lookup:

@@ -11,6 +11,9 @@ from fes import objective
 from fes.arrays import Bools, Floats, Ints
 from fes.config import ObjectiveConfig
 
+MOST_MISSED = 10_000
+"""Slots counted of a silence, its latest: 200 s at 50 Hz, longer than what is learnt is remembered."""
+
 
 def slots(before: Contacts, now: Contacts, tick: int, among: Bools) -> tuple[Ints, Floats, Bools]:
     """The beacon slots [s] learnt of at this tick: position of the contact, separation [m], decoded or missed.
@@ -27,10 +30,11 @@ def slots(before: Contacts, now: Contacts, tick: int, among: Bools) -> tuple[Int
     if len(fresh) == 0:
         return fresh, np.zeros(0), np.zeros(0, dtype=np.bool_)
     missed = tick - 2 - last[fresh]
+    counted = np.minimum(missed, MOST_MISSED)
     start = before.heard_separation[at[fresh]]
     end = now.heard_separation[fresh]
-    which = np.repeat(np.arange(len(fresh)), missed)
-    order = np.arange(len(which)) - np.repeat(np.cumsum(missed) - missed, missed) + 1
+    which = np.repeat(np.arange(len(fresh)), counted)
+    order = np.arange(len(which)) - np.repeat(np.cumsum(counted) - missed, counted) + 1
     between = start[which] + (end - start)[which] * order / (missed[which] + 1)
     decoded = np.concatenate([np.ones(len(fresh), dtype=np.bool_), np.zeros(len(which), dtype=np.bool_)])
     return np.concatenate([fresh, fresh[which]]), np.concatenate([end, between]), decoded

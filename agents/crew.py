@@ -4,7 +4,6 @@
 robot or all of them.
 """
 
-import math
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -18,12 +17,12 @@ from agents.neighbors import Witnesses
 from agents.reception import Reception
 from agents.seeking import Index, Seeker
 from agents.transmitter import Memory, Transmitters
-from fes import geometry, objective
+from fes import counts, geometry, objective, stability
 from fes.arrays import Bools, Floats, Ints
 from fes.config import AgentConfig
 from fes.edges import Edges
 from fes.errors import FesError
-from fes.sensing import Beacons, Observations, Telemetry
+from fes.sensing import MAX_TOLD, MAX_TWIST, Beacons, Observations, Telemetry, bounded
 
 FIRST_EXCHANGE_TICKS = 2
 """Ticks from a robot's first link until it has heard whether others chose it: its initial graph."""
@@ -64,10 +63,14 @@ class State:
 
 
 def assemble(config: AgentConfig, ids: Ints) -> Crew:
-    """The crew of robots `ids` [n], ascending, of a run with `config`."""
+    """The crew of robots `ids` [n], ascending, of a run with `config`; raises FesError for settings out of bounds."""
+    try:
+        stability.check(config.dt, config.seeking, config.formation)
+    except ValueError as error:
+        raise FesError(f"the run's settings: {error}") from None
     seeker = Seeker(config.seeking, _index(config), config.dt)
     statistics = reception.SUMS if config.seeking.index == "measured" and config.seeking.pooling == "network" else 0
-    timeout = math.ceil(config.formation.contact_timeout / config.dt)
+    timeout = counts.ticks_within(config.formation.contact_timeout, config.dt)
     return Crew(config, ids, seeker, timeout, statistics, clocks.of(config, ids), transmitter.of(config, ids))
 
 
@@ -111,6 +114,7 @@ def telemetry(crew: Crew, state: State) -> Telemetry:
     return Telemetry(edges, state.links.said, learnt)
 
 
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # settings may be anything: twists are looked at
 def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -> tuple[State, Beacons, Floats]:
     """One tick: from what the robots sense now and heard of the last tick, to what they say and do.
 
@@ -134,6 +138,7 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
     pull = formation.pull(used.edges, error, links.bearing(known, used.contact))
     twists = formation.twist(pull, observations.poses[:, geometry.HEADING], config.dt, config.formation)
 
+    twists = bounded(twists, MAX_TWIST)
     if not np.isfinite(twists).all():
         robot = int(crew.ids[~np.isfinite(twists).all(axis=1)][0])
         raise FesError(f"robot {robot} computed a twist that is not finite at tick {tick}: check gains and exponents")
@@ -142,11 +147,11 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
     measured = state.reception
     if config.seeking.index == "measured":
         measured = _measure(crew, state, tick, known, used, heard)
-    said, statistics = used.state[seeking.ESTIMATE], np.zeros((len(crew.ids), 0))
+    said, statistics = bounded(used.state[seeking.ESTIMATE], MAX_TOLD), np.zeros((len(crew.ids), 0))
     if crew.statistics:
-        statistics = measured.sums
+        statistics = bounded(measured.sums, MAX_TOLD)
     named = named.take(used.contact)
-    beacons = Beacons(tick, crew.ids, observations.poses, used.edges, said, named, statistics)
+    beacons = Beacons(tick, crew.ids, bounded(observations.poses, MAX_TOLD), used.edges, said, named, statistics)
     beacons, unsent = transmitter.send(crew.transmitters, state.unsent, beacons)
     used = replace(used, state=_seek(crew, tick, known, used, measured), said=said)
     return State(observations.poses, known, witnesses, used, measured, since, begun, unsent), beacons, twists

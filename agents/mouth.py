@@ -16,7 +16,10 @@ REMEMBERED = 2
 class Mouth:
     """What the robots of a process say."""
 
-    def __init__(self, bus: Bus, run: str, robots: tuple[int, ...], complaints: Complaints) -> None:
+    def __init__(
+        self, bus: Bus, run: str, robots: tuple[int, ...], complaints: Complaints, mark: bytes = b""
+    ) -> None:
+        """`mark` is that of the Join: the world takes commands from no other process of these robots."""
         self._complaints = complaints
         self._beacon: dict[int, Put] = {}
         self._command: dict[int, Put] = {}
@@ -25,7 +28,7 @@ class Mouth:
         """Both by tick, then by robot."""
         for robot in robots:
             self._beacon[robot] = bus.publisher(keys.beacon(run, robot), "fes.Beacon")
-            self._command[robot] = bus.publisher(keys.command(run, robot), "fes.Command")
+            self._command[robot] = bus.publisher(keys.command(run, robot), "fes.Command", mark=mark)
             self._listen(bus, keys.recall(run, robot), robot)
 
     def say(self, tick: int, said: list[tuple[int, bytes, bytes]]) -> None:

@@ -3,7 +3,7 @@
 Ties break by robot id: pairs are ordered by peer id, and the first of equals is taken.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -14,6 +14,13 @@ from fes.edges import Edges
 
 FEW = 4096
 """Up to this many (robot, peer, witness) all are looked at in every tick: it is cheaper than choosing among them."""
+
+
+BLOCK = 2**16
+"""Triples that are looked at at once: memory is a matter of the contacts, not of their product with a degree."""
+
+NEAREST = 16
+"""Of a robot's contacts the nearest exclude most of its pairs. In a crowd they are tried first."""
 
 
 class Witnesses:
@@ -39,6 +46,13 @@ class Witnesses:
         first = (np.cumsum(self.edges.counts) - self.edges.counts)[rows]
         offset = np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)
         return np.repeat(pairs, counts), np.repeat(first, counts) + offset
+
+    def blocks(self, pairs: Ints) -> Iterator[tuple[Ints, Ints]]:
+        """The same for some of `pairs` after the other: about BLOCK triples each."""
+        ends = np.cumsum(self.edges.counts[self.edges.rows[pairs]])
+        total = int(ends[-1]) if len(ends) else 0
+        for part in np.split(pairs, np.searchsorted(ends, np.arange(BLOCK, total, BLOCK))):
+            yield self.of(part)
 
     def _carry(self, before: "Witnesses") -> None:
         at = self.edges.places_in(before.edges)
@@ -77,15 +91,33 @@ def relative_neighborhood(contacts: Contacts, witnesses: Witnesses) -> Bools:
     still = _excludes(contacts, reach, remembered, last[remembered])
     last[remembered[~still]] = -1
     suspects = np.flatnonzero(known & (last < 0))
-    pair, witness = witnesses.of(suspects)
-    found = np.flatnonzero(_excludes(contacts, reach, pair, witness))
-    last[pair[found]] = witness[found]
+    if int(contacts.edges.counts[contacts.edges.rows[suspects]].sum()) > max(BLOCK, NEAREST * len(known)):
+        suspects = _try_nearest(contacts, reach, last, suspects)
+    for pair, witness in witnesses.blocks(suspects):
+        found = np.flatnonzero(_excludes(contacts, reach, pair, witness))
+        last[pair[found]] = witness[found]
     remaining: Bools = np.logical_and(known, last < 0)
     return remaining
 
 
+def _try_nearest(contacts: Contacts, reach: Floats, last: Ints, suspects: Ints) -> Ints:
+    """The `suspects` that no robot among the NEAREST of their own excludes; `last` [m] remembers those that do."""
+    edges, left = contacts.edges, np.fmin(reach, np.inf)
+    for _ in range(NEAREST):
+        nearest = edges.first_smallest(left)
+        left[nearest] = np.inf
+        witness = nearest.take(edges.groups.take(suspects))
+        excluded = _excludes(contacts, reach, suspects, witness)
+        last[suspects[excluded]] = witness[excluded]
+        suspects = suspects[~excluded]
+    return suspects
+
+
 def _excludes(contacts: Contacts, reach: Floats, pair: Ints, witness: Ints) -> Bools:
     """Whether max(d_ik, d_jk) < d_ij, for positions of (i, j) and of (i, k) [t]; never for k = j."""
+    if len(pair) > BLOCK:
+        parts = [slice(first, first + BLOCK) for first in range(0, len(pair), BLOCK)]
+        return np.concatenate([_excludes(contacts, reach, pair[part], witness[part]) for part in parts])
     across = geometry.separation(
         contacts.x.take(witness) - contacts.x.take(pair), contacts.y.take(witness) - contacts.y.take(pair)
     )

@@ -17,6 +17,10 @@ Index = Callable[[Floats], Floats]
 NEARLY_ZERO = 1e-9
 """The smallest separation [m] at which the index is evaluated: an estimate may be thrown below zero."""
 
+LEAST = -1e9
+"""The smallest logarithm of an index. An index as small as that is zero, exp(-745) is; without a bound a step that
+throws an estimate far off, as a peer's estimate of 1e12 m does, would meet an infinite slope there."""
+
 
 def index(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal["log", "none"]) -> Index:
     """J of (33), or ln J, as a function of separations [m] in an array.
@@ -52,6 +56,7 @@ def index(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal
 
     def log(separation: Floats) -> Floats:
         kept, decay = exponents(separation)
+        np.maximum(decay, LEAST, out=decay)
         decay += np.log(kept, out=kept)
         return decay
 

@@ -7,8 +7,6 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: no thread po
 import argparse
 import asyncio
 import logging
-import re
-import secrets
 import time
 from pathlib import Path
 
@@ -16,33 +14,22 @@ import numpy as np
 
 from agents import assembly, contacts, crew, transmitter
 from agents.assembly import Assembly
+from agents.membership import PATIENCE, Membership
 from agents.mouth import Mouth
-from agents.presence import Presence
 from agents.radio import Radio
 from agents.turns import Turns
 from fes import bus, identity, keys, messages, output, process
 from fes.bus import Bus
 from fes.complaints import Complaints
 from fes.endpoints import Endpoints
-from fes.errors import Absent, Busy, FesError, MessageError, Refused
+from fes.errors import Absent, FesError, Refused
 from fes.identity import Identity
 from fes.inbox import Inbox
-from fes.keys import MAX_ROBOTS
-from fes.messages import MAX_AGENT, Join, Welcome
-
-_NUMBER = re.compile("[0-9]{1,9}")
+from fes.messages import Beacon, Welcome
+from fes.sensing import Observations
 
 AUTO = "auto"
 """Instead of an id: the lowest robot that is free."""
-
-ANSWER_TIMEOUT = 5.0
-"""A world that is there and does not answer a join for so long [s] is asked again."""
-
-CONFIRMATIONS = 10
-"""An agent that was not seen for a while asks so many times whether it is welcome still."""
-
-PATIENCE = 1.0
-"""How long [s] an agent waits before it asks again, without an id, or where too many ask at once: then at most."""
 
 
 class Agent:
@@ -56,34 +43,15 @@ class Agent:
         self._bus = opened
         self._run = run
         self._robots = robots
-        self._welcome = keys.welcome(run, keys.span(robots))
-        self._join = messages.encode_join(Join(robots, secrets.randbelow(MAX_AGENT)))
-        self._welcomed = b""
-        self._confirming: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._inbox = Inbox(asyncio.get_running_loop())
-        self._world = Presence(f"the world of run '{run}'", self._inbox)
-        self._mouth = Mouth(opened, run, robots, self.complaints)
-        self._turns = Turns(robots, self._inbox, self._mouth, self.complaints)
+        self.membership = Membership(opened, run, robots, self._inbox, lambda: self._turns.tick)
+        self._mouth = Mouth(opened, run, robots, self.complaints, self.membership.join.mark)
+        self._turns = Turns(robots, self._inbox, self._mouth, self.complaints, self.membership.on_quiet)
         self._late = 0
 
     async def join(self, timeout: float) -> Welcome:
         """Wait for the world, and ask it for the robots; raises Absent or Refused."""
-        self._bus.watch(keys.world_alive(self._run), self._on_world)
-        self._world.patience = timeout
-        end = time.monotonic() + timeout
-        while True:
-            await self._world.appears(max(0.0, end - time.monotonic()))
-            try:
-                answer = await self._bus.ask(self._welcome, self._join, ANSWER_TIMEOUT)
-                break
-            except (Absent, Busy):  # it may just have left; or all agents of a large team ask at once
-                if time.monotonic() > end:
-                    raise
-                await asyncio.sleep(PATIENCE * (1 + self._robots[0] % 10) / 10)  # not all at once again
-        welcome, self._welcomed = messages.decode_welcome(answer), answer
-        if welcome.robots != self._robots:
-            raise MessageError("Welcome", "is for other robots than asked for", str(welcome.robots[:5]))
-        return welcome
+        return await self.membership.ask(timeout)
 
     async def live(self, welcome: Welcome) -> None:
         """The robots' life: one step a tick, until the world says that the run is over."""
@@ -96,57 +64,40 @@ class Agent:
         for robot in self._robots:  # last of all: a token says that everything above is in place
             self._bus.token(keys.robot_alive(self._run, robot))
         self.logger.info("ready")
+        world = self.membership.world
         tuned, since = None, np.zeros(len(ids), dtype=np.int64)
         lockstep = welcome.config.clock == "lockstep"
-        async for received in self._turns.lockstep(self._world) if lockstep else self._turns.live(self._world):
+        async for received in self._turns.lockstep(world) if lockstep else self._turns.live(world):
             observations = stack.observations(received)
             now = np.array([message.since for message in received])
             if (now != since).any():  # they were away
                 state, since = crew.forget(robots, state, now != since), now
             heard = self.radio.heard(observations.tick - 1)
-            stepped = crew.step(robots, state, observations, stack.beacons(observations.tick - 1, heard))
-            while not contacts.all_here(stepped[0].contacts, observations):
-                if not lockstep:  # what comes late is lost
-                    self._late += contacts.missing(stepped[0].contacts, observations)
-                    break
-                # Links are first-in first-out and pass one router: this can be only where a mailbox was flooded, or
-                # the router died with the beacon.
-                heard = await self.radio.recall(observations.tick - 1, heard)
-                stepped = crew.step(robots, state, observations, stack.beacons(observations.tick - 1, heard))
-                if not contacts.all_here(stepped[0].contacts, observations) and not await self._world.comes_back():
-                    # To go on would change digits.
-                    raise Absent(f"a beacon that decoded did not arrive at tick {observations.tick}")
-            state, said, twists = stepped
+            if lockstep:
+                heard = await self._complete(observations, heard)
+            else:  # a beacon that comes late is lost
+                self._late += contacts.missing(observations, [beacon.robot for beacon in heard])
+            beacons = stack.beacons(observations.tick - 1, heard)
+            state, said, twists = crew.step(robots, state, observations, beacons)
             if observations.in_range is not tuned:
                 tuned = observations.in_range
                 self.radio.tune(set(tuned.peers.tolist()))
             spoken = list(assembly.payloads(said, twists, crew.telemetry(robots, state)))
             self._mouth.say(observations.tick, transmitter.on_air(robots.transmitters, observations.tick, spoken))
-        self._confirming.cancel()
+        self.membership.close()
 
-    def _on_world(self, key: str, alive: bool) -> None:
-        self._world.told(alive, self._turns.tick)
-        if self._world.is_new and alive:
-            self._confirming.cancel()
-            self._confirming = asyncio.ensure_future(self._confirm())
+    async def _complete(self, observations: Observations, heard: list[Beacon]) -> list[Beacon]:
+        """All beacons that decoded, by sender; raises Absent where one cannot be had, as digits would change.
 
-    async def _confirm(self) -> None:
-        """Ask a world that is back whether it still wants this agent: its robots may have got another one meanwhile.
-
-        For it may be this agent that was away, for longer than its token stood.
+        Links are first-in first-out, so one is missing only where junk filled a mailbox, where it took a slower way
+        than the tick, or where a router died with it.
         """
-        for _ in range(CONFIRMATIONS):
-            try:
-                answer = await self._bus.ask(self._welcome, self._join, ANSWER_TIMEOUT)
-                if self._welcomed not in (b"", answer):
-                    self._inbox.fail(Refused("another run has taken the place of this one"))
-                return
-            except (Absent, Busy):
-                await asyncio.sleep(PATIENCE * (1.0 + self._robots[0] % 10 / 10))
-            except Refused as refused:
-                self._inbox.fail(refused)
-                return
-        self.logger.warning("the world is back, and does not say whether it still wants this agent")
+        while absent := contacts.decoded(observations) - {beacon.robot for beacon in heard}:
+            found = await self.radio.recall(observations.tick - 1, sorted(absent))
+            heard = sorted([*heard, *found], key=lambda beacon: beacon.robot)
+            if len(found) < len(absent) and not await self.membership.world.comes_back():
+                raise Absent(f"a beacon that decoded did not arrive at tick {observations.tick}")
+        return heard
 
     def certified(self, endpoints: Endpoints, directory: Path) -> str:
         """What its certificate, with which the session opened, may have to do with a world that is absent."""
@@ -155,7 +106,7 @@ class Agent:
             who.check()  # it was good at the start
         except FesError as wrong:
             return str(wrong)
-        if self._world.was_seen or endpoints.mode != "client":
+        if self.membership.world.was_seen or endpoints.mode != "client":
             return ""
         return f"{endpoints.shown} takes our certificate; a world there logs whether its run has no role '{who.role}'"
 
@@ -191,7 +142,7 @@ async def lease(opened: Bus, run: str, timeout: float) -> int:
 async def serve(flags: argparse.Namespace) -> int:
     """One agent process, from start to exit code."""
     run = keys.check_run(flags.run)
-    robots = parse_ids(flags.id) if flags.id != AUTO else (0,)
+    robots = keys.parse_span(flags.id, "--id", "I, A-B or auto") if flags.id != AUTO else (0,)
     if flags.id == AUTO and flags.keys:
         raise FesError("--id auto does not go with --keys: a certificate is for one robot")
     endpoints = process.agent_endpoints(flags, flags.timeout, identity.robot_role(robots))
@@ -213,21 +164,6 @@ async def serve(flags: argparse.Namespace) -> int:
             if agent.lag:
                 agent.logger.info("%s", agent.lag)
     return process.SUCCESS
-
-
-def parse_ids(text: str) -> tuple[int, ...]:
-    """Robot ids from `--id I` or `--id A-B`; raises FesError.
-
-    >>> parse_ids("3"), parse_ids("2-4")
-    ((3,), (2, 3, 4))
-    """
-    first, dash, last = text.partition("-")
-    if not _NUMBER.fullmatch(first) or (dash and not _NUMBER.fullmatch(last)):
-        raise FesError(f"--id expects I, A-B or auto with integers from 0, got '{text[:40]}'")
-    low, high = int(first), int(last) if dash else int(first)
-    if high < low or high >= MAX_ROBOTS:
-        raise FesError(f"--id expects I or A-B with A <= B < {MAX_ROBOTS}, got '{text}'")
-    return tuple(range(low, high + 1))
 
 
 def main() -> None:

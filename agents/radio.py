@@ -1,5 +1,7 @@
 """A process's ear: subscribed to the beacons of the peers in range of its robots, and to no others."""
 
+from collections.abc import Collection
+
 from fes import keys, messages
 from fes.bus import Bus, Mailbox
 from fes.complaints import Complaints
@@ -7,7 +9,7 @@ from fes.errors import Absent, MessageError, Refused
 from fes.messages import Beacon
 
 RECALL_TIMEOUT = 2.0
-"""A peer that does not tell its beacon again within this time [s] is not asked once more."""
+"""A world that does not repeat a beacon within this time [s] is asked again only if it was away."""
 
 
 class Radio:
@@ -40,23 +42,26 @@ class Radio:
         found = (self._beacon(peer, box, tick) for peer, box in self._boxes.items())
         return [beacon for beacon in found if beacon is not None]
 
-    async def recall(self, tick: int, heard: list[Beacon]) -> list[Beacon]:
-        """The beacons of `tick`, those that are not in `heard` asked for anew; for when junk pushed them out, or
-        they took a slower way than the tick.
+    async def recall(self, tick: int, peers: Collection[int]) -> list[Beacon]:
+        """The beacons of `peers` from `tick`, as far as the world has them; in any order.
+
+        For beacons that junk pushed out of a mailbox, or that took a slower way than the tick. The world is asked and
+        not the peer, so that all robots hear the same beacon, whatever its sender is worth.
         """
-        found = {beacon.robot: beacon for beacon in heard}
-        for peer in self._boxes.keys() - found.keys():
+        found = []
+        for peer in peers:
+            key = keys.held_beacon(self._run, peer)
             try:
-                told = await self._bus.ask(keys.recall(self._run, peer), messages.encode_recall(tick), RECALL_TIMEOUT)
-            except (Absent, Refused):
-                continue  # if the beacon decoded, the caller misses it
-            beacon = self._read(peer, keys.recall(self._run, peer), told)
-            if beacon is not None and beacon.tick == tick:
-                found[peer] = beacon
+                payload = await self._bus.ask(key, messages.encode_recall(tick), RECALL_TIMEOUT)
+                beacon = messages.decode_beacon(payload)
+            except (Absent, Refused, MessageError):
+                continue  # the caller misses it
+            if (beacon.robot, beacon.tick) == (peer, tick):
+                found.append(beacon)
                 self._complaints.add(
                     "Beacon: recalled", f"by a full mailbox, or late: a beacon of robot {peer}; asked for anew"
                 )
-        return [found[peer] for peer in self._boxes if peer in found]
+        return found
 
     def _beacon(self, peer: int, box: Mailbox, tick: int) -> Beacon | None:
         early = self._early.pop(peer, None)

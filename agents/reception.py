@@ -156,7 +156,7 @@ def drift(reception: Reception, rows: Ints, estimate: Floats, preferred: Objecti
     slope = objective.log_preference_slope(estimate, preferred) + channel
     curvature = objective.log_preference_curvature(estimate, preferred) + channel * (exponent - 1.0) / estimate
     size = preferred.maximum_separation / FARTHEST
-    step = -reception.method.gain * slope / np.minimum(curvature, -LEAST_CURVATURE / size**2)
+    step = -reception.method.gain * slope / np.minimum(curvature, -LEAST_CURVATURE / np.square(size))
     speed: Floats = np.clip(step, -SPEED * size, SPEED * size)
     return speed
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from agents import collocation
 from agents.collocation import Step
-from fes import draws
+from fes import counts, draws
 from fes.arrays import Bools, Floats
 from fes.config import SeekingConfig
 from fes.edges import Edges
@@ -64,7 +64,7 @@ class Seeker:
     @cached_property
     def sub_steps(self) -> int:
         """Steps of the integration a tick."""
-        return max(1, math.ceil(self.dt / self.config.sub_step - 1e-9))
+        return counts.steps(self.dt, self.config.sub_step)
 
     @cached_property
     def coupled(self) -> Step:

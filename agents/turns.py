@@ -1,6 +1,7 @@
 """When an agent takes its next step: at each tick in lockstep, at the newest one when the clock is live."""
 
-from collections.abc import AsyncIterator
+import time
+from collections.abc import AsyncIterator, Callable
 
 from agents.mouth import Mouth
 from agents.presence import Presence
@@ -13,12 +14,23 @@ from fes.messages import Observation
 SILENCE_TIMEOUT = 3600.0
 """An agent that hears nothing from a living world for this long [s] gives up."""
 
+QUIET = 5.0
+"""An agent that hears nothing for this long [s] asks the world whether it is still welcome, and again each time."""
+
 
 class Turns:
     """The observations of each tick that is to be answered, one per robot in id order."""
 
-    def __init__(self, robots: tuple[int, ...], inbox: Inbox, mouth: Mouth, complaints: Complaints) -> None:
-        self._robots = robots
+    def __init__(
+        self,
+        robots: tuple[int, ...],
+        inbox: Inbox,
+        mouth: Mouth,
+        complaints: Complaints,
+        on_quiet: Callable[[], None] = lambda: None,
+    ) -> None:
+        """`on_quiet` is called after each QUIET without a message."""
+        self._robots, self._on_quiet = robots, on_quiet
         self._inbox, self._mouth = inbox, mouth
         self._complaints = complaints
         self.tick = -1
@@ -84,8 +96,11 @@ class Turns:
 
     async def _received(self, count: int) -> AsyncIterator[tuple[str, Observation]]:
         """Wait for that many messages; the key and content of all that are here and can be read."""
-        if not await self._inbox.wait(count, SILENCE_TIMEOUT):
-            raise Absent(f"the world said nothing for {SILENCE_TIMEOUT:g} s after tick {self.tick}")
+        end = time.monotonic() + SILENCE_TIMEOUT
+        while not await self._inbox.wait(count, QUIET):
+            if time.monotonic() >= end:
+                raise Absent(f"the world said nothing for {SILENCE_TIMEOUT:g} s after tick {self.tick}")
+            self._on_quiet()
         for key, payload in self._inbox.drain():
             observation = self._read(key, payload)
             if observation is not None:

@@ -10,5 +10,6 @@ memory      whether it grows with the length of a run: python -m bench.memory, h
 growth      messages and bytes a tick at the router, from 10 to 100 robots
 cost        CPU time of a world and of a router of its own; the lockstep behind a delay
 own_router  that router, as a small program
+crowd       robots that all start in range of each other: memory and time per contact
 startup     time and memory until an agent is ready
 """

@@ -18,7 +18,7 @@ from agents.process import Agent
 from console import inprocess
 from console.launcher import free_port
 from fes import bus
-from fes.bus import Bus, Handler, Mailbox
+from fes.bus import Bus, Gate, Handler, Mailbox
 from fes.endpoints import Endpoints
 from world import simulation
 from world.course import Course
@@ -49,9 +49,11 @@ class Counted(Bus):
         self.__dict__.update(opened.__dict__)
         self.counts = counts
 
-    def publisher(self, key: str, schema: str, *, drop: bool = False) -> Callable[[bytes], None]:
+    def publisher(
+        self, key: str, schema: str, *, drop: bool = False, mark: bytes | None = None
+    ) -> Callable[[bytes], None]:
         """As a bus does."""
-        put, kind = super().publisher(key, schema, drop=drop), key.rpartition("/")[2]
+        put, kind = super().publisher(key, schema, drop=drop, mark=mark), key.rpartition("/")[2]
 
         def counted(payload: bytes) -> None:
             self._count(f"{kind} put", payload)
@@ -59,7 +61,7 @@ class Counted(Bus):
 
         return counted
 
-    def subscribe(self, key: str, handler: Handler) -> Callable[[], None]:
+    def subscribe(self, key: str, handler: Handler, gate: Gate | None = None) -> Callable[[], None]:
         """As a bus does."""
         kind = key.rpartition("/")[2]
 
@@ -67,7 +69,7 @@ class Counted(Bus):
             self._count(f"{kind} taken", payload)
             handler(sample, payload)
 
-        return super().subscribe(key, counted)
+        return super().subscribe(key, counted, gate)
 
     def mailbox(self, key: str) -> Mailbox:
         """As a bus does."""

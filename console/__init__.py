@@ -1,9 +1,14 @@
 """What a person runs: fes run, view, set, replay, compare, sweep, plot, schema, doctor, keys, claims.
 
+__main__    entry point of fes
 cli         the commands
 guide       their order, and an example of each
+announcement  what fes run says before it starts anything
 processes   fes run with real processes
 launcher    child processes, never left behind
+child       one of them, and what is said of its end
+supervision what the end of a child means for its run
+respawn     how often an agent that died is started again
 faults      scheduled deaths and hangs, for real
 inprocess   the same world and crew in one loop, without Zenoh
 history     a run as time series
@@ -18,6 +23,7 @@ evidence    the commands fes plot and fes claims
 keyring     fes keys: certificates in a directory, or of one run
 authority   certificates themselves
 rundir      run directories
+leftovers   private keys of runs that were killed
 replay      the command fes replay
 log         logs of runs, read back
 reexecution a log executed again, and compared to the bit

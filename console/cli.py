@@ -1,6 +1,7 @@
 """The `fes` command: what a person runs."""
 
 import argparse
+import signal
 import sys
 from contextlib import nullcontext
 from enum import StrEnum
@@ -11,6 +12,7 @@ import typer
 from rich.console import Console
 
 from console import (
+    announcement,
     compare,
     evidence,
     guide,
@@ -32,15 +34,17 @@ from console.processes import Launch
 from console.rundir import Visitor
 from console.sweep import command
 from fes import bus, distribution, encoding, keys, output, process, strict_json
-from fes.errors import FesError, ScenarioError, reason
+from fes.errors import FesError, ScenarioError, no_memory, reason
 from fes.identity import OBSERVER
-from world import expect
+from world import crowd, expect
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
 from world.summary import write, write_scenario
 
 INTERRUPTED = 130
 """What Typer makes of a KeyboardInterrupt."""
+
+DISTURBED = "the digest is not that of an undisturbed run"
 
 app = typer.Typer(
     cls=guide.Ordered, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None, epilog=guide.BEGIN
@@ -103,35 +107,50 @@ def run(
     headless: Annotated[bool, typer.Option("--headless", help="No dashboard.")] = False,
     json_: Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else.")] = False,
     record: Annotated[bool, typer.Option(help="Write a log of every message, run.mcap.")] = True,
+    respawn: Annotated[
+        bool, typer.Option("--respawn", help="Start agents that die again, each with all of its robots.")
+    ] = False,
     verbose: Annotated[bool, typer.Option("--verbose", help=VERBOSE)] = False,
 ) -> int:
-    """Run a scenario: world, robots and dashboard."""
+    """Run a scenario: world, robots and dashboard.
+
+    An agent that dies does not end the run: its robots stand still from then on, or until it is there again.
+    """
     fields = [("run.seed", seed), ("run.duration", duration), ("run.clock", clock)]
     overrides = [*(set_ or []), *(f"{field}={value}" for field, value in fields if value is not None)]
-    loaded = load(scenario, dict(parse_override(text) for text in overrides))
-    pace = _pace(rtf)
-    if secure and backend is Backend.INPROCESS:
-        raise FesError("--secure needs --backend processes: what stays in one loop needs no certificates")
-    if backend is Backend.INPROCESS:
-        inprocess.check(loaded)
-    elif loaded.run.clock == "live" and pace is not None:
-        raise FesError("--rtf does not go with the live clock: its pace is that of the wall clock")
-    directory, name = rundir.create(scenario.stem, out), encoding.name_of(scenario)
-    write_scenario(directory, loaded)
-    screen = printing.console(stderr=json_)
-    dashboard = printing.is_screen(screen) and not headless and not json_
-    if backend is Backend.INPROCESS:
-        recording = Recorder(directory / NAME, loaded, name, backend.value) if record else nullcontext()
-        with recording as recorder:
-            result = _in_process(loaded, name, pace, directory, screen if dashboard else None, recorder)
-    else:
-        launch = Launch(name, agents_per_process, rtf, dashboard, record, secure)
-        result = processes.run(launch, loaded, directory, screen)
-    if json_:
-        print(strict_json.dumps(result))
-    else:
-        printing.show(screen, summary.render(result, verbose))
-        printing.line(f"run directory: {directory}")
+    with process.interruptible():
+        loaded = load(scenario, dict(parse_override(text) for text in overrides))
+        crowd.check(loaded)
+        in_process, pace = backend is Backend.INPROCESS, _pace(rtf)
+        for flag, given in (("--secure", secure), ("--respawn", respawn)):
+            if given and in_process:
+                raise FesError(f"{flag} needs --backend processes: one loop has no processes of its own")
+        if in_process:
+            inprocess.check(loaded)
+        elif loaded.run.clock == "live" and pace is not None:
+            raise FesError("--rtf does not go with the live clock: its pace is that of the wall clock")
+        name, screen = encoding.name_of(scenario), printing.console(stderr=json_)
+        dashboard = printing.is_screen(screen) and not headless and not json_
+        launch = Launch(name, agents_per_process, rtf, dashboard, record, secure, respawn)
+        if not in_process:
+            processes.check(launch, loaded)
+        announcement.say(loaded, in_process, launch)
+        with rundir.made(scenario.stem, out) as directory:
+            write_scenario(directory.path, loaded)
+            if in_process:
+                log = Recorder(directory.path / NAME, loaded, name, backend.value) if record else nullcontext()
+                with log as recorder:
+                    shown = screen if dashboard else None
+                    result = _in_process(loaded, name, pace, directory.path, shown, recorder)
+            else:
+                result = processes.run(launch, loaded, directory, screen)
+            if absences := result.get("unscheduled_absences"):
+                process.warn("fes", f"unscheduled absences: {absences} robot-ticks; {DISTURBED}")
+            if json_:
+                print(strict_json.dumps(result), flush=True)
+            else:
+                printing.show(screen, summary.render(result, verbose))
+                printing.line(f"run directory: {directory.path}")
     return process.UNMET if expect.unmet(result) else process.SUCCESS
 
 
@@ -168,14 +187,19 @@ def view_command(
 def main() -> None:
     """Entry point of fes: every error is one line, and the exit code says which kind it was."""
     output.configure()
-    command = typer.main.get_command(app)
     try:
-        code = command(standalone_mode=False)
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # no longer that of the first moments
+        code = typer.main.get_command(app)(standalone_mode=False)
+    except KeyboardInterrupt:
+        code = INTERRUPTED
     except FesError as error:
         process.complain("fes", str(error))
         code = error.exit_code
     except OSError as error:
         process.complain("fes", reason(error))
+        code = process.FAILURE
+    except MemoryError as error:
+        process.complain("fes", no_memory(error))
         code = process.FAILURE
     except Exception as error:
         # Typer's own complaints about arguments know how to say themselves in one line.
@@ -192,6 +216,7 @@ def main() -> None:
     if code == INTERRUPTED:
         process.complain("fes", "stopped by SIGINT")
         code = process.FAILURE
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Python's own would be a traceback out of its shutdown
     sys.exit(code if isinstance(code, int) else process.SUCCESS)
 
 
@@ -216,10 +241,9 @@ def _in_process(
         if recorder is not None:
             recorder.conclude(reached)
 
-    with process.interruptible():
-        if screen is None:
-            with progress.bar(name, scenario.ticks) as bar:
-                watch = (lambda report: bar.reach(report.tick + 1)) if bar.is_shown else None
-                return inprocess.run(scenario, name, pace, watch, keep, recorder)
-        with view.Screen(screen, summary.BELOW) as shown:
-            return inprocess.run(scenario, name, pace, shown.show, keep, recorder)
+    if screen is None:
+        with progress.bar(name, scenario.ticks) as bar:
+            watch = (lambda report: bar.reach(report.tick + 1)) if bar.is_shown else None
+            return inprocess.run(scenario, name, pace, watch, keep, recorder)
+    with view.Screen(screen, summary.BELOW) as shown:
+        return inprocess.run(scenario, name, pace, shown.show, keep, recorder)

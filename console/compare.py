@@ -1,7 +1,7 @@
 """The command fes compare: where two recorded runs first differ."""
 
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,7 +11,8 @@ from console import log as logs
 from console import printing, progress
 from console.difference import Difference, between, of_reports, of_summaries
 from console.log import Log, Tick
-from fes import process, strict_json
+from fes import keys, process, strict_json
+from fes.errors import FesError
 
 MISSING = "nothing"
 
@@ -22,20 +23,29 @@ Setting = tuple[str, Any]
 def compare(
     first: Annotated[Path, typer.Argument(metavar="A", help="A log, run.mcap, or a run directory.")],
     second: Annotated[Path, typer.Argument(metavar="B", help="Another one.")],
+    robots: Annotated[
+        list[str] | None,
+        typer.Option("--robot", metavar="I|A-B", help="Compare only these robots' messages; may be repeated."),
+    ] = None,
     json_: Annotated[bool, typer.Option("--json", help="Print the differences as JSON, and nothing else.")] = False,
 ) -> int:
-    """Say where two recorded runs first differ: exit code 0 if they do not, 1 if they do."""
+    """Say where two recorded runs first differ: exit code 0 if they do not, 1 if they do.
+
+    With --robot the scenarios, Reports and summaries may differ, and so may what other robots sense and say.
+    """
     one, other = logs.load(first), logs.load(second)
+    chosen = None if robots is None else chosen_robots(robots, one.scenario.robots.number)
     with progress.bar("compared"):
-        settings = list(of_scenarios(one, other))
-        found = first_difference(one, other)
+        settings = [] if chosen else list(of_scenarios(one, other))
+        found = first_difference(one, other, chosen)
     if json_:
         told = found._asdict() if found else None
         printing.line(strict_json.dumps({"scenario": [list(setting) for setting in settings], "first": told}))
     else:
         for path, mine, theirs in settings:
             printing.line(f"scenario, {path}: {mine!r} in A and {theirs!r} in B")
-        same = "every message of every tick is the same to the bit"
+        whose = f" of robots {', '.join(robots)}" if robots else ""
+        same = f"every message{whose} of every tick is the same to the bit"
         printing.line(found.told("in A", "in B") if found else same)
     return process.FAILURE if settings or found else process.SUCCESS
 
@@ -56,24 +66,36 @@ def of_scenarios(one: Log, other: Log) -> Iterator[tuple[str, Any, Any]]:
             yield path, *values
 
 
-def first_difference(one: Log, other: Log) -> Difference | None:
+def chosen_robots(texts: Iterable[str], robots: int) -> set[int]:
+    """The robots that `I` and `A-B` name in a team of `robots`; raises FesError."""
+    chosen = {robot for text in texts for robot in keys.parse_span(text, "--robot")}
+    unknown = sorted(robot for robot in chosen if robot >= robots)
+    if unknown:
+        raise FesError(f"--robot {unknown[0]}: the runs have robots 0 to {robots - 1}")
+    return chosen
+
+
+def first_difference(one: Log, other: Log, robots: Collection[int] | None = None) -> Difference | None:
     """The first tick, robot and field in which two logs differ; the end of one of them is a difference, too.
 
-    A difference of Reports, of what was set, of the summary or of the end is told where no message differs.
+    A difference of Reports, of what was set, of the summary or of the end is told where no message differs. With
+    `robots` only their messages are compared.
     """
     aside, ticks = None, 0
     for pair in itertools.zip_longest(one.ticks(), other.ticks()):
-        found = _of_messages(ticks, *pair)
+        found = _of_messages(ticks, *pair, robots)
         if found is not None:
             return found
         aside, ticks = aside or _aside(ticks, *pair), ticks + 1
-    return aside or _of_ends(ticks - 1, one, other)
+    return None if robots else aside or _of_ends(ticks - 1, one, other)
 
 
-def _of_messages(number: int, one: Tick | None, other: Tick | None) -> Difference | None:
+def _of_messages(
+    number: int, one: Tick | None, other: Tick | None, robots: Collection[int] | None
+) -> Difference | None:
     if one is None or other is None:
         return Difference(number, "run", None, "this tick", *_there(one, other))
-    return between(number, one.said, other.said)
+    return between(number, one.said, other.said, robots)
 
 
 def _aside(number: int, one: Tick | None, other: Tick | None) -> Difference | None:

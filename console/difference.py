@@ -1,7 +1,7 @@
 """Where two ticks differ: message, robot, field and both values."""
 
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -44,14 +44,18 @@ class Difference(NamedTuple):
         return f"tick {self.tick}, {self.message}{whose}: {self.field} is {values}"
 
 
-def between(tick: int, one: Said, other: Said) -> Difference | None:
-    """The first difference of two ticks: Observations before Beacons before Commands, the lowest robot first."""
+def between(tick: int, one: Said, other: Said, robots: Container[int] | None = None) -> Difference | None:
+    """The first difference of two ticks: Observations before Beacons before Commands, the lowest robot first.
+
+    With `robots`, of their messages only.
+    """
     for message, mine, theirs in zip(_DECODERS, one, other, strict=True):
         if mine != theirs:
             if len(mine) != len(theirs):
                 return Difference(tick, message, None, "number of robots", len(mine), len(theirs))
-            robot = next(robot for robot, pair in enumerate(zip(mine, theirs, strict=True)) if pair[0] != pair[1])
-            return of_payloads(tick, message, robot, mine[robot], theirs[robot])
+            for robot, pair in enumerate(zip(mine, theirs, strict=True)):
+                if pair[0] != pair[1] and (robots is None or robot in robots):
+                    return of_payloads(tick, message, robot, *pair)
     return None
 
 

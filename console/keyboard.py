@@ -8,7 +8,7 @@ import tty
 from types import TracebackType
 from typing import Self
 
-from fes import output
+from fes import signals
 
 LEFT, RIGHT, END = "left", "right", "end of input"
 
@@ -23,7 +23,7 @@ class Keyboard:
 
     def __enter__(self) -> Self:
         self._before = termios.tcgetattr(self._terminal)
-        self._restored = output.restored(self._restore)
+        self._restored = signals.if_forced(self._restore)
         self._restored.__enter__()
         tty.setcbreak(self._terminal)
         return self

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.table import Table
 
-from console import guide, printing, progress
-from fes import identity, process, strict_json
+from console import guide, leftovers, printing, progress
+from fes import identity, process, signals, strict_json
 from fes.endpoints import Endpoints
 from fes.errors import FesError
 from fes.identity import AUTHORITY, OBSERVER, OPERATOR, WORLD
@@ -138,15 +138,24 @@ def _nested(settings: Mapping[str, object]) -> dict[str, object]:
 
 @contextlib.contextmanager
 def of_a_run(directory: Path, groups: Iterable[str]) -> Iterator[Path]:
-    """Certificates for one run, in its directory: deleted when it ends. Its authority's key is never written."""
-    where = (directory / "keys").resolve()
+    """Certificates for one run, in its directory: deleted when it ends, also where a second signal ends this process.
+
+    Its authority's key is never written.
+    """
+    where = (directory / leftovers.KEYS).resolve()
     authority = _authorities().found(RUN_DAYS)
-    try:
-        _write(where, AUTHORITY, authority.pem, with_key=False)
-        _issue(authority, where, [WORLD, OBSERVER, OPERATOR, *(f"robot-{ids}" for ids in groups)], RUN_DAYS)
-        yield where
-    finally:
+    where.mkdir(mode=PRIVATE_DIRECTORY)
+
+    def delete() -> None:
         shutil.rmtree(where, ignore_errors=True)
+
+    try:
+        with signals.if_forced(delete), leftovers.marked(where):
+            _write(where, AUTHORITY, authority.pem, with_key=False)
+            _issue(authority, where, [WORLD, OBSERVER, OPERATOR, *(f"robot-{ids}" for ids in groups)], RUN_DAYS)
+            yield where
+    finally:
+        delete()
 
 
 def _issue(

@@ -1,55 +1,29 @@
-"""Child processes: a world and its agents, started together and never left behind."""
+"""The processes of a run: a world and its agents, started together and never left behind."""
 
 import asyncio
 import contextlib
 import os
 import signal
 import socket
-import sys
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
 
-from fes import encoding
-from fes.errors import FesError
-from fes.process import SUCCESS, UNMET
+from console import child
+from console.child import Child, ended
 from world.checkpoint import is_kept
 
-DISMISSAL = 5.0
-"""Time [s] that agents have to end after their world dismissed them and left."""
-
-SETTLING = 2.0
-"""Time [s] for the others to end after one child failed, before the cause is told."""
+DISMISSAL = 2.0
+"""Time [s] that agents have to end by themselves after their world dismissed them and left; then they are told to."""
 
 CLOSING = 15.0
 """Time [s] that a world that is told to stop has to write down what was reached; a second signal does not wait."""
 
 GRACE = 3.0
-"""Time [s] that children have to end by themselves before they are ended."""
+"""Time [s] that children that are told to end have, before they are ended by force."""
 
-
-class ChildFailed(FesError):
-    """A child process ended as it should not have."""
-
-
-@dataclass(frozen=True, eq=False)
-class Child:
-    """One child process."""
-
-    name: str
-    process: asyncio.subprocess.Process
-    log: Path
-    """Its standard error."""
-
-    def verdict(self) -> str:
-        """How it ended, with the last line it said."""
-        code = self.process.returncode
-        how = f"was ended by {signal.Signals(-code).name}" if code is not None and code < 0 else f"exit code {code}"
-        lines = self.log.read_text(errors="replace").strip().splitlines()
-        said = lines[-1].removeprefix(f"{self.name.split()[0]}: error: ") if lines and code == 1 else ""
-        return said or f"{self.name} {how} (its log: {self.log})"
+BEGUN = b"all robots are here"
+"""The world logs this when the run begins."""
 
 
 class Family:
@@ -59,160 +33,181 @@ class Family:
         self.directory = directory
         self.world: Child | None = None
         self.agents: list[Child] = []
-        self._killed: set[Child] = set()
-        self._successor_due = False
-        """Whether another world is about to go on with the run."""
-        self._grown = asyncio.Event()
-        """Set whenever a child was started."""
-        self._logs: list[IO[bytes]] = []
+        self.killed: set[Child] = set()
+        """By us, as the scenario wants: they are not missed."""
+        self.successor_due = False
+        """True while another world is about to resume the run."""
+        self.ends: asyncio.Queue[Child] = asyncio.Queue()
+        """The children that have ended, in order."""
+        self._begun = False
+        self._arguments: dict[str, list[str]] = {}
+        """Those of each agent's last start, by its robots."""
+        self._watches: set[asyncio.Task[None]] = set()
+        self._restarts: dict[str, asyncio.Task[None]] = {}
+        """Agents that are about to be started again, by their robots."""
 
     @property
     def children(self) -> list[Child]:
         """All of them."""
         return ([self.world] if self.world else []) + self.agents
 
+    @property
+    def has_begun(self) -> bool:
+        """True once the world has had all robots, and the run has begun; or where its log does not tell."""
+        if self.world is not None and not self._begun:
+            try:
+                self._begun = BEGUN in self.world.log.read_bytes()
+            except OSError:
+                return True
+        return self._begun
+
+    @property
+    def is_deserted(self) -> bool:
+        """True if no agent runs, and none is about to be started again."""
+        return not self._restarts and not any(agent.runs for agent in self.agents)
+
     async def start_world(self, arguments: list[str]) -> None:
         """Start fes-world."""
-        self.world = await self._start("fes-world", "world.process", arguments, "world")
+        self.world = await child.start("fes-world", "world", arguments, self.directory / "world.log")
+        self.watch(self.world)
 
-    async def start_agent(self, ids: str, arguments: list[str]) -> None:
-        """Start fes-agent for `ids`."""
-        child = await self._start(
-            f"fes-agent --id {ids}", "agents.process", ["--id", ids, *arguments], f"agent-{ids}"
-        )
-        self.agents.append(child)
-        self._grown.set()
+    async def start_agent(self, robots: str, arguments: list[str]) -> None:
+        """Start fes-agent for `robots`, unless it runs already."""
+        self._cancel_restart(robots)
+        self._arguments[robots] = arguments
+        await self._start_agent(robots)
 
-    async def kill_agent(self, ids: str) -> None:
-        """End the agent of `ids` by SIGKILL, as its scenario wants; it is not missed."""
-        for child in self.agents:
-            if child.name == f"fes-agent --id {ids}" and child.process.returncode is None:
-                self._killed.add(child)
-                _signal(child, signal.SIGKILL)
-                await child.process.wait()
+    def restart_agent(self, robots: str, delay: float) -> None:
+        """Start the agent of `robots`, which has ended, again after a `delay` [s]."""
+
+        async def restart() -> None:
+            await asyncio.sleep(delay)
+            with contextlib.suppress(OSError):  # the run goes on without it
+                await self._start_agent(robots)
+            self._restarts.pop(robots, None)
+
+        self._cancel_restart(robots)
+        self._restarts[robots] = asyncio.ensure_future(restart())
+
+    async def kill_agent(self, robots: str) -> None:
+        """End the agent of `robots` by SIGKILL, as its scenario wants; it is not missed."""
+        self._cancel_restart(robots)
+        for agent in self.agents:
+            if agent.robots == robots and agent.runs:
+                self.killed.add(agent)
+                agent.signal(signal.SIGKILL)
+                await agent.process.wait()
 
     async def replace_world(self, seconds: float, arguments: list[str]) -> None:
         """End the world by SIGKILL, as its scenario wants, and start another after a while [s]; it is not missed."""
-        if self.world is None or self.world.process.returncode is not None:
+        world = self.world
+        if world is None or not world.runs:
             return
-        self._killed.add(self.world)  # first: nobody is to think that it failed, or that all is over
-        self._successor_due = True
-        _signal(self.world, signal.SIGKILL)
-        if await self.world.process.wait() >= 0 or not is_kept(self.directory):
-            self._successor_due = False  # it was over just then
-            self._grown.set()
-            return
-        await asyncio.sleep(seconds)
-        await self.start_world(arguments)
-        self._successor_due = False
-        self._grown.set()
-
-    def stop_agent(self, ids: str) -> None:
-        """Have the agent of `ids` go no further, as one that hangs."""
-        self._signal_agent(ids, signal.SIGSTOP)
-
-    def continue_agent(self, ids: str) -> None:
-        """Have the agent of `ids` go on."""
-        self._signal_agent(ids, signal.SIGCONT)
-
-    def _signal_agent(self, ids: str, number: signal.Signals) -> None:
-        for child in self.agents:
-            if child.name == f"fes-agent --id {ids}":
-                _signal(child, number)
-
-    async def finish(self) -> None:
-        """Wait until the world and all agents have ended well; raises ChildFailed for the first that did not.
-
-        If an agent dies, the world names it; so the world's word is heard first.
-        """
-        assert self.world is not None
-        waits: dict[asyncio.Task[int], Child] = {}
-        grown = asyncio.ensure_future(self._grown.wait())
+        self.killed.add(world)  # first: nobody is to think that it failed, or that all is over
+        self.successor_due = True
         try:
-            while True:
-                known = set(waits.values())
-                waits |= {asyncio.ensure_future(one.process.wait()): one for one in self.children if one not in known}
-                pending = [task for task in waits if not task.done()]
-                failed = [
-                    child for task, child in waits.items() if task.done() and not self._well(child, task.result())
-                ]
-                if failed:
-                    raise ChildFailed(await self._explain(failed[0]))
-                if not pending and not self._successor_due:
-                    return
-                if self._is_over() and not await _gone(self.agents, DISMISSAL):
-                    return  # they wait for a world that nobody brings back
-                await asyncio.wait([*pending, grown], return_when=asyncio.FIRST_COMPLETED)
-                if grown.done():
-                    self._grown.clear()
-                    grown = asyncio.ensure_future(self._grown.wait())
+            world.signal(signal.SIGKILL)
+            if await world.process.wait() >= 0:  # it was over just then
+                self.killed.discard(world)
+            elif is_kept(self.directory):
+                await asyncio.sleep(seconds)
+                await self.start_world(arguments)
         finally:
-            for task in (*waits, grown):
-                task.cancel()
+            self.successor_due = False
+            if self.world is world:
+                self.ends.put_nowait(world)  # no other follows
 
-    def _is_over(self) -> bool:
-        """Whether the world ended well, by itself or by a signal."""
-        gone = self.world is not None and self.world.process.returncode is not None
-        return gone and not self._successor_due
+    def stop_agent(self, robots: str) -> None:
+        """Have the agent of `robots` go no further, as one that hangs."""
+        self._signal_agent(robots, signal.SIGSTOP)
 
-    def _well(self, child: Child, code: int) -> bool:
-        return code in (SUCCESS, UNMET) or child in self._killed
+    def continue_agent(self, robots: str) -> None:
+        """Have the agent of `robots` go on."""
+        self._signal_agent(robots, signal.SIGCONT)
+
+    def watch(self, watched: Child) -> None:
+        """Have a child among the `ends` when it has ended."""
+
+        async def watch() -> None:
+            await watched.process.wait()
+            self.ends.put_nowait(watched)
+
+        task = asyncio.ensure_future(watch())
+        self._watches.add(task)
+        task.add_done_callback(self._watches.discard)
 
     async def stop(self) -> None:
-        """End every child: the world first, which dismisses the agents; what is left then, after GRACE, by force."""
-        if self.world is not None and self.world.process.returncode is None:
-            _signal(self.world, signal.SIGINT)  # SIGTERM would let the agents wait for a world that goes on
-            await _gone([self.world], CLOSING)
-            if await _gone(self.children, DISMISSAL):
-                return
-        for child in self.agents:
-            _signal(child, signal.SIGTERM)
-        if not await _gone(self.children, GRACE):
-            for child in self.children:
-                _signal(child, signal.SIGKILL)
-            await _gone(self.children, GRACE)
+        """End every child: the world first, which dismisses the agents; then the others, by force after GRACE."""
+        await self._cancel_restarts()
+        if self.world is not None and self.world.runs:
+            self.world.signal(signal.SIGINT)  # SIGTERM would let the agents wait for a world that goes on
+            self.world.signal(signal.SIGCONT)  # a stopped process hears nothing else
+            if not self.has_begun:
+                self._tell_agents()  # a world may dismiss only those that have joined it
+            await ended([self.world], CLOSING)
+            await ended(self.agents, DISMISSAL)
+        self._tell_agents()
+        if not await ended(self.children, GRACE):
+            self.kill()
+            await ended(self.children, GRACE)
+        for task in self._watches:
+            task.cancel()
 
-    async def _explain(self, failed: Child) -> str:
-        """Why the run failed: a child that was ended by force, but not by us, or else what the world says of it."""
-        # Which exit is noticed first is chance, and the others follow at once: so all are looked at.
-        await _gone(self.children, SETTLING)
-        ended = [(child, child.process.returncode) for child in self.children]
-        bad = {child: code for child, code in ended if code is not None and not self._well(child, code)}
-        forced = next((child for child, code in bad.items() if code < 0), None)
-        if self.world is None or self.world not in bad:
-            return (forced or failed).verdict()
-        said = self.world.verdict()
-        return said if forced is None or forced is self.world else f"{forced.verdict()}; the world: {said}"
+    def kill(self) -> None:
+        """End every child by force, at once."""
+        for one in self.children:
+            one.signal(signal.SIGKILL)
 
-    async def _start(self, name: str, module: str, arguments: list[str], log: str) -> Child:
-        path = self.directory / f"{log}.log"
-        with path.open("ab") as stream:
-            process = await asyncio.create_subprocess_exec(
-                sys.executable,
-                "-P",  # a folder called `world` where the person stands is not ours
-                "-m",
-                module,
-                *map(encoding.as_bytes, arguments),
-                "--exit-with-stdin",
-                stdin=asyncio.subprocess.PIPE,  # never written to: its end tells the child that we are gone
-                stdout=stream,
-                stderr=stream,
-                start_new_session=True,  # a Ctrl-C reaches us, and we end the children in order
-                env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
-            )
-        return Child(name, process, path)
+    def abandon(self) -> None:
+        """End every child by force, and return when they have ended (where the system can wait and leave it to
+        asyncio to reap them)."""
+        self.kill()
+        if hasattr(os, "waitid"):
+            for one in self.children:
+                with contextlib.suppress(OSError):
+                    os.waitid(os.P_PID, one.process.pid, os.WEXITED | os.WNOWAIT)
+
+    async def _start_agent(self, robots: str) -> None:
+        if any(agent.robots == robots and agent.runs for agent in self.agents):
+            return
+        words, log = ["--id", robots, *self._arguments[robots]], self.directory / f"agent-{robots}.log"
+        agent = await child.start(f"fes-agent --id {robots}", "agents", words, log, robots)
+        self.agents.append(agent)
+        self.watch(agent)
+
+    def _cancel_restart(self, robots: str) -> None:
+        if (restart := self._restarts.pop(robots, None)) is not None:
+            restart.cancel()
+
+    async def _cancel_restarts(self) -> None:
+        """Cancel all, and wait until none is in the midst of a start."""
+        restarts = list(self._restarts.values())
+        self._restarts.clear()
+        for restart in restarts:
+            restart.cancel()
+        await asyncio.gather(*restarts, return_exceptions=True)
+
+    def _signal_agent(self, robots: str, number: signal.Signals) -> None:
+        for agent in self.agents:
+            if agent.robots == robots:
+                agent.signal(number)
+
+    def _tell_agents(self) -> None:
+        """Tell the agents to end."""
+        for agent in self.agents:
+            agent.signal(signal.SIGTERM)
+            agent.signal(signal.SIGCONT)
 
 
 @asynccontextmanager
-async def family(directory: Path) -> AsyncIterator[Family]:
-    """A family whose children all end with the block, however it ends."""
-    kin = Family(directory)
+async def ended_with_block(family: Family) -> AsyncIterator[None]:
+    """A block with which all children end, however it ends."""
     try:
-        yield kin
+        yield
     finally:
         # Shielded against a cancellation while it waits. If all of this process ends, so does its end of the
         # children's standard input, which ends them too.
-        await asyncio.shield(kin.stop())
+        await asyncio.shield(family.stop())
 
 
 def free_port() -> int:
@@ -231,24 +226,3 @@ def share(robots: int, per_process: int) -> Iterator[str]:
     for first in range(0, robots, per_process):
         last = min(first + per_process, robots) - 1
         yield str(first) if first == last else f"{first}-{last}"
-
-
-def _signal(child: Child, number: signal.Signals) -> None:
-    """Send a signal, unless the child has ended.
-
-    Not through Popen: it would look whether the child has ended, and take its exit status away from asyncio.
-    """
-    if child.process.returncode is None:
-        with contextlib.suppress(ProcessLookupError):
-            os.kill(child.process.pid, number)
-
-
-async def _gone(children: list[Child], timeout: float) -> bool:
-    """Whether all of them ended within `timeout` [s]."""
-    try:
-        async with asyncio.timeout(timeout):
-            for child in children:
-                await child.process.wait()
-    except TimeoutError:
-        return False
-    return True

@@ -11,14 +11,20 @@ from typing import Any
 from rich.console import Console
 
 from console import faults, keyring, launcher, observer, rundir, view
+from console.doctor import machine
+from console.doctor.finding import Status
 from console.launcher import Family
 from console.printing import is_screen
 from console.progress import SPINNER
-from console.rundir import Address
+from console.respawn import Respawn
+from console.rundir import Address, RunDirectory
+from console.screen import cursor_back
 from console.summary import BELOW
-from fes import bus, identity, keys, process, strict_json
+from console.supervision import Supervisor
+from fes import bus, identity, keys, process, signals, strict_json
 from fes.endpoints import Endpoints
-from fes.errors import FesError, Stopped
+from fes.errors import FesError
+from world.lockstep import RETURN_TIMEOUT
 from world.scenario import Scenario
 
 RUN = keys.DEFAULT_RUN
@@ -38,45 +44,100 @@ class Launch:
     record: bool
     secure: bool = False
     """With TLS, and certificates made for this run."""
+    respawn: bool = False
+    """Start agents that die again."""
+
+    def groups(self, robots: int) -> list[str]:
+        """The robot ids of each agent process."""
+        return list(launcher.share(robots, self.agents_per_process))
 
 
-def run(launch: Launch, scenario: Scenario, directory: Path, console: Console) -> dict[str, Any]:
+def check(launch: Launch, scenario: Scenario) -> None:
+    """Raise FesError, as `fes doctor` says it, for what would keep this run from starting."""
+    for seen in (machine.loopback(), machine.files(len(launch.groups(scenario.robots.number)))):
+        if seen.status is Status.FAILED:
+            raise FesError(f"{seen.check}: {seen.seen}; {seen.remedy}")
+
+
+def run(launch: Launch, scenario: Scenario, directory: RunDirectory, console: Console) -> dict[str, Any]:
     """Run a scenario with one process for the world and one for each group of agents; returns the summary.
 
-    Every child ends with this call, however it ends. Raises FesError if one of them fails, and Stopped after
-    a signal; what was reached until then is in the directory.
+    Every child ends with this call, however it ends. Raises FesError if the world fails, or if an agent does before
+    the run begins, and Stopped after a signal.
     """
-    try:
-        process.supervise(lambda: _run(launch, scenario, directory, console))
-    except Stopped as stopped:
-        raise Stopped(f"{stopped}; what was reached is in {directory}") from None
-    summary = read_summary(directory)
+    with contextlib.closing(Remarks(held=launch.dashboard)) as remarks:
+        process.supervise(lambda: _run(launch, scenario, directory, console, remarks))
+    summary = read_summary(directory.path)
     if summary["ticks"] < scenario.ticks:
-        raise FesError(f"the world was stopped after {summary['ticks']} of {scenario.ticks} ticks (see {directory})")
+        reached = f"{summary['ticks']} of {scenario.ticks} ticks"
+        raise FesError(f"the world was stopped after {reached} (see {directory.path})")
     return summary
 
 
-async def _run(launch: Launch, scenario: Scenario, directory: Path, console: Console) -> None:
-    groups = list(launcher.share(scenario.robots.number, launch.agents_per_process))
-    with keyring.of_a_run(directory, groups) if launch.secure else contextlib.nullcontext() as kept:
+class Remarks:
+    """Warnings while a run goes on: at once, or `held` until no dashboard covers them."""
+
+    def __init__(self, held: bool) -> None:
+        self._held = held
+        self._waiting: list[str] = []
+
+    def add(self, line: str) -> None:
+        """Say a line, or keep it."""
+        if self._held:
+            self._waiting.append(line)
+        else:
+            process.warn("fes", line)
+
+    def close(self) -> None:
+        """Say all that was held."""
+        for line in self._waiting:
+            process.warn("fes", line)
+
+
+async def _run(
+    launch: Launch, scenario: Scenario, directory: RunDirectory, console: Console, remarks: Remarks
+) -> None:
+    groups, path = launch.groups(scenario.robots.number), directory.path
+    with keyring.of_a_run(path, groups) if launch.secure else contextlib.nullcontext() as kept:
         with_keys = ["--keys", str(kept)] if kept else []
         endpoint = f"{'tls' if kept else 'tcp'}/127.0.0.1:{launcher.free_port()}"
         address = Address(endpoint, RUN, os.getpid(), str(kept) if kept else None)
-        async with launcher.family(directory) as family:
+        async with _family(directory) as family:
             flags = ["-l", endpoint, "--rtf", launch.rtf, *with_keys]
-            world = [str(directory / "scenario.toml"), "--name", launch.name, "--out", str(directory)]
-            resuming = ["--resume", str(directory), *flags]
+            world = [str(path / "scenario.toml"), "--name", launch.name, "--out", str(path)]
+            resuming = ["--resume", str(path), *flags]
             await family.start_world([*world, *([] if launch.record else ["--no-record"]), *flags])
-            rundir.announce(directory, address)
+            rundir.announce(path, address)
             try:
                 joining = ["-e", endpoint, "--timeout", str(JOIN_TIMEOUT), *with_keys]
                 # First, to be there when the run begins.
                 async with _faults(family, launch, scenario, address, joining, resuming):
                     for ids in groups:
                         await family.start_agent(ids, joining)
-                    await _attend(family, launch, address, console)
+                    again = Respawn() if launch.respawn else None
+                    supervisor = Supervisor(family, remarks.add, _deserted(scenario, endpoint), again)
+                    await _attend(supervisor, launch, address, console)
             finally:
-                rundir.withdraw(directory)
+                rundir.withdraw(path)
+
+
+@contextlib.asynccontextmanager
+async def _family(directory: RunDirectory) -> AsyncIterator[Family]:
+    """The children of a run. A second signal, which waits for none of them, lets a world that has begun close by
+    itself, and leaves nothing of one that has not."""
+    family = Family(directory.path)
+
+    def abandon() -> None:
+        if family.has_begun:
+            rundir.withdraw(directory.path)
+            process.complain("fes", f"stopped at once: the world closes {directory.path} by itself")
+        else:
+            family.abandon()
+            directory.discard()
+
+    with signals.if_forced(abandon):
+        async with launcher.ended_with_block(family):
+            yield family
 
 
 @contextlib.asynccontextmanager
@@ -109,6 +170,13 @@ async def _faults(
             await following
 
 
+def _deserted(scenario: Scenario, endpoint: str) -> str:
+    """What to say when no agent is left."""
+    if scenario.run.clock == "live":
+        return "no agent is left: all robots stand still until the end"
+    return f"no agent is left: the world at {endpoint} waits {RETURN_TIMEOUT:g} s for one, and then ends"
+
+
 def _visitor(address: Address) -> Endpoints:
     own = identity.security(Path(address.keys) if address.keys else None, identity.OBSERVER)
     return Endpoints("client", (address.endpoint,), timeout=JOIN_TIMEOUT, security=own)
@@ -123,14 +191,14 @@ def read_summary(directory: Path) -> dict[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
-async def _attend(family: Family, launch: Launch, address: Address, console: Console) -> None:
+async def _attend(supervisor: Supervisor, launch: Launch, address: Address, console: Console) -> None:
     """Wait for the children to end, and show the run meanwhile if a person looks."""
     if not is_screen(console):
-        await family.finish()
+        await supervisor.finish()
         return
     show = asyncio.ensure_future(_show(launch, address, console))
     try:
-        await family.finish()
+        await supervisor.finish()
     finally:
         show.cancel()
         with contextlib.suppress(asyncio.CancelledError, Exception):  # what fails in a view is not the run's
@@ -139,12 +207,13 @@ async def _attend(family: Family, launch: Launch, address: Address, console: Con
 
 async def _show(launch: Launch, address: Address, console: Console) -> None:
     """The dashboard, or a line of progress; a view only, whose failure is not the run's."""
+
     async with bus.opened(_visitor(address)) as opened:
         if launch.dashboard:
             with view.Screen(console, BELOW) as screen:
                 await view.watch(opened, RUN, JOIN_TIMEOUT, screen)
             return
-        with console.status("waiting for the robots", spinner=SPINNER) as status:
+        with cursor_back(console), console.status("waiting for the robots", spinner=SPINNER) as status:
             async for report in observer.reports(opened, RUN, JOIN_TIMEOUT, view.IDLE):
                 if report is not None:
                     status.update(

@@ -2,19 +2,30 @@
 
 import contextlib
 import os
+import shutil
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
-from fes import addresses, encoding, keys, strict_json
+from console import leftovers
+from fes import addresses, encoding, keys, signals, strict_json
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
-from fes.errors import FesError, reason
+from fes.errors import FesError, Stopped, reason
 from fes.identity import security
+from world.checkpoint import FOLDER, is_kept
+from world.recorder import NAME
 
 ROOT = Path("runs")
 LATEST = "latest"
 ENDPOINT = "endpoint.json"
 """Where a run directory says, while its run goes on, where it can be watched."""
+
+SUMMARY = "summary.json"
+SCENARIO = ("scenario.toml", ".scenario.toml")
+FILES = {*SCENARIO, SUMMARY, f".{SUMMARY}", NAME, ENDPOINT}
+"""What a run writes, beside the logs of its children."""
+FOLDERS = {FOLDER, leftovers.KEYS}
 
 
 @dataclass(frozen=True)
@@ -42,26 +53,84 @@ class Visitor:
     """How long to try [s]."""
 
 
-def create(scenario: str, out: Path | None) -> Path:
-    """A new run directory: `out`, or runs/<scenario>-<n> with runs/latest pointing at it; raises FesError."""
+@contextlib.contextmanager
+def made(scenario: str, out: Path | None) -> Iterator["RunDirectory"]:
+    """A new run directory: `out`, or runs/<scenario>-<n> with runs/latest pointing at it; raises FesError.
+
+    Where a signal ends the block before anything was reached, or an error before anything was written, it is gone
+    again. A Stopped that leaves the block says where what was reached is.
+    """
+    directory = RunDirectory.create(scenario, out)
     try:
-        if out is not None:
-            out.mkdir(parents=True, exist_ok=True)
-            if any(out.iterdir()):
-                raise FesError(f"--out {out}: the directory is not empty")
-            return out
-        ROOT.mkdir(exist_ok=True)
-        number = 1
-        while True:
-            directory = ROOT / f"{scenario}-{number}"
-            with contextlib.suppress(FileExistsError):
-                directory.mkdir()
-                break
-            number += 1
-        _point_at(directory)
-        return directory
-    except OSError as error:
-        raise FesError(f"cannot create a run directory: {reason(error)}") from None
+        yield directory
+    except Stopped as stopped:
+        if is_kept(directory.path) or (directory.path / SUMMARY).exists():
+            raise Stopped(f"{stopped}; what was reached is in {directory.path}") from None
+        directory.discard()
+        raise
+    except (FesError, OSError):
+        if directory.is_bare:
+            directory.discard()
+        raise
+
+
+@dataclass(frozen=True)
+class RunDirectory:
+    """The directory of one run, and what it takes to leave no trace of it."""
+
+    path: Path
+    parents: tuple[Path, ...]
+    """The folders that were made for it, itself included, the innermost first."""
+    latest: Path | None = None
+    """What runs/latest pointed at before."""
+
+    @classmethod
+    def create(cls, scenario: str, out: Path | None) -> Self:
+        """A new one, as `made` says."""
+        try:
+            if out is not None:
+                parents = tuple(folder for folder in (out, *out.parents) if not folder.exists())
+                out.mkdir(parents=True, exist_ok=True)
+                if any(out.iterdir()):
+                    raise FesError(f"--out {out}: the directory is not empty{leftovers.named(out)}")
+                return cls(out, parents)
+            parents = () if ROOT.exists() else (ROOT,)
+            ROOT.mkdir(exist_ok=True)
+            number = 1
+            while True:
+                directory = ROOT / f"{scenario}-{number}"
+                with contextlib.suppress(FileExistsError):
+                    directory.mkdir()
+                    break
+                number += 1
+            return cls(directory, (directory, *parents), _point_at(directory))
+        except OSError as error:
+            raise FesError(f"cannot create a run directory: {reason(error)}") from None
+
+    @property
+    def is_bare(self) -> bool:
+        """True if there is nothing in it but its scenario."""
+        with contextlib.suppress(OSError):
+            return all(path.name in SCENARIO for path in self.path.iterdir())
+        return False
+
+    def discard(self) -> None:
+        """Remove it, with what a run writes and nothing else; runs/latest points where it did before."""
+        with signals.blocked(), contextlib.suppress(OSError):
+            for path in list(self.path.iterdir()):
+                if path.name in FOLDERS:
+                    shutil.rmtree(path, ignore_errors=True)
+                elif path.name in FILES or path.suffix == ".log":
+                    path.unlink(missing_ok=True)
+            if self.parents:
+                self.path.rmdir()
+            latest = ROOT / LATEST
+            if latest.is_symlink() and latest.readlink() == Path(self.path.name) and not latest.exists():
+                latest.unlink()
+                if self.latest is not None and (ROOT / self.latest).exists():
+                    _point_at(self.latest)
+            for folder in self.parents[1:]:
+                folder.rmdir()
 
 
 def announce(directory: Path, address: Address) -> None:
@@ -134,9 +203,11 @@ def reach(who: Visitor, connect: list[str] | None, config: Path | None, cfg: lis
     return Endpoints("client", where, (), config, tuple(cfg or ()), who.timeout, unasked, own)
 
 
-def _point_at(directory: Path) -> None:
-    """Point runs/latest at the directory, in one step."""
-    temporary = ROOT / f".{LATEST}-{os.getpid()}"
+def _point_at(directory: Path) -> Path | None:
+    """Point runs/latest at the directory, in one step; returns what it pointed at before."""
+    temporary, latest = ROOT / f".{LATEST}-{os.getpid()}", ROOT / LATEST
+    before = latest.readlink() if latest.is_symlink() else None
     temporary.unlink(missing_ok=True)
     temporary.symlink_to(directory.name)
-    os.replace(temporary, ROOT / LATEST)
+    os.replace(temporary, latest)
+    return before

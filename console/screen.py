@@ -7,7 +7,7 @@ from rich.console import Console, RenderableType
 from rich.live import Live
 
 from console.printing import is_screen
-from fes import output
+from fes import signals
 
 CURSOR = "\x1b[?25h"
 """Show the cursor."""
@@ -32,7 +32,7 @@ def whole(console: Console) -> Iterator[Draw]:
         _write(console, LEAVE)
 
     live = Live(console=console, screen=True, auto_refresh=False)
-    with output.restored(leave):
+    with signals.if_forced(leave):
         try:
             live.start()
             yield lambda frame: live.update(frame, refresh=True)
@@ -47,7 +47,7 @@ def whole(console: Console) -> Iterator[Draw]:
 @contextmanager
 def cursor_back(console: Console) -> Iterator[None]:
     """A block that may hide the cursor: it is there again though a second signal ends the process."""
-    with output.restored(lambda: _write(console, CURSOR) if is_screen(console) else None):
+    with signals.if_forced(lambda: _write(console, CURSOR) if is_screen(console) else None):
         yield
 
 

@@ -11,6 +11,7 @@ from fes import bus, change, keys, process, strict_json
 from fes.change import Change
 from fes.errors import Absent
 from fes.identity import OPERATOR
+from world import remarks
 from world.scenario import parse_override
 
 
@@ -42,6 +43,8 @@ def set_command(
                     f"{effect.path} = {strict_json.dumps(effect.value)} from tick {effect.tick} on; "
                     f"r* = {effect.optimal_separation:.3f} m"
                 )
+            if effect.unnoticed:  # of the last change: the channel as it is now
+                print(remarks.UNNOTICED)
         return process.SUCCESS
 
     process.leave("fes", ask)

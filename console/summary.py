@@ -9,6 +9,7 @@ from rich.text import Text
 
 from console.printing import cell
 from console.text import UNKNOWN, percent
+from world.summary import links_lost
 
 BELOW = 11
 """Lines on a terminal of 80 columns, the run directory included, of a summary without deadlines and expectations."""
@@ -64,6 +65,8 @@ def _course(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("connected", f"disk graph {disk}, links {links}, λ₂ {lambda_2}"),
         ("beacons decoded", f"{decoded:,} of {sent:,}{share}"),
     ]
+    if summary["links_lost_at"] is not None:
+        found.append(("links", links_lost(summary["links_lost_at"])))
     if summary["deadlines"] is not None:
         found.append(("deadlines missed", _deadlines(summary["deadlines"])))
     return found

@@ -7,6 +7,8 @@ draws       random numbers as a function of (seed, stream, tick, sender, receive
 outage      equations (3) and (4); of the agents only agents.oracle may import it
 objective   the robots' own half of the performance index (16)
 config      AgentConfig: all that an agent may know
+stability   rules between the tick and the gains
+counts      how often one setting fits into another
 sensing     what a crew senses and says in one tick, as arrays
 messages    Welcome, Observation, Beacon, Command, and their encoding
 report      Report, what observers see, and its encoding
@@ -23,10 +25,12 @@ bus         a session of Zenoh: everything it declares, and its way to asyncio
 session     how it is opened
 inbox       from Zenoh's threads to the loop, one wake-up a tick
 complaints  bad messages, counted and logged once a kind
+signals     stop signals while modules are still being imported, and where a second one ends a process
 output      text that leaves a process: any encoding, no control characters
 strict_json JSON without NaN and Infinity
 process     signals, exit codes, Zenoh's command-line flags
 distribution  name and version of the installed distribution, and how a clone installs it
 encoding    text from outside: files, arguments and names, in any encoding
+memory      how much of it there is
 errors      every error, on one page
 """

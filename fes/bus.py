@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import zenoh
@@ -37,6 +38,9 @@ default priority waits in another queue of each link, so that a flood of it neit
 
 Handler = Callable[[str, bytes | None], None]
 """Called with the key and the payload of a sample (None for a deletion), in a thread of Zenoh."""
+
+Gate = Callable[[str, bytes], bool]
+"""True if a sample may pass; called with its key and its sender's mark (empty if none), in a thread of Zenoh."""
 
 
 @dataclass(frozen=True)
@@ -85,8 +89,10 @@ class Bus:
         self._loop = loop
         self._held: list[Any] = []
 
-    def publisher(self, key: str, schema: str, *, drop: bool = False) -> Callable[[bytes], None]:
-        """A function that puts a payload on `key`.
+    def publisher(
+        self, key: str, schema: str, *, drop: bool = False, mark: bytes | None = None
+    ) -> Callable[[bytes], None]:
+        """A function that puts a payload on `key`, with the `mark` of its sender beside it if there is one.
 
         It waits where the network is congested, since one lost message would stop the lockstep; with `drop`
         the message is lost instead, since an observer must never hold up a tick.
@@ -97,14 +103,19 @@ class Bus:
             key, encoding=_encoding(schema), congestion_control=control, priority=priority, express=False
         )
         self._held.append(declared)
-        return declared.put
+        return declared.put if mark is None else partial(declared.put, attachment=mark)
 
-    def subscribe(self, key: str, handler: Handler) -> Callable[[], None]:
-        """Hand every sample on `key` to `handler`; returns a function that ends it."""
+    def subscribe(self, key: str, handler: Handler, gate: Gate | None = None) -> Callable[[], None]:
+        """Hand every sample on `key` that may pass the `gate` to `handler`; returns a function that ends it."""
 
         def on_sample(sample: zenoh.Sample) -> None:
+            name = str(sample.key_expr)
+            if gate is not None:
+                mark = sample.attachment
+                if not gate(name, b"" if mark is None else mark.to_bytes()):
+                    return
             put = sample.kind == zenoh.SampleKind.PUT
-            handler(str(sample.key_expr), sample.payload.to_bytes() if put else None)
+            handler(name, sample.payload.to_bytes() if put else None)
 
         declared = self._session.declare_subscriber(key, zenoh.handlers.Callback(on_sample, indirect=False))
         return declared.undeclare

@@ -36,6 +36,8 @@ class Effect(NamedTuple):
     """It holds from this tick on."""
     optimal_separation: float
     """r* of the channel as it is now [m]."""
+    unnoticed: bool = False
+    """True if the robots were told another channel, and do not notice."""
 
 
 def encode_change(message: Change) -> bytes:
@@ -56,14 +58,16 @@ def decode_change(payload: bytes) -> Change:
 
 def encode_effect(message: Effect) -> bytes:
     """The payload of an Effect."""
-    return wire.pack(message.path, strict_json.dumps(message.value), message.tick, message.optimal_separation)
+    return wire.pack(message.path, strict_json.dumps(message.value), *message[2:])
 
 
 def decode_effect(payload: bytes) -> Effect:
     """The Effect in a payload; raises MessageError."""
-    path, value, tick, optimal = wire.unpack("Effect", payload, 4)
-    wire.finite("Effect", (optimal,))
-    return Effect(_path("Effect", path), _value("Effect", value, LONGEST_EFFECT), wire.tick("Effect", tick), optimal)
+    name = "Effect"
+    path, value, tick, optimal, unnoticed = wire.unpack(name, payload, 5)
+    wire.finite(name, (optimal,))
+    wire.check(name, type(unnoticed) is bool, "unnoticed must be true or false", unnoticed)
+    return Effect(_path(name, path), _value(name, value, LONGEST_EFFECT), wire.tick(name, tick), optimal, unnoticed)
 
 
 def _path(name: str, path: Any) -> str:

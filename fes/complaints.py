@@ -26,12 +26,12 @@ class Complaints:
 
     def add(self, kind: str, line: str) -> None:
         """Count one; the first of its kind is logged with `line`. A sender may have a part in both."""
-        kind, further = _shown(kind), "further ones of this kind"
+        kind, further = shown(kind), "further ones of this kind"
         if kind not in self.counts and len(self.counts) >= self._most:
             kind, further = self._other, "further kinds"
         self.counts[kind] += 1
         if self.counts[kind] == 1:
-            self._logger.warning("dropped %s (%s are counted, not shown)", _shown(line), further)
+            self._logger.warning("dropped %s (%s are counted, not shown)", shown(line), further)
 
     def unread(self, key: str, error: MessageError) -> None:
         """Count a message that cannot be used, by the rule it breaks."""
@@ -41,22 +41,27 @@ class Complaints:
         """Count one that did not come; the first of its `kind`, one of a few fixed words, is logged with `line`."""
         self.missing[kind] += 1
         if self.missing[kind] == 1:
-            self._logger.warning("%s (further ones of this kind are counted, not shown)", _shown(line))
+            self._logger.warning("%s (further ones of this kind are counted, not shown)", shown(line))
 
-    def log_total(self, overflow: int = 0) -> None:
-        """A line with each of the counts, if there are any; `overflow` messages found no room to wait."""
+    def log_total(self, overflow: int = 0, strangers: int = 0) -> None:
+        """A line with each of the counts, if there are any.
+
+        `overflow` messages found no room to wait; `strangers` came from a process that was not accepted.
+        """
         if overflow:
             self.counts["no room"] += overflow
+        if strangers:
+            self.counts["of a process that was not accepted"] += strangers
         for what, counts in (("dropped messages", self.counts), ("missing", self.missing)):
             if counts:
                 total = ", ".join(f"{kind} x{count}" for kind, count in counts.most_common(8))
                 self._logger.warning("%s: %s", what, total)
 
 
-def _shown(line: str) -> str:
-    """A line that a sender has a part in, as one line of a log: printable, and of bounded length.
+def shown(line: str) -> str:
+    """Text that a sender has a part in, as one line of a log: printable, and of bounded length.
 
-    >>> _shown("key\\nforged line: rule")
+    >>> shown("key\\nforged line: rule")
     'key\\\\nforged line: rule'
     """
     shown = printable(line[:LONGEST_LINE])

@@ -44,7 +44,11 @@ def uniform_ticks(stream_key: Ints, first: int, count: int, senders: Ints, recei
         counter[:] = (first // _PER_COUNTER, sender, receiver, 0)
         generator.state = state
         words[:, column] = generator.random_raw(count)
-    numbers: Floats = (words >> np.uint64(11)).astype(np.float64) * _TO_UNIT
+    # In place, tick by tick: the numbers of a crowd are large, and three of them at once too large.
+    words >>= np.uint64(11)
+    numbers: Floats = words.view(np.float64)
+    for row, ready in zip(words, numbers, strict=True):
+        np.multiply(row, _TO_UNIT, out=ready)
     return numbers
 
 

@@ -38,6 +38,17 @@ def reason(error: OSError, *, with_file: bool = True) -> str:
     return f"{what}: {error.filename}" if with_file and error.filename is not None else what
 
 
+def no_memory(error: MemoryError) -> str:
+    """What was asked for in vain, in a line.
+
+    >>> no_memory(MemoryError("Unable to allocate 5 GiB"))
+    'not enough memory: Unable to allocate 5 GiB'
+    >>> no_memory(MemoryError())
+    'not enough memory'
+    """
+    return ": ".join(filter(None, ("not enough memory", str(error))))
+
+
 class ScenarioError(FesError):
     """A scenario or an override that breaks a rule."""
 

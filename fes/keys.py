@@ -10,7 +10,8 @@
 | fes/<run>/world/about           | empty, answered by About | person -> world -> person           | when asked   |
 | fes/<run>/robot/<i>/observation | Observation              | world -> agent i                    | each tick    |
 | fes/<run>/robot/<i>/beacon      | Beacon                   | agent i -> peers in range           | each tick   |
-| fes/<run>/robot/<i>/recall      | Recall, answered by Beacon | agent -> peer -> agent            | if one was lost |
+| fes/<run>/robot/<i>/recall      | Recall, answered by Beacon | world -> agent i -> world         | if one was lost |
+| fes/<run>/world/beacon/<i>      | Recall, answered by Beacon | agent -> world -> agent           | if one was lost |
 | fes/<run>/robot/<i>/command     | Command                  | agent i -> world                    | each tick    |
 | fes/<run>/world/report          | Report                   | world -> observers                  | 10 Hz (wall) |
 | fes/<run>/world/set             | Change, answered by Effect | person -> world -> person         | when asked   |
@@ -29,6 +30,7 @@ MAX_ROBOTS = 100_000
 """Robots of a run, at most; ids are below."""
 
 _RUN = re.compile(r"[A-Za-z0-9_.-]{1,64}")
+_NUMBER = re.compile("[0-9]{1,9}")
 _ROBOT = re.compile(r"fes/[^/]+/robot/(0|[1-9][0-9]{0,9})/[a-z]+")
 
 
@@ -85,6 +87,21 @@ def span(robots: Sequence[int]) -> str:
     return f"{first}" if first == last else f"{first}-{last}"
 
 
+def parse_span(text: str, flag: str, forms: str = "I or A-B") -> tuple[int, ...]:
+    """The robots that a person names after `flag` in one of these `forms`; raises FesError.
+
+    >>> parse_span("3", "--id"), parse_span("2-4", "--id")
+    ((3,), (2, 3, 4))
+    """
+    first, dash, last = text.partition("-")
+    if not _NUMBER.fullmatch(first) or (dash and not _NUMBER.fullmatch(last)):
+        raise FesError(f"{flag} expects {forms} with integers from 0, got '{text[:40]}'")
+    low, high = int(first), int(last) if dash else int(first)
+    if high < low or high >= MAX_ROBOTS:
+        raise FesError(f"{flag} expects I or A-B with A <= B < {MAX_ROBOTS}, got '{text}'")
+    return tuple(range(low, high + 1))
+
+
 def report(run: str) -> str:
     """Where observers look."""
     return f"fes/{run}/world/report"
@@ -111,8 +128,13 @@ def beacon(run: str, robot: int | str) -> str:
 
 
 def recall(run: str, robot: int | str) -> str:
-    """Where a peer asks for a beacon that it lost."""
+    """Where the world asks a robot to repeat a beacon that it did not get."""
     return f"fes/{run}/robot/{robot}/recall"
+
+
+def held_beacon(run: str, robot: int | str) -> str:
+    """Where a peer asks the world for its copy of a robot's beacon."""
+    return f"fes/{run}/world/beacon/{robot}"
 
 
 def command(run: str, robot: int | str) -> str:

@@ -11,7 +11,7 @@ from fes import wire
 from fes.arrays import Bytes, Floats, Ints
 from fes.config import AgentConfig
 from fes.errors import MessageError
-from fes.sensing import DECODED
+from fes.sensing import DECODED, MAX_TOLD, MAX_TWIST
 
 MAX_STATISTICS = 64
 MAX_AGENT = 2**62
@@ -24,6 +24,11 @@ class Join(NamedTuple):
     """Those it wants to host, ascending."""
     agent: int
     """A number that it has drawn, from 0 to MAX_AGENT: no other agent of these robots has the same."""
+
+    @property
+    def mark(self) -> bytes:
+        """What stands beside each of its Commands: another process with the same certificate does not know it."""
+        return self.agent.to_bytes(8, "little")
 
 
 class Welcome(NamedTuple):
@@ -130,11 +135,11 @@ def decode_beacon(payload: bytes) -> Beacon:
     peers = wire.ids(name, links)
     return Beacon(
         *wire.stamp(name, tick, robot),
-        wire.finite(name, (x, y, heading)),
+        wire.finite(name, (x, y, heading), MAX_TOLD),
         peers,
-        wire.numbers(name, estimates, len(peers)),
+        wire.numbers(name, estimates, len(peers), MAX_TOLD),
         wire.codes(name, named, len(peers), 1),
-        wire.some_numbers(name, statistics, MAX_STATISTICS),
+        wire.some_numbers(name, statistics, MAX_STATISTICS, MAX_TOLD),
     )
 
 
@@ -155,13 +160,13 @@ def decode_command(payload: bytes) -> Command:
     name = "Command"
     tick, robot, linear, angular, links, estimates, learnt = wire.unpack(name, payload, 7)
     peers = wire.ids(name, links)
-    beliefs = wire.some_numbers(name, learnt, 2 * len(peers))
+    beliefs = wire.some_numbers(name, learnt, 2 * len(peers), MAX_TOLD)
     wire.check(name, len(beliefs) in (0, 2 * len(peers)), "expects two numbers a link, or none", len(beliefs))
     return Command(
         *wire.stamp(name, tick, robot),
-        wire.finite(name, (linear, angular)),
+        wire.finite(name, (linear, angular), MAX_TWIST),
         peers,
-        wire.numbers(name, estimates, len(peers)),
+        wire.numbers(name, estimates, len(peers), MAX_TOLD),
         beliefs,
     )
 

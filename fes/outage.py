@@ -5,6 +5,7 @@ only `agents.oracle` may import it. `tests/test_architecture.py` holds them to i
 """
 
 import math
+import sys
 
 import numpy as np
 
@@ -15,14 +16,16 @@ from fes.config import ChannelConfig
 def exponent_scale(channel: ChannelConfig) -> float:
     """c [m^-nu] of the reception probability exp(-c r^nu), from (3): (2^delta - 1) / SNR / r0^nu.
 
-    A perfect channel has c = 0. Raises ValueError for a logistic one, which has none.
+    A perfect channel has c = 0, and none more than a float can hold. Raises ValueError for a logistic one, which has
+    no c.
     """
     if channel.model == "logistic":
         raise ValueError("a logistic channel is not of the form exp(-c r^nu)")
     if channel.model == "perfect":
         return 0.0
-    threshold = math.exp2(channel.spectral_efficiency) - 1.0
-    return float(threshold / channel.reference_snr / channel.reference_distance**channel.path_loss_exponent)
+    threshold = _exp2_less_one(channel.spectral_efficiency)
+    scale = threshold / channel.reference_snr / channel.reference_distance**channel.path_loss_exponent
+    return float(min(scale, sys.float_info.max))
 
 
 def logistic_excess(separation: Floats, channel: ChannelConfig) -> Floats:
@@ -35,14 +38,14 @@ def reception_probability(separation: Floats, channel: ChannelConfig) -> Floats:
     """Probability that a beacon decodes at `separation` [m], any shape: 1 - outage, after (3) if Rayleigh."""
     if channel.model == "logistic":
         return _logistic(-logistic_excess(separation, channel))
-    return np.exp(-exponent_scale(channel) * np.power(separation, channel.path_loss_exponent))
+    return np.exp(-_loss(separation, channel))
 
 
 def outage_probability(separation: Floats, channel: ChannelConfig) -> Floats:
     """Outage at `separation` [m], any shape; P[C < delta] of (3) if Rayleigh."""
     if channel.model == "logistic":
         return _logistic(logistic_excess(separation, channel))
-    return -np.expm1(-exponent_scale(channel) * np.power(separation, channel.path_loss_exponent))
+    return -np.expm1(-_loss(separation, channel))
 
 
 def log_reception_slope(separation: Floats, channel: ChannelConfig) -> Floats:
@@ -73,6 +76,18 @@ def range_at_outage(outage: float, channel: ChannelConfig) -> float:
     if scale == 0.0:
         raise ValueError("a perfect channel reaches no outage at any separation")
     return float((-math.log1p(-outage) / scale) ** (1.0 / channel.path_loss_exponent))
+
+
+def _loss(separation: Floats, channel: ChannelConfig) -> Floats:
+    """c r^nu [1] of (3) at `separation` [m], any shape; infinite beyond what a float can hold."""
+    scale = exponent_scale(channel)
+    with np.errstate(over="ignore"):
+        return scale * np.power(separation, channel.path_loss_exponent) if scale else np.zeros_like(separation)
+
+
+def _exp2_less_one(x: float) -> float:
+    """2^x - 1; where x is small the difference would lose digits."""
+    return math.exp2(x) - 1.0 if x >= 1.0 else math.expm1(math.log(2.0) * x)
 
 
 def _logistic(z: Floats) -> Floats:

@@ -1,13 +1,8 @@
 """Text that leaves a process, on a terminal, in a pipe or in a log: any encoding, no control characters."""
 
-import contextlib
 import io
 import logging
-import os
 import sys
-from collections.abc import Callable, Iterator
-
-_restorers: list[Callable[[], None]] = []
 
 
 def configure() -> None:
@@ -40,21 +35,3 @@ class Formatter(logging.Formatter):
     def formatException(self, ei: object) -> str:  # noqa: N802, logging's own name
         """The lines of a traceback."""
         return "\n".join(map(printable, super().formatException(ei).split("\n")))  # type: ignore[arg-type]
-
-
-@contextlib.contextmanager
-def restored(restore: Callable[[], None]) -> Iterator[None]:
-    """A block that changes the terminal: `restore` is called if a second signal ends the process in it."""
-    _restorers.append(restore)
-    try:
-        yield
-    finally:
-        _restorers.remove(restore)
-
-
-def end_at_once(code: int) -> None:
-    """End this process without cleaning up, but leave the terminal as it was."""
-    for restore in reversed(_restorers):
-        with contextlib.suppress(Exception):
-            restore()
-    os._exit(code)

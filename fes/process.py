@@ -12,9 +12,10 @@ from collections.abc import Callable, Coroutine, Iterator, Mapping
 from pathlib import Path
 from typing import NoReturn, TypeVar
 
-from fes import identity, keys, output
+from fes import identity, keys, output, signals
 from fes.endpoints import Endpoints, Mode, default_endpoint
-from fes.errors import FesError, Stopped, reason
+from fes.errors import FesError, Stopped, no_memory, reason
+from fes.signals import STOP_SIGNALS
 
 SUCCESS, FAILURE, UNMET = 0, 1, 2
 """Exit codes: success; bad configuration or run-time error; the run finished, but not as its scenario expects."""
@@ -24,9 +25,10 @@ FORCED = 130
 
 YEAR = 3.2e7  # s
 
-T = TypeVar("T")
+SLOWEST = 1e-6
+"""Least pace [simulated seconds per second]: a tick of it can be slept through."""
 
-STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+T = TypeVar("T")
 
 
 def run(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_with_stdin: bool = False) -> NoReturn:
@@ -53,6 +55,9 @@ def leave(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_wit
     except OSError as error:
         complain(name, reason(error))
         code = FAILURE
+    except MemoryError as error:
+        complain(name, no_memory(error))
+        code = FAILURE
     with contextlib.suppress(OSError):  # the terminal may be gone
         sys.stdout.flush()
         sys.stderr.flush()
@@ -61,8 +66,12 @@ def leave(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_wit
 
 
 def supervise(main: Callable[[], Coroutine[None, None, T]], *, exit_with_stdin: bool = False) -> T:
-    """The result of `main`, run to its end; a signal cancels it, lets it clean up, and raises Stopped."""
-    return asyncio.run(_until_stopped(main, exit_with_stdin))
+    """The result of `main`, run to its end; a signal cancels it, lets it clean up, and raises Stopped.
+
+    Signals have the handlers of before again when this is over.
+    """
+    with signals.restored():
+        return asyncio.run(_until_stopped(main, exit_with_stdin))
 
 
 @contextlib.contextmanager
@@ -73,15 +82,13 @@ def interruptible() -> Iterator[None]:
     def stop(number: int, frame: object) -> None:
         told.append(number)
         if len(told) > 1:
-            output.end_at_once(FORCED)
+            signals.force(FORCED)
         raise Stopped(f"stopped by {signal.Signals(number).name}")
 
-    before = {number: signal.signal(number, stop) for number in STOP_SIGNALS}
-    try:
+    with signals.restored():
+        for number in STOP_SIGNALS:
+            signal.signal(number, stop)
         yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 async def _until_stopped(main: Callable[[], Coroutine[None, None, T]], exit_with_stdin: bool) -> T:
@@ -91,11 +98,12 @@ async def _until_stopped(main: Callable[[], Coroutine[None, None, T]], exit_with
     def stop(by: str) -> None:
         told.append(by)
         if len(told) > 1:
-            output.end_at_once(FORCED)
+            signals.force(FORCED)
         task.cancel(by)  # who is cancelled can see why
 
     for number in STOP_SIGNALS:
         loop.add_signal_handler(number, stop, number.name)
+    signals.deliver()
     if exit_with_stdin:
         try:
             loop.add_reader(sys.stdin.fileno(), lambda: _at_end_of_stdin(loop, stop))
@@ -129,9 +137,20 @@ def _wake_at_end_of_stdin() -> None:
 
 def complain(name: str, message: str) -> None:
     """Say what is wrong, in one line."""
+    tell(f"{name}: error: {message}")
+
+
+def warn(name: str, message: str) -> None:
+    """Say what a person should know of a program that continues, in one line."""
+    tell(f"{name}: warning: {message}")
+
+
+def tell(message: str) -> None:
+    """Say something on standard error, in one line; nothing if that is closed."""
     line = output.printable(" ".join(message.split("\n")))
-    with contextlib.suppress(OSError):  # the terminal may be gone
-        print(f"{name}: error: {line}", file=sys.stderr)
+    if sys.stderr is not None:  # print() would take standard output instead
+        with contextlib.suppress(OSError, ValueError):  # the terminal may be gone
+            print(line, file=sys.stderr, flush=True)
 
 
 def seconds(text: str) -> float:
@@ -151,15 +170,15 @@ def period(text: str) -> float:
 
 
 def real_time_factor(text: str) -> float | None:
-    """The argument of --rtf: a positive number, or `max` for full speed (None); raises ArgumentTypeError."""
+    """The argument of --rtf: a number from SLOWEST on, or `max` for full speed (None); raises ArgumentTypeError."""
     if text == "max":
         return None
     try:
         value = float(text)
     except ValueError:
         value = 0.0
-    if not 0.0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"expects 'max' or a positive number, got '{text}'")
+    if not SLOWEST <= value < float("inf"):
+        raise argparse.ArgumentTypeError(f"expects 'max' or a number that is at least {SLOWEST:g}, got '{text}'")
     return value
 
 

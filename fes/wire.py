@@ -7,6 +7,7 @@ MessageError where the field has the wrong type, length or size, a number is not
 
 import math
 import reprlib
+import sys
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any, TypeVar
@@ -94,11 +95,13 @@ def stamp(name: str, tick_: Any, robot: Any) -> tuple[int, int]:
     return tick(name, tick_), robot_id(name, robot)
 
 
-def finite(name: str, values: T) -> T:
-    """A tuple of finite numbers."""
+def finite(name: str, values: T, most: float = sys.float_info.max) -> T:
+    """A tuple of finite numbers, each within `most` of zero."""
     for value in values:
         if type(value) is not float or not math.isfinite(value):
             check(name, False, "expects a finite number", value)
+        if abs(value) > most:
+            check(name, False, f"expects a number within {most:g} of zero", value)
     return values
 
 
@@ -144,21 +147,22 @@ def id_bytes(robots: Ints) -> bytes:
     return robots.astype("<i4").tobytes()
 
 
-def numbers(name: str, blob: Any, count: int) -> Floats:
-    """Finite numbers [count]."""
+def numbers(name: str, blob: Any, count: int, most: float = sys.float_info.max) -> Floats:
+    """Finite numbers [count], each within `most` of zero."""
     if type(blob) is not bytes or len(blob) != 8 * count:
         check(name, False, f"expects {count} float64", blob)
     found = np.frombuffer(blob, dtype="<f8")
-    if not np.logical_and.reduce(np.isfinite(found)):
-        check(name, False, "numbers must be finite", found.tolist())
+    if not np.logical_and.reduce(np.abs(found) <= most):  # NaN is not
+        rule = f"numbers must be within {most:g} of zero" if np.isfinite(found).all() else "numbers must be finite"
+        check(name, False, rule, found.tolist())
     return found
 
 
-def some_numbers(name: str, blob: Any, most: int) -> Floats:
-    """Finite numbers, at most `most` of them."""
-    if type(blob) is not bytes or len(blob) % 8 or len(blob) > 8 * most:
-        check(name, False, f"expects at most {most} float64", blob)
-    return numbers(name, blob, len(blob) // 8)
+def some_numbers(name: str, blob: Any, count: int, most: float = sys.float_info.max) -> Floats:
+    """Finite numbers, at most `count` of them, each within `most` of zero."""
+    if type(blob) is not bytes or len(blob) % 8 or len(blob) > 8 * count:
+        check(name, False, f"expects at most {count} float64", blob)
+    return numbers(name, blob, len(blob) // 8, most)
 
 
 def codes(name: str, blob: Any, count: int, highest: int) -> Bytes:

@@ -6,6 +6,7 @@ import functools
 import struct
 from collections.abc import Callable, Iterator
 from typing import Any
+from unittest import mock
 
 import msgpack
 import numpy as np
@@ -15,7 +16,7 @@ from console import inprocess
 from fes import keys, messages, wire
 from fes.bus import Bus
 from fes.errors import Refused
-from fes.messages import Beacon, Command, Observation
+from fes.messages import Beacon, Command, Join, Observation
 from tests import session
 from tests.loop import load
 from tests.session import RUN
@@ -25,6 +26,10 @@ ROBOTS = 10
 FLOOD = 10_000
 NOBODY = np.zeros(0, dtype=np.int64)
 NOTHING = np.zeros(0)
+
+AGENT = 4711
+"""The number of every agent of a run that is attacked, so that attackers know the mark of its commands."""
+MARK = Join((0,), AGENT).mark
 
 Attack = Callable[[Bus], Iterator[tuple[str, bytes]]]
 
@@ -41,11 +46,17 @@ def attacked(disturb: Any) -> tuple[Server, list[Agent]]:
     async def bounded() -> Any:
         async with asyncio.timeout(60.0):
             scenario = load("paper.toml", run__duration=2.0)
-            return await session.run(scenario, [[robot] for robot in range(ROBOTS)], disturb)
+            with mock.patch("agents.membership.secrets.randbelow", return_value=AGENT):
+                return await session.run(scenario, [[robot] for robot in range(ROBOTS)], disturb)
 
     summary, server, agents = asyncio.run(bounded())
     assert summary["digest"] == undisturbed()
     return server, agents
+
+
+def put(attacker: Bus, key: str, payload: bytes) -> None:
+    """Put a payload as the agents of the run do, marked."""
+    attacker._session.put(key, payload, attachment=MARK)
 
 
 async def ticks_go_by(opened: Bus, count: int, begin: asyncio.Event | None = None) -> None:

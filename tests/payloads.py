@@ -18,6 +18,7 @@ from fes.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveCon
 from fes.errors import MessageError
 from fes.messages import Beacon, Command, Join, Observation, Welcome
 from fes.report import Report
+from fes.sensing import MAX_TOLD, MAX_TWIST
 
 
 class Codec(NamedTuple):
@@ -30,6 +31,8 @@ class Codec(NamedTuple):
 
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
+told = st.floats(-MAX_TOLD, MAX_TOLD)
+turns = st.floats(-MAX_TWIST, MAX_TWIST)
 positive = st.floats(0, exclude_min=True, allow_infinity=False)
 small = st.floats(1e-3, 1.0)
 ticks = st.integers(0, 2**53 - 1)
@@ -55,23 +58,23 @@ def observations(draw: st.DrawFn) -> Observation:
 
 @st.composite
 def beacons(draw: st.DrawFn) -> Beacon:
-    pose, near = (draw(finite), draw(finite), draw(finite)), draw(peers)
+    pose, near = (draw(told), draw(told), draw(told)), draw(peers)
     return Beacon(
         draw(ticks),
         draw(robots),
         pose,
         near,
-        draw(floats(len(near))),
+        draw(floats(len(near), told)),
         draw(codes(len(near), 1)),
-        draw(floats(draw(st.integers(0, 7)))),
+        draw(floats(draw(st.integers(0, 7)), told)),
     )
 
 
 @st.composite
 def commands(draw: st.DrawFn) -> Command:
     near = draw(peers)
-    learnt = draw(floats(draw(st.sampled_from([0, 2 * len(near)]))))
-    return Command(draw(ticks), draw(robots), (draw(finite), draw(finite)), near, draw(floats(len(near))), learnt)
+    learnt = draw(floats(draw(st.sampled_from([0, 2 * len(near)])), told))
+    return Command(draw(ticks), draw(robots), (draw(turns), draw(turns)), near, draw(floats(len(near), told)), learnt)
 
 
 @st.composite

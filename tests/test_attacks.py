@@ -19,6 +19,7 @@ from tests.attackers import (
     command,
     everywhere,
     observation,
+    put,
     ticks_go_by,
 )
 from tests.loop import load
@@ -36,7 +37,7 @@ def test_a_bad_payload_on_every_key_is_counted_with_one_line_a_kind_and_changes_
             await ticks_go_by(vandal, 2, begin)  # at tick 0 a command for tick 0 would be one like any other
             for _ in range(5):
                 for key, sent in everywhere(payload):
-                    vandal._session.put(key, sent)
+                    put(vandal, key, sent)
                 await asyncio.sleep(0.01)
             await arrived(vandal)
 
@@ -64,11 +65,11 @@ def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -
             for undeclare in stop:
                 undeclare()
             for key, payload in reversed(kept):
-                echo._session.put(key, payload)
+                put(echo, key, payload)
             for robot in range(ROBOTS):
-                echo._session.put(keys.command(RUN, robot), command(10**6, robot))
-                echo._session.put(keys.beacon(RUN, robot), beacon(10**6, robot))
-                echo._session.put(keys.observation(RUN, robot), observation(10**6, robot))
+                put(echo, keys.command(RUN, robot), command(10**6, robot))
+                put(echo, keys.beacon(RUN, robot), beacon(10**6, robot))
+                put(echo, keys.observation(RUN, robot), observation(10**6, robot))
             await arrived(echo)
             assert kept
 
@@ -90,8 +91,8 @@ def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds(monkeypa
             await server.gather()
             running = asyncio.ensure_future(server.run())
             for linear in (0.0, 50.0, 60.0):  # the last robot is answered for last, so all are of tick 0
-                puppet._session.put(keys.command(RUN, 0), command(0, 0, linear))
-            puppet._session.put(keys.command(RUN, 1), command(0, 1, 0.0))
+                puppet._session.put(keys.command(RUN, 0), command(0, 0, linear), attachment=Join((0,), 0).mark)
+            puppet._session.put(keys.command(RUN, 1), command(0, 1, 0.0), attachment=Join((1,), 1).mark)
             async with asyncio.timeout(PATIENCE):
                 while server.summarize() is None:
                     await asyncio.sleep(0.01)
@@ -114,7 +115,7 @@ def test_another_run_on_the_same_router_is_not_heard_at_all() -> None:
             await ticks_go_by(vandal, 5, begin)  # all listen to their peers by now
             for _ in range(20):
                 for key, sent in everywhere(b"\xc1 junk", "other"):
-                    vandal._session.put(key, sent)
+                    put(vandal, key, sent)
                 await asyncio.sleep(0)
             await arrived(vandal)
 
@@ -126,7 +127,7 @@ def test_a_payload_longer_than_the_limit_does_not_arrive_and_harms_nobody() -> N
         async with client(endpoint) as vandal:
             await ticks_go_by(vandal, 5, begin)
             for key, _ in everywhere(b""):
-                vandal._session.put(key, bytes(2 * wire.MAX_PAYLOAD))
+                put(vandal, key, bytes(2 * wire.MAX_PAYLOAD))
             await arrived(vandal)
 
     nobody_hears_of(disturb)
@@ -151,14 +152,15 @@ def test_who_claims_a_taken_robot_and_leaves_ends_nothing() -> None:
 
 
 def test_a_key_cannot_forge_a_log_line(caplog: pytest.LogCaptureFixture) -> None:
-    forged = f"fes/{RUN}/robot/1\n2026-01-01 world: all is well\x1b[2J{'x' * 5000}/command"
+    forged = keys.welcome(RUN, f"1\n2026-01-01 world: all is well\x1b[2J{'x' * 5000}")
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
-            vandal._session.put(forged, b"\xc1")
-            await arrived(vandal)
+            with pytest.raises(Refused):
+                await vandal.ask(forged, messages.encode_join(Join((3,), 1)), PATIENCE)
 
     with caplog.at_level(logging.WARNING):
         server, _ = attacked(disturb)
     assert server.complaints.counts
+    assert any("all is well" in line for line in caplog.messages)
     assert all(len(line) < 400 and line.isprintable() for line in caplog.messages)

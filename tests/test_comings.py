@@ -17,7 +17,7 @@ from fes.arrays import Bools
 from tests import session
 from tests.loop import load
 from tests.session import RUN
-from tests.test_processes import PATIENCE, fes
+from tests.test_processes import PATIENCE, STARTING, fes
 from world.course import Course
 from world.recorder import Recorder
 from world.scenario import Scenario
@@ -119,6 +119,8 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
     assert summary["ticks"] == 300
     found = log.load(tmp_path / "run.mcap")
     again = replay.again(found, everybody=True)
+    absent = sum(not tick.said.commands[4] for tick in found.ticks())
+    assert summary["unscheduled_absences"] == again["unscheduled_absences"] == absent > 60
     assert again["digest"] == summary["digest"] != inprocess.run(scenario, "test")["digest"]
     assert replay.alone(found, 4) == 300
 
@@ -175,6 +177,7 @@ def test_scheduled_deaths_have_one_digest_in_one_loop_and_over_zenoh(name: str, 
 
     summary, server, _ = asyncio.run(bounded())
     assert summary["digest"] == inprocess.run(dying, "test")["digest"]
+    assert summary["unscheduled_absences"] == 0
     assert not server.complaints.counts
 
 
@@ -219,7 +222,7 @@ def test_fes_run_kills_the_processes_that_its_scenario_has_die_and_the_digest_is
     write_scenario(tmp_path, scenario)
     words = ["run", "scenario.toml", "--headless", "--json", "--rtf", "4", "--out", "out"]
     done = subprocess.run(fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, done.stderr) == (0, STARTING.format(10))
     assert json.loads(done.stdout)["digest"] == inprocess.run(scenario, "scenario")["digest"]
     logs = {robot: (tmp_path / f"out/agent-{robot}.log").read_text() for robot in (4, 5, 6)}
     assert [logs[robot].count("ready") for robot in (4, 5, 6)] == [2, 1, 1]

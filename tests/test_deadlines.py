@@ -196,7 +196,7 @@ def test_an_agent_answers_the_newest_tick_and_counts_those_it_skipped() -> None:
 class Nobody:
     """A bus on which nobody listens."""
 
-    def publisher(self, key: str, schema: str) -> Any:
+    def publisher(self, key: str, schema: str, mark: bytes | None = None) -> Any:
         return lambda payload: None
 
     def serve(self, key: str, handler: Any) -> None: ...

@@ -118,9 +118,9 @@ def test_a_log_of_faults_is_executed_again_and_is_the_same_from_one_loop_and_ove
     with Recorder(tmp_path / "bus.mcap", what, "test", "processes") as recorder:
         summary, *_ = over_zenoh(what, CREWS["one"], recorder)
         recorder.conclude(summary)
-    logs = [log.load(tmp_path / name) for name in ("loop.mcap", "bus.mcap")]
-    assert compare.first_difference(*logs) is None
-    for found in logs:
+    loop, over = (log.load(tmp_path / name) for name in ("loop.mcap", "bus.mcap"))
+    assert compare.first_difference(loop, over) is None
+    for found in (loop, over):
         assert replay.again(found, everybody=True)["digest"] == summary["digest"]
         assert [replay.alone(found, robot) for robot in (0, 4, 5)] == [120] * 3
 

@@ -17,6 +17,7 @@ from tests.attackers import (
     arrived,
     attacked,
     everywhere,
+    put,
     reversioned,
     ticks_go_by,
 )
@@ -29,7 +30,7 @@ def test_a_flood_of_junk_on_all_keys_at_once_changes_no_digit() -> None:
 
         def flood() -> None:
             for number in range(FLOOD):
-                vandal._session.put(*targets[number % len(targets)])
+                put(vandal, *targets[number % len(targets)])
 
         async with client(endpoint) as vandal:
             begin.set()

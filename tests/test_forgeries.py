@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import zenoh
 
 from console import authority, inprocess
 from fes import keys, messages
@@ -49,15 +50,22 @@ async def forge(attacker: Bus, key: str, is_over: Callable[[], bool]) -> int:
 
     Robot 1 tells the time: it hears nobody but the world, and whom the world lets through.
     """
-    put = attacker.publisher(key, "a forgery", drop=True)
+    marks = [b""]  # in plain anybody can overhear the mark of an agent's commands
+
+    def overhear(sample: zenoh.Sample) -> None:
+        marks[0] = sample.attachment.to_bytes() if sample.attachment is not None else b""
+
+    callback = zenoh.handlers.Callback(overhear, indirect=False)
+    listening = attacker._session.declare_subscriber(keys.command(RUN, 0), callback)
     clock, ticks = attacker.mailbox(keys.beacon(RUN, 1)), set[int]()
     while not is_over():
         while (heard := clock.take()) is not None:
             assert heard[1] is not None
             ticks.add(messages.decode_beacon(heard[1]).tick)
         if ticks:
-            put(FORGERIES[key](max(ticks) + 1))
+            attacker._session.put(key, FORGERIES[key](max(ticks) + 1), attachment=marks[0])
         await asyncio.sleep(0.001)
+    listening.undeclare()
     return len(ticks)
 
 

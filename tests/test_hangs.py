@@ -15,7 +15,7 @@ from console import faults, inprocess
 from fes.report import Report
 from tests.frames import a_report
 from tests.loop import load
-from tests.test_processes import PATIENCE, alive, children, fes, start, until
+from tests.test_processes import PATIENCE, STARTING, alive, children, fes, start, until
 from world.scenario import Scenario
 from world.summary import write_scenario
 
@@ -40,12 +40,13 @@ class Watched:
         words = ["run", "scenario.toml", "--headless", "--json", "--rtf", f"{pace:g}", "--out", "out"]
         self.where, self.running = where, start(fes(*words), where)
         self.agents: list[int] = []
+        self.robots = scenario.robots.number
 
     def agent(self, robot: int) -> int:
         """The pid of a robot's agent, once there is one."""
 
         def found() -> list[int]:
-            words = f"agents.process --id {robot} "
+            words = f"-m agents --id {robot} "
             return [pid for pid, line in children(self.running.pid).items() if words in line]
 
         until(found)
@@ -54,7 +55,7 @@ class Watched:
 
     def outcome(self) -> dict[str, Any]:
         said, complained = self.running.communicate(timeout=PATIENCE)
-        assert (self.running.returncode, complained) == (0, "")
+        assert (self.running.returncode, complained) == (0, STARTING.format(self.robots))
         found: dict[str, Any] = json.loads(said)
         return found
 
@@ -144,7 +145,7 @@ def test_a_crew_of_several_robots_is_not_stopped(tmp_path: Path) -> None:
     write_scenario(tmp_path, scenario)
     words = ["run", "scenario.toml", "--headless", "--json", "--agents-per-process", "5", "--out", "out"]
     done = subprocess.run(fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, done.stderr) == (0, "starting a world and 10 robots in 2 processes ...\n")
     assert json.loads(done.stdout)["digest"] == inprocess.run(scenario, "scenario")["digest"]
 
 

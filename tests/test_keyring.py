@@ -140,7 +140,7 @@ def test_without_the_extra_one_line_names_it(tmp_path: Path) -> None:
 def test_a_secure_run_has_the_same_digest_and_leaves_no_keys(tmp_path: Path) -> None:
     words = ["fes", "run", str(CONFIGS / "paper.toml"), "--duration", "2", "--headless", "--json", "--secure"]
     done = call(tmp_path, *words, "--agents-per-process", "4")
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, done.stderr) == (0, "starting a world and 10 robots in 3 processes ...\n")
     expected = inprocess.run(load("paper.toml", run__duration=2.0), "paper")["digest"]
     assert json.loads(done.stdout)["digest"] == expected
     left = {path.name for path in (tmp_path / "runs/latest").iterdir()}
@@ -188,7 +188,7 @@ def test_nothing_listens_but_the_world_on_loopback(tmp_path: Path) -> None:
     try:
         until(lambda: log.exists() and "all robots are here" in log.read_text())
         found = {line.split("-m ")[1].split()[0]: listening(pid) for pid, line in children(running.pid).items()}
-        assert found == {"world.process": ["tcp 0100007F"], "agents.process": []}
+        assert found == {"world": ["tcp 0100007F"], "agents": []}
         assert listening(running.pid) == []
     finally:
         running.terminate()

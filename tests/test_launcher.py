@@ -1,14 +1,25 @@
-"""Children of `fes run`: who is told to stop is given the time that it takes, and who failed is named."""
+"""Children of `fes run`: a world has the time that it takes to close, and the end of each child is told as it was."""
 
 import asyncio
+import contextlib
+import os
+import signal
 import subprocess
 import sys
+from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 
 import pytest
 
-from console import launcher
-from console.launcher import Child, ChildFailed, Family
+from console import launcher, supervision
+from console.child import Child
+from console.launcher import BEGUN, Family
+from console.respawn import Respawn
+from console.supervision import ChildFailed, Supervisor
+from tests.test_processes import alive
+
+ENDLESS = "import signal; signal.pause()"
+SUCCESS, FAILURE = "raise SystemExit(0)", "raise SystemExit(1)"
 
 SLOW = """
 import asyncio, os, sys
@@ -30,76 +41,216 @@ process.run("slow", main, exit_with_stdin=True)
 """A world that writes down what was reached when it is let."""
 
 
+@contextlib.asynccontextmanager
+async def family(where: Path) -> AsyncIterator[Family]:
+    kin = Family(where)
+    async with launcher.ended_with_block(kin):
+        yield kin
+
+
+async def child(where: Path, name: str, code: str, said: str = "", robots: str = "") -> Child:
+    """A process in place of a program; `said` is in its log."""
+    log = where / f"{name}.log"
+    log.write_text(said)
+    started = await asyncio.create_subprocess_exec(sys.executable, "-c", code, stdin=subprocess.PIPE, cwd=where)
+    return Child(name, started, log, robots)
+
+
+async def world(kin: Family, code: str, said: str = "") -> None:
+    kin.world = await child(kin.directory, "fes-world", code, said)
+    kin.watch(kin.world)
+
+
+async def agent(kin: Family, robots: str, code: str, said: str = "") -> Child:
+    kin.agents.append(await child(kin.directory, f"fes-agent --id {robots}", code, said, robots))
+    kin.watch(kin.agents[-1])
+    return kin.agents[-1]
+
+
+async def finished(kin: Family, respawn: Respawn | None = None) -> tuple[str, list[str]]:
+    """What a run is said to have failed of, if it has, and what was said under way."""
+    said: list[str] = []
+    try:
+        await Supervisor(kin, said.append, "nobody is left", respawn).finish()
+    except ChildFailed as failed:
+        return str(failed), said
+    return "", said
+
+
+async def until(holds: Callable[[], object]) -> None:
+    async with asyncio.timeout(60.0):
+        while not holds():
+            await asyncio.sleep(0.01)
+
+
 def test_a_world_that_is_slow_to_write_what_was_reached_is_not_ended_as_soon_as_its_agents_are_gone(
     tmp_path: Path,
 ) -> None:
     async def main() -> None:
-        async with launcher.family(tmp_path) as kin:
-            words = [sys.executable, "-c", SLOW]
-            started = await asyncio.create_subprocess_exec(
-                *words, cwd=tmp_path, stdin=subprocess.PIPE, stderr=subprocess.DEVNULL
-            )
-            kin.world = Child("fes-world", started, tmp_path / "world.log")
-            while not (tmp_path / "here").exists():
-                await asyncio.sleep(0.01)
-            asyncio.get_running_loop().call_later(launcher.DISMISSAL, (tmp_path / "go").touch)
+        async with family(tmp_path) as kin:
+            await world(kin, SLOW)
+            await until((tmp_path / "here").exists)
+            asyncio.get_running_loop().call_later(2 * launcher.DISMISSAL, (tmp_path / "go").touch)
 
     asyncio.run(main())
     assert (tmp_path / "kept").exists()
 
 
-ENDLESS = "import signal; signal.pause()"
-
-
-async def child(where: Path, name: str, code: str, said: str = "") -> Child:
-    """A process in place of a program; `said` is in its log."""
-    log = where / f"{name}.log"
-    log.write_text(said)
-    started = await asyncio.create_subprocess_exec(sys.executable, "-c", code, stdin=subprocess.DEVNULL)
-    return Child(name, started, log)
-
-
-async def blamed(kin: Family) -> str:
-    """What a run is said to have failed of."""
-    with pytest.raises(ChildFailed) as caught:
-        await kin.finish()
-    return str(caught.value)
-
-
 def test_robots_that_a_scenario_killed_are_not_blamed_for_what_the_world_says(tmp_path: Path) -> None:
-    async def main() -> str:
-        async with launcher.family(tmp_path) as kin:
-            for robot in (0, 1):
-                kin.agents.append(await child(tmp_path, f"fes-agent --id {robot}", ENDLESS))
-                await kin.kill_agent(str(robot))
-            kin.world = await child(tmp_path, "fes-world", "raise SystemExit(1)", "fes-world: error: no room\n")
-            return await blamed(kin)
+    async def main() -> tuple[str, list[str]]:
+        async with family(tmp_path) as kin:
+            for robot in "01":
+                await agent(kin, robot, ENDLESS)
+                await kin.kill_agent(robot)
+            await world(kin, FAILURE, "fes-world: error: no room\n")
+            return await finished(kin)
 
-    assert asyncio.run(main()) == "no room"
-
-
-def test_a_world_that_a_scenario_killed_is_not_blamed_for_an_agent_that_fails(tmp_path: Path) -> None:
-    async def main() -> str:
-        async with launcher.family(tmp_path) as kin:
-            kin.world = await child(tmp_path, "fes-world", ENDLESS)
-            await kin.replace_world(1000.0, [])  # without a checkpoint nobody follows
-            kin.agents.append(
-                await child(tmp_path, "fes-agent --id 0", "raise SystemExit(1)", "fes-agent: error: gave up\n")
-            )
-            return await blamed(kin)
-
-    assert asyncio.run(main()) == "gave up"
+    assert asyncio.run(main()) == ("fes-world: no room", [])
 
 
-def test_whoever_else_was_ended_by_force_is_named_before_what_the_world_says(tmp_path: Path) -> None:
-    async def main() -> str:
-        async with launcher.family(tmp_path) as kin:
-            kin.world = await child(tmp_path, "fes-world", "raise SystemExit(1)", "fes-world: error: it left\n")
-            for robot in (0, 1):
-                kin.agents.append(await child(tmp_path, f"fes-agent --id {robot}", ENDLESS))
-            await kin.kill_agent("0")
-            kin.agents[1].process.kill()
-            return await blamed(kin)
+def test_a_run_whose_scenario_kills_a_world_without_a_checkpoint_is_over(tmp_path: Path) -> None:
+    async def main() -> tuple[str, list[str]]:
+        async with family(tmp_path) as kin:
+            await world(kin, ENDLESS)
+            await kin.replace_world(1000.0, [])
+            return await finished(kin)
 
-    log = tmp_path / "fes-agent --id 1.log"
-    assert asyncio.run(main()) == f"fes-agent --id 1 was ended by SIGKILL (its log: {log}); the world: it left"
+    assert asyncio.run(main()) == ("", [])
+
+
+def test_an_agent_that_dies_while_its_world_goes_on_is_named_and_ends_nothing(tmp_path: Path) -> None:
+    async def main() -> tuple[str, list[str]]:
+        async with family(tmp_path) as kin:
+            await world(kin, SLOW, f"{BEGUN.decode()}\n")
+            await (await agent(kin, "5", SUCCESS, "2026 agent.5: the run is over\n")).process.wait()
+            for robots in ("0", "1-2"):
+                (await agent(kin, robots, ENDLESS)).process.kill()
+            await agent(kin, "3", FAILURE, "Traceback\nValueError: \x1b[2Jodd\n")
+            await agent(kin, "4", SUCCESS, "2026 agent.4: ready\n")
+            following = asyncio.ensure_future(finished(kin))
+            await until((tmp_path / "here").exists)
+            await until(lambda: kin.is_deserted)
+            (tmp_path / "go").touch()
+            assert kin.world is not None
+            kin.world.signal(signal.SIGINT)
+            return await following
+
+    failed, said = asyncio.run(main())
+    logs = [f"its log: {tmp_path / f'fes-agent --id {robots}.log'}" for robots in ("0", "1-2", "3", "4")]
+    assert failed == ""
+    assert said.pop() == "nobody is left"
+    assert sorted(said) == [
+        f"robot 0: fes-agent --id 0 was ended by SIGKILL ({logs[0]}); the run continues without it",
+        f"robot 3: fes-agent --id 3 ended with exit code 1, ValueError: \\x1b[2Jodd ({logs[2]}); "
+        "the run continues without it",
+        f"robot 4: fes-agent --id 4 ended with exit code 0 ({logs[3]}); the run continues without it",
+        f"robots 1-2: fes-agent --id 1-2 was ended by SIGKILL ({logs[1]}); the run continues without them",
+    ]
+
+
+def test_an_agent_that_ends_before_the_run_begins_is_what_it_fails_of(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def main() -> tuple[str, list[str]]:
+        async with family(tmp_path) as kin:
+            await world(kin, ENDLESS, "waiting for 2 robots\n")
+            await agent(kin, "1", FAILURE, "fes-agent: error: gave up\n")
+            return await finished(kin)
+
+    monkeypatch.setattr(supervision, "SETTLING", 0.1)
+    assert asyncio.run(main()) == ("fes-agent --id 1: gave up; the run cannot begin without it", [])
+
+
+def test_a_world_that_fails_is_named_before_the_agents_that_fail_with_it(tmp_path: Path) -> None:
+    async def main() -> tuple[str, list[str]]:
+        async with family(tmp_path) as kin:
+            failing = "import time; time.sleep(0.5); raise SystemExit(1)"
+            await world(kin, failing, "fes-world: error: the address is taken\n")
+            await agent(kin, "1", FAILURE, "fes-agent: error: gave up\n")
+            return await finished(kin)
+
+    assert asyncio.run(main()) == ("fes-world: the address is taken", [])
+
+
+class Impatient(Respawn):
+    """At once, twice."""
+
+    def delay(self, robots: str, lived: float) -> float | None:
+        return 0.01 if super().delay(robots, 0.0) in (0.5, 1.0) else None
+
+
+def test_an_agent_that_dies_each_time_is_started_again_a_few_times_and_then_given_up(tmp_path: Path) -> None:
+    async def main() -> tuple[str, list[str], int]:
+        async with family(tmp_path) as kin:
+            await world(kin, SLOW, f"{BEGUN.decode()}\n")
+            await kin.start_agent("0", ["--no-such-flag"])
+            following = asyncio.ensure_future(finished(kin, Impatient()))
+            await until((tmp_path / "here").exists)
+            await until(lambda: len(kin.agents) == 3 and kin.is_deserted)
+            (tmp_path / "go").touch()
+            assert kin.world is not None
+            kin.world.signal(signal.SIGINT)
+            return *await following, len(kin.agents)
+
+    failed, said, started = asyncio.run(main())
+    why = "robot 0: fes-agent --id 0: unrecognized arguments: --no-such-flag"
+    assert (failed, started) == ("", 3)
+    assert said[:2] == [f"{why}; started again in 0.01 s"] * 2
+    assert said[2].startswith(f"{why}, 6 times in a row: it is not started again")
+    assert said[3] == "nobody is left"
+
+
+def test_no_agent_that_waits_to_be_started_again_is_started_when_all_ends(tmp_path: Path) -> None:
+    async def main() -> list[Child]:
+        async with family(tmp_path) as kin:
+            await world(kin, ENDLESS)
+            await kin.start_agent("0", ["--no-such-flag"])
+            await kin.agents[0].process.wait()
+            kin.restart_agent("0", 0.0)
+            await asyncio.sleep(0)  # it is on its way
+        return kin.agents
+
+    agents = asyncio.run(main())
+    assert not any(one.runs for one in agents)
+
+
+def test_an_agent_that_is_stopped_at_the_end_is_told_to_end_and_not_killed(tmp_path: Path) -> None:
+    """It would wait for a world that is over; continued, it ends as one that is told to."""
+
+    async def main() -> Child:
+        async with family(tmp_path) as kin:
+            (tmp_path / "go").touch()
+            stopped = await agent(kin, "0", SLOW)
+            await until((tmp_path / "here").exists)
+            stopped.signal(signal.SIGSTOP)
+            await world(kin, SUCCESS)
+            assert await finished(kin) == ("", [])
+        return stopped
+
+    stopped = asyncio.run(main())
+    assert stopped.process.returncode == 0
+    assert not alive(stopped.process.pid)
+    assert (tmp_path / "kept").exists()
+
+
+@pytest.mark.parametrize("log", ["missing", "a folder", "within a file", "unreadable"])
+def test_the_verdict_on_a_child_names_it_whatever_became_of_its_log(tmp_path: Path, log: str) -> None:
+    async def main() -> tuple[str, bool]:
+        one = await child(tmp_path, "fes-world", FAILURE, "fes-world: error: no room\n")
+        await one.process.wait()
+        if log in ("missing", "a folder"):
+            one.log.unlink()
+        if log == "a folder":
+            one.log.mkdir()
+        if log == "within a file":
+            one = Child(one.name, one.process, one.log / "world.log")
+        if log == "unreadable":
+            one.log.chmod(0o000)
+        return one.verdict(), one.was_dismissed
+
+    said, dismissed = asyncio.run(main())
+    if log == "unreadable" and os.geteuid() == 0:  # root reads it
+        assert said == "fes-world: no room"
+        return
+    assert said.startswith("fes-world ended with exit code 1 (its log cannot be read: ")
+    assert dismissed

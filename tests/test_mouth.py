@@ -19,7 +19,7 @@ class Kept:
         self.put: list[tuple[str, bytes]] = []
         self.desks: dict[str, Desk] = {}
 
-    def publisher(self, key: str, schema: str) -> Callable[[bytes], None]:
+    def publisher(self, key: str, schema: str, mark: bytes | None = None) -> Callable[[bytes], None]:
         return lambda payload: self.put.append((key, payload))
 
     def serve(self, key: str, desk: Desk) -> None:

@@ -9,7 +9,7 @@ import pytest
 from console.doctor import machine
 from console.doctor.finding import Status
 from tests.loop import CONFIGS
-from tests.test_processes import PATIENCE, fes
+from tests.test_processes import PATIENCE, STARTING, fes
 
 PAIR = ["run", str(CONFIGS / "pair.toml"), "--duration", "1", "--headless"]
 
@@ -25,14 +25,15 @@ def test_a_pair_runs_with_few_files(tmp_path: Path, files: int) -> None:
     """With what the doctor takes for enough, and with what it only warns of: some to spare, as a busy machine has
     robots lose their connection and open another."""
     done = limited(files, tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, done.stderr) == (0, STARTING.format(2))
 
 
 def test_who_has_too_few_files_is_told_how_to_have_more(tmp_path: Path) -> None:
     done = limited(12, tmp_path)
     assert done.returncode == 1
-    assert done.stderr.startswith("fes: error: Too many open files (ulimit -n allows more)")
-    assert done.stderr.count("\n") == 1
+    said = "12 a process: 2 robots with a process each take 20; ulimit -n 36, or --agents-per-process"
+    assert done.stderr == f"fes: error: open files: {said}\n"
+    assert not (tmp_path / "runs").exists()
 
 
 def allow(files: int, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -22,6 +22,12 @@ from tests.loop import CONFIGS, load
 
 PATIENCE = 60.0  # s; how long a test waits for what must come, on a machine of any speed
 
+STARTING = "starting a world and {} robots ...\n"
+"""What fes run says first, on standard error."""
+
+LOOP = "running a world and {} robots in one loop ...\n"
+"""The same with one loop."""
+
 
 def command(module: str, *words: str) -> list[str]:
     return [sys.executable, "-c", f"from {module} import main; main()", *words]
@@ -140,7 +146,7 @@ def test_a_signal_ends_everybody_and_keeps_what_was_reached(
     assert (endless.returncode, out, err) == (
         1,
         "",
-        f"fes: error: stopped by {number.name}; what was reached is in out\n",
+        STARTING.format(2) + f"fes: error: stopped by {number.name}; what was reached is in out\n",
     )
     assert not any(alive(pid) for pid in pids)
     assert json.loads((tmp_path / "out/summary.json").read_text())["ticks"] > 0
@@ -153,21 +159,10 @@ def test_nobody_outlives_a_launcher_that_is_killed(tmp_path: Path, endless: "sub
     until(lambda: not any(alive(pid) for pid in pids))
 
 
-def test_a_killed_agent_is_named_and_ends_the_run(tmp_path: Path, endless: "subprocess.Popen[str]") -> None:
-    pids = started(tmp_path, endless, 2)
-    victim = next(pid for pid, line in pids.items() if "--id 1" in line)
-    os.kill(victim, signal.SIGKILL)
-    out, err = endless.communicate(timeout=PATIENCE)
-    assert (endless.returncode, out) == (1, "")
-    assert err.startswith("fes: error: fes-agent --id 1 was ended by SIGKILL")
-    assert err.count("\n") == 1
-    assert not any(alive(pid) for pid in pids)
-
-
 def test_a_run_whose_world_was_told_to_stop_is_no_success(tmp_path: Path, endless: "subprocess.Popen[str]") -> None:
     pids = started(tmp_path, endless, 2)
     asyncio.run(first_report(tmp_path / "out"))
-    os.kill(next(pid for pid, line in pids.items() if "world.process" in line), signal.SIGTERM)
+    os.kill(next(pid for pid, line in pids.items() if " -m world " in line), signal.SIGTERM)
     out, err = endless.communicate(timeout=PATIENCE)
     assert (endless.returncode, out) == (1, "")
     assert "the world was stopped after" in err
@@ -176,10 +171,11 @@ def test_a_run_whose_world_was_told_to_stop_is_no_success(tmp_path: Path, endles
 
 def test_a_killed_world_is_named_and_ends_the_run(tmp_path: Path, endless: "subprocess.Popen[str]") -> None:
     pids = started(tmp_path, endless, 2)
-    os.kill(next(pid for pid, line in pids.items() if "world.process" in line), signal.SIGKILL)
+    os.kill(next(pid for pid, line in pids.items() if " -m world " in line), signal.SIGKILL)
     _, err = endless.communicate(timeout=PATIENCE)
     assert endless.returncode == 1
-    assert err.startswith("fes: error: fes-world was ended by SIGKILL")
+    assert err.startswith(STARTING.format(2) + "fes: error: fes-world was ended by SIGKILL (its log: ")
+    assert err.count("\n") == 2
     assert not any(alive(pid) for pid in pids)
 
 

@@ -90,21 +90,21 @@ class Crowded:
 
     def watch(self, key: str, handler: Any) -> None: ...
 
-    def publisher(self, key: str, schema: str) -> Any:
+    def publisher(self, key: str, schema: str, mark: bytes | None = None) -> Any:
         return lambda payload: None
 
     def serve(self, key: str, handler: Any) -> None: ...
 
 
 def test_where_all_ask_at_once_whether_they_are_welcome_still_nobody_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("agents.process.PATIENCE", 0.0)
+    monkeypatch.setattr("agents.membership.PATIENCE", 0.0)
 
     async def main() -> Crowded:
         crowded = Crowded()
         agent = Agent(crowded, "test", (0,))  # type: ignore[arg-type]
         for alive in (True, False, True):
-            agent._on_world("", alive)
-        await agent._confirming
+            agent.membership.on_world("", alive)
+        await agent.membership.confirmed()
         assert await agent._inbox.wait(1, 0.0) is False  # it raises what has failed
         return crowded
 
@@ -122,12 +122,12 @@ def test_an_agent_does_not_take_part_in_another_run_that_has_taken_the_place_of_
         crowded = Crowded(welcomes[0])
         crowded.asked = 3
         agent = Agent(crowded, "test", (0,))  # type: ignore[arg-type]
-        agent._on_world("", True)
+        agent.membership.on_world("", True)
         await agent.join(1.0)
-        agent._on_world("", False)
+        agent.membership.on_world("", False)
         crowded.answer = welcomes[another]
-        agent._on_world("", True)
-        await agent._confirming
+        agent.membership.on_world("", True)
+        await agent.membership.confirmed()
         if another:
             with pytest.raises(Refused, match="another run has taken the place of this one"):
                 await agent._inbox.wait(1, 0.0)

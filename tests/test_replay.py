@@ -198,7 +198,7 @@ def test_a_log_of_a_world_that_was_ended_holds_what_was_reached(tmp_path: Path, 
     begun = until(lambda: path.exists() and path.stat().st_size)
     until(lambda: path.stat().st_size > begun + 1000)  # a chunk with ticks is whole
     pids = children(running.pid)
-    os.kill(next(pid for pid, line in pids.items() if "world.process" in line), how)
+    os.kill(next(pid for pid, line in pids.items() if " -m world " in line), how)
     running.communicate(timeout=PATIENCE)
     assert running.returncode == 1
     assert not any(alive(pid) for pid in pids)

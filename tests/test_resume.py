@@ -11,7 +11,6 @@ from mcap.reader import make_reader
 from agents import assembly, crew
 from console import log, replay
 from fes import messages
-from fes.arrays import Bools
 from fes.errors import FesError
 from fes.sensing import silence
 from tests.loop import load
@@ -38,13 +37,11 @@ class Team:
         self.minds, self.said, twists = crew.step(self.crew, self.minds, simulation.observe(course.state), self.said)
         told = crew.telemetry(self.crew, self.minds)
         spoken = [payload for _, *payload in assembly.payloads(self.said, twists, told)]
-
-        def heard(tick: int, legible: Bools) -> list[bytes]:
-            return [beacon if good else b"" for (beacon, _), good in zip(spoken, legible.tolist(), strict=True)]
-
+        legible = course.state.legible.tolist()
+        beacons = [beacon if good else b"" for (beacon, _), good in zip(spoken, legible, strict=True)]
         answers: list[Answer | None] = [(messages.decode_command(command), command) for _, command in spoken]
         alive = (course.world.ids != course.state.tick % 3).astype(np.uint8)  # who hangs is alive; who is dead is not
-        course.take(sent, answers, heard, alive, 0.1)
+        course.take(sent, answers, beacons, alive, 0.1)
         course.account()
 
 

@@ -12,7 +12,7 @@ from rich.console import Console
 
 from console import screen, view
 from console.view import Screen
-from fes import output
+from fes import signals
 from tests.frames import a_report
 from tests.terminals import ENTER, LEAVE, SHOW, is_restored
 
@@ -71,11 +71,11 @@ def test_a_second_signal_leaves_the_screen_too(monkeypatch: pytest.MonkeyPatch) 
     tty = Tty()
     with screen.whole(on(tty)) as draw:
         draw("a frame")
-        output.end_at_once(130)
+        signals.force(130)
         assert codes == [130]
         assert tty.text.endswith(f"{LEAVE}{SHOW}")
     before = tty.text
-    output.end_at_once(130)
+    signals.force(130)
     assert tty.text == before  # once it is left, nobody leaves it again
 
 

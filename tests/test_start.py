@@ -4,9 +4,14 @@ import math
 from typing import Any
 
 import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from console import inprocess
 from fes.arrays import Floats
 from fes.config import AgentConfig
+from fes.errors import ScenarioError
 from tests.loop import CONFIGS
 from world import scenario
 
@@ -77,3 +82,50 @@ def test_an_agent_is_told_no_position_and_no_duration() -> None:
         "clock_skew",
         "faults",
     }
+
+
+EXTENTS = st.floats(0.0, 20.0).map(lambda power: 10.0**power) | st.sampled_from([5e-324, 1e300, 1.7e308])
+
+
+@given(
+    kind=st.sampled_from(["grid", "line"]),
+    count=st.sampled_from([1, 2, 9, 100]),
+    spacing=EXTENTS,
+    jitter=EXTENTS | st.just(0.0),
+)
+def test_a_generated_start_is_refused_or_is_where_floats_resolve_a_millimeter(
+    kind: str, count: int, spacing: float, jitter: float
+) -> None:
+    fields = {"kind": kind, "count": count, "spacing": spacing, "jitter": jitter}
+    columns = count - 1 if kind == "line" else math.ceil(math.sqrt(count)) - 1
+    extent = spacing * columns + jitter
+    if extent > 1e12:
+        with pytest.raises(ScenarioError, match=r"robots: spacing and jitter must keep all robots within 1e\+12 m"):
+            generated(**fields)
+        return
+    start = generated(**fields)
+    assert np.isfinite(start).all()
+    assert np.spacing(np.abs(start[:, :2])).max() < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("pose", "rule"),
+    [
+        ([1e15, 0.0, 0.0], "poses must be finite and within 1e+12 m of the origin along x and y, got 1e+15"),
+        ([0.0, -1e308, 0.0], "poses must be finite and within 1e+12 m of the origin along x and y, got -1e+308"),
+        ([0.0, math.inf, 0.0], "poses must be finite and within 1e+12 m of the origin along x and y, got inf"),
+        ([0.0, 0.0, 1e9], "poses must have finite headings within 1e+06 rad, got 1e+09"),
+        ([0.0, 0.0, math.nan], "poses must have finite headings within 1e+06 rad, got nan"),
+    ],
+)
+def test_a_pose_that_floats_do_not_resolve_is_refused_in_one_line(pose: list[float], rule: str) -> None:
+    with pytest.raises(ScenarioError) as refused:
+        scenario.load(PAIR, {"robots.poses": [[0.0, 0.0, 0.0], pose]})
+    assert str(refused.value) == f"{PAIR}: robots: {rule}"
+
+
+def test_robots_ten_to_the_twelve_meters_away_find_the_same_separation() -> None:
+    """The spacing of floats there is 0.12 mm."""
+    start = [[1e12, 1e12, 0.5], [1e12 - 100.0, 1e12, 0.5]]
+    found = inprocess.run(scenario.load(PAIR, {"robots.poses": start, "run.duration": 20.0}), "far")
+    assert found["separation_error_max"] < 0.02

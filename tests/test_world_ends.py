@@ -11,7 +11,7 @@ import pytest
 from console import inprocess
 from console.launcher import free_port
 from tests.loop import CONFIGS, load
-from tests.test_processes import PATIENCE, alive, children, command, fes, start, until
+from tests.test_processes import PATIENCE, STARTING, alive, children, command, fes, start, until
 from tests.test_world_deaths import Run, under_way
 from world.checkpoint import FOLDER
 from world.summary import write_scenario
@@ -127,5 +127,5 @@ def test_a_run_whose_schedule_takes_everybody_goes_on_to_its_end(tmp_path: Path,
     write_scenario(tmp_path, scenario)
     words = ["run", "scenario.toml", "--headless", "--json", "--rtf", "4", "--out", "out"]
     done = subprocess.run(fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, done.stderr) == (0, STARTING.format(2))
     assert inprocess.run(scenario, "scenario")["digest"] in done.stdout

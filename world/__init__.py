@@ -1,5 +1,6 @@
 """Ground truth, the radio channel and the barrier.
 
+__main__    entry point of fes-world
 process     the shell: fes-world
 server      the world on the bus: observations out, commands in, tick after tick
 course      one run as the world goes through it
@@ -22,13 +23,17 @@ schemas     its message types
 views       what viewers show of it
 protobuf    how its messages are encoded
 descriptors  how its message types are described
-ears        the beacons, for the log
+beacon_tap  the world's own copy of every beacon, by which it judges senders
+command_gate  which process may command a robot
+farewell    the end of a run, said until it is heard
 scenario    the typed scenario, from TOML
+robots_config  its table [robots]: where robots start
 overrides   fields of a scenario that --set overrides
 toml        TOML of others: bounded, or one line
 radio_config  its table [channel]: the formula, shadowing, bursts, jammers
 kinematics  the unicycle (5) on its exact arc
 proximity   which pairs of robots are within communication range
+crowd       what robots need that start within range of each other
 channel     which beacons decode
 shadowing   correlated in space, reciprocal
 bursts      losses in a row
@@ -43,6 +48,7 @@ tracking    how fast and how well the optimum is found, after the start and afte
 breathing   separations averaged over a period of the dither
 rules       a broken rule, in one line
 expect      what a scenario expects of its run
+remarks     what of a scenario is not run as it is written
 events      what changes while a run goes on
 equipment   faulty transmitters, and clocks that are off
 summary     summary.json and scenario.toml of a run directory

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from fes import objective
+from fes import counts, objective
 from fes.arrays import Floats, Ints
 from fes.edges import Edges
 from fes.sensing import Telemetry
-from world import deadlines, metrics
+from world import deadlines, events, metrics
 from world.breathing import Breathing
 from world.channel import Radio
 from world.metrics import Tally
@@ -40,7 +40,12 @@ class Account:
         self._channel: RadioConfig | None = None
         self.deadlines = deadlines.none(scenario.robots.number) if scenario.run.clock == "live" else None
         """Where the clock is live."""
+        self.unscheduled_absences = 0
+        """Robot-ticks in which a robot took no part although the schedule had it present."""
+        self._attendance = scenario.attendance
+        self._scheduled = np.ones(scenario.robots.number, dtype=np.bool_)
 
+    @np.errstate(over="ignore", invalid="ignore")  # a run may diverge: its errors are then infinite
     def add(self, state: State, twists: Floats, telemetry: Telemetry, spoken: Ints | None = None) -> None:
         """Add a tick: the state, the twists [n, 2] of the robots in it, and what they said.
 
@@ -48,6 +53,7 @@ class Account:
         """
         if self.deadlines is not None and spoken is not None:
             self.deadlines.add(state.tick, state.present, spoken)
+        self._add_absences(state)
         changed = state.channel is not self._channel and state.channel != self._channel
         if changed:
             self._channel = state.channel
@@ -72,6 +78,13 @@ class Account:
         apart = self.tally.errors["disagreement"]
         self.tracking.add(state.tick, self.optimal, changed, error, apart, rms, index)
 
+    def _add_absences(self, state: State) -> None:
+        planned = self._attendance.get(state.tick)
+        if planned is not None:
+            self._scheduled = events.attended(self._scheduled, planned)
+        if not state.present.all():
+            self.unscheduled_absences += int(np.count_nonzero(self._scheduled & ~state.present))
+
 
 def link_reception(radio: Radio, links: Edges) -> Floats:
     """The true reception probability of each of `links.undirected` [u], mean of both ways; NaN out of contact."""
@@ -86,4 +99,4 @@ def dither_period(scenario: Scenario) -> int:
     """Ticks over which separations are averaged: the period of a physical dither, else 1."""
     if scenario.seeking.index == "oracle":
         return 1
-    return max(1, round(2.0 * math.pi / scenario.seeking.dither_frequency / scenario.run.dt))
+    return counts.ticks_of(2.0 * math.pi / scenario.seeking.dither_frequency, scenario.run.dt)

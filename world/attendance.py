@@ -3,6 +3,8 @@
 import asyncio
 import contextlib
 import logging
+from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 
@@ -16,8 +18,11 @@ from world.simulation import State
 class Attendance:
     """The robots that are there, and those that ought to be."""
 
-    def __init__(self, roster: Roster, scenario: Scenario) -> None:
-        self._roster = roster
+    def __init__(
+        self, roster: Roster, scenario: Scenario, excluded: Mapping[int, str] = MappingProxyType({})
+    ) -> None:
+        """`excluded` are the robots that take no part for a fault of theirs, now and whenever it is looked at."""
+        self._roster, self._excluded = roster, excluded
         self._schedule = scenario.attendance
         self._robots = scenario.robots.number
         self._hung = np.zeros(self._robots, dtype=np.bool_)
@@ -34,7 +39,13 @@ class Attendance:
         Not a process that hangs by the schedule: nothing may wait in its queues. One of several robots goes on, as
         the others' does.
         """
-        return self._roster.whole & ~self._hung & ~self._asleep & ~self._lost
+        return self._able & ~self._hung & ~self._asleep & ~self._lost
+
+    def expected(self, state: State) -> Bools:
+        """The robots that should take part at the tick of `state`: neither absent by schedule nor excluded [n]."""
+        wanted, _ = self._planned(state.tick)
+        wanted[list(self._excluded)] = False
+        return wanted
 
     def hang(self, silent: Bools) -> None:
         """The `silent` robots [n] did not answer in time: they are left out, and all that share their process.
@@ -57,14 +68,17 @@ class Attendance:
             self._hung[list(self._roster.group(robot))] = False
         return hung
 
-    def missing(self, state: State) -> str:
-        """Who is not there that the tick of `state` has to wait for, in words; nothing if nobody.
+    def due(self, state: State) -> list[int]:
+        """The robots that the scenario brings back at the tick of `state`, and that cannot take part yet."""
+        planned = self._schedule.get(state.tick)
+        if planned is None:
+            return []
+        late = planned.back & ~(self._able & ~self._hung)
+        return [robot for robot in np.flatnonzero(late).tolist() if robot not in self._excluded]
 
-        It waits for those that the scenario brings back at this tick, and while nobody is there but should be.
-        """
-        there, planned = self._roster.whole & ~self._hung, self._schedule.get(state.tick)
-        if planned is not None and (planned.back & ~there).any():
-            return f"robot {np.argmax(planned.back & ~there)} did not come back"
+    def missing(self, state: State) -> str:
+        """Why the tick of `state` cannot begin at all, in words: no robot can take part that should; else nothing."""
+        there = self._able & ~self._hung
         nobody = not there.any() and self._planned(state.tick)[0].any()
         return "nobody is there any more" if nobody else ""
 
@@ -72,7 +86,7 @@ class Attendance:
         """Who takes part at the tick of `state` [n]."""
         wanted, self._asleep = self._planned(state.tick)
         told: Bools = state.present & (state.since != state.tick)  # who was not is told all anew
-        there = self._roster.whole & ~self._hung & ~(self._lost & told)
+        there = self._able & ~self._hung & ~(self._lost & told)
         self._lost[:] = False
         return there & wanted & ~self._begin_anew(state, there)
 
@@ -83,6 +97,16 @@ class Attendance:
                 while not self.there[present].all():
                     self._roster.changed.clear()
                     await self._roster.changed.wait()
+
+    @property
+    def _able(self) -> Bools:
+        """Robots whose agents live, with all that share their process, and were not excluded [n]."""
+        whole = self._roster.whole
+        if not self._excluded:
+            return whole
+        able = whole.copy()
+        able[list(self._excluded)] = False
+        return able
 
     def _begin_anew(self, state: State, there: Bools) -> Bools:
         """Robots that are taken to be there all the time, but have a new process [n]: they miss a tick."""

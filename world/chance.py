@@ -44,5 +44,5 @@ class Draws:
         columns[new] = self._blocks.shape[1] + np.arange(len(new))
         receivers = edges.ids[edges.rows[new]]
         drawn = draws.uniform_ticks(self._key, self._first, len(self._blocks), edges.peers[new], receivers)
-        self._blocks = np.concatenate([self._blocks, drawn], axis=1)
+        self._blocks = np.concatenate([self._blocks, drawn], axis=1) if self._blocks.size else drawn
         self._edges, self._columns = edges, columns

@@ -43,7 +43,7 @@ PERIOD = 10.0
 JOIN = "join"
 """Kind of a note beside those of a course: [JOIN, robots, agent]: it hosts these from now on."""
 
-MAGIC = b"fes checkpoint 2"
+MAGIC = b"fes checkpoint 3"
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +65,10 @@ class Snapshot:
     """The last Join that was accepted for each robot."""
     renewed: list[int]
     """Robots whose agents have joined, and answered no tick yet."""
+    excluded: dict[int, str]
+    """Robots that are excluded, and why."""
+    beacons: dict[int, list[bytes]]
+    """Tick -> the Beacons that peers may still ask for, by robot."""
     log: Unfinished | None
     elapsed: float
     """Wall-clock time since tick 0 [s]."""
@@ -143,6 +147,8 @@ class Keeper:
             course.sums,
             dict(hosts),
             sorted(self.renewed),
+            dict(course.excluded),
+            dict(course.beacons),
             course.recorder.pause() if course.recorder is not None else None,
             elapsed,
         )

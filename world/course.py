@@ -4,7 +4,7 @@ Nothing here waits for anybody. What comes in from outside, and is not a functio
 is relied on: from a checkpoint and those notes a run is gone through again, to the bit (`world.resume`).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -14,7 +14,7 @@ from fes.arrays import Bools, Bytes, Floats, Ints
 from fes.change import Effect
 from fes.messages import Command
 from fes.sensing import Telemetry, untold
-from world import events, simulation, wording
+from world import events, remarks, simulation, wording
 from world.account import Account
 from world.optimum import optimal_separation
 from world.recorder import Recorder, Said
@@ -26,12 +26,13 @@ Answer = tuple[Command, bytes]
 """A command, and the payload that it came in."""
 
 Note = Callable[[list[Any]], None]
-Heard = Callable[[int, Bools], list[bytes]]
-"""The payloads of the beacons of a tick, of the robots that are present [n], in id order."""
 
-ATTEND, SET, TICK = "attend", "set", "tick"
-"""Kinds of notes: [ATTEND, tick, robots], [SET, tick, path, value],
+ATTEND, EXCLUDE, SET, TICK = "attend", "exclude", "set", "tick"
+"""Kinds of notes: [ATTEND, tick, robots], [EXCLUDE, tick, robots, reason], [SET, tick, path, value],
 [TICK, tick, commands, beacons, alive, elapsed]."""
+
+HELD = 2
+"""Ticks whose beacons can be had again: a robot that misses one asks within the next tick."""
 
 
 class _Gone(NamedTuple):
@@ -59,6 +60,10 @@ class Course:
         self.sums = Account(scenario)
         self.said: Telemetry = untold(self.world.ids)
         self.recorder = recorder
+        self.excluded: dict[int, str] = {}
+        """Robots that were at fault, until another agent joins for them, and why."""
+        self.beacons: dict[int, list[bytes]] = {}
+        """Tick -> the payload of each robot's Beacon, of the last HELD ticks; empty for a robot that took no part."""
         self.note: Note = lambda note: None
         """Called with each note, as soon as what it is about holds."""
         self._told = Told(self.world.ids)
@@ -79,6 +84,18 @@ class Course:
         if self.recorder is not None:
             self.recorder.attend(self.state.tick, robots)
 
+    def exclude(self, robots: list[int], reason: str) -> None:
+        """Exclude robots for a fault of theirs, until `readmit`; `attend` then says from which tick on."""
+        self.note([EXCLUDE, self.state.tick, robots, reason])
+        self.excluded.update(dict.fromkeys(robots, f"excluded at tick {self.state.tick}: {reason}"))
+        if self.recorder is not None:
+            self.recorder.exclude(self.state.tick, robots, reason)
+
+    def readmit(self, robots: Iterable[int]) -> None:
+        """Forget why `robots` were excluded: a new agent hosts them."""
+        for robot in robots:
+            self.excluded.pop(robot, None)
+
     def change(self, path: str, value: Any) -> Effect:
         """Set a field of the channel from this tick on; raises ScenarioError where it cannot be."""
         tick = self.state.tick
@@ -89,23 +106,25 @@ class Course:
         self.scenario, self.state = scenario, replace(self.state, channel=channel)
         if self.recorder is not None:
             self.recorder.change(tick, path, value)
-        return Effect(path, value, tick, optimal_separation(self.scenario.objective, channel))
+        unnoticed = remarks.is_unnoticed(scenario.seeking, scenario.channel.formula, channel.formula)
+        return Effect(path, value, tick, optimal_separation(self.scenario.objective, channel), unnoticed)
 
     def observations(self, addressed: Bools) -> list[bytes]:
         """The payload of each robot's Observation of this tick, in id order; empty for all but `addressed` [n]."""
         return wording.observations(simulation.observe(self.state), addressed, self.state.since)
 
     def take(
-        self, sent: list[bytes], answers: list[Answer | None], heard: Heard, alive: Bytes, elapsed: float
+        self, sent: list[bytes], answers: list[Answer | None], beacons: list[bytes], alive: Bytes, elapsed: float
     ) -> None:
-        """Go on to the next tick with the robots' `answers` to what was `sent`; who did not answer stands still.
+        """Move on to the next tick with the robots' `answers` to what was `sent`; a robot without one stands still.
 
-        `heard` is asked for their beacons if there is a recorder; `alive` [n] are those whose token stands; `elapsed`
-        [s; wall clock] since tick 0. What came from outside is noted before anything follows from it.
+        `beacons` are their payloads in id order; `alive` [n] are those whose token stands; `elapsed` [s; wall clock]
+        since tick 0. What came from outside is noted before anything follows from it.
         """
         state = self.state
         commands = [answer[1] if answer else b"" for answer in answers]
-        beacons = heard(state.tick, state.legible) if self.recorder is not None else []
+        self.beacons[state.tick] = beacons
+        self.beacons.pop(state.tick - HELD, None)
         self.note([TICK, state.tick, commands, beacons, alive.tobytes(), elapsed])
         twists, self.said = self._told.read([answer and answer[0] for answer in answers])
         sensed = [payload if here else b"" for payload, here in zip(sent, state.present.tolist(), strict=True)]

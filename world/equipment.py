@@ -6,6 +6,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from pydantic import Field
 
+from fes import counts
 from fes.arrays import Bools, Floats
 from fes.config import MAX_DELAY, MAX_SKEW, EquipmentConfig, Table
 from fes.errors import ScenarioError
@@ -52,7 +53,11 @@ def check(part: Part, robots: int, dt: float) -> None:
     name = "transmitter" if isinstance(part, TransmitterConfig) else "clock"
     if part.robot >= robots:
         raise ScenarioError("event", f"{name}: robot {part.robot} does not exist, there are {robots}")
-    if isinstance(part, TransmitterConfig) and part.delay > 0.0 and not 1 <= round(part.delay / dt) <= MAX_DELAY:
+    if (
+        isinstance(part, TransmitterConfig)
+        and part.delay > 0.0
+        and not 1 <= counts.ticks(part.delay, dt) <= MAX_DELAY
+    ):
         bounds = f"0, or from run.dt to {MAX_DELAY} ticks, {dt:g} to {MAX_DELAY * dt:g} s"
         raise ScenarioError("event", f"transmitter: delay must be {bounds}, got {part.delay:g}")
 
@@ -76,7 +81,7 @@ def told(parts: Iterable[tuple[int, Part]], dt: float) -> list[EquipmentConfig]:
     for tick, part in parts:
         before = now.get(part.robot, EquipmentConfig(tick=tick, robot=part.robot))
         if isinstance(part, TransmitterConfig):
-            change: dict[str, object] = {"delay": round(part.delay / dt), "corrupt": part.corrupt}
+            change: dict[str, object] = {"delay": counts.ticks(part.delay, dt), "corrupt": part.corrupt}
         else:
             change = {"skew": part.skew}
         after = before.model_copy(update={"tick": tick, **change})

@@ -6,6 +6,7 @@ from typing import Annotated, Any, NamedTuple, Self
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
+from fes import counts
 from fes.arrays import Bools
 from fes.config import Table
 from fes.errors import ScenarioError
@@ -139,7 +140,7 @@ def attendance(events: Iterable[EventConfig], robots: int, dt: float) -> dict[in
                 if states[robot] != before:
                     state = states[robot] + (" already" if states[robot] == after else "")
                     raise ScenarioError("event", f"{verb}: robot {robot} is {state} at {event.at:g} s")
-                tick = round(event.at / dt)
+                tick = counts.ticks(event.at, dt)
                 if tick not in found:
                     found[tick] = Planned(*(np.zeros(robots, dtype=np.bool_) for _ in Planned._fields))
                 planned = found[tick]
@@ -153,7 +154,7 @@ def attendance(events: Iterable[EventConfig], robots: int, dt: float) -> dict[in
 
 def parts(events: Iterable[EventConfig], robots: int, dt: float) -> list[tuple[int, Part]]:
     """What becomes of robots' equipment, with its tick, in order; raises ScenarioError in one line."""
-    found = [(round(event.at / dt), part) for event in events for part in event.parts]
+    found = [(counts.ticks(event.at, dt), part) for event in events for part in event.parts]
     for _, part in found:
         equipment.check(part, robots, dt)
     return sorted(found, key=lambda one: one[0])
@@ -165,7 +166,7 @@ def schedule(events: Iterable[EventConfig], dt: float) -> dict[int, dict[str, An
     for event in events:
         if not event.settings:
             continue
-        here = found.setdefault(round(event.at / dt), {})
+        here = found.setdefault(counts.ticks(event.at, dt), {})
         for path, value in event.settings.items():
             here.pop(path, None)  # what is set again comes last
             here[path] = value

@@ -27,6 +27,7 @@ SUMMARY: dict[str, Shape] = {
     **dict.fromkeys(("separation_error_max", "separation_error_rms"), NUMBER),
     **dict.fromkeys(("estimate_error_max", "estimate_error_rms"), NUMBER),
     **dict.fromkeys(("beacons_sent", "beacons_decoded", "links_gap_longest"), NUMBER),
+    **dict.fromkeys(("links_lost_at", "unscheduled_absences"), NUMBER),
     "time_to": dict.fromkeys(
         ("disagreement_1m", "estimate_1m", "estimate_0_1m", "separation_1m", "separation_0_1m"), NUMBER
     ),

@@ -1,6 +1,7 @@
 """The lockstep: every tick waits for the commands of all robots that are there."""
 
 import asyncio
+import logging
 import time
 from collections.abc import Callable
 
@@ -21,7 +22,7 @@ ANSWER_TIMEOUT = 10.0
 out until it speaks again."""
 
 RETURN_TIMEOUT = 60.0
-"""So long [s] the world waits for anybody to take part, and for a robot that its scenario brings back."""
+"""The world waits this long [s] for any robot to take part, and for a robot that its scenario brings back."""
 
 ASK_AGAIN = 0.5
 """An observation is sent again to robots that did not answer it for this long [s], then for twice as long, ..."""
@@ -42,19 +43,31 @@ class Lockstep:
         self._ask = ask
         self._pace = pace
         self._due = 0.0  # end of the present tick [s; monotonic]
+        self._logger = logging.getLogger("world")
         self._asked: dict[int, tuple[int, ...]] = {}
         """The last two ticks that each robot was asked for again: its second answer may come a tick later."""
 
     async def present(self, state: State) -> Bools:
-        """Who takes part at the tick of `state` [n], when all are there that it waits for; raises Absent."""
+        """The robots that take part at the tick of `state` [n]: at least one, unless none should.
+
+        Raises Absent after RETURN_TIMEOUT. A robot that its scenario brings back is waited for as long, then missed.
+        """
         end = time.monotonic() + RETURN_TIMEOUT
-        while missing := self._attendance.missing(state):
+        while (missing := self._attendance.missing(state)) or (due := self._attendance.due(state)):
             left = end - time.monotonic()
-            if left <= 0.0:
+            if left <= 0.0 and missing:
                 raise Absent(f"{missing}: the world waited {RETURN_TIMEOUT:g} s at tick {state.tick}")
+            if left <= 0.0:
+                self._logger.warning(
+                    "robots %s are due at tick %d and did not come within %g s: the run continues without them",
+                    due,
+                    state.tick,
+                    RETURN_TIMEOUT,
+                )
+                break
             await self._inbox.wait(1, left)
             for key, payload in self._inbox.drain():
-                self._read(state, key, payload)  # who was hung and speaks is there again
+                self._read(state, key, payload)  # a robot that hung and speaks can take part again
         return self._attendance.now(state)
 
     async def collect(self, state: State, sent: list[bytes]) -> tuple[list[Answer | None], Bools]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fes import geometry
+from fes import counts, geometry
 from fes.arrays import Bools, Floats, Ints
 from fes.edges import Edges
 from fes.sensing import Telemetry
@@ -58,6 +58,8 @@ class Tally:
     longest_gap: int = 0
     """Most ticks in a row at which the links of the robots present were not one component."""
     _gap: int = 0
+    _linked: int = -1
+    """The last tick at which a link stood."""
     _opened: bool = False
     _disk_always: bool = True
     _links_always: bool = True
@@ -90,6 +92,8 @@ class Tally:
             self._links_always &= whole
             self._gap = 0 if whole else self._gap + 1
             self.longest_gap = max(self.longest_gap, self._gap)
+        if len(said.links) or len(poses) == 1:
+            self._linked = self.ticks
         self.errors = link_errors(said, separation, optimal)
         self._levels()
         self.ticks += 1
@@ -104,13 +108,19 @@ class Tally:
         """The same for the graph of the links in use."""
         return self._opened and self._links_always
 
+    @property
+    def links_lost_at(self) -> float | None:
+        """The time [s] from which on no link stood; None where one stands at the last tick, or one robot is alone."""
+        since = self._linked + 1
+        return round(since * self.dt, 9) if since < self.ticks else None
+
     def times(self) -> dict[str, float | None]:
         """For each level the first time [s] from which it held for HOLD, or to the end; None if it never did."""
         found = {name: self._reached.get(name, self._since[name]) for name in LEVELS}
         return {name: None if tick is None else round(tick * self.dt, 9) for name, tick in found.items()}
 
     def _levels(self) -> None:
-        hold = math.ceil(HOLD / self.dt)
+        hold = counts.ticks_within(HOLD, self.dt)
         for name, (quantity, level) in LEVELS.items():
             if name in self._reached:
                 continue

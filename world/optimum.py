@@ -1,33 +1,85 @@
-"""The separation that maximizes the performance index (16): what the robots are to find."""
+"""The separation that maximizes the performance index (16): what the robots are to find.
 
-import numpy as np
+r* is computed in decimal arithmetic of 50 digits, whose exponents do not overflow: the nearest float to the true
+optimum, for every channel and objective, and the same one on every machine.
+"""
 
-from fes import objective, outage
-from fes.arrays import Floats
+import decimal
+import struct
+from decimal import Decimal
+from functools import lru_cache
+
 from fes.config import ChannelConfig, ObjectiveConfig
 
-_BISECTIONS = 60
+_EXACT = decimal.Context(prec=50, Emax=decimal.MAX_EMAX, Emin=decimal.MIN_EMIN, traps=[])
+"""Rounding errors stay 30 digits below a float's. No trap: exp of what is too large even for this is infinite."""
 
-
-def log_index_slope(separation: Floats, preferred: ObjectiveConfig, channel: ChannelConfig) -> Floats:
-    """(ln J)' [1/m] of (16) at `separation` [m], any shape."""
-    wish = objective.log_preference_slope(separation, preferred)
-    return wish + outage.log_reception_slope(separation, channel)
+_SMALL = Decimal("1e-12")
+"""Below this, e^x - 1 is summed up as a series: the difference would lose digits."""
 
 
 def optimal_separation(preferred: ObjectiveConfig, channel: ChannelConfig) -> float:
-    """r* [m], the maximum of (16), to machine precision, for any channel and objective.
+    """r* [m], the float nearest to the maximum of (16), for any channel and objective.
 
     r (ln J)' = s [A/(e^A - 1) - (r/r_x)^s] + r (ln p)' with A = (r/r_min)^s. Its first part falls strictly, from
     s > 0 at 0 to below 0 at r_x; its second is 0 at 0 and never rises: -nu c r^nu after (3), or -r (1 - p)/width
-    of the logistic channel, both factors of which rise. So J has one maximum, between the two, and bisection
-    finds it.
+    of the logistic channel, both factors of which rise. So J has one maximum, between the two. An optimum below the
+    smallest float is given as that float.
     """
-    low, high = 0.0, preferred.maximum_separation
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        if log_index_slope(np.float64(middle), preferred, channel) > 0.0:  # type: ignore[arg-type]
-            low = middle
-        else:
-            high = middle
-    return 0.5 * (low + high)
+    # Of a channel only the formula counts; what may be laid over it has no hash.
+    formula = {name: getattr(channel, name) for name in ChannelConfig.model_fields}
+    return _optimum(preferred, ChannelConfig.model_construct(**formula))
+
+
+@lru_cache(maxsize=256)
+def _optimum(preferred: ObjectiveConfig, channel: ChannelConfig) -> float:
+    """Bisect the integers of the floats' bits, which are in the floats' order, until two neighbors are left."""
+    low, high = 0, _bits(preferred.maximum_separation)
+    with decimal.localcontext(_EXACT):
+        while high - low > 1:
+            middle = (low + high) // 2
+            if _rises(Decimal(_float(middle)), preferred, channel):
+                low = middle
+            else:
+                high = middle
+        between = (Decimal(_float(low)) + Decimal(_float(high))) / 2
+        return _float(low if low and not _rises(between, preferred, channel) else high)
+
+
+def _rises(r: Decimal, preferred: ObjectiveConfig, channel: ChannelConfig) -> bool:
+    """True if ln J rises at r [m]: the sign of r (ln J)' / s."""
+    shape, log = Decimal(preferred.shape_exponent), r.ln()
+    spread, reach = (
+        (shape * (log - Decimal(scale).ln())).exp()
+        for scale in (preferred.minimum_separation, preferred.maximum_separation)
+    )
+    return spread / _exp_less_one(spread) > reach + _loss(r, log, channel) / shape
+
+
+def _loss(r: Decimal, log: Decimal, channel: ChannelConfig) -> Decimal:
+    """-r (ln p)' [1] at r [m], whose logarithm is `log`."""
+    if channel.model == "perfect":
+        return Decimal(0)
+    if channel.model == "logistic":
+        width = Decimal(channel.logistic_width)
+        excess = (r - Decimal(channel.logistic_midpoint)) / width
+        return r / width / (1 + (-excess).exp())
+    exponent = Decimal(channel.path_loss_exponent)
+    threshold = _exp_less_one(Decimal(channel.spectral_efficiency) * Decimal(2).ln())
+    power = (exponent * (log - Decimal(channel.reference_distance).ln())).exp()
+    return exponent * threshold / Decimal(channel.reference_snr) * power
+
+
+def _exp_less_one(x: Decimal) -> Decimal:
+    """e^x - 1 for x > 0."""
+    return x * (1 + x / 2 * (1 + x / 3 * (1 + x / 4))) if x < _SMALL else x.exp() - 1
+
+
+def _bits(value: float) -> int:
+    """The bits of a positive float as an integer."""
+    return int(struct.unpack("<q", struct.pack("<d", value))[0])
+
+
+def _float(bits: int) -> float:
+    """The float of these bits."""
+    return float(struct.unpack("<d", struct.pack("<q", bits))[0])

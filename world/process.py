@@ -18,7 +18,7 @@ from typing import Any
 
 from fes import bus, encoding, identity, keys, output, process
 from fes.errors import FesError, reason
-from world import access, audit, claim, expect, resume, summary
+from world import access, audit, claim, expect, remarks, resume, summary
 from world.checkpoint import FOLDER, PERIOD, Keeper, Snapshot, alone, clear, is_kept
 from world.course import Course
 from world.recorder import NAME, Recorder
@@ -39,6 +39,8 @@ class Start:
 async def serve(flags: argparse.Namespace, start: Start) -> int:
     """One world process, from start to exit code."""
     run, scenario = start.run, start.scenario
+    for line in remarks.of(scenario) if start.kept is None else []:
+        logging.getLogger("world").warning("%s", line)
     rules = access.control(run, scenario.robots.number, identity.crews(flags.keys)) if flags.keys else None
     endpoints = process.world_endpoints(flags, rules)
     audited = audit.kept(access.roles(rules)) if rules else contextlib.nullcontext()
@@ -75,13 +77,15 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
                 try:
                     if not goes_on:  # else the robots wait for a world that goes on
                         server.dismiss()
-                    server.complaints.log_total(server.overflow)
+                    server.complaints.log_total(server.overflow, server.strangers)
                 finally:
                     reached = _keep(flags.out, server, recorder)
                     if keeper is not None:
                         (keeper.discard if ended else keeper.close)(course)
         if keeper is not None:  # last of all: until here it can be gone on with
             keeper.discard(course)
+        with contextlib.suppress(asyncio.CancelledError):  # the run is over and kept: a signal only ends the wait
+            await server.linger()
         server.logger.info("the run is over after %d ticks", scenario.ticks)
     for verdict in reached["expectations"] if reached else []:
         level = logging.INFO if verdict["holds"] else logging.ERROR

@@ -1,9 +1,11 @@
 """Which pairs of robots are within communication range.
 
 Candidate pairs (a Verlet list) are found once with a margin and kept until some robot has moved half of it;
-per tick only the candidates' separations are measured. Finding them sorts robots into square cells.
+per tick only the candidates' separations are measured. Finding them sorts robots into square cells, and looks at
+a bounded number of pairs at once: memory is a matter of the pairs in range.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,6 +20,12 @@ SMALL = 64
 
 MARGIN = 0.2
 """Margin of the candidate list, as a fraction of the communication range."""
+
+BLOCK = 2**16
+"""About so many pairs of robots in near cells are looked at at once."""
+
+_FARTHEST_CELL = 2.0**61
+"""Where a double's spacing is hundreds of cells, robots share a cell: only those at one place are in range."""
 
 _NEAR_CELLS = ((0, 0), (1, 0), (-1, 1), (0, 1), (1, 1))
 
@@ -91,29 +99,56 @@ def _find(poses: Floats, reach: float) -> Candidates:
     if n <= SMALL:
         a, b = np.triu_indices(n, 1)
         return Candidates(a, b, None, reach)
-    side = (1.0 + MARGIN) * reach
-    cells = np.floor(poses[:, :2] / side).astype(np.int64)
-    cells -= cells.min(axis=0) - 1
-    width = int(cells[:, 0].max()) + 2
-    code = cells[:, 1] * width + cells[:, 0]
-    order = np.argsort(code, kind="stable")
-    ordered = code[order]
-    found = [_between(order, ordered, code + dy * width + dx, own=(dx, dy) == (0, 0)) for dx, dy in _NEAR_CELLS]
+    found = [pairs for *pairs, _ in _blocks(poses, (1.0 + MARGIN) * reach)]
     left, right = (np.concatenate(side_) for side_ in zip(*found, strict=True))
-    near = geometry.separation(
-        poses[left, geometry.X] - poses[right, geometry.X], poses[left, geometry.Y] - poses[right, geometry.Y]
-    )
-    left, right = left[near <= side], right[near <= side]
     a, b = np.minimum(left, right), np.maximum(left, right)
     sort = np.argsort(a * n + b)
     return Candidates(a[sort], b[sort], poses[:, :2].copy(), reach)
 
 
-def _between(order: Ints, ordered: Ints, cell: Ints, own: bool) -> tuple[Ints, Ints]:
-    """All pairs of a robot [n] and a robot in the cell [n] named for it; each pair of one cell once."""
-    first, last = np.searchsorted(ordered, cell, "left"), np.searchsorted(ordered, cell, "right")
-    count = last - first
-    left = np.repeat(np.arange(len(cell)), count)
-    offset = np.arange(len(left)) - np.repeat(np.cumsum(count) - count, count)
-    right = order[np.repeat(first, count) + offset]
+def count(poses: Floats, reach: float, most: int) -> int:
+    """Number of directed pairs of robots at most `reach` [m] apart; where it is more than `most`, an estimate."""
+    n, pairs, rows = len(poses), 0, 0
+    for left, _, done in _blocks(poses, reach):
+        pairs, rows = pairs + 2 * len(left), rows + done
+        if pairs > most:
+            return min(round(pairs / rows * n), n * (n - 1))
+    return pairs
+
+
+def _blocks(poses: Floats, side: float) -> Iterator[tuple[Ints, Ints, int]]:
+    """Rows of the pairs of robots at most `side` [m] apart, each pair once, for some rows after the other; and for
+    how many."""
+    n = len(poses)
+    with np.errstate(over="ignore"):
+        cells = np.clip(np.floor(poses[:, :2] / side), -_FARTHEST_CELL, _FARTHEST_CELL).astype(np.int64)
+    cells -= cells.min(axis=0) - 1
+    width = int(cells[:, 0].max()) + 2
+    code = cells[:, 1] * width + cells[:, 0]
+    order = np.argsort(code, kind="stable")
+    ordered = code[order]
+    spans = []
+    for dx, dy in _NEAR_CELLS:
+        cell = code + dy * width + dx
+        spans.append((np.searchsorted(ordered, cell, "left"), np.searchsorted(ordered, cell, "right")))
+    ends = np.cumsum(sum(last - first for first, last in spans))
+    for rows in np.split(np.arange(n), np.searchsorted(ends, np.arange(BLOCK, ends[-1], BLOCK))):
+        parts = [
+            _between(order, rows, first[rows], last[rows], own=step == (0, 0))
+            for step, (first, last) in zip(_NEAR_CELLS, spans, strict=True)
+        ]
+        left, right = (np.concatenate(side_) for side_ in zip(*parts, strict=True))
+        apart = geometry.separation(
+            poses[left, geometry.X] - poses[right, geometry.X], poses[left, geometry.Y] - poses[right, geometry.Y]
+        )
+        yield left[apart <= side], right[apart <= side], len(rows)
+
+
+def _between(order: Ints, rows: Ints, first: Ints, last: Ints, own: bool) -> tuple[Ints, Ints]:
+    """All pairs of a robot of `rows` and one that stands in `order` from `first` to `last` [rows]; each pair of one
+    cell once."""
+    counts = last - first
+    left = np.repeat(rows, counts)
+    offset = np.arange(len(left)) - np.repeat(np.cumsum(counts) - counts, counts)
+    right = order[np.repeat(first, counts) + offset]
     return (left[left < right], right[left < right]) if own else (left, right)

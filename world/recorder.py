@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Self
 
 import tomli_w
 
-from fes import distribution, strict_json
+from fes import counts, distribution, strict_json
 from fes.arrays import Bytes, Floats
 from fes.errors import FesError
 from fes.report import encode_report
@@ -56,6 +56,7 @@ class Unfinished:
     told: tuple[int, float]
     pending: list[tuple[int, str, Any]]
     present: dict[int, list[list[int]]]
+    excluded: dict[int, list[tuple[list[int], str]]]
 
 
 class Recorder:
@@ -77,6 +78,7 @@ class Recorder:
         self._summary: dict[str, Any] | None = None
         self._pending: list[tuple[int, str, Any]] = []
         self._present: dict[int, list[list[int]]] = {}
+        self._excluded: dict[int, list[tuple[list[int], str]]] = {}
         self._tick = -1
         self._told = (0, 0.0)
         self._file = Container(path)
@@ -87,6 +89,7 @@ class Recorder:
         self._file.copy(source, kept.size)
         self._tick, self._told = kept.tick, kept.told
         self._pending, self._present = list(kept.pending), dict(kept.present)
+        self._excluded = dict(kept.excluded)
 
     def __enter__(self) -> Self:
         return self
@@ -108,6 +111,10 @@ class Recorder:
         for path, value in self._changes.get(tick, {}).items():
             self._set(tick, "schedule", path, value)
         self._set_by_persons(tick)
+        for robots, reason in self._excluded.pop(tick, []):
+            event = {"tick": tick, "what": "excluded", "robots": robots, "reason": reason}
+            self._put("/events", schemas.EVENT, strict_json.dumps(event).encode())
+            self._remark(views.WARNING, f"robots {robots} are excluded from tick {tick} on: {reason}")
         for robots in self._present.pop(tick, []):
             event = {"tick": tick, "what": "present", "robots": robots}
             self._put("/events", schemas.EVENT, strict_json.dumps(event).encode())
@@ -124,6 +131,10 @@ class Recorder:
         """From `tick` on, which has not been added yet, these robots take part, otherwise than by schedule."""
         self._present.setdefault(tick, []).append(robots)
 
+    def exclude(self, tick: int, robots: list[int], reason: str) -> None:
+        """These robots are excluded for a fault of theirs from `tick` on, which has not been added yet."""
+        self._excluded.setdefault(tick, []).append((robots, reason))
+
     @property
     def fileno(self) -> int:
         """The number of the open file."""
@@ -131,7 +142,14 @@ class Recorder:
 
     def pause(self) -> Unfinished:
         """The log up to the last tick that was added: from now on a reader finds all of it."""
-        return Unfinished(self._file.close_chunk(), self._tick, self._told, list(self._pending), dict(self._present))
+        return Unfinished(
+            self._file.close_chunk(),
+            self._tick,
+            self._told,
+            list(self._pending),
+            dict(self._present),
+            dict(self._excluded),
+        )
 
     def conclude(self, summary: dict[str, Any] | None) -> None:
         """Keep the summary of what was reached."""
@@ -212,4 +230,4 @@ class Recorder:
 
 def report_period(scenario: Scenario) -> int:
     """Ticks between two Reports of a log."""
-    return max(1, round(VIEW_PERIOD / scenario.run.dt))
+    return counts.ticks_of(VIEW_PERIOD, scenario.run.dt)

@@ -17,6 +17,7 @@ PERIOD = 0.1
 """Wall-clock time between two reports [s]."""
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a run may diverge: it is shown as it is
 def build(account: Account, name: str, alive: Bytes, elapsed: float, ticks_per_s: float) -> Report:
     """The report of the last tick of `account`; `elapsed` [s] and `ticks_per_s` [1/s] are wall-clock.
 
@@ -109,7 +110,10 @@ def _outage(state: State, separation: Floats, here: Ints, there: Ints) -> Floats
 def _reception_line(channel: RadioConfig, scale: float) -> tuple[float, float]:
     """Level and exponent that an exact fit of the formula has at `scale` [m]: ln(-ln p), and its slope in ln r."""
     if channel.model != "logistic":
-        rate = outage.exponent_scale(channel) * scale**channel.path_loss_exponent
+        try:
+            rate = outage.exponent_scale(channel) * scale**channel.path_loss_exponent
+        except OverflowError:
+            rate = math.inf
         return math.log(rate) if rate > 0.0 else -math.inf, channel.path_loss_exponent
     at = np.array([scale])
     rate = float(np.logaddexp(0.0, outage.logistic_excess(at, channel))[0])  # -ln p

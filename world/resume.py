@@ -17,7 +17,7 @@ from world import checkpoint, journal
 from world.account import Account
 from world.breathing import Breathing
 from world.checkpoint import FOLDER, JOIN, MAGIC, STATE, TRAIL, Keeper, Snapshot
-from world.course import ATTEND, SET, TICK, Course
+from world.course import ATTEND, EXCLUDE, SET, TICK, Course
 from world.digest import Digest
 from world.recorder import NAME, Recorder
 from world.tracking import Tracking
@@ -82,6 +82,8 @@ def course(
     """
     run = Course(snapshot.scenario, recorder)
     run.scenario, run.state, run.sums = snapshot.now, snapshot.state, snapshot.sums
+    run.excluded.update(snapshot.excluded)
+    run.beacons.update(snapshot.beacons)
     hosts, renewed, elapsed = dict(snapshot.hosts), set(snapshot.renewed), snapshot.elapsed
     try:
         trail = run.sums.tally.digest.take_up(directory / FOLDER / TRAIL)
@@ -90,6 +92,7 @@ def course(
                 checkpoint.renew(renewed, note)
                 if note[0] == JOIN:
                     hosts.update(dict.fromkeys(note[1], Join(tuple(note[1]), note[2])))
+                    run.readmit(note[1])
                 else:
                     elapsed = _again(run, note, elapsed)
     except (OSError, EOFError) as error:
@@ -111,13 +114,15 @@ def _again(run: Course, note: list[Any], elapsed: float) -> float:
         raise ValueError(f"a note of tick {tick} stands at tick {run.state.tick}")
     if kind == ATTEND:
         run.attend(np.isin(run.world.ids, rest[0]))
+    elif kind == EXCLUDE:
+        run.exclude(*rest)
     elif kind == SET:
         run.change(*rest)
     elif kind == TICK:
         commands, beacons, alive, elapsed = rest
         answers = [(messages.decode_command(payload), payload) if payload else None for payload in commands]
         seen = np.frombuffer(alive, dtype=np.uint8)
-        run.take(run.observations(run.state.present), answers, lambda tick, legible: beacons, seen, elapsed)
+        run.take(run.observations(run.state.present), answers, beacons, seen, elapsed)
         run.account()
         return float(elapsed)
     else:

@@ -37,9 +37,10 @@ class Roster:
         complaints: Complaints,
         hosts: Mapping[int, Join] = MappingProxyType({}),
         renewed: Iterable[int] = (),
+        excluded: Mapping[int, str] = MappingProxyType({}),
     ) -> None:
         """`hosts` are the Joins that were accepted before this world came, by robot; `renewed` the robots that have
-        not taken part since.
+        not taken part since; `excluded` those that are excluded at any time, and why.
         """
         self.alive: Bytes = np.zeros(robots, dtype=np.uint8)
         self.changed = asyncio.Event()
@@ -48,7 +49,7 @@ class Roster:
         """Which robots are hosted by an agent that was accepted, and alive, with all that share their process [n]."""
         self._run = run
         self._config = config
-        self._complaints = complaints
+        self._complaints, self._excluded = complaints, excluded
         self._logger = logging.getLogger("world")
         self._promised: dict[int, float] = {}
         self.hosts = dict(hosts)
@@ -95,7 +96,11 @@ class Roster:
             self._complaints.add("Join: on another's key", f"{question.key}: a join of robots {keys.span(wanted)}")
             question.refuse(f"a join of robots {keys.span(wanted)} came on {question.key}")
             return
-        # Who has joined already only asks whether it is welcome still.
+        fault = next((f"robot {one} is {self._excluded[one]}" for one in wanted if one in self._excluded), "")
+        if fault and all(self.hosts.get(robot) == join for robot in wanted):
+            question.refuse(fault)  # its agent asks why it hears nothing; only another agent may have the robot
+            return
+        # An agent that has joined already only asks whether it is still welcome.
         if any(self.hosts.get(robot) != join for robot in wanted):
             refusal = self._refusal(wanted)
             if refusal:

@@ -1,45 +1,39 @@
 """The scenario: one TOML file, typed, frozen and complete, with the names that `--set` overrides use."""
 
-import math
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
-import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
-from fes import draws, encoding
+from fes import counts, draws, encoding, stability
 from fes.arrays import Floats
 from fes.config import (
     AgentConfig,
     Clock,
     EquipmentConfig,
     FormationConfig,
-    NonNegative,
     ObjectiveConfig,
-    Positive,
     SeekingConfig,
     Table,
 )
 from fes.errors import ScenarioError, reason
-from fes.keys import MAX_ROBOTS
-from world import equipment, events, toml
+from world import equipment, events, robots_config, toml
 from world.equipment import Transmission
 from world.events import EventConfig, Planned, attendance, changed, schedule
 from world.expect import ExpectConfig
 from world.overrides import override
 from world.overrides import parse_override as parse_override
 from world.radio_config import RadioConfig
+from world.robots_config import RobotsConfig
 from world.rules import first_rule
-
-MAX_TICKS = 1e9
 
 
 class RunConfig(Table):
     """How long and how fine."""
 
-    dt: Positive = 0.02
+    dt: Annotated[float, Field(ge=1e-6, le=1e3)] = 0.02
     """Tick length [s]."""
-    duration: Positive = 60.0
+    duration: Annotated[float, Field(gt=0, le=1e9)] = 60.0
     """Simulated time of the run [s]; a whole number of ticks is run."""
     seed: int = Field(default=0, ge=0, lt=2**63)
     """Seed of every random draw of the run."""
@@ -49,39 +43,8 @@ class RunConfig(Table):
 
     @model_validator(mode="after")
     def _countable(self) -> Self:
-        if self.duration / self.dt > MAX_TICKS:
-            raise ValueError(f"duration / dt must be at most {MAX_TICKS:g} ticks")
+        counts.check("duration / dt", self.duration, self.dt, stability.MAX_TICKS)
         return self
-
-
-class RobotsConfig(Table):
-    """Where the robots start: explicit poses, or a generator."""
-
-    poses: list[Annotated[tuple[float, float, float], Field(strict=False)]] | None = None
-    """Initial poses [[x, y, heading], ...] [m, m, rad; world frame], in the order of the robot ids."""
-    kind: Literal["grid", "line"] = "grid"
-    """Shape of the generated start."""
-    count: int | None = Field(default=None, ge=1, le=MAX_ROBOTS)
-    """Number of robots of the generated start; give either this or `poses`."""
-    spacing: Positive = 78.0
-    """Distance between neighbors of the generated start [m]."""
-    jitter: NonNegative = 0.0
-    """Each generated position is moved by up to this much along x and y [m], seeded."""
-
-    @model_validator(mode="after")
-    def _one_way(self) -> Self:
-        if (self.poses is None) == (self.count is None):
-            raise ValueError("give either poses or count")
-        if self.poses is not None and not 1 <= len(self.poses) <= MAX_ROBOTS:
-            raise ValueError(f"poses must list 1 to {MAX_ROBOTS} robots")
-        if self.poses is not None and not all(math.isfinite(value) for pose in self.poses for value in pose):
-            raise ValueError("poses must be finite")
-        return self
-
-    @property
-    def number(self) -> int:
-        """Number of robots."""
-        return len(self.poses) if self.poses is not None else self.count or 0
 
 
 class Scenario(Table):
@@ -105,6 +68,11 @@ class Scenario(Table):
     """What changes while the run goes on."""
     expect: list[ExpectConfig] = Field(default=[])
     """What is expected of the run, at its end."""
+
+    @model_validator(mode="after")
+    def _stable(self) -> Self:
+        stability.check(self.run.dt, self.seeking, self.formation)
+        return self
 
     @model_validator(mode="after")
     def _channel_at_all_times(self) -> Self:
@@ -144,7 +112,8 @@ class Scenario(Table):
     @property
     def world_deaths(self) -> dict[int, float]:
         """Tick -> for how long the world's process is away from it on [s; wall clock], in order."""
-        at = {round(one.at / self.run.dt): one.world_away for one in self.event if one.world_away is not None}
+        dt = self.run.dt
+        at = {counts.ticks(one.at, dt): one.world_away for one in self.event if one.world_away is not None}
         return dict(sorted(at.items()))
 
     @property
@@ -161,7 +130,7 @@ class Scenario(Table):
     @property
     def ticks(self) -> int:
         """Number of ticks of the run."""
-        return max(1, round(self.run.duration / self.run.dt))
+        return counts.ticks_of(self.run.duration, self.run.dt)
 
 
 def load(path: Path, overrides: dict[str, Any] | None = None) -> Scenario:
@@ -215,17 +184,7 @@ def agent_config(scenario: Scenario) -> AgentConfig:
 
 def initial_poses(scenario: Scenario) -> Floats:
     """Poses at tick 0 [n, 3] [m, m, rad; world frame]."""
-    robots = scenario.robots
-    if robots.poses is not None:
-        return np.array(robots.poses, dtype=np.float64)
-    n = robots.number
-    width = math.ceil(math.sqrt(n)) if robots.kind == "grid" else n
-    ids = np.arange(n)
-    stream = draws.key(scenario.run.seed, "initial pose")
-    dx, dy, turn = (draws.uniform_pairs(stream, ids, np.full(n, axis)) for axis in range(3))
-    x = robots.spacing * (ids % width) + robots.jitter * (2.0 * dx - 1.0)
-    y = robots.spacing * (ids // width) + robots.jitter * (2.0 * dy - 1.0)
-    return np.stack([x, y, 2.0 * math.pi * turn - math.pi], axis=1)
+    return robots_config.poses(scenario.robots, scenario.run.seed)
 
 
 def _check_partition(channel: RadioConfig, robots: int) -> None:

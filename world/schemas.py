@@ -134,13 +134,18 @@ EVENT = {
     "properties": {
         "tick": {"type": "integer"},
         "what": {
-            "enum": ["set", "present", "end"],
-            "description": "the channel was changed; robots came or went otherwise than by schedule; the run is over",
+            "enum": ["set", "present", "excluded", "end"],
+            "description": "the channel was changed; robots came or went otherwise than by schedule; robots were "
+            "excluded for a fault of theirs; the run is over",
         },
         "by": {"enum": ["schedule", "person"]},
         "path": {"type": "string", "description": "of a set: the field, by its dotted path in the scenario"},
         "value": {"description": "of a set: its new value"},
-        "robots": {"type": "array", "items": {"type": "integer"}, "description": "of present: who takes part now"},
-        "reason": {"type": "string", "description": "of an end before its time"},
+        "robots": {
+            "type": "array",
+            "items": {"type": "integer"},
+            "description": "of present: all that take part now; of excluded: those",
+        },
+        "reason": {"type": "string", "description": "of an exclusion, or of an end before its time"},
     },
 }

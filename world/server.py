@@ -19,9 +19,11 @@ from fes.messages import Join
 from fes.report import encode_report
 from world import reporting, summary, wording
 from world.attendance import Attendance
+from world.beacon_tap import BeaconTap
 from world.checkpoint import JOIN, Keeper
-from world.course import Course
-from world.ears import Ears
+from world.command_gate import CommandGate
+from world.course import Answer, Course
+from world.farewell import Farewell
 from world.live import Live
 from world.lockstep import Lockstep
 from world.roster import RESUME_TIMEOUT, Roster
@@ -49,17 +51,20 @@ class Server:
         self._keeper = keeper
         self.keep: Callable[[Scenario], None] = lambda scenario: None
         """Called with the scenario whenever a person has changed it."""
-        self._ears = Ears(bus, run, len(robots), self.complaints) if course.recorder is not None else None
+        self._tap = BeaconTap(bus, run, len(robots), self.complaints, course.beacons)
         self._inbox = Inbox(asyncio.get_running_loop())
         self._observe = [bus.publisher(keys.observation(run, robot), "fes.Observation") for robot in robots]
         self._report = bus.publisher(keys.report(run), "fes.Report", drop=True)
-        bus.subscribe(keys.command(run, "*"), self._inbox.put)
-        before = (keeper.hosts, keeper.renewed) if keeper is not None else ()
-        self._roster = Roster(bus, run, len(robots), agent_config(course.scenario), self.complaints, *before)
+        hosts, renewed = (keeper.hosts, keeper.renewed) if keeper is not None else ({}, set[int]())
+        config = agent_config(course.scenario)
+        self._gate = CommandGate(run, hosts.values())
+        bus.subscribe(keys.command(run, "*"), self._inbox.put, self._gate.admits)
+        self._roster = Roster(bus, run, len(robots), config, self.complaints, hosts, renewed, course.excluded)
         self._roster.on_join = self._on_join
         bus.serve(keys.change(run), self._on_change)
         bus.token(keys.world_alive(run))  # last: it says that everything above is in place
-        self._attendance = Attendance(self._roster, course.scenario)
+        self._attendance = Attendance(self._roster, course.scenario, course.excluded)
+        self._farewell = Farewell(self._observe, self._roster)
         self._clock = self._make_clock(None if rtf is None else course.scenario.run.dt / rtf)
         self._elapsed = elapsed
         self._begun = self._told_at = self._ended = 0.0
@@ -103,8 +108,9 @@ class Server:
             if self._keeper is not None and self._keeper.due:
                 self._keeper.save(course, self._roster.hosts, self.elapsed)
             answers, present = await self._clock.collect(course.state, sent)
+            beacons = await self._hear(answers, present)
             self._attend(present)
-            course.take(sent, answers, self._heard, self._roster.alive.copy(), self.elapsed)
+            course.take(sent, answers, beacons, self._roster.alive.copy(), self.elapsed)
         self._account()
         self._ended = time.perf_counter()
 
@@ -125,14 +131,21 @@ class Server:
         """Messages that found no room to wait."""
         return self._inbox.dropped
 
+    @property
+    def strangers(self) -> int:
+        """Commands that came from another process than the agent that was accepted for their robot."""
+        return self._gate.rejected
+
     def dismiss(self) -> None:
         """Tell every robot and observer that the run is over."""
         self._account()
         if self.course.sums.tally.ticks:
             self._tell()
-        farewells = wording.farewells(self.course.state.tick, self.course.state.poses)
-        for put, payload in zip(self._observe, farewells, strict=True):
-            put(payload)
+        self._farewell.say(wording.farewells(self.course.state.tick, self.course.state.poses))
+
+    async def linger(self) -> None:
+        """Stay until every robot that takes part has heard that the run is over, for a few seconds at most."""
+        await self._farewell.heard(self._attendance.expected(self.course.state))
 
     def save(self) -> None:
         """Keep the run as it is, to be gone on with."""
@@ -168,10 +181,13 @@ class Server:
     def _on_join(self, join: Join) -> None:
         if self._keeper is not None:
             self._keeper.note([JOIN, list(join.robots), join.agent])
+        self.course.readmit(join.robots)
+        self._gate.expect(join)
 
     def _on_token(self, robot: int, alive: bool) -> None:
         if not alive:
             self._attendance.lost(robot)
+        self._farewell.on_token(robot, alive)
         self._inbox.nudge()
 
     def _attend(self, present: Bools) -> None:
@@ -188,8 +204,23 @@ class Server:
         if time.perf_counter() - self._told_at >= reporting.PERIOD and self.course.sums.tally.ticks:
             self._tell()
 
-    def _heard(self, tick: int, present: Bools) -> list[bytes]:
-        return self._ears.heard(tick, present) if self._ears is not None else []
+    async def _hear(self, answers: list[Answer | None], present: Bools) -> list[bytes]:
+        """The beacons of this tick, in id order; a robot at fault is excluded, in `answers` and `present` [n] too.
+
+        The live clock waits for no beacon, so one that is missing is late, and its sender not at fault.
+        """
+        state = self.course.state
+        legible = state.legible & present
+        if self.course.sums.deadlines is not None:
+            return self._tap.heard(state.tick, legible)
+        beacons, faults = await self._tap.judge(state.tick, legible)
+        for robot, reason in faults.items():
+            group = list(self._roster.group(robot))
+            self.course.exclude(group, f"robot {robot}: {reason}")
+            self.logger.warning("robots %s are excluded from tick %d on: %s", group, state.tick, reason)
+            for member in group:
+                answers[member], beacons[member], present[member] = None, b"", False
+        return beacons
 
     def _publish(self) -> list[bytes]:
         """Put each robot's observation; returns the payloads, to be sent again if need be."""

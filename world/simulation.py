@@ -7,7 +7,7 @@ import numpy as np
 
 from fes.arrays import Bools, Floats, Ints
 from fes.sensing import DECODED, Observations
-from world import channel, events, kinematics, proximity
+from world import channel, crowd, events, kinematics, proximity
 from world.channel import Medium, Radio
 from world.equipment import Transmission
 from world.events import Planned
@@ -68,8 +68,10 @@ def create(scenario: Scenario) -> World:
     return World(scenario, ids, medium, scenario.changes, scenario.attendance, scenario.transmissions)
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def start(world: World) -> State:
-    """The state at tick 0."""
+    """The state at tick 0; raises ScenarioError where there is too little memory for all contacts."""
+    crowd.check(world.scenario)
     poses, radio = initial_poses(world.scenario), world.scenario.channel
     near = proximity.measure(world.ids, poses, radio.communication_range, None)
     return _changed(
@@ -80,6 +82,7 @@ def start(world: World) -> State:
     )
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a robot may be driven anywhere: beyond all numbers none is in range
 def step(world: World, state: State, twists: Floats) -> State:
     """The state one tick later, the robots holding `twists` [n, 2] [m/s, rad/s]; see `held`."""
     poses = kinematics.move(state.poses, twists, world.scenario.run.dt)

@@ -1,5 +1,6 @@
 """The summary of a run and its directory: what scripts outside the project read."""
 
+import contextlib
 import os
 from pathlib import Path
 from typing import Any
@@ -10,12 +11,14 @@ import tomli_w
 from fes import strict_json
 from fes.arrays import Floats
 from fes.edges import Edges
+from fes.errors import FesError, reason
 from world import expect, graphs, metrics
 from world.account import Account
 from world.channel import Radio
 from world.scenario import Scenario
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def summarize(account: Account, name: str, backend: str, wall: float) -> dict[str, Any]:
     """The summary of a run up to the last tick of `account`; `wall` is how long it took [s].
 
@@ -55,6 +58,8 @@ def summarize(account: Account, name: str, backend: str, wall: float) -> dict[st
         "radio": _contacts(final.radio),
         "deadlines": None if account.deadlines is None else account.deadlines.table(),
         "links_gap_longest": tally.longest_gap * scenario.run.dt,
+        "unscheduled_absences": account.unscheduled_absences,
+        "links_lost_at": tally.links_lost_at,
     }
     complete: dict[str, Any] = strict_json.finite({**found, "expectations": expect.verdicts(scenario.expect, found)})
     return complete
@@ -66,15 +71,14 @@ def clear(directory: Path) -> None:
 
 
 def write(directory: Path, summary: dict[str, Any]) -> None:
-    """Write summary.json: complete or not at all."""
-    temporary = directory / ".summary.json"
-    temporary.write_text(strict_json.dumps(summary, indent=1) + "\n", encoding="utf-8")
-    os.replace(temporary, directory / "summary.json")
+    """Write summary.json: complete or not at all; raises FesError."""
+    _write(directory / "summary.json", strict_json.dumps(summary, indent=1) + "\n")
 
 
 def lines(summary: dict[str, Any]) -> list[str]:
     """What was reached, in the few lines of a log."""
     links, time = len(summary["edges"]), f"{summary['simulated_s']:g} s in {summary['wall_s']:.1f} s"
+    lost = summary["links_lost_at"]
     found = [
         f"{summary['scenario']}, {summary['robots']} robots, seed {summary['seed']}: {time}",
         f"{links} links, r* = {_meters(summary['optimal_separation'], 3)}",
@@ -84,9 +88,18 @@ def lines(summary: dict[str, Any]) -> list[str]:
             (error.replace("_", " "), summary[f"{error}_max"]) for error in ("separation_error", "estimate_error")
         )
         found += [f"largest {error}: {_meters(largest, 4)}" for error, largest in errors]
+    if lost is not None:
+        found.append(links_lost(lost))
     held = summary["time_to"]["separation_0_1m"]
     found.append("separation error < 0.1 m: " + ("never" if held is None else f"from {held:.2f} s on"))
     return [*found, f"digest {summary['digest']}"]
+
+
+def links_lost(since: float) -> str:
+    """What it means that the links are lost since a time [s], in a line."""
+    if since == 0.0:
+        return "no robot ever had a link"
+    return f"all links were lost for good at {since:g} s: no robot has had one since"
 
 
 def _meters(value: float | None, digits: int) -> str:
@@ -94,11 +107,24 @@ def _meters(value: float | None, digits: int) -> str:
 
 
 def write_scenario(directory: Path, scenario: Scenario) -> None:
-    """Write scenario.toml, complete or not at all: the scenario as it is run, with every default and override."""
+    """Write scenario.toml, complete or not at all: the scenario as it is run, with every default and override.
+
+    Raises FesError.
+    """
     tables = scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
-    temporary = directory / ".scenario.toml"
-    temporary.write_text(tomli_w.dumps(tables), encoding="utf-8")
-    os.replace(temporary, directory / "scenario.toml")
+    _write(directory / "scenario.toml", tomli_w.dumps(tables))
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a file, complete or not at all; raises FesError, which names it."""
+    temporary = path.with_name(f".{path.name}")
+    try:
+        temporary.write_text(text, encoding="utf-8")
+        os.replace(temporary, path)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+        raise FesError(f"cannot write {path}: {reason(error)}") from None
 
 
 def _edges(links: Edges, separation: Floats, estimates: Floats) -> list[list[float | int | None]]:

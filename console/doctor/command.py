@@ -69,6 +69,7 @@ async def examine(where: Endpoints | Finding, run: str, wanted: bool) -> list[Fi
         *await local,
         machine.files(robots),
         machine.directory(rundir.ROOT),
+        *machine.private_keys(rundir.ROOT),
         machine.loopback(),
         network.port(DEFAULT_ENDPOINT, robots is not None and any(map(network.is_default, places))),
         network.exposure(places[0] if places else DEFAULT_ENDPOINT),

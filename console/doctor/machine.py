@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 
+from console import leftovers
 from console.doctor.finding import Finding, failed, ok, warning
 from fes import distribution
 from fes.about import installed
@@ -158,6 +159,13 @@ def directory(root: Path) -> Finding:
     if free < LITTLE_SPACE:
         return warning("run directory", seen, "make room before a long run, or give --out another disk")
     return ok("run directory", seen)
+
+
+def private_keys(root: Path) -> Iterator[Finding]:
+    """The private keys that runs which were killed have left in their run directories under `root`."""
+    if left := leftovers.found(root):
+        where = " ".join(map(str, left))
+        yield warning("private keys", f"left by runs that were killed: {where}", f"rm -r {where}")
 
 
 def _numbers(version: str) -> tuple[int, ...]:

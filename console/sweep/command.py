@@ -18,6 +18,7 @@ from console.sweep.table import Format, Row
 from console.sweep.work import Workers
 from fes import process
 from fes.errors import FesError, ScenarioError, Stopped, reason
+from world import remarks
 
 
 def sweep(
@@ -42,6 +43,8 @@ def sweep(
     table.require(form)
     if plot:
         figures.require()
+    for line in dict.fromkeys(line for cell in planned.cells for line in remarks.of(cell.scenario)):
+        process.warn("fes", line)
     directory = out or ledger.default_directory(planned)
     with process.interruptible(), contextlib.ExitStack() as stack:
         workers = stack.enter_context(_workers(scheduler, jobs))

@@ -14,6 +14,7 @@ from typing import Any
 from console import inprocess
 from fes import encoding, strict_json
 from fes.errors import ScenarioError
+from world import crowd
 from world.rules import short
 from world.scenario import Scenario, load, parse_override
 
@@ -104,6 +105,7 @@ def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design
     for combination in itertools.product(*fields.values()):
         scenario = load(path, {**fixed, **dict(zip(fields, combination, strict=True))})
         inprocess.check(scenario)
+        crowd.check(scenario)
         cells.append(Cell(tuple(_value(scenario, field) for field in fields), scenario))
     design = Design(encoding.name_of(path), tuple(fields), cells, numbers)
     for at, (field, values) in enumerate(fields.items()):

@@ -1,0 +1,103 @@
+"""How an agent joins a run, and stays sure that its robots are its own."""
+
+import asyncio
+import logging
+import secrets
+import time
+from collections.abc import Callable
+
+from agents.presence import Presence
+from fes import keys, messages
+from fes.bus import Bus
+from fes.errors import Absent, Busy, MessageError, Refused
+from fes.inbox import Inbox
+from fes.messages import MAX_AGENT, Join, Welcome
+
+ANSWER_TIMEOUT = 5.0
+"""A world that is there and does not answer a join within this time [s] is asked again."""
+
+CONFIRMATIONS = 10
+"""An agent that was not seen for a while asks this many times whether it is still welcome."""
+
+PATIENCE = 1.0
+"""How long [s] an agent waits before it asks again, without an id, or where too many ask at once: then at most."""
+
+
+class Membership:
+    """The robots of one agent in one run: asked for once, and asked about whenever that may have changed."""
+
+    def __init__(self, bus: Bus, run: str, robots: tuple[int, ...], inbox: Inbox, tick: Callable[[], int]) -> None:
+        """`tick` returns the last tick that was answered. A refusal after the join fails the `inbox`."""
+        self.join = Join(robots, secrets.randbelow(MAX_AGENT))
+        self.world = Presence(f"the world of run '{run}'", inbox)
+        self._bus, self._run, self._inbox, self._tick = bus, run, inbox, tick
+        self._key = keys.welcome(run, keys.span(robots))
+        self._question = messages.encode_join(self.join)
+        self._welcomed = b""
+        self._confirming: asyncio.Future[None] | None = None
+
+    async def ask(self, timeout: float) -> Welcome:
+        """Wait for the world, and ask it for the robots; raises Absent or Refused."""
+        self._bus.watch(keys.world_alive(self._run), self.on_world)
+        self.world.patience = timeout
+        end = time.monotonic() + timeout
+        while True:
+            await self.world.appears(max(0.0, end - time.monotonic()))
+            try:
+                answer = await self._bus.ask(self._key, self._question, ANSWER_TIMEOUT)
+                break
+            except (Absent, Busy):  # it may just have left; or all agents of a large team ask at once
+                if time.monotonic() > end:
+                    raise
+                await asyncio.sleep(self._spread(0.0))
+        welcome, self._welcomed = messages.decode_welcome(answer), answer
+        if welcome.robots != self.join.robots:
+            raise MessageError("Welcome", "is for other robots than asked for", str(welcome.robots[:5]))
+        return welcome
+
+    def on_quiet(self) -> None:
+        """Nothing was heard for a while: ask whether this agent is still welcome, as its robots may be excluded."""
+        if self._confirming is None or self._confirming.done():
+            self._confirm(1)
+
+    def on_world(self, key: str, alive: bool) -> None:
+        """The world's token came or went."""
+        self.world.told(alive, self._tick())
+        if self.world.is_new and alive:
+            self._confirm(CONFIRMATIONS)
+
+    async def confirmed(self) -> None:
+        """Wait until the last question has its answer, if one was asked."""
+        if self._confirming is not None:
+            await self._confirming
+
+    def close(self) -> None:
+        """Ask nothing more."""
+        if self._confirming is not None:
+            self._confirming.cancel()
+
+    def _confirm(self, times: int) -> None:
+        self.close()
+        self._confirming = asyncio.ensure_future(self._ask_again(times))
+
+    async def _ask_again(self, times: int) -> None:
+        """Ask the world up to this many `times` whether it still wants this agent.
+
+        Its robots may have another agent meanwhile: this one may have been suspended past its lease.
+        """
+        for _ in range(times):
+            try:
+                answer = await self._bus.ask(self._key, self._question, ANSWER_TIMEOUT)
+                if self._welcomed not in (b"", answer):
+                    self._inbox.fail(Refused("another run has taken the place of this one"))
+                return
+            except (Absent, Busy):
+                await asyncio.sleep(self._spread(1.0))
+            except Refused as refused:
+                self._inbox.fail(refused)
+                return
+        logging.getLogger("agent").warning("the world is there, and does not say whether it still wants this agent")
+
+    def _spread(self, least: float) -> float:
+        """Time [s] before a question is repeated: not all agents of a team at once."""
+        return PATIENCE * (least + (1 + self.join.robots[0] % 10) / 10)

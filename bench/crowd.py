@@ -1,0 +1,73 @@
+"""Robots that all start within radio range of each other: python -m bench.crowd [ROBOTS ...] [--rule RULE].
+
+Each number of robots runs three ticks in one loop, log and summary included, in a process of its own. Printed are its
+wall-clock time, its largest resident memory, and that memory per contact beside what `world.crowd` reckons with.
+"""
+
+import argparse
+import multiprocessing
+import resource
+import tempfile
+import time
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+from agents.neighbors import RULES
+from console import inprocess
+from world import crowd, summary
+from world.recorder import NAME, Recorder
+from world.scenario import Scenario, load
+
+SCENARIO = Path("configs/hundred.toml")
+SIZES = (300, 1_000, 3_000)
+TICKS = 3
+SPACING = 1.0
+"""Of the grid [m]: 3,000 robots stand within 80 m."""
+
+
+def dense(robots: int, rule: str, ticks: int = TICKS) -> Scenario:
+    """So many robots within one radio range."""
+    fields = {"robots.count": robots, "robots.spacing": SPACING, "formation.rule": rule}
+    scenario = load(SCENARIO, fields)
+    run = scenario.run.model_copy(update={"duration": ticks * scenario.run.dt})
+    return scenario.model_copy(update={"run": run})
+
+
+def measure(robots: int, rule: str, answer: Connection) -> None:
+    """In a process of its own: run, and answer contacts, time [s] and how much resident memory it took [bytes]."""
+    before, begun = _peak(), time.perf_counter()
+    scenario = dense(robots, rule)
+    with tempfile.TemporaryDirectory() as folder:
+        with Recorder(Path(folder) / NAME, scenario, "crowd", "inprocess") as recorder:
+            reached = inprocess.run(scenario, "crowd", keep=recorder.conclude, recorder=recorder)
+        summary.write(Path(folder), reached)
+    answer.send((len(reached["radio"]), time.perf_counter() - begun, _peak() - before))
+
+
+def _peak() -> int:
+    return 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+def main() -> None:
+    """Print them all."""
+    parser = argparse.ArgumentParser(prog="python -m bench.crowd")
+    parser.add_argument("robots", nargs="*", type=int, default=list(SIZES))
+    parser.add_argument("--rule", choices=sorted(RULES), default="relative_neighborhood")
+    flags = parser.parse_args()
+    for robots in flags.robots:
+        context = multiprocessing.get_context("spawn")
+        here, there = context.Pipe(duplex=False)
+        child = context.Process(target=measure, args=(robots, flags.rule, there))
+        child.start()
+        there.close()
+        contacts, seconds, taken = here.recv()
+        child.join()
+        print(
+            f"{robots:6,} robots, {flags.rule}: {contacts:11,} contacts, {seconds:6.1f} s, {taken / 1e6:7,.0f} MB, "
+            f"{taken / contacts:6,.0f} bytes a contact (reckoned with: {crowd.PER_CONTACT:,})",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,19 @@
+"""What fes run says before it starts anything."""
+
+from console import leftovers, rundir
+from console.processes import Launch
+from fes import process
+from world import remarks
+from world.scenario import Scenario
+
+
+def say(scenario: Scenario, in_process: bool, launch: Launch) -> None:
+    """Say at once what is started, what of the scenario is not run as it is written, and which keys were removed."""
+    robots = scenario.robots.number
+    what = f"a world and {robots} robot{'s' if robots > 1 else ''}"
+    crews = f" in {len(launch.groups(robots))} processes" if launch.agents_per_process > 1 else ""
+    process.tell(f"running {what} in one loop ..." if in_process else f"starting {what}{crews} ...")
+    for line in remarks.of(scenario):
+        process.warn("fes", line)
+    for path in leftovers.remove(rundir.ROOT):
+        process.warn("fes", f"removed {path}: private keys of a run that was killed")

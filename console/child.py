@@ -1,0 +1,139 @@
+"""One child process of `fes run`: how it is started, signaled, and what is said of its end."""
+
+import asyncio
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from fes import encoding
+from fes.errors import reason
+from fes.signals import STOP_SIGNALS
+
+DISMISSED = "the run is over"
+"""Said in the log of an agent whose world has dismissed it."""
+
+TAIL = 4096
+"""So much of the end of a log is read [bytes]."""
+
+LONGEST = 300
+"""Longest line of a log that is shown [characters]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Child:
+    """One child process."""
+
+    name: str
+    """The program, and which robots it hosts."""
+    process: asyncio.subprocess.Process
+    log: Path
+    """Its standard error."""
+    robots: str = ""
+    """The ids that an agent hosts, as its `--id` has them."""
+    born: float = field(default_factory=time.monotonic)
+    """When it was started [s; monotonic]."""
+
+    @property
+    def runs(self) -> bool:
+        """Whether it has not ended."""
+        return self.process.returncode is None
+
+    @property
+    def was_dismissed(self) -> bool:
+        """Whether an agent ended since its run was over; so it is taken, if its log does not tell."""
+        try:
+            return DISMISSED in self._tail()
+        except OSError:
+            return True
+
+    def verdict(self) -> str:
+        """Its name, how it ended, and its last words; never raises, whatever became of its log."""
+        code = self.process.returncode
+        try:
+            lines, where = self._tail().strip().splitlines(), f"its log: {self.log}"
+        except OSError as error:
+            lines, where = [], f"its log cannot be read: {reason(error)}"
+        said, label = _printable(lines[-1]) if lines else "", f"{self.name.split()[0]}: error: "
+        if code is not None and code < 0:
+            return f"{self.name} was ended by {_signal_name(-code)} ({where})"
+        if code == 1 and said.startswith(label):
+            return f"{self.name}: {said.removeprefix(label)}"
+        return f"{self.name} ended with exit code {code}" + (f", {said}" if code and said else "") + f" ({where})"
+
+    def signal(self, number: signal.Signals) -> None:
+        """Send it a signal, unless it has ended.
+
+        Not through Popen, which would look whether the child has ended and take its exit status from asyncio.
+        """
+        if self.runs:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(self.process.pid, number)
+
+    def _tail(self) -> str:
+        with self.log.open("rb") as stream:
+            stream.seek(max(0, stream.seek(0, os.SEEK_END) - TAIL))
+            return stream.read().decode(errors="replace")
+
+
+async def start(name: str, module: str, arguments: list[str], log: Path, robots: str = "") -> Child:
+    """A new child, which ends when this process does; it appends to its `log`. Raises OSError."""
+    with log.open("ab") as stream:
+        # A child inherits the mask, so that no signal meets an interpreter that only just starts: `fes.signals.hold`
+        # delivers it. Nothing may be awaited between the two, as other children may be started meanwhile.
+        signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
+        try:
+            process = await asyncio.create_subprocess_exec(
+                sys.executable,
+                "-P",  # a folder called `world` in the working directory is not ours
+                "-m",
+                module,
+                *map(encoding.as_bytes, arguments),
+                "--exit-with-stdin",
+                stdin=subprocess.PIPE,  # never written to: its end tells the child that we are gone
+                stdout=stream,
+                stderr=stream,
+                start_new_session=True,  # a Ctrl-C reaches us, and we end the children in order
+                env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+            )
+        finally:
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
+    return Child(name, process, log, robots)
+
+
+async def ended(children: Iterable[Child], timeout: float) -> bool:
+    """Wait until all of them have ended, up to `timeout` [s]; True if they have."""
+    try:
+        async with asyncio.timeout(timeout):
+            for child in children:
+                await child.process.wait()
+    except TimeoutError:
+        return False
+    return True
+
+
+def _signal_name(number: int) -> str:
+    """The name of a signal; a real-time one has none.
+
+    >>> _signal_name(9), _signal_name(63)
+    ('SIGKILL', 'signal 63')
+    """
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
+
+
+def _printable(line: str) -> str:
+    r"""A line of a log on one line of a terminal, which it cannot command.
+
+    >>> print(_printable("no \x1b[2Jroom"))
+    no \x1b[2Jroom
+    """
+    shown = "".join(char if char.isprintable() else repr(char)[1:-1] for char in line[:LONGEST])
+    return shown if len(line) <= LONGEST else shown + "..."

@@ -1,0 +1,48 @@
+"""Counts that come from two settings: how often one fits into the other. No other module divides so.
+
+A ratio of two floats may be infinite, so none becomes an integer before it is bounded.
+"""
+
+import math
+
+LARGEST = 2.0**53
+"""A larger count would not be a whole number."""
+
+
+def ratio(whole: float, part: float) -> float:
+    """How often `part` > 0 fits into `whole`; infinite beyond what a float can hold."""
+    return whole / part if part > 0.0 else math.inf
+
+
+def ticks(time: float, dt: float) -> int:
+    """The tick nearest to a `time` [s], with ticks of `dt` [s].
+
+    >>> ticks(0.5, 0.02), ticks(1e308, 1e-300)
+    (25, 9007199254740992)
+    """
+    return round(min(ratio(time, dt), LARGEST))
+
+
+def ticks_of(period: float, dt: float) -> int:
+    """Ticks of a `period` [s], at least one."""
+    return max(1, ticks(period, dt))
+
+
+def ticks_within(time: float, dt: float) -> int:
+    """The ticks after which a `time` [s] is over.
+
+    >>> ticks_within(1.0, 0.3)
+    4
+    """
+    return math.ceil(min(ratio(time, dt), LARGEST))
+
+
+def steps(dt: float, longest: float) -> int:
+    """Equal steps of a tick of `dt` [s], none longer than `longest` [s] up to rounding; at least one."""
+    return max(1, math.ceil(min(ratio(dt, longest), LARGEST) - 1e-9))
+
+
+def check(name: str, whole: float, part: float, most: float) -> None:
+    """Raise ValueError in one line where `part` fits into `whole` more than `most` times."""
+    if ratio(whole, part) > most:
+        raise ValueError(f"{name} must be at most {most:g}, got {ratio(whole, part):g}")

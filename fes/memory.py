@@ -1,0 +1,53 @@
+"""How much memory a process of this machine can still take."""
+
+import os
+import resource
+from pathlib import Path
+
+MEMINFO = Path("/proc/meminfo")
+STATM = Path("/proc/self/statm")
+CGROUP = Path("/sys/fs/cgroup")
+
+
+def available() -> int:
+    """Memory that can be had without swapping [bytes]: of the machine, of a container, and of a limit (ulimit -v)."""
+    return max(0, min(_machine(), _container(), _limit()))
+
+
+def gigabytes(size: float) -> str:
+    """A size [bytes] as it is printed.
+
+    >>> gigabytes(8_997_000_000)
+    '9.0 GB'
+    """
+    return f"{size / 1e9:,.1f} GB"
+
+
+def _machine() -> int:
+    """What the kernel says it could give; all of the memory where it does not say (macOS)."""
+    try:
+        lines = MEMINFO.read_text(encoding="ascii").splitlines()
+        return next(1024 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable:"))
+    except (OSError, ValueError, StopIteration):
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+
+
+def _container() -> int:
+    """What is left of the limit of this process' control group (version 2)."""
+    try:
+        limit, used = ((CGROUP / f"memory.{name}").read_text(encoding="ascii") for name in ("max", "current"))
+        return int(limit) - int(used)
+    except (OSError, ValueError):  # no such group, or "max": no limit
+        return 2**63
+
+
+def _limit() -> int:
+    """What is left of the address space of this process."""
+    soft, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if soft == resource.RLIM_INFINITY:
+        return 2**63
+    try:
+        taken = int(STATM.read_text(encoding="ascii").split()[0]) * os.sysconf("SC_PAGE_SIZE")
+    except (OSError, ValueError):
+        taken = 0
+    return soft - taken

@@ -1,0 +1,79 @@
+"""Stop signals: while a program is still importing its modules, and where a second one ends it at once.
+
+Python's own answer to a SIGINT during an import is a traceback out of that module. So an entry point calls `hold`
+before it imports anything heavy, and this module imports nothing heavy either.
+"""
+
+import contextlib
+import os
+import signal
+from collections.abc import Callable, Iterator
+from types import FrameType
+
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+_cleanups: list[Callable[[], None]] = []
+"""To be done before a second signal ends the process, the last first."""
+
+
+def hold(code: int, program: str = "") -> None:
+    """From now on a stop signal ends this process at once with exit code `code`, until other handlers are set.
+
+    With a `program` its name and the signal's are one line on standard error. A stop signal that was blocked by the
+    process that started this one, so that it would not meet a half-started interpreter, is delivered now.
+    """
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        if program:
+            with contextlib.suppress(OSError):  # the terminal may be gone
+                os.write(2, f"{program}: error: stopped by {signal.Signals(number).name}\n".encode())
+        os._exit(code)
+
+    for number in STOP_SIGNALS:
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # nohup means it
+            signal.signal(number, stop)
+    deliver()
+
+
+def deliver() -> None:
+    """Let blocked stop signals through."""
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
+
+
+@contextlib.contextmanager
+def restored() -> Iterator[None]:
+    """A block after which stop signals have the handlers of before."""
+    before = {number: signal.getsignal(number) for number in STOP_SIGNALS}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextlib.contextmanager
+def blocked() -> Iterator[None]:
+    """A short block that no stop signal interrupts; what comes meanwhile is delivered at its end."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextlib.contextmanager
+def if_forced(clean: Callable[[], None]) -> Iterator[None]:
+    """A block in which `clean` is called before a second signal ends this process at once."""
+    _cleanups.append(clean)
+    try:
+        yield
+    finally:
+        _cleanups.remove(clean)
+
+
+def force(code: int) -> None:
+    """End this process at once, after the cleanups of `if_forced`."""
+    for clean in reversed(_cleanups):
+        with contextlib.suppress(Exception):  # nothing may keep it from its end
+            clean()
+    os._exit(code)

@@ -1,0 +1,15 @@
+"""Entry point of fes-world: handles stop signals before it imports the rest."""
+
+from fes import signals
+
+
+def main() -> None:
+    """Run fes-world."""
+    signals.hold(0)  # a service that is told to stop, and stops, is a success
+    from world import process
+
+    process.main()
+
+
+if __name__ == "__main__":
+    main()

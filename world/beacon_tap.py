@@ -1,0 +1,130 @@
+"""The world's own copy of every Beacon, by which it judges the robots that sent them.
+
+A robot puts Beacon k before Command k on one first-in first-out link. So when the commands of tick k are here, a
+Beacon k that is missing or unreadable is the fault of its sender, and of nobody else: peers have no say in it.
+"""
+
+import asyncio
+from collections.abc import Mapping
+
+import numpy as np
+
+from fes import keys, messages
+from fes.arrays import Bools
+from fes.bus import Bus, Question
+from fes.complaints import Complaints, shown
+from fes.errors import Absent, MessageError, Refused
+from fes.messages import Beacon
+
+RECALL_TIMEOUT = 2.0
+"""A robot that does not repeat its beacon within this time [s] has none."""
+
+Faults = dict[int, str]
+"""Robot -> what is wrong with its beacon."""
+
+
+class BeaconTap:
+    """One mailbox for each robot, and the beacons of the tick at hand."""
+
+    def __init__(
+        self, bus: Bus, run: str, robots: int, complaints: Complaints, judged: Mapping[int, list[bytes]]
+    ) -> None:
+        """`judged` holds, now and later, the beacons of past ticks that peers may ask for: tick -> payloads."""
+        self._judged = judged
+        self._bus, self._run, self._complaints = bus, run, complaints
+        self._boxes = [bus.mailbox(keys.beacon(run, robot)) for robot in range(robots)]
+        self._held: dict[int, dict[int, bytes]] = {}
+        """Tick -> robot -> the first readable payload, of three ticks at most."""
+        self._faults: dict[int, Faults] = {}
+        """Tick -> robot -> how it contradicted itself."""
+        bus.serve(keys.held_beacon(run, "*"), self._on_recall)
+
+    def heard(self, tick: int, legible: Bools) -> list[bytes]:
+        """The payload of each robot's Beacon of `tick` as far as it came, in id order; a missing one is counted.
+
+        It is empty for a robot that is not `legible` [n], and where nothing readable came.
+        """
+        found = self._collect(tick, legible)
+        for robot in np.flatnonzero(legible).tolist():
+            if not found[robot]:
+                self._complaints.miss("beacons in the log", f"no beacon of robot {robot} came for tick {tick}")
+        return found
+
+    def _collect(self, tick: int, legible: Bools) -> list[bytes]:
+        for robot in np.flatnonzero(legible).tolist():
+            self._read(robot, tick)
+        for old in [known for known in self._held if known < tick - 1]:
+            del self._held[old]
+            self._faults.pop(old, None)
+        held = self._held.get(tick, {})
+        return [held.get(robot, b"") if here else b"" for robot, here in enumerate(legible.tolist())]
+
+    async def judge(self, tick: int, legible: Bools) -> tuple[list[bytes], Faults]:
+        """The payload of each robot's Beacon of `tick`, in id order, and the `legible` [n] robots at fault.
+
+        A robot whose beacon is missing is asked for it once, since junk may have pushed it out of the mailbox.
+        """
+        found = self._collect(tick, legible)
+        absent = [robot for robot, here in enumerate(legible.tolist()) if here and not found[robot]]
+        answers = await asyncio.gather(*(self._recall(robot, tick) for robot in absent))
+        faults = dict(self._faults.pop(tick - 1, {}))  # of a beacon that came after the judgement of its tick
+        for robot, answer in zip(absent, answers, strict=True):
+            found[robot] = answer if isinstance(answer, bytes) else b""
+            if isinstance(answer, str):
+                faults[robot] = answer
+            else:
+                self._held.setdefault(tick, {})[robot] = answer
+        faults |= self._faults.pop(tick, {})
+        return found, {robot: shown(why) for robot, why in faults.items() if legible[robot]}
+
+    def _on_recall(self, question: Question) -> None:
+        """Answer a robot that misses a beacon with the copy by which its sender was judged."""
+        tick, robot = messages.decode_recall(question.payload), question.key.rpartition("/")[2]
+        beacons = {str(sender): payload for sender, payload in enumerate(self._judged.get(tick, [])) if payload}
+        if robot in beacons:
+            question.answer(beacons[robot], "fes.Beacon")
+        else:
+            question.refuse(f"the world holds no beacon of robot {shown(robot)} from tick {tick}")
+
+    def _read(self, robot: int, tick: int) -> None:
+        """Sort all that waits in a robot's box: beacons by tick, the rest as what is wrong with this tick's."""
+        box = self._boxes[robot]
+        while (sample := box.take()) is not None:
+            key, payload = sample
+            try:
+                beacon = _decoded(payload, robot)
+            except MessageError as error:
+                self._complaints.unread(key, error)
+                continue
+            if payload is None or not tick - 1 <= beacon.tick <= tick + 1:
+                continue
+            first = self._held.setdefault(beacon.tick, {}).setdefault(robot, payload)
+            if payload != first:
+                what = f"it sent two different beacons for tick {beacon.tick}"
+                self._faults.setdefault(beacon.tick, {})[robot] = what
+
+    async def _recall(self, robot: int, tick: int) -> bytes | str:
+        """The beacon that a robot repeats, or why there is none."""
+        key, missing = keys.recall(self._run, robot), f"no readable beacon of tick {tick}"
+        try:
+            payload = await self._bus.ask(key, messages.encode_recall(tick), RECALL_TIMEOUT)
+            beacon = _decoded(payload, robot)
+        except Refused as refused:
+            return f"{missing}, and it refused to repeat it: {refused}"
+        except Absent:
+            return f"{missing}, and it did not repeat it within {RECALL_TIMEOUT:g} s"
+        except MessageError as error:
+            return f"{missing}, and it repeated junk: {error}"
+        if beacon.tick != tick:
+            return f"{missing}, and it repeated that of tick {beacon.tick}"
+        self._complaints.add("Beacon: recalled", f"by a full mailbox: a beacon of robot {robot}; asked for anew")
+        return payload
+
+
+def _decoded(payload: bytes | None, robot: int) -> Beacon:
+    if payload is None:
+        raise MessageError("Beacon", "a deletion is not a beacon")
+    beacon = messages.decode_beacon(payload)
+    if beacon.robot != robot:
+        raise MessageError("Beacon", "came on another robot's key", str(beacon.robot))
+    return beacon

@@ -1,0 +1,34 @@
+"""Which process may command a robot: the one that was accepted for it, and no other with the same certificate."""
+
+from collections.abc import Iterable
+
+from fes import keys
+from fes.messages import Join
+
+
+class CommandGate:
+    """Admits a Command by the mark beside it, which only the agent that joined knows.
+
+    `admits` runs in threads of Zenoh, before a message waits anywhere: a flood of commands from another process of
+    the same robot neither fills a queue nor wakes the world.
+    """
+
+    def __init__(self, run: str, joins: Iterable[Join]) -> None:
+        self._run = run
+        self._marks: dict[str, bytes] = {}
+        self.rejected = 0
+        """Commands that were not admitted."""
+        for join in joins:
+            self.expect(join)
+
+    def expect(self, join: Join) -> None:
+        """From now on admit the commands of this agent, and of no earlier one."""
+        for robot in join.robots:
+            self._marks[keys.command(self._run, robot)] = join.mark
+
+    def admits(self, key: str, mark: bytes) -> bool:
+        """True if a sample on `key` with this mark is that of the agent that was accepted."""
+        if self._marks.get(key) == mark:
+            return True
+        self.rejected += 1
+        return False

@@ -1,0 +1,90 @@
+"""Where robots start: a scenario's table [robots], and the poses that come of it."""
+
+import math
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from fes import draws
+from fes.arrays import Floats
+from fes.config import NonNegative, Positive, Table
+from fes.keys import MAX_ROBOTS
+
+FARTHEST = 1e12
+"""Farthest coordinate of a start [m]: there a double still resolves 0.12 mm."""
+
+MAX_TURN = 1e6
+"""Largest heading of a start [rad]."""
+
+
+class RobotsConfig(Table):
+    """Where the robots start: explicit poses, or a generator."""
+
+    poses: list[Annotated[tuple[float, float, float], Field(strict=False)]] | None = None
+    """Initial poses [[x, y, heading], ...] [m, m, rad; world frame], in the order of the robot ids."""
+    kind: Literal["grid", "line"] = "grid"
+    """Shape of the generated start."""
+    count: int | None = Field(default=None, ge=1, le=MAX_ROBOTS)
+    """Number of robots of the generated start; give either this or `poses`."""
+    spacing: Positive = 78.0
+    """Distance between neighbors of the generated start [m]."""
+    jitter: NonNegative = 0.0
+    """Each generated position is moved by up to this much along x and y [m], seeded."""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if (self.poses is None) == (self.count is None):
+            raise ValueError("give either poses or count")
+        if self.poses is not None and not 1 <= len(self.poses) <= MAX_ROBOTS:
+            raise ValueError(f"poses must list 1 to {MAX_ROBOTS} robots")
+        if self.poses is not None:
+            _check(np.array(self.poses, dtype=np.float64))
+        elif not self._extent <= FARTHEST:
+            raise ValueError(
+                f"spacing and jitter must keep all robots within {FARTHEST:g} m of the origin, got {self._extent:g} m"
+            )
+        return self
+
+    @property
+    def _extent(self) -> float:
+        """The farthest coordinate that a generated start may have [m]."""
+        return self.spacing * (self.width - 1) + self.jitter
+
+    @property
+    def width(self) -> int:
+        """Robots in a row of a generated start."""
+        return math.ceil(math.sqrt(self.number)) if self.kind == "grid" else self.number
+
+    @property
+    def number(self) -> int:
+        """Number of robots."""
+        return len(self.poses) if self.poses is not None else self.count or 0
+
+
+def poses(robots: RobotsConfig, seed: int) -> Floats:
+    """Poses at tick 0 [n, 3] [m, m, rad; world frame]; all of them are where floats resolve a millimeter."""
+    if robots.poses is not None:
+        return np.array(robots.poses, dtype=np.float64)
+    n, width = robots.number, robots.width
+    ids = np.arange(n)
+    stream = draws.key(seed, "initial pose")
+    dx, dy, turn = (draws.uniform_pairs(stream, ids, np.full(n, axis)) for axis in range(3))
+    x = robots.spacing * (ids % width) + robots.jitter * (2.0 * dx - 1.0)
+    y = robots.spacing * (ids // width) + robots.jitter * (2.0 * dy - 1.0)
+    generated = np.stack([x, y, 2.0 * math.pi * turn - math.pi], axis=1)
+    _check(generated)
+    return generated
+
+
+def _check(found: Floats) -> None:
+    """Raise ValueError in one line unless poses [n, 3] are finite and not too far out."""
+    rules = (
+        (slice(2), FARTHEST, f"be finite and within {FARTHEST:g} m of the origin along x and y"),
+        (slice(2, 3), MAX_TURN, f"have finite headings within {MAX_TURN:g} rad"),
+    )
+    for columns, bound, rule in rules:
+        values = found[:, columns]
+        outside = values[~(np.abs(values) <= bound)]
+        if len(outside):
+            raise ValueError(f"poses must {rule}, got {outside[0]:g}")
