@@ -32,7 +32,7 @@ strict_json JSON without NaN and Infinity
 files       files from others, read with a bound on their size
 process     signals, exit codes, Zenoh's command-line flags
 distribution  name and version of the installed distribution, and how a clone installs it
-memory      how much of it there is
 encoding    text from outside: files, arguments and names, in any encoding
+memory      how much of it there is
 errors      every error, on one page
 """
