@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 
 from agents.presence import Presence
-from fes import keys, messages
+from fes import fingerprint, keys, messages
 from fes.bus import Bus
 from fes.errors import Absent, Busy, MessageError, Refused
 from fes.inbox import Inbox
@@ -28,7 +28,7 @@ class Membership:
 
     def __init__(self, bus: Bus, run: str, robots: tuple[int, ...], inbox: Inbox, tick: Callable[[], int]) -> None:
         """`tick` returns the last tick that was answered. A refusal after the join fails the `inbox`."""
-        self.join = Join(robots, secrets.randbelow(MAX_AGENT))
+        self.join = Join(robots, secrets.randbelow(MAX_AGENT), fingerprint.text())
         self.world = Presence(f"the world of run '{run}'", inbox)
         self._bus, self._run, self._inbox, self._tick = bus, run, inbox, tick
         self._key = keys.welcome(run, keys.span(robots))

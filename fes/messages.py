@@ -15,6 +15,8 @@ from fes.sensing import DECODED, MAX_TOLD, MAX_TWIST
 
 MAX_STATISTICS = 64
 MAX_AGENT = 2**62
+MAX_ARITHMETIC = 200
+"""Longest description of an arithmetic [characters]."""
 
 
 class Join(NamedTuple):
@@ -24,6 +26,9 @@ class Join(NamedTuple):
     """Those it wants to host, ascending."""
     agent: int
     """A number that it has drawn, from 0 to MAX_AGENT: no other agent of these robots has the same."""
+
+    arithmetic: str = ""
+    """What it computes with, as `fes.fingerprint.text` says it; empty if it does not say."""
 
     @property
     def mark(self) -> bytes:
@@ -190,15 +195,17 @@ def decode_welcome(payload: bytes) -> Welcome:
 
 def encode_join(join: Join) -> bytes:
     """The payload of a Join."""
-    return wire.pack(list(join.robots), join.agent)
+    return wire.pack(list(join.robots), join.agent, join.arithmetic)
 
 
 def decode_join(payload: bytes) -> Join:
     """The Join in a payload."""
     name = "Join"
-    robots, agent = wire.unpack(name, payload, 2)
+    robots, agent, arithmetic = wire.unpack(name, payload, 3)
     wire.check(name, type(agent) is int and 0 <= agent <= MAX_AGENT, "expects a number for the agent", agent)
-    return Join(wire.robot_list(name, robots), agent)
+    told = type(arithmetic) is str and len(arithmetic) <= MAX_ARITHMETIC and arithmetic.isprintable()
+    wire.check(name, told, "expects its arithmetic in a few words", arithmetic)
+    return Join(wire.robot_list(name, robots), agent, arithmetic)
 
 
 def encode_lease(robot: int) -> bytes:

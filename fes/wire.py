@@ -18,7 +18,8 @@ import numpy as np
 from fes.arrays import Bytes, Floats, Ints
 from fes.errors import MessageError
 
-PROTOCOL = 1
+PROTOCOL = 2
+"""Raised with each change of a message, or of what must stand beside one."""
 MAX_PAYLOAD = 1 << 20
 """Longest payload [bytes] that is looked at."""
 

@@ -108,7 +108,7 @@ def observation(tick: int, robot: int) -> bytes:
 
 
 def reversioned(payload: bytes) -> bytes:
-    return msgpack.packb([2, *msgpack.unpackb(payload)[1:]])  # type: ignore[no-any-return]
+    return msgpack.packb([1, *msgpack.unpackb(payload)[1:]])  # type: ignore[no-any-return]
 
 
 NAN = struct.pack(">d", float("nan"))

@@ -118,10 +118,10 @@ def team_reports(draw: st.DrawFn) -> Report:
 
 
 crews = st.sets(robots, min_size=1, max_size=9).map(lambda ids: tuple(sorted(ids)))
-joins = st.builds(Join, crews, st.integers(0, messages.MAX_AGENT))
+words = st.text(st.characters(codec="ascii", categories=["L", "N", "P"]), max_size=20)
+joins = st.builds(Join, crews, st.integers(0, messages.MAX_AGENT), words)
 
-versions = st.text(st.characters(codec="ascii", categories=["L", "N", "P"]), max_size=20)
-abouts = st.builds(About, versions, versions, st.integers(1, 2**31 - 1), finite)
+abouts = st.builds(About, words, words, st.integers(1, 2**31 - 1), finite)
 paths = st.from_regex(r"channel(\.[a-z_]{1,12}){1,3}", fullmatch=True)
 settings = st.recursive(
     st.none() | st.booleans() | st.integers(-(2**53), 2**53) | finite | st.text(max_size=20),
@@ -129,7 +129,7 @@ settings = st.recursive(
     max_leaves=5,
 )
 changes = st.builds(Change, paths, settings)
-effects = st.builds(Effect, paths, settings, ticks, finite)
+effects = st.builds(Effect, paths, settings, ticks, finite, st.booleans())
 
 CODECS = {
     "Observation": Codec(messages.encode_observation, messages.decode_observation, observations(), 9),
@@ -137,11 +137,11 @@ CODECS = {
     "Command": Codec(messages.encode_command, messages.decode_command, commands(), 7),
     "Welcome": Codec(messages.encode_welcome, messages.decode_welcome, welcomes(), 2),
     "Lease": Codec(messages.encode_lease, messages.decode_lease, robots, 1),
-    "Join": Codec(messages.encode_join, messages.decode_join, joins, 2),
+    "Join": Codec(messages.encode_join, messages.decode_join, joins, 3),
     "Report": Codec(reports.encode_report, reports.decode_report, team_reports(), 12),
     "Recall": Codec(messages.encode_recall, messages.decode_recall, ticks, 1),
     "Change": Codec(change.encode_change, change.decode_change, changes, 2),
-    "Effect": Codec(change.encode_effect, change.decode_effect, effects, 4),
+    "Effect": Codec(change.encode_effect, change.decode_effect, effects, 5),
     "About": Codec(about.encode_about, about.decode_about, abouts, 4),
 }
 scalars = st.none() | st.booleans() | st.integers(-(2**63), 2**64 - 1) | st.floats() | st.text() | st.binary()

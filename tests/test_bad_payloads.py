@@ -23,16 +23,16 @@ def float64(*numbers: float) -> bytes:
 
 # The layouts, packed by hand: version, then the fields; robot 4 at tick 7 with the peers 2 and 9.
 PLAIN: dict[str, list[Any]] = {
-    "Observation": [1, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), b"\2\1", False, 3],
-    "Beacon": [1, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), float64(60.0, 70.0), b"\1\0", float64(1.0)],
-    "Command": [1, 7, 4, 1.5, -0.5, int32(2, 9), float64(60.0, 70.0), float64(-2.0, -2.1, 3.0, 3.1)],
-    "Join": [1, [4, 5], 12345],
-    "Recall": [1, 7],
-    "Change": [1, "channel.reference_snr", "5000000.0"],
-    "Effect": [1, "channel.reference_snr", "5000000.0", 7, 68.0],
-    "About": [1, "0.1.0", "1.10.2", 10, 1.8e9],
+    "Observation": [2, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), b"\2\1", False, 3],
+    "Beacon": [2, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), float64(60.0, 70.0), b"\1\0", float64(1.0)],
+    "Command": [2, 7, 4, 1.5, -0.5, int32(2, 9), float64(60.0, 70.0), float64(-2.0, -2.1, 3.0, 3.1)],
+    "Join": [2, [4, 5], 12345, "numpy 2.4.6, arithmetic 5c62e091b8c0"],
+    "Recall": [2, 7],
+    "Change": [2, "channel.reference_snr", "5000000.0"],
+    "Effect": [2, "channel.reference_snr", "5000000.0", 7, 68.0, False],
+    "About": [2, "0.1.0", "1.10.2", 10, 1.8e9],
     "Report": [
-        *(1, "pair", 7, 9, [0.02, 68.0, 1.0, 50.0, *[math.nan, math.inf] * 4], b"\1\0"),
+        *(2, "pair", 7, 9, [0.02, 68.0, 1.0, 50.0, *[math.nan, math.inf] * 4], b"\1\0"),
         *(float64(*range(6)), int32(0), int32(1), [float64(math.nan)] * 10, 8, 6, True),
         [struct.pack("<2q", 3, 0), struct.pack("<2q", 1, 0)],
     ],
@@ -40,7 +40,7 @@ PLAIN: dict[str, list[Any]] = {
 BIG = b"\0" * (wire.MAX_PAYLOAD + 1)
 
 BROKEN: list[tuple[str, int, Any, str]] = [
-    *((name, 0, version, "protocol 1") for name in PLAIN for version in (0, 2, None, "1", [1])),
+    *((name, 0, version, "protocol 2") for name in PLAIN for version in (0, 1, None, "2", [2])),
     *((name, 1, BIG, "longer than 1048576 bytes") for name in PLAIN),
     *((name, 1, tick, "tick") for name in NAMES[:3] for tick in (-1, 2**53, 1.0, True, None)),
     *((name, 2, robot, "robot") for name in NAMES[:3] for robot in (-1, 2**31, 4.0, False)),
@@ -62,6 +62,7 @@ BROKEN: list[tuple[str, int, Any, str]] = [
     *(("Join", 1, ids, "ascend") for ids in ([5, 4], [4, 4])),
     *(("Join", 1, ids, "robot") for ids in ([], 4, [-1], [True], [2**31], [1.0], {"a": 4})),
     *(("Join", 2, agent, "number for the agent") for agent in (-1, True, 1.0, None, 2**62 + 1)),
+    *(("Join", 3, arithmetic, "arithmetic") for arithmetic in (None, 7, b"a", "a\nb", "a" * 201)),
     *(("Report", 4, numbers, "numbers") for numbers in ([], [1.0] * 6, [1] * 7, [True] * 7, None)),
     *(("Report", 5, alive, "code") for alive in (b"\1\2", [1, 0])),
     *(("Report", 6, poses, "float64") for poses in (float64(1.0), b"")),
@@ -119,7 +120,7 @@ def test_a_missing_or_an_additional_field_is_refused(name: str) -> None:
     ],
 )
 def test_a_welcome_without_a_configuration_is_refused(robots: list[int], config: object, rule: str) -> None:
-    assert rule in str(refusal("Welcome", msgpack.packb([1, robots, config])))
+    assert rule in str(refusal("Welcome", msgpack.packb([2, robots, config])))
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -95,11 +95,11 @@ def test_a_run_without_one_world_has_failed(
 
 
 def test_a_world_of_another_version_is_a_finding_with_both_versions() -> None:
-    newer = msgpack.packb([2, "9.0", "3.0", 5, 1.0, "a field more"])
+    newer = msgpack.packb([1, "9.0", "3.0", 5, 1.0, "a field more"])
     with pytest.raises(MessageError) as caught:
         about.decode_about(newer)
     [found] = network.said_by(caught.value)
-    assert (found.status, found.seen) == (Status.FAILED, "About: speaks protocol 1, got version: 2")
+    assert (found.status, found.seen) == (Status.FAILED, "About: speaks protocol 2, got version: 1")
     package, *_ = network.said_by(Answer(0.0, 0.0, About("0.0.1", "1.0", 3, 0.0)))
     assert package.status == Status.WARNING
     assert "fes 0.0.1" in package.seen

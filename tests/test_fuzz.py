@@ -35,7 +35,7 @@ def test_a_mutated_payload_is_refused_or_a_message(name: str, data: st.DataObjec
 def test_a_head_that_promises_more_than_there_is_is_refused_at_once(name: str) -> None:
     fields = CODECS[name].fields
     for head in LENGTHS:
-        for before in (b"", bytes([0x91 + fields, wire.PROTOCOL]), b"\x92\x01", b"\xdd\x00\x00\x00\x02\x01"):
+        for before in (b"", bytes([0x91 + fields, wire.PROTOCOL]), b"\x92\x02", b"\xdd\x00\x00\x00\x02\x02"):
             for after in (b"", bytes(1000)):
                 assert refusal(name, before + head + after)
 
@@ -44,7 +44,7 @@ def test_a_head_that_promises_more_than_there_is_is_refused_at_once(name: str) -
 def test_the_longest_payload_is_refused_within_seconds(name: str) -> None:
     for filler in (b"\x00", b"\x91", b"\xc0", b"\x81\xa1a", b"\xcb" + bytes(8), b"\xff"):
         length = wire.MAX_PAYLOAD // len(filler) - 10
-        for head in (b"", b"\xdd" + length.to_bytes(4, "big"), b"\x92\x01\xdd" + length.to_bytes(4, "big")):
+        for head in (b"", b"\xdd" + length.to_bytes(4, "big"), b"\x92\x02\xdd" + length.to_bytes(4, "big")):
             attack(name, head + filler * length)
 
 

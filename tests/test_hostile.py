@@ -91,7 +91,7 @@ ATTACKS: dict[str, tuple[Attack, int, str]] = {
     "mute": (mute, FIRST, f"{NONE}, and it refused to repeat it: robot 4 does not remember its beacon of tick 40"),
     "junk": (junk, FIRST, f"{NONE}, and it repeated junk: Beacon: is not msgpack (FormatError)"),
     "refused recall": (refuse_the_recall, FIRST, f"{NONE}, and it refused to repeat it: robot 4 does not remember"),
-    "wrong version": (speak_another_version, FIRST, f"{NONE}, and it repeated junk: Beacon: {wire.WRONG_VERSION}: 2"),
+    "wrong version": (speak_another_version, FIRST, f"{NONE}, and it repeated junk: Beacon: {wire.WRONG_VERSION}: 1"),
     "two beacons": (contradict_itself, FIRST, f"robot 4: it sent two different beacons for tick {FIRST}"),
     "two beacons, one late": (
         contradict_itself_later,

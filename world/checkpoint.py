@@ -39,7 +39,7 @@ PERIOD = 10.0
 _logger = logging.getLogger("world")
 
 JOIN = "join"
-"""Kind of a note beside those of a course: [JOIN, robots, agent]: it hosts these from now on."""
+"""Kind of a note beside those of a course: [JOIN, robots, agent, arithmetic]: it hosts these from now on."""
 
 
 class Keeper:

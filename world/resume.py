@@ -91,7 +91,7 @@ def course(directory: Path, kept: Snapshot, recorder: Recorder | None, period: f
             notes = after
             checkpoint.renew(renewed, note)
             if note[0] == JOIN:
-                hosts.update(dict.fromkeys(note[1], Join(tuple(note[1]), note[2])))
+                hosts.update(dict.fromkeys(note[1], Join(tuple(note[1]), *note[2:])))
                 run.readmit(note[1])
             else:
                 elapsed = _again(run, note, elapsed)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fes import keys, wire
+from fes import fingerprint, keys, wire
 from fes.arrays import Bools
 from fes.bus import Bus, Question
 from fes.change import decode_change, encode_effect
@@ -180,8 +180,12 @@ class Server:
 
     def _on_join(self, join: Join) -> None:
         if self._keeper is not None:
-            self._keeper.note([JOIN, list(join.robots), join.agent])
+            self._keeper.note([JOIN, list(join.robots), join.agent, join.arithmetic])
         self.course.readmit(join.robots)
+        here = fingerprint.text()
+        if join.arithmetic not in ("", here):
+            told = "robots %s are computed with %s, and this world with %s: their digits are not those of one loop"
+            self.logger.warning(told, list(join.robots), join.arithmetic, here)
         self._gate.expect(join)
 
     def _on_token(self, robot: int, alive: bool) -> None:
