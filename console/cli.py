@@ -147,6 +147,8 @@ def main() -> None:
         code = command(standalone_mode=False)
     except FesError as error:
         process.complain("fes", str(error))
+        for note in getattr(error, "__notes__", ()):
+            print(f"fes: {note}", file=sys.stderr)
         code = error.exit_code
     except OSError as error:
         process.complain("fes", reason(error))

@@ -11,7 +11,7 @@ import typer
 from console import log as logs
 from console.difference import Difference, between, of_reports, of_summaries
 from console.log import Log, Tick
-from fes import process
+from fes import fingerprint, process
 
 MISSING = "nothing"
 
@@ -30,11 +30,16 @@ def compare(
     found = first_difference(one, other)
     if json_:
         told = found._asdict() if found else None
-        print(json.dumps({"scenario": [list(setting) for setting in settings], "first": told}))
+        arithmetic = [dict(log.arithmetic) for log in (one, other)]
+        differing = [list(setting) for setting in settings]
+        print(json.dumps({"scenario": differing, "first": told, "arithmetic": arithmetic}))
     else:
         for path, mine, theirs in settings:
             print(f"scenario, {path}: {mine!r} in A and {theirs!r} in B")
         print(found.told("in A", "in B") if found else "every message of every tick is the same to the bit")
+        if found:
+            a, b = (fingerprint.text(log.arithmetic) for log in (one, other))
+            print(f"A was recorded with {a}; B was recorded with {b}")
     return process.FAILURE if settings or found else process.SUCCESS
 
 

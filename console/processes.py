@@ -2,7 +2,6 @@
 
 import asyncio
 import contextlib
-import json
 import os
 from collections.abc import AsyncIterator
 from dataclasses import dataclass
@@ -14,12 +13,15 @@ from rich.console import Console
 from console import faults, keyring, launcher, observer, rundir, view
 from console.launcher import Family
 from console.rundir import Address
-from fes import bus, identity, keys, process
+from fes import bus, files, identity, keys, process
 from fes.endpoints import Endpoints
 from fes.errors import FesError, Stopped
 from world.scenario import Scenario
 
 RUN = keys.DEFAULT_RUN
+MAX_SUMMARY = 1 << 30
+"""Size of a summary that is read [bytes]; that of a hundred robots has 100 kB."""
+
 JOIN_TIMEOUT = 60.0
 """How long children look for the world [s]; a loaded machine starts ten interpreters slowly."""
 
@@ -115,7 +117,7 @@ def _visitor(address: Address) -> Endpoints:
 def read_summary(directory: Path) -> dict[str, Any]:
     """The summary in a run directory; raises FesError."""
     try:
-        found = json.loads((directory / "summary.json").read_text(encoding="utf-8"))
+        found = files.parse_json(files.read(directory / "summary.json", MAX_SUMMARY))
     except (OSError, ValueError):
         raise FesError(f"{directory} has no summary") from None
     return found if isinstance(found, dict) else {}

@@ -3,6 +3,7 @@
 arrays      type aliases for the arrays that every signature speaks of
 edges       directed pairs (robot, peer) of a crew, and sums over them in a fixed order
 geometry    wrap, separation, line of sight
+fingerprint  of the arithmetic: what another processor or library rounds otherwise
 draws       random numbers as a function of (seed, stream, tick, sender, receiver)
 outage      equations (3) and (4); of the agents only agents.oracle may import it
 objective   the robots' own half of the performance index (16)
@@ -22,6 +23,7 @@ bus         a session of Zenoh: everything it declares, and its way to asyncio
 session     how it is opened
 inbox       from Zenoh's threads to the loop, one wake-up a tick
 complaints  bad messages, counted and logged once a kind
+files       read with a bound on their size: somebody else may have written them
 process     signals, exit codes, Zenoh's command-line flags
 distribution  name and version of the installed distribution, and how a clone installs it
 errors      every error, on one page

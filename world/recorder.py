@@ -7,6 +7,7 @@ the file can be read up to its last chunk.
 """
 
 import json
+import logging
 import platform
 from dataclasses import dataclass
 from importlib import metadata
@@ -15,11 +16,11 @@ from typing import Any, NamedTuple, Self
 
 import tomli_w
 
-from fes import distribution
+from fes import distribution, fingerprint
 from fes.arrays import Bytes, Floats
 from fes.errors import FesError
 from fes.report import encode_report
-from world import reporting, schemas, views
+from world import records, reporting, schemas, views
 from world.account import Account
 from world.container import Container, Schema
 from world.scenario import Scenario
@@ -31,6 +32,11 @@ SUMMARY = "fes.summary"
 """Name of the metadata at the end: the summary, and how the run ended."""
 
 AT_ITS_END = "at its end"
+
+MAX_JSON = records.SMALL
+"""Longest text in JSON [bytes]: a summary that is longer stands in summary.json only."""
+
+_ENDED = 4096  # bytes; room beside a summary for how the run ended
 
 VIEW_PERIOD = 0.1
 """Simulated time between two Reports [s]."""
@@ -53,6 +59,8 @@ class Unfinished:
 
     size: int
     """Bytes of the file that are whole."""
+    sha256: str
+    """Of these bytes, in hexadecimal."""
     tick: int
     told: tuple[int, float]
     pending: list[tuple[int, str, Any]]
@@ -71,6 +79,7 @@ class Recorder:
         before: tuple[Path, Unfinished] | None = None,
     ) -> None:
         """`before` is the log so far, in another file, where a run is gone on with."""
+        self.path = path
         self._scenario, self._name = scenario, name
         self._changes = scenario.changes
         self._period = report_period(scenario)
@@ -97,6 +106,11 @@ class Recorder:
             self._end(None)
         else:
             self._end(str(error) if isinstance(error, FesError) else "it was stopped")
+        if self._file.loss is not None:
+            said = f"{self.path} {self._file.loss} while the run went on: the run has no whole log"
+            if error is None:
+                raise FesError(said)
+            logging.getLogger("world").warning("%s", said)
 
     def add(self, account: Account, twists: Floats, said: Said, alive: Bytes, elapsed: float) -> None:
         """Add the last tick of `account`, `elapsed` [s; wall clock] after tick 0, and what made it.
@@ -132,7 +146,8 @@ class Recorder:
 
     def pause(self) -> Unfinished:
         """The log up to the last tick that was added: from now on a reader finds all of it."""
-        return Unfinished(self._file.close_chunk(), self._tick, self._told, list(self._pending), dict(self._present))
+        size = self._file.close_chunk()
+        return Unfinished(size, self._file.sha256, self._tick, self._told, list(self._pending), dict(self._present))
 
     def conclude(self, summary: dict[str, Any] | None) -> None:
         """Keep the summary of what was reached."""
@@ -146,6 +161,7 @@ class Recorder:
             "name": self._name,
             "backend": backend,
             "scenario": tomli_w.dumps(tables),
+            "arithmetic": fingerprint.table(),
             "versions": {
                 "fes": distribution.version(),
                 **versions,
@@ -164,13 +180,15 @@ class Recorder:
     def _end(self, reason: str | None) -> None:
         ticks = self._tick = self._tick + 1
         self._set_by_persons(ticks)
+        reason = reason[: _ENDED // 8] if reason else None
         event = {"tick": ticks, "what": "end", **({"reason": reason} if reason else {})}
         self._put("/events", schemas.EVENT, json.dumps(event).encode())
         because = f": {reason}" if reason else ""
         self._remark(views.WARNING if reason else views.INFO, f"the run is over after {ticks} ticks{because}")
         ended = {"ended": reason or AT_ITS_END}
-        if self._summary is not None:
-            ended["summary"] = json.dumps(self._summary)
+        told = json.dumps(self._summary)
+        if self._summary is not None and len(told) <= MAX_JSON - _ENDED:
+            ended["summary"] = told
         self._file.finish(SUMMARY, ended)
 
     def _set_by_persons(self, tick: int) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from fes import fingerprint
 from fes.arrays import Floats
 from fes.edges import Edges
 from world import expect, graphs, metrics
@@ -51,6 +52,7 @@ def summarize(account: Account, name: str, backend: str, wall: float) -> dict[st
         "tracking": account.tracking.table(),
         "radio": _contacts(final.radio),
         "deadlines": None if account.deadlines is None else account.deadlines.table(),
+        "arithmetic": fingerprint.table(),
         "links_gap_longest": tally.longest_gap * scenario.run.dt,
     }
     return {**found, "expectations": expect.verdicts(scenario.expect, found)}

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from console.sweep import work
 from console.sweep.work import Batch, Done, Workers
+from fes import fingerprint
 from fes.distribution import install, version
 from fes.errors import FesError
 
@@ -50,7 +51,7 @@ def connected(address: str) -> Iterator[Workers]:
 def _carry_out(client: "Client", batches: Sequence[Batch]) -> Generator[list[Done], None, None]:
     from distributed import as_completed
 
-    here = version()
+    here = version(), fingerprint.text()
     futures = [client.submit(_at_worker, here, batch, key=_key(batch), retries=0, pure=False) for batch in batches]
     try:
         for future in as_completed(futures, loop=client.loop):
@@ -64,10 +65,13 @@ def _carry_out(client: "Client", batches: Sequence[Batch]) -> Generator[list[Don
             client.cancel(futures)
 
 
-def _at_worker(wanted: str, batch: Batch) -> list[Done]:
-    """On a worker: carry out a batch, unless another version of fes would."""
-    if version() != wanted:
-        raise FesError(f"a Dask worker has fes {version()}, and the sweep is of fes {wanted}")
+def _at_worker(wanted: tuple[str, str], batch: Batch) -> list[Done]:
+    """On a worker: carry out a batch, unless another version of fes would, or another arithmetic."""
+    package, arithmetic = wanted
+    if version() != package:
+        raise FesError(f"a Dask worker has fes {version()}, and the sweep is of fes {package}")
+    if fingerprint.text() != arithmetic:
+        raise FesError(f"a Dask worker has {fingerprint.text()}, and the sweep is of {arithmetic}")
     return work.carry_out(batch)
 
 

@@ -1,0 +1,61 @@
+"""Files that somebody else may have written: read with a bound on their size, and wrong in one line."""
+
+import hashlib
+import json
+import stat
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from fes.errors import FesError, reason
+
+MAX_TABLE = 1 << 20
+"""Size of a file that holds a table as JSON [bytes]."""
+
+
+_BLOCK = 1 << 20  # bytes
+
+
+def opened(path: Path) -> BinaryIO:
+    """A regular file, open for reading, not a pipe or a device, which has no end; raises FesError and OSError."""
+    if not stat.S_ISREG(path.stat().st_mode):  # before it is opened: a pipe without a writer would be waited for
+        raise FesError(f"{path}: is not a regular file")
+    return path.open("rb")
+
+
+def read(path: Path, limit: int) -> bytes:
+    """All of a regular file of at most `limit` bytes; raises FesError, and OSError where it cannot be read."""
+    with opened(path) as file:
+        content = file.read(limit + 1)
+    if len(content) > limit:
+        raise FesError(f"{path}: is larger than {limit:,} bytes")
+    return content
+
+
+def sha256(path: Path, size: int) -> str:
+    """SHA-256 of the first `size` bytes of a file, in hexadecimal; raises OSError."""
+    found = hashlib.sha256()
+    with path.open("rb") as file:
+        for start in range(0, size, _BLOCK):
+            found.update(file.read(min(_BLOCK, size - start)))
+    return found.hexdigest()
+
+
+def parse_json(content: bytes | str) -> Any:
+    """What a text in JSON says; raises ValueError where it is none, or nested too deeply."""
+    try:
+        return json.loads(content)
+    except RecursionError:
+        raise ValueError("it is nested too deeply") from None
+
+
+def read_table(path: Path, limit: int = MAX_TABLE) -> dict[str, Any]:
+    """A file that holds one table as JSON; raises FesError."""
+    try:
+        found = parse_json(read(path, limit))
+    except OSError as error:
+        raise FesError(f"{path} cannot be read: {reason(error)}") from None
+    except ValueError as error:
+        raise FesError(f"{path} cannot be read: it is not JSON: {error}") from None
+    if not isinstance(found, dict):
+        raise FesError(f"{path} cannot be read: it holds no table")
+    return found
