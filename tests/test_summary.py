@@ -42,6 +42,7 @@ CONTRACT = {
     "tracking": list,
     "radio": list,
     "deadlines": type(None),
+    "arithmetic": dict,
     "links_gap_longest": float,
     "expectations": list,
 }
