@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 import stat
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -25,8 +26,9 @@ def opened(path: Path) -> BinaryIO:
 def read(path: Path, limit: int) -> bytes:
     """All of a regular file of at most `limit` bytes; raises FesError, and OSError where it cannot be read."""
     with opened(path) as file:
-        content = file.read(limit + 1)
-    if len(content) > limit:
+        fits = os.fstat(file.fileno()).st_size <= limit
+        content = file.read(limit + 1) if fits else b""
+    if not fits or len(content) > limit:
         raise FesError(f"{path}: is larger than {limit:,} bytes")
     return content
 

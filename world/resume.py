@@ -65,11 +65,10 @@ def recorder(directory: Path, kept: Snapshot) -> Recorder | None:
         raise FesError(f"the log of {directory} cannot be gone on with: {reason(error)}") from None
     try:
         return Recorder(path, kept.scenario, kept.name, "processes", (before, kept.log))
-    except (OSError, FesError) as error:
+    except Exception as error:
         os.replace(before, path)  # as if nobody had tried
-        raise FesError(
-            f"the log of {directory} cannot be gone on with: {reason(error) if isinstance(error, OSError) else error}"
-        ) from None
+        why = reason(error) if isinstance(error, OSError) else error if isinstance(error, FesError) else repr(error)
+        raise FesError(f"the log of {directory} cannot be gone on with: {why}") from None
 
 
 def course(directory: Path, kept: Snapshot, recorder: Recorder | None, period: float) -> tuple[Course, Keeper, float]:
@@ -77,7 +76,10 @@ def course(directory: Path, kept: Snapshot, recorder: Recorder | None, period: f
 
     Raises FesError. Since the checkpoint it has been noted what came from outside: the rest is a function of that.
     """
-    run = Course(kept.scenario, recorder)
+    try:
+        run = Course(kept.scenario, recorder)
+    except Exception as error:
+        raise FesError(f"{directory / FOLDER / STATE} is damaged: {type(error).__name__}") from None
     run.scenario, run.state, run.sums = kept.now, kept.state, kept.sums
     hosts, renewed, elapsed = dict(kept.hosts), set(kept.renewed), kept.elapsed
     notes = kept.notes

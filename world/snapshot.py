@@ -11,8 +11,9 @@ import hashlib
 import io
 import json
 import pickle
+import pickletools
 import re
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -48,6 +49,9 @@ _OTHERS = {
 }
 """What a checkpoint may be made of beside the world's own tables: nothing in it can run anything else."""
 
+_PLACED = {"PUT", "BINPUT", "LONG_BINPUT"}
+"""What no pickle of ours has: a few bytes would claim all memory."""
+
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
@@ -75,6 +79,20 @@ class Snapshot:
     """Checksum of all notes until then."""
 
 
+_KINDS: dict[str, Any] = {
+    **dict.fromkeys(("number", "notes"), int),
+    **dict.fromkeys(("name", "run"), str),
+    **dict.fromkeys(("scenario", "now"), Scenario),
+    "state": State,
+    "sums": Account,
+    "hosts": dict,
+    "renewed": list,
+    "log": Unfinished | None,
+    "elapsed": float,
+}
+"""Of its fields."""
+
+
 def pack(snapshot: Snapshot) -> bytes:
     """The content of the file of a snapshot."""
     head = {"fes": distribution.version(), "arithmetic": fingerprint.table()}
@@ -99,10 +117,15 @@ def read(path: Path) -> Snapshot:
     head, _, pickled = told.partition(b"\n")
     _check_arithmetic(path, head)
     try:
+        for opcode, _, _ in pickletools.genops(pickled):
+            if opcode.name in _PLACED:
+                raise pickle.UnpicklingError(opcode.name)
         snapshot = _Tables(io.BytesIO(pickled)).load()
     except Exception as error:
         raise FesError(f"{path} is damaged: {type(error).__name__}") from None
-    if not isinstance(snapshot, Snapshot) or not all(hasattr(snapshot, field.name) for field in fields(Snapshot)):
+    if not isinstance(snapshot, Snapshot) or not all(
+        isinstance(getattr(snapshot, name, None), kind) for name, kind in _KINDS.items()
+    ):
         raise FesError(f"{path} is not a checkpoint")
     return snapshot
 
