@@ -61,6 +61,7 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path: Path) -> None:
 
 
 def test_nothing_is_written_that_a_reader_would_refuse(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert records.LIMIT * 63 // 64 >= container.LARGEST > 10 * container.CHUNK
     monkeypatch.setattr(container, "LARGEST", 1000)
     file = Container(tmp_path / "run.mcap")
     file.put("/x", OWN["Report"], bytes(1001), 0, 0)
@@ -69,7 +70,6 @@ def test_nothing_is_written_that_a_reader_would_refuse(tmp_path: Path, monkeypat
     ):
         file.settle(at_once=True)
     file.finish("end", {})
-    assert records.LIMIT * 63 // 64 >= container.LARGEST > 10 * container.CHUNK
 
 
 def test_a_summary_that_a_reader_would_refuse_stands_in_the_run_directory_only(
