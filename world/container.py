@@ -52,7 +52,7 @@ class Container:
         self._begun = time.monotonic()
         self._broken = False
         self.loss: str | None = None
-        """What somebody else did to the file meanwhile, if anything."""
+        """What somebody else did to the file, if anything; known when it is finished."""
         with self._writing():
             self._file = HashedFile(path)
             # Chunks are closed by `settle`, between two ticks, and not by the library in the middle of one.
@@ -86,7 +86,6 @@ class Container:
                     "--no-record runs without a log"
                 )
             with self._writing():
-                self._look_again()
                 self._writer.flush()
             self._waiting, self._begun = 0, time.monotonic()
 
@@ -134,12 +133,8 @@ class Container:
         with self._writing(), contextlib.closing(self._file):
             self._writer.add_metadata(name, metadata)
             self._writer.finish()
-            self._look_again()
-
-    def _look_again(self) -> None:
-        """See whether all that was written is still there: what is cut later, the next chunk would hide."""
-        self._file.flush()
-        self.loss = self.loss or output.loss(self._path, self.fileno, self._file.size)
+            self._file.flush()
+            self.loss = output.loss(self._path, self.fileno, self._file.size)
 
     def _register(self, topic: str, schema: Schema) -> int:
         if isinstance(schema, Message):

@@ -5,6 +5,7 @@ gone on with takes it up again. Its text is kept, and tells whether the trail is
 """
 
 import hashlib
+import os
 from pathlib import Path
 from typing import BinaryIO
 
@@ -12,6 +13,7 @@ import numpy as np
 
 from fes.arrays import Floats
 from fes.errors import FesError
+from world import output
 
 _BLOCK = 1 << 20  # bytes
 
@@ -42,7 +44,7 @@ class Digest:
 
     def leave_in(self, path: Path) -> BinaryIO:
         """From now on leave a trail in a new file, which is returned; nothing may have been added yet."""
-        self._trail = path.open("wb")
+        self._trail = open(path, "xb", opener=output.append)  # noqa: SIM115
         return self._trail
 
     def check(self, path: Path) -> None:
@@ -55,9 +57,8 @@ class Digest:
         Raises FesError where they are others, and OSError where they cannot be read.
         """
         self._hash = self._read(path)
-        self._trail = path.open("r+b")
-        self._trail.truncate(self.length)
-        self._trail.seek(self.length)
+        os.truncate(path, self.length)
+        self._trail = open(path, "ab")  # noqa: SIM115
         return self._trail
 
     def _read(self, path: Path) -> "hashlib._Hash":

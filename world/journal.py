@@ -37,7 +37,7 @@ class Journal:
         """Of all notes so far."""
         self._size = 0
         try:
-            self._file = path.open("xb", buffering=0)
+            self._file = open(path, "xb", buffering=0, opener=output.append)  # noqa: SIM115
         except OSError as error:
             raise FesError(f"cannot write {path}: {reason(error)}") from None
         head = _HEAD.pack(_MAGIC, number, checksum, 0)[:-4]

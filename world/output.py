@@ -1,4 +1,8 @@
-"""Files that a run writes: hashed on the way, and looked at again, as somebody else may remove or cut them."""
+"""Files that a run writes: hashed on the way, and looked at again, as somebody else may remove or cut them.
+
+They are appended to. In a file that is written at a place of one's own, what was cut would become a hole, and no size
+would tell of it.
+"""
 
 import hashlib
 import os
@@ -11,7 +15,7 @@ class HashedFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._file = path.open("wb")
+        self._file = open(path, "wb", opener=append)  # noqa: SIM115
         self._hash = hashlib.sha256()
         self.size = 0
         """Bytes that were written."""
@@ -49,13 +53,18 @@ class HashedFile:
         self._file.close()
 
 
+def append(path: str, flags: int) -> int:
+    """An opener for `open`: all that is written goes to the end of the file, wherever that is then."""
+    return os.open(path, flags | os.O_APPEND, 0o666)
+
+
 def loss(path: Path, fileno: int, size: int) -> str | None:
     """What became of a file to which `size` bytes were written and handed to the system; None if it is as it was.
 
     >>> import tempfile
     >>> with tempfile.NamedTemporaryFile(buffering=0) as file:
     ...     file.write(b"whole"), loss(Path(file.name), file.fileno(), 5), loss(Path(file.name), file.fileno(), 7)
-    (5, None, 'was cut to 5 of 7 bytes')
+    (5, None, 'was cut by 2 bytes')
     """
     ours = os.fstat(fileno)
     if not stat.S_ISREG(ours.st_mode):
@@ -67,7 +76,7 @@ def loss(path: Path, fileno: int, size: int) -> str | None:
     if (found.st_dev, found.st_ino) != (ours.st_dev, ours.st_ino):
         return "was replaced"
     if ours.st_size < size:
-        return f"was cut to {ours.st_size:,} of {size:,} bytes"
+        return f"was cut by {size - ours.st_size:,} bytes"
     return (
         None if ours.st_size == size else f"was written to by another program: {ours.st_size:,} bytes, not {size:,}"
     )
