@@ -25,7 +25,7 @@ _TOPICS = (*_EVIDENCE, "/scenario", "/report", "/events")
 
 _MAX_EVENTS = 10_000  # a tick
 
-_UNREADABLE = (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError)
+_UNREADABLE = (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError, OverflowError)
 
 
 class Tick(NamedTuple):
@@ -101,14 +101,17 @@ def load(target: Path) -> Log:
         raise FesError(f"{target} has no {NAME}: the run was not recorded")
     told = _scenario(path)
     if told.get("log") != schemas.VERSION:
-        raise FesError(f"{path} is a log of version {told.get('log')}; this fes reads version {schemas.VERSION}")
+        version = f"{told.get('log')!r:.20}"
+        raise FesError(f"{path} is a log of version {version}; this fes reads version {schemas.VERSION}")
     ended = _metadata(path)
     try:
         summary = files.parse_json(ended["summary"]) if ended and "summary" in ended else None
         if summary is not None and not isinstance(summary, dict):
             raise TypeError("its summary is not a table")
         scenario = parse(tomllib.loads(told["scenario"]), str(path))
-        fingerprint.text(told["arithmetic"])  # raises KeyError and TypeError where it names none
+        fingerprint.text(told["arithmetic"])  # raises one of these errors where it names none
+        if not all(isinstance(told[key], str) for key in ("name", "backend")):
+            raise TypeError("its name and backend are texts")
         how = ended["ended"] if ended else None
         log = Log(path, told["name"], told["backend"], scenario, summary, how, told["arithmetic"])
     except _UNREADABLE as error:
@@ -161,6 +164,8 @@ def _ticks(path: Path, robots: int) -> Iterator[Tick]:
                     set_[event["by"]].append((str(event["path"]), event["value"]))
                 elif event["what"] == "present":
                     attended.append([int(robot) for robot in event["robots"]])
+                    if not all(0 <= robot < robots for robot in attended[-1]):
+                        raise FesError(f"{path}: tick {number}: a robot takes part that is not one of {robots}")
         for topic in _EVIDENCE:
             if topic not in said:
                 raise FesError(f"{path}: tick {number} has no message on {topic}")

@@ -94,6 +94,10 @@ def observations(tick: int, payloads: int) -> bytes:
     return OWN["Observations"].encode({"tick": tick, "payloads": []}) + empty * payloads
 
 
+def attended(robots: bytes) -> bytes:
+    return message(EVENTS, b'{"tick": 0, "what": "present", "robots": ' + robots + b"}")
+
+
 def ticks(count: int) -> bytes:
     """Ticks of two robots that are absent."""
     team = written(
@@ -153,6 +157,10 @@ LOGS: dict[str, Callable[[], bytes]] = {
     "an arithmetic with colors": lambda: begun(told=header(arithmetic={**fingerprint.table(), "numpy": "\033[31m"})),
     "payloads without end": lambda: begun(message(OBSERVATIONS, observations(0, 30 * MIB))),
     "events without end": lambda: begun(ticks(1), repeated(message(EVENTS, b'{"tick": 0, "what": "x"}'), 60 * MIB)),
+    "robots beyond all numbers": lambda: begun(ticks(1), attended(b"[1e999]")),
+    "robots that are not": lambda: begun(ticks(1), attended(b"[0, 7]")),
+    "a version that is a text": lambda: begun(told=header(log="x" * MIB)),
+    "a name that is a list": lambda: begun(told=header(name=[1])),
     "a deep event": lambda: begun(ticks(1), message(EVENTS, nested("[").encode())),
     "ticks without end": lambda: begun(ticks(10_000)),
 }
@@ -181,7 +189,7 @@ LINES: dict[str, Callable[[], bytes]] = {
 }
 
 TABLES: dict[str, Callable[[], bytes]] = {
-    "a large table": lambda: b"[" + b"0," * (20 * MIB) + b"0]",
+    "a large table": lambda: b"[" + b"0," * (35 * MIB) + b"0]",
     "a deep table": lambda: nested('{"endpoint":').encode(),
     "a list": lambda: b"[]",
     "other fields": lambda: b'{"x": 1}',

@@ -17,6 +17,7 @@ from tests.test_processes import PATIENCE, command
 from world import container, recorder, records, snapshot
 from world.container import Container
 from world.recorder import Recorder
+from world.records import Reader
 from world.schemas import OWN
 
 MOST = 512.0
@@ -70,6 +71,20 @@ def test_nothing_is_written_that_a_reader_would_refuse(tmp_path: Path, monkeypat
     ):
         file.settle(at_once=True)
     file.finish("end", {})
+
+
+def test_no_log_is_written_that_unpacks_to_more_than_a_reader_takes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(records, "FREE", 1 << 20)
+    path = tmp_path / "run.mcap"
+    file = Container(path)
+    with pytest.raises(FesError, match=r"it is so uniform that [\d,]+ bytes take [\d,]+: --no-record runs"):  # noqa: PT012
+        for tick in range(1000):
+            file.put("/x", OWN["Report"], bytes(20_000), tick, tick)
+            file.settle(at_once=True)
+    file.finish("end", {})
+    assert sum(1 for block in Reader(path) for _ in block) > 20  # what was written until then is read
 
 
 def test_a_summary_that_a_reader_would_refuse_stands_in_the_run_directory_only(

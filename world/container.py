@@ -16,7 +16,7 @@ from mcap.records import Schema as McapSchema
 from mcap.writer import CompressionType, Writer
 
 from fes import distribution
-from fes.errors import FesError, reason
+from fes.errors import FesError
 from world import output, records
 from world.descriptors import describe
 from world.output import HashedFile
@@ -48,7 +48,7 @@ class Container:
         self._path = path
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, int] = {}
-        self._waiting = 0
+        self._waiting = self._unpacked = 0
         self._begun = time.monotonic()
         self._broken = False
         self.loss: str | None = None
@@ -79,15 +79,22 @@ class Container:
         if self._broken:
             return  # it was said once
         if at_once or self._waiting >= CHUNK or time.monotonic() - self._begun >= CHUNK_AGE:
-            if self._waiting > LARGEST:
-                self._broken = True
-                raise FesError(
-                    f"cannot write {self._path}: a tick takes {self._waiting:,} bytes, of at most {LARGEST:,}: "
-                    "--no-record runs without a log"
-                )
+            self._check_size()
             with self._writing():
                 self._writer.flush()
             self._waiting, self._begun = 0, time.monotonic()
+
+    def _check_size(self) -> None:
+        """Raise FesError where the chunk that is to be closed makes the file one that a reader refuses."""
+        self._unpacked += self._waiting
+        why = None
+        if self._waiting > LARGEST:
+            why = f"a tick takes {self._waiting:,} bytes, of at most {LARGEST:,}"
+        elif self._unpacked > (records.FREE + records.RATIO * self._file.size) // 2:  # channels are not counted
+            why = f"it is so uniform that {self._unpacked:,} bytes take {self._file.size:,}"
+        if why is not None:
+            self._broken = True
+            raise FesError(f"cannot write {self._path}: {why}: --no-record runs without a log")
 
     def close_chunk(self) -> int:
         """Close the chunk; returns how many bytes there are then, all of them whole records."""
@@ -159,7 +166,7 @@ class Container:
             yield
         except OSError as error:
             self._broken = True
-            raise FesError(f"cannot write {self._path}: {error.strerror or reason(error)}") from None
+            raise FesError(f"cannot write {self._path}: {error.strerror or error}") from None
 
 
 class _Contents:

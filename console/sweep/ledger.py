@@ -27,7 +27,8 @@ LINES = "runs.jsonl"
 FORMAT = 2
 """Of the two files; the first one had no number, no arithmetic and no checksums."""
 
-_MAX_LINE = 1 << 24  # bytes; a run of a thousand robots has 100 kB
+_MAX_LINE = 1 << 24  # bytes; a run has 2 kB
+_MAX_HEADER = 1 << 26  # bytes; the axes may have a million values
 
 _DIFFERS = {
     "scenario": "another scenario",
@@ -104,7 +105,7 @@ def _claim(directory: Path, design: Design) -> None:
         temporary.write_text(json.dumps(wanted, indent=1) + "\n", encoding="utf-8")
         os.replace(temporary, path)
         return
-    found = files.read_table(path, _MAX_LINE)
+    found = files.read_table(path, _MAX_HEADER)
     before = found.get("format", 1)
     if before != FORMAT:
         raise FesError(
