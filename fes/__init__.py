@@ -23,7 +23,7 @@ bus         a session of Zenoh: everything it declares, and its way to asyncio
 session     how it is opened
 inbox       from Zenoh's threads to the loop, one wake-up a tick
 complaints  bad messages, counted and logged once a kind
-files       read with a bound on their size: somebody else may have written them
+files       files from others, read with a bound on their size
 process     signals, exit codes, Zenoh's command-line flags
 distribution  name and version of the installed distribution, and how a clone installs it
 errors      every error, on one page

@@ -1,4 +1,4 @@
-"""Files that somebody else may have written: read with a bound on their size, and wrong in one line."""
+"""Files from others: read with a bound on their size, and refused in one line."""
 
 import hashlib
 import json

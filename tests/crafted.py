@@ -1,4 +1,4 @@
-"""Small files that somebody made to cost much: logs, checkpoints, sweeps and announcements of a run."""
+"""Small files that are made to cost much: logs, checkpoints, sweeps and announcements of a run."""
 
 import hashlib
 import json

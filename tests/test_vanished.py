@@ -1,4 +1,4 @@
-"""What somebody removes or cuts under a run that goes on is said at its end, and costs the run nothing else."""
+"""Files that are removed or cut during a run are named at its end; the run loses nothing else."""
 
 import contextlib
 import json
@@ -49,7 +49,7 @@ def test_a_log_that_somebody_changes_is_told_of_when_the_run_is_over(tmp_path: P
             team.step(course)
             if course.state.tick == 15 and chunks:
                 recorder.pause()  # were the chunk written where the file once ended, the cut would be a hole
-        with pytest.raises(FesError, match=rf"^{path} {told} while the run went on: the run has no whole log$"):
+        with pytest.raises(FesError, match=rf"^{path} {told} during the run: the log is incomplete$"):
             stack.close()
     assert course.sums.tally.digest.text() == inprocess.run(scenario, "pair")["digest"]
 
@@ -61,7 +61,7 @@ def test_the_error_of_a_run_is_not_hidden_by_that_of_its_log(
     (tmp_path / NAME).unlink()
     with pytest.raises(FesError, match=r"^it was the disk$"), recorder:
         raise FesError("it was the disk")
-    assert "run.mcap was removed while the run went on" in caplog.text
+    assert "run.mcap was removed during the run" in caplog.text
 
 
 def test_a_real_run_whose_log_vanishes_says_so_returns_1_and_keeps_its_summary(tmp_path: Path) -> None:
@@ -71,7 +71,7 @@ def test_a_real_run_whose_log_vanishes_says_so_returns_1_and_keeps_its_summary(t
     path.unlink()
     out, err = running.communicate(timeout=60)
     assert (running.returncode, out) == (1, "")
-    assert err == "fes: error: out/run.mcap was removed while the run went on: the run has no whole log\n"
+    assert err == "fes: error: out/run.mcap was removed during the run: the log is incomplete\n"
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["digest"] == inprocess.run(load("pair.toml", run__duration=2.0), "pair")["digest"]
 
@@ -97,9 +97,7 @@ def test_a_checkpoint_that_somebody_changes_is_told_of_at_the_end(
                 shutil.rmtree(folder)
         team.step(course)
     keeper.discard(course)
-    lines = [
-        line for line in caplog.text.splitlines() if "while the run went on: it could not have been resumed" in line
-    ]
+    lines = [line for line in caplog.text.splitlines() if "during the run: it could not have been resumed" in line]
     assert len(lines) == (3 if what == "the folder" else 1)
     assert all(str(removed.get(what, folder)) in line for line in lines)
     assert course.sums.tally.digest.text() == inprocess.run(scenario, "pair")["digest"]

@@ -21,7 +21,7 @@ wording     between arrays and the messages of all robots
 recorder    the log of a run: run.mcap
 container   its file: topics, schemas, chunks
 records     the same file, read with bounds and checksums
-output      files that a run writes, hashed and looked at again
+output      files that a run writes, hashed and checked at the end
 schemas     its message types
 views       what viewers show of it
 protobuf    how its messages are encoded

@@ -143,7 +143,7 @@ class Keeper:
             self._writing = asyncio.get_running_loop().run_in_executor(None, self._write, self._number, told, files)
 
     def losses(self, course: Course) -> list[str]:
-        """The files of the present checkpoint that somebody removed or cut, each with what was done to it."""
+        """The files of the present checkpoint that were removed or cut from outside, a text for each."""
         journal, state, path = self._journal, self._state, self._folder / STATE
         if journal is None or journal.failure is not None:
             return []
@@ -156,7 +156,7 @@ class Keeper:
         """Keep no more of a run."""
         with contextlib.suppress(OSError), self._lock:
             for loss in self.losses(course):
-                _logger.warning("%s while the run went on: it could not have been resumed", loss)
+                _logger.warning("%s during the run: it could not have been resumed", loss)
         with self._lock:
             self._written = self._number + 1  # whatever is still to be written is not
             course.note = lambda note: None

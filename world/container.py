@@ -52,7 +52,7 @@ class Container:
         self._begun = time.monotonic()
         self._broken = False
         self.loss: str | None = None
-        """What somebody else did to the file, if anything; known when it is finished."""
+        """What became of the file from outside; None if it is as it was written, or not finished yet."""
         with self._writing():
             self._file = HashedFile(path)
             # Chunks are closed by `settle`, between two ticks, and not by the library in the middle of one.

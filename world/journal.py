@@ -46,7 +46,7 @@ class Journal:
     def add(self, note: list[Any]) -> None:
         """Append a note of numbers, text, bytes, and lists of them.
 
-        After a note that could not be written there are no others: nobody would read behind a torn one.
+        After a note that could not be written there are no others: reading ends at a torn one.
         """
         if self.failure is not None:
             raise self.failure
@@ -57,7 +57,7 @@ class Journal:
         self._write(_FRAME.pack(len(packed), of_length, self.checksum) + packed)
 
     def loss(self) -> str | None:
-        """What somebody else did to the file; None if nobody did anything."""
+        """What became of the file from outside; None if it is as it was written."""
         return output.loss(self.path, self._file.fileno(), self._size)
 
     def close(self) -> None:

@@ -11,7 +11,7 @@ from fes.errors import FesError, reason
 
 @contextlib.contextmanager
 def alone(directory: Path) -> Iterator[None]:
-    """Nobody else writes into this run directory meanwhile; raises FesError if somebody does.
+    """A block in which no other world writes into this run directory; raises FesError if one does.
 
     The system's lock is on the folder itself, and ends with the process, however that ends.
     """
@@ -21,7 +21,7 @@ def alone(directory: Path) -> Iterator[None]:
             held.callback(os.close, folder)
             fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except FileNotFoundError:
-            pass  # nobody can be at work where nothing is
+            pass  # no world can be at work where nothing is
         except BlockingIOError:
             raise FesError(f"another world is at work in {directory}") from None
         except OSError as error:

@@ -1,4 +1,4 @@
-"""Files that a run writes: hashed on the way, and looked at again, as somebody else may remove or cut them.
+"""Files that a run writes: hashed while they are written, and checked at the end: they may be removed or cut.
 
 They are appended to. In a file that is written at a place of one's own, what was cut would become a hole, and no size
 would tell of it.

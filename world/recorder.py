@@ -107,7 +107,7 @@ class Recorder:
         else:
             self._end(str(error) if isinstance(error, FesError) else "it was stopped")
         if self._file.loss is not None:
-            said = f"{self.path} {self._file.loss} while the run went on: the run has no whole log"
+            said = f"{self.path} {self._file.loss} during the run: the log is incomplete"
             if error is None:
                 raise FesError(said)
             logging.getLogger("world").warning("%s", said)

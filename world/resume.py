@@ -34,7 +34,7 @@ def load(directory: Path) -> Snapshot:
         raise FesError(f"the checkpoint of {directory} cannot be read: {reason(error)}") from None
     except FesError:
         raise
-    except Exception as error:  # tables that are whole, and say what none of ours says
+    except Exception as error:  # valid checksums, and impossible values
         raise FesError(f"{directory / FOLDER} is damaged: {type(error).__name__}") from None
     return kept
 
@@ -66,7 +66,7 @@ def recorder(directory: Path, kept: Snapshot) -> Recorder | None:
     try:
         return Recorder(path, kept.scenario, kept.name, "processes", (before, kept.log))
     except Exception as error:
-        os.replace(before, path)  # as if nobody had tried
+        os.replace(before, path)  # as it was before
         why = reason(error) if isinstance(error, OSError) else error if isinstance(error, FesError) else repr(error)
         raise FesError(f"the log of {directory} cannot be gone on with: {why}") from None
 
@@ -92,7 +92,7 @@ def course(directory: Path, kept: Snapshot, recorder: Recorder | None, period: f
                 hosts.update(dict.fromkeys(note[1], Join(tuple(note[1]), note[2])))
             else:
                 elapsed = _again(run, note, elapsed)
-    except Exception as error:  # a note that is whole may say what none of ours says
+    except Exception as error:  # a note with a valid checksum may hold impossible values
         run.sums.tally.digest.close()
         raise _refusal(directory, error) from None
     number = checkpoint.last(directory, kept.number)

@@ -131,13 +131,13 @@ def read(path: Path) -> Snapshot:
 
 
 def _check_arithmetic(path: Path, head: bytes) -> None:
-    """Raise FesError unless the run was computed as it would be here."""
+    """Raise FesError unless the run was computed with this process's arithmetic."""
     try:
         theirs = fingerprint.text(files.parse_json(head)["arithmetic"])
     except (ValueError, KeyError, TypeError) as error:
         raise FesError(f"{path} is damaged: its head cannot be read: {type(error).__name__}") from None
     if theirs != fingerprint.text():
-        raise FesError(f"{path} was kept with {theirs}; this is {fingerprint.text()}: its digits would be others")
+        raise FesError(f"{path} was kept with {theirs}; this is {fingerprint.text()}: the digits would differ")
 
 
 class _Tables(pickle.Unpickler):
