@@ -190,8 +190,9 @@ class Keeper:
                     file.write(told)
                     file.flush()
                     os.fsync(file.fileno())
-                    self._state = os.fstat(file.fileno())
+                    written = os.fstat(file.fileno())
                 os.replace(part, self._folder / STATE)
+                self._state = written
             except OSError as error:
                 raise FesError(f"cannot keep a checkpoint: {reason(error)}") from None
             for old in [*self._folder.glob("journal-*"), *self._folder.glob("log-*")]:
