@@ -21,7 +21,8 @@ from fes.errors import ScenarioError
 from fes.sensing import DECODED, LOST, Observations
 from tests import layouts
 from tests.loop import CONFIGS
-from world import crowd, proximity, simulation
+from world import crowd, proximity, scenario, simulation
+from world.course import Course
 
 LAYOUTS: dict[str, Callable[[np.random.Generator, int], Floats]] = {
     "scattered": lambda rng, n: layouts.scatter(rng, n, 120.0),
@@ -92,10 +93,10 @@ def test_pairs_found_in_blocks_are_those_of_a_search_of_all_pairs(
 def test_a_crowd_takes_memory_in_proportion_to_its_contacts(rule: str) -> None:
     """However many they are: the triples of contacts and third robots are 80 and 160 times as many."""
     for robots in (80, 160):
-        scenario, numbers = dense(robots, rule), 128 * 8
+        what, numbers = dense(robots, rule), 128 * 8
         tracemalloc.start()
         try:
-            pairs = [len(tick.state.radio.edges) for tick in inprocess.ticks(scenario)]
+            pairs = [len(tick.state.radio.edges) for tick in inprocess.ticks(what)]
             _, peak = tracemalloc.get_traced_memory()
         finally:
             tracemalloc.stop()
@@ -119,8 +120,8 @@ def test_the_radios_numbers_are_drawn_in_the_memory_that_they_stay_in() -> None:
 def test_a_crowd_that_does_not_fit_into_memory_is_refused_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(memory, "available", lambda: 2_000_000_000)
     expected = (
-        "robots: the memory of 8,997,000 contacts at the start must be at most the 2.0 GB that are free, got 9.0 GB: "
-        "start fewer robots, or farther apart (spacing)"
+        "robots: the memory of the 8,997,000 contacts within 150 m must be at most the 2.0 GB that are free, "
+        "got 9.0 GB: take fewer robots, farther apart"
     )
     with pytest.raises(ScenarioError) as refused:
         simulation.start(simulation.create(dense(3000, "disk")))
@@ -132,6 +133,24 @@ def test_many_robots_that_are_not_in_range_of_each_other_are_not_refused(monkeyp
     robots = spread.robots.model_copy(update={"spacing": 78.0})
     monkeypatch.setattr(memory, "available", lambda: 40_000_000)  # 8 contacts each are 24 MB
     crowd.check(spread.model_copy(update={"robots": robots}))
+
+
+def test_a_range_that_makes_a_crowd_of_a_team_is_refused_scheduled_or_set_by_a_person(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    fields = {"robots.count": 100, "run.duration": 1.0}
+    monkeypatch.setattr(memory, "available", lambda: 2_000_000)  # 684 contacts at the start
+    calm = scenario.load(CONFIGS / "hundred.toml", fields)
+    course = Course(calm)
+    with pytest.raises(
+        ScenarioError, match=r"^robots: the memory of the 9,900 contacts within 1e\+06 m must be at most"
+    ):
+        course.change("channel.communication_range", 1e6)
+    assert course.state.channel == calm.channel
+    course.change("channel.communication_range", 160.0)
+    later = {"at": 0.5, "set": {"channel.communication_range": 1e6}}
+    with pytest.raises(ScenarioError, match=r"^robots: the memory of the 9,900 contacts"):
+        crowd.check(scenario.load(CONFIGS / "hundred.toml", {**fields, "event": [later]}))
 
 
 def test_fes_run_refuses_a_crowd_before_it_makes_a_run_directory(

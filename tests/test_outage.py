@@ -113,3 +113,20 @@ def test_a_perfect_channel_reaches_no_outage() -> None:
 def test_an_outage_outside_zero_to_one_is_refused(probability: float) -> None:
     with pytest.raises(ValueError, match=r"outage must lie in \(0, 1\)"):
         outage.range_at_outage(probability, PAPER)
+
+
+def test_a_channel_beyond_what_floats_hold_is_its_limit() -> None:
+    r = np.array([0.0, 1e-3, 1.0, 1e300])
+    deaf = ChannelConfig(reference_snr=5e-324)
+    perfect = ChannelConfig(model="perfect")
+    with np.errstate(over="ignore"):
+        assert outage.reception_probability(r, deaf).tolist() == [1.0, 0.0, 0.0, 0.0]
+        assert outage.outage_probability(r, deaf).tolist() == [0.0, 1.0, 1.0, 1.0]
+    assert outage.reception_probability(r, perfect).tolist() == [1.0] * 4
+    assert outage.outage_probability(r, perfect).tolist() == [0.0] * 4
+
+
+def test_a_small_efficiency_keeps_its_digits() -> None:
+    # 2^delta - 1 = delta ln 2 to the last digit
+    tiny = ChannelConfig(spectral_efficiency=1e-300, reference_snr=1e-300)
+    assert outage.exponent_scale(tiny) == pytest.approx(math.log(2.0), rel=1e-15)

@@ -14,7 +14,7 @@ from fes.arrays import Bools, Bytes, Floats, Ints
 from fes.change import Effect
 from fes.messages import Command
 from fes.sensing import Telemetry, untold
-from world import events, remarks, simulation, wording
+from world import crowd, events, remarks, simulation, wording
 from world.account import Account
 from world.optimum import optimal_separation
 from world.recorder import Recorder, Said
@@ -100,6 +100,8 @@ class Course:
         """Set a field of the channel from this tick on; raises ScenarioError where it cannot be."""
         tick = self.state.tick
         channel = events.changed(self.state.channel, {path: value}, self.scenario.run.dt)
+        if channel.communication_range > self.state.channel.communication_range:
+            crowd.check_contacts(self.state.poses, channel.communication_range)
         value = events.effective(channel, path)
         scenario = with_event(self.scenario, tick, path, value)
         self.note([SET, tick, path, value])

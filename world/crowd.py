@@ -1,6 +1,7 @@
-"""What robots that start within range of each other need: memory for each contact, of which n of them have n^2."""
+"""What robots within range of each other need: memory for each contact, of which n of them have n^2."""
 
 from fes import memory
+from fes.arrays import Floats
 from fes.errors import ScenarioError
 from world import proximity
 from world.scenario import Scenario, initial_poses
@@ -11,16 +12,24 @@ PER_CONTACT = 1_000
 
 
 def check(scenario: Scenario) -> None:
-    """Raise ScenarioError if the contacts at the start need more memory than there is."""
-    free = memory.available()
-    most, robots = free // PER_CONTACT, scenario.robots.number
+    """Raise ScenarioError if the contacts at the start need more memory than there is, whatever is set later."""
+    if scenario.robots.number**2 > memory.available() // PER_CONTACT:
+        fields = [settings.get("channel.communication_range") for settings in scenario.changes.values()]
+        ranges = [scenario.channel.communication_range, *(field for field in fields if field is not None)]
+        check_contacts(initial_poses(scenario), max(ranges))
+
+
+def check_contacts(poses: Floats, reach: float) -> None:
+    """Raise ScenarioError if the contacts of robots at `poses` [n, 3] within `reach` [m] need too much memory."""
+    free, robots = memory.available(), len(poses)
+    most = free // PER_CONTACT
     if robots * (robots - 1) <= most:
         return
-    contacts = proximity.count(initial_poses(scenario), scenario.channel.communication_range, most)
+    contacts = proximity.count(poses, reach, most)
     if contacts > most:
         needed = memory.gigabytes(PER_CONTACT * contacts)
         raise ScenarioError(
             "robots",
-            f"the memory of {contacts:,} contacts at the start must be at most the {memory.gigabytes(free)} that are "
-            f"free, got {needed}: start fewer robots, or farther apart (spacing)",
+            f"the memory of the {contacts:,} contacts within {reach:g} m must be at most the "
+            f"{memory.gigabytes(free)} that are free, got {needed}: take fewer robots, farther apart",
         )
