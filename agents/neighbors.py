@@ -3,7 +3,7 @@
 Ties break by robot id: pairs are ordered by peer id, and the first of equals is taken.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 
@@ -35,24 +35,26 @@ class Witnesses:
         self.all: tuple[Ints, Ints] | None = None
         self.last: Ints = np.full(len(edges), -1, dtype=np.int64)
         if int(np.square(edges.counts).sum()) <= FEW:
-            self.all = self.of(np.arange(len(edges)))
+            self.all = self.of(np.arange(len(edges)), self.counts(np.arange(len(edges))))
         elif before is not None and len(before.edges):
             self._carry(before)
 
-    def of(self, pairs: Ints) -> tuple[Ints, Ints]:
+    def counts(self, pairs: Ints) -> Ints:
+        """How many contacts the robot of each of `pairs` has [t]."""
+        counts: Ints = self.edges.counts[self.edges.rows[pairs]]
+        return counts
+
+    def of(self, pairs: Ints, counts: Ints) -> tuple[Ints, Ints]:
         """Positions of (robot, peer) and of (robot, witness) for all contacts of the robots of `pairs` [t]."""
-        rows = self.edges.rows[pairs]
-        counts = self.edges.counts[rows]
-        first = (np.cumsum(self.edges.counts) - self.edges.counts)[rows]
+        first = (np.cumsum(self.edges.counts) - self.edges.counts)[self.edges.rows[pairs]]
         offset = np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)
         return np.repeat(pairs, counts), np.repeat(first, counts) + offset
 
-    def blocks(self, pairs: Ints) -> Iterator[tuple[Ints, Ints]]:
-        """The same for some of `pairs` after the other: about BLOCK triples each."""
-        ends = np.cumsum(self.edges.counts[self.edges.rows[pairs]])
-        total = int(ends[-1]) if len(ends) else 0
-        for part in np.split(pairs, np.searchsorted(ends, np.arange(BLOCK, total, BLOCK))):
-            yield self.of(part)
+    def blocks(self, pairs: Ints, counts: Ints) -> Iterator[tuple[Ints, Ints]]:
+        """The same for some of `pairs` after the other, about BLOCK triples each."""
+        ends = np.cumsum(counts)
+        where = np.searchsorted(ends, np.arange(BLOCK, ends[-1], BLOCK))
+        return map(self.of, np.split(pairs, where), np.split(counts, where))
 
     def _carry(self, before: "Witnesses") -> None:
         at = self.edges.places_in(before.edges)
@@ -91,13 +93,25 @@ def relative_neighborhood(contacts: Contacts, witnesses: Witnesses) -> Bools:
     still = _excludes(contacts, reach, remembered, last[remembered])
     last[remembered[~still]] = -1
     suspects = np.flatnonzero(known & (last < 0))
-    if int(contacts.edges.counts[contacts.edges.rows[suspects]].sum()) > max(BLOCK, NEAREST * len(known)):
-        suspects = _try_nearest(contacts, reach, last, suspects)
-    for pair, witness in witnesses.blocks(suspects):
+    for pair, witness in _candidates(contacts, reach, witnesses, suspects):
         found = np.flatnonzero(_excludes(contacts, reach, pair, witness))
         last[pair[found]] = witness[found]
     remaining: Bools = np.logical_and(known, last < 0)
     return remaining
+
+
+def _candidates(
+    contacts: Contacts, reach: Floats, witnesses: Witnesses, suspects: Ints
+) -> Iterable[tuple[Ints, Ints]]:
+    """All triples of the `suspects`, in blocks; where they are a crowd's, of those that no near robot excludes."""
+    counts = witnesses.counts(suspects)
+    total = int(counts.sum())
+    if total <= BLOCK:
+        return (witnesses.of(suspects, counts),)
+    if total > NEAREST * len(reach):
+        suspects = _try_nearest(contacts, reach, witnesses.last, suspects)
+        counts = witnesses.counts(suspects)
+    return witnesses.blocks(suspects, counts) if len(suspects) else ()
 
 
 def _try_nearest(contacts: Contacts, reach: Floats, last: Ints, suspects: Ints) -> Ints:

@@ -194,6 +194,8 @@ def main() -> None:
         code = INTERRUPTED
     except FesError as error:
         process.complain("fes", str(error))
+        for note in getattr(error, "__notes__", ()):
+            printing.line(f"fes: {note}", stderr=True)
         code = error.exit_code
     except OSError as error:
         process.complain("fes", reason(error))

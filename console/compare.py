@@ -11,7 +11,7 @@ from console import log as logs
 from console import printing, progress
 from console.difference import Difference, between, of_reports, of_summaries
 from console.log import Log, Tick
-from fes import keys, process, strict_json
+from fes import fingerprint, keys, process, strict_json
 from fes.errors import FesError
 
 MISSING = "nothing"
@@ -40,13 +40,18 @@ def compare(
         found = first_difference(one, other, chosen)
     if json_:
         told = found._asdict() if found else None
-        printing.line(strict_json.dumps({"scenario": [list(setting) for setting in settings], "first": told}))
+        arithmetic = [dict(log.arithmetic) for log in (one, other)]
+        differing = [list(setting) for setting in settings]
+        printing.line(strict_json.dumps({"scenario": differing, "first": told, "arithmetic": arithmetic}))
     else:
         for path, mine, theirs in settings:
             printing.line(f"scenario, {path}: {mine!r} in A and {theirs!r} in B")
         whose = f" of robots {', '.join(robots)}" if robots else ""
         same = f"every message{whose} of every tick is the same to the bit"
         printing.line(found.told("in A", "in B") if found else same)
+        if found:
+            a, b = (fingerprint.text(log.arithmetic) for log in (one, other))
+            printing.line(f"A was recorded with {a}; B was recorded with {b}")
     return process.FAILURE if settings or found else process.SUCCESS
 
 

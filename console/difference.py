@@ -19,7 +19,7 @@ _DECODERS: dict[str, Callable[[bytes], Any]] = {
 _PARTS = {"pose": ("x", "y", "heading"), "twist": ("linear", "angular")}
 _OUTSIDE = {"scenario", "elapsed", "ticks_per_s", "alive", "late"}
 """Fields of a Report that are of the machine or of the scenario's file, and not of the run."""
-_OUTSIDE_SUMMARY = {"scenario", "backend", "wall_s", "ticks_per_s", "real_time_factor"}
+_OUTSIDE_SUMMARY = {"scenario", "backend", "wall_s", "ticks_per_s", "real_time_factor", "arithmetic"}
 """The same of a summary."""
 
 

@@ -11,7 +11,7 @@ from console import claims, figures, history, learning, printing, processes, pro
 from console import log as logs
 from console.history import History
 from console.log import Log
-from fes import process, strict_json
+from fes import fingerprint, process, strict_json
 from fes.errors import FesError, reason
 from world.scenario import load
 
@@ -121,5 +121,10 @@ def _again(directory: Path) -> History:
     run = loaded.run.model_copy(update={"duration": ticks * loaded.run.dt})
     seen = history.follow(loaded.model_copy(update={"run": run}))
     if seen.digest != summary["digest"]:
-        raise FesError(f"{directory} cannot be executed again bit for bit here: another machine or version made it")
+        here = f"this is {fingerprint.text()}"
+        try:
+            made = f"it was made with {fingerprint.text(summary['arithmetic'])}"
+        except (KeyError, TypeError):
+            made = "it does not say with which arithmetic it was made"
+        raise FesError(f"{directory} cannot be executed again bit for bit here: {made}; {here}")
     return seen

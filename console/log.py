@@ -1,32 +1,31 @@
 """Logs of runs, read back; docs/log.md says what is in them."""
 
 import itertools
-import struct
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from operator import itemgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import zstandard
-from mcap.exceptions import EndOfFile, McapError
-from mcap.reader import make_reader
-from mcap.records import Channel, Chunk, DataEnd, McapRecord, Message
-from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
-from mcap.writer import MCAP0_MAGIC
+from mcap.records import Channel, Message, Metadata
 
-from fes import strict_json
-from fes.errors import FesError, MessageError, reason
+from fes import fingerprint, strict_json
+from fes.errors import FesError, MessageError
 from fes.report import Report, decode_report
 from world import protobuf, schemas
-from world.recorder import AT_ITS_END, NAME, SUMMARY, Said
+from world.recorder import AT_ITS_END, MAX_JSON, NAME, SUMMARY, Said
+from world.records import Reader
 from world.scenario import Scenario, parse
 
 _EVIDENCE = ("/observations", "/beacons", "/commands")
-_BROKEN = (McapError, CRCValidationError, zstandard.ZstdError, struct.error, UnicodeDecodeError, MemoryError)
-_UNREADABLE = (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError)
+_TOPICS = (*_EVIDENCE, "/scenario", "/report", "/events")
+"""All that is read back."""
+
+_MAX_EVENTS = 10_000  # a tick
+
+_UNREADABLE = (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError, OverflowError)
 
 
 class Tick(NamedTuple):
@@ -57,6 +56,8 @@ class Log:
     """Of what was reached; None if the log has no end."""
     ended: str | None
     """How the run ended; None if the log has no end."""
+    arithmetic: Mapping[str, str] = field(default_factory=fingerprint.table)
+    """With which it was recorded."""
 
     def ticks(self) -> Iterator[Tick]:
         """Its ticks, in order; of a log without an end those that are whole. Raises FesError."""
@@ -65,6 +66,8 @@ class Log:
             for expected, tick in enumerate(_ticks(self.path, self.scenario.robots.number)):
                 if tick.number != expected:
                     raise FesError(f"{self.path}: after tick {expected - 1} comes tick {tick.number}")
+                if expected >= self.scenario.ticks:
+                    raise FesError(f"{self.path}: it goes on after tick {expected - 1}, the last of its scenario")
                 yield tick
                 there = expected + 1
         except _UNREADABLE as error:
@@ -98,14 +101,19 @@ def load(target: Path) -> Log:
         raise FesError(f"{target} has no {NAME}: the run was not recorded")
     told = _scenario(path)
     if told.get("log") != schemas.VERSION:
-        raise FesError(f"{path} is a log of version {told.get('log')}; this fes reads version {schemas.VERSION}")
+        version = f"{told.get('log')!r:.20}"
+        raise FesError(f"{path} is a log of version {version}; this fes reads version {schemas.VERSION}")
     ended = _metadata(path)
     try:
         summary = strict_json.loads(ended["summary"]) if ended and "summary" in ended else None
         if summary is not None and not isinstance(summary, dict):
             raise TypeError("its summary is not a table")
         scenario = parse(tomllib.loads(told["scenario"]), str(path))
-        log = Log(path, told["name"], told["backend"], scenario, summary, ended["ended"] if ended else None)
+        fingerprint.text(told["arithmetic"])  # raises one of these errors where it names none
+        if not all(isinstance(told[key], str) for key in ("name", "backend")):
+            raise TypeError("its name and backend are texts")
+        how = ended["ended"] if ended else None
+        log = Log(path, told["name"], told["backend"], scenario, summary, how, told["arithmetic"])
     except _UNREADABLE as error:
         raise FesError(f"{path}: what it says of its run cannot be read: {_line(error)}") from None
     if next(log.ticks(), None) is None:
@@ -118,7 +126,7 @@ def _scenario(path: Path) -> dict[str, Any]:
     with suppress(ValueError, RecursionError):
         for topic, message in _messages(path):
             if topic == "/scenario":
-                told = strict_json.loads(message.data)
+                told = _parsed(message.data)
                 if isinstance(told, dict):
                     return told
             break
@@ -126,12 +134,12 @@ def _scenario(path: Path) -> dict[str, Any]:
 
 
 def _metadata(path: Path) -> dict[str, str] | None:
-    """What was written when the log was closed; None if it was not."""
-    try:
-        with path.open("rb") as file:
-            return next((one.metadata for one in make_reader(file).iter_metadata() if one.name == SUMMARY), None)
-    except (*_BROKEN, OSError, ValueError):
-        return None
+    """What was written when the log was closed; None if it was not. Raises FesError unless all of it is whole."""
+    reader, found = Reader(path), None
+    for block in reader:
+        if isinstance(block.record, Metadata) and block.record.name == SUMMARY:
+            found = block.record.metadata
+    return found if reader.has_end else None
 
 
 def _ticks(path: Path, robots: int) -> Iterator[Tick]:
@@ -140,6 +148,7 @@ def _ticks(path: Path, robots: int) -> Iterator[Tick]:
         said, set_ = dict[str, list[bytes]](), {"person": list[tuple[str, Any]](), "schedule": []}
         attended: list[list[int]] = []
         report: Report | None = None
+        events = 0
         for _, topic, data in found:
             if topic in _EVIDENCE:
                 said[topic] = _payloads(path, topic, data, number, robots)
@@ -148,11 +157,15 @@ def _ticks(path: Path, robots: int) -> Iterator[Tick]:
                     report = decode_report(next(iter(_contents(data)), b""))
                 except MessageError as error:
                     raise FesError(f"{path}: tick {number}: {error}") from None
-            elif (event := strict_json.loads(data))["tick"] == number:
+            elif (event := _parsed(data))["tick"] == number:
+                if (events := events + 1) > _MAX_EVENTS:
+                    raise FesError(f"{path}: tick {number} has more than {_MAX_EVENTS:,} events")
                 if event["what"] == "set":
                     set_[event["by"]].append((str(event["path"]), event["value"]))
                 elif event["what"] == "present":
                     attended.append([int(robot) for robot in event["robots"]])
+                    if not all(0 <= robot < robots for robot in attended[-1]):
+                        raise FesError(f"{path}: tick {number}: a robot takes part that is not one of {robots}")
         for topic in _EVIDENCE:
             if topic not in said:
                 raise FesError(f"{path}: tick {number} has no message on {topic}")
@@ -171,7 +184,7 @@ def _numbered(path: Path) -> Iterator[tuple[int, str, bytes]]:
             if after == number:
                 raise FesError(f"{path}: tick {number} has two messages on {topic}")
             number = after
-        if topic in (*_EVIDENCE, "/report", "/events") and number >= 0:
+        if topic != "/scenario" and number >= 0:
             yield number, topic, message.data
 
 
@@ -180,16 +193,24 @@ def _tick(data: bytes) -> int:
     return next((int(value) for field, value in protobuf.fields(data) if field == 1), -1)
 
 
-def _contents(data: bytes) -> list[bytes]:
-    """The payloads in a message."""
-    return [value for field, value in protobuf.fields(data) if field == 2 and isinstance(value, bytes)]
+def _contents(data: bytes, limit: int = 1) -> list[bytes]:
+    """The payloads in a message, at most one more than there may be."""
+    found = (value for field, value in protobuf.fields(data) if field == 2 and isinstance(value, bytes))
+    return list(itertools.islice(found, limit + 1))
+
+
+def _parsed(data: bytes) -> Any:
+    """What a message in JSON says; raises ValueError."""
+    if len(data) > MAX_JSON:
+        raise ValueError(f"a text of {len(data):,} bytes, more than {MAX_JSON:,}")
+    return strict_json.loads(data)
 
 
 def _payloads(path: Path, topic: str, data: bytes, number: int, robots: int) -> list[bytes]:
     """The payloads of a message of all robots, which must be of this tick and one a robot."""
     if _tick(data) != number:
         raise FesError(f"{path}: tick {number}: the message on {topic} is of tick {_tick(data)}")
-    found = _contents(data)
+    found = _contents(data, robots)
     if len(found) != robots:
         raise FesError(f"{path}: tick {number}: {topic} has {len(found)} payloads, there are {robots} robots")
     return found
@@ -205,33 +226,9 @@ def _line(error: Exception) -> str:
 def _messages(path: Path) -> Iterator[tuple[str, Message]]:
     """Topic and message, in the order of the file; of a file that was cut, up to its last whole chunk."""
     topics: dict[int, str] = {}
-    for record in _records(path):
-        if isinstance(record, Channel):
-            topics[record.id] = record.topic
-        elif isinstance(record, Message):
-            yield topics[record.channel_id], record
-
-
-def _records(path: Path) -> Iterator[McapRecord]:
-    try:
-        with path.open("rb") as file:
-            if file.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
-                raise FesError(f"{path} is not a log: it is not an MCAP file")
-            file.seek(0)
-            for record in StreamReader(file, emit_chunks=True, validate_crcs=True).records:
-                if isinstance(record, DataEnd):
-                    return
-                if not isinstance(record, Chunk):
-                    yield record
-                    continue
-                try:
-                    inside = breakup_chunk(record, validate_crc=True)
-                except _BROKEN as error:
-                    raise FesError(f"{path} is damaged: {error}") from None
-                yield from inside
-    except (EndOfFile, struct.error):
-        return  # it was cut here: only whole records have been read
-    except _BROKEN as error:
-        raise FesError(f"{path} is damaged: {error}") from None
-    except OSError as error:
-        raise FesError(f"{path}: {reason(error, with_file=False)}") from None
+    for block in Reader(path):
+        for record in block:
+            if isinstance(record, Channel):
+                topics[record.id] = record.topic if record.topic in _TOPICS else ""
+            elif isinstance(record, Message) and topics[record.channel_id]:
+                yield topics[record.channel_id], record

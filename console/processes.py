@@ -21,13 +21,16 @@ from console.rundir import Address, RunDirectory
 from console.screen import cursor_back
 from console.summary import BELOW
 from console.supervision import Supervisor
-from fes import bus, identity, keys, process, signals, strict_json
+from fes import bus, files, identity, keys, process, signals, strict_json
 from fes.endpoints import Endpoints
 from fes.errors import FesError
 from world.lockstep import RETURN_TIMEOUT
 from world.scenario import Scenario
 
 RUN = keys.DEFAULT_RUN
+MAX_SUMMARY = 1 << 30
+"""Size of a summary that is read [bytes]; that of a hundred robots has 100 kB."""
+
 JOIN_TIMEOUT = 60.0
 """How long children look for the world [s]; a loaded machine starts ten interpreters slowly."""
 
@@ -185,8 +188,8 @@ def _visitor(address: Address) -> Endpoints:
 def read_summary(directory: Path) -> dict[str, Any]:
     """The summary in a run directory; raises FesError."""
     try:
-        found = strict_json.loads((directory / "summary.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        found = strict_json.loads(files.read(directory / "summary.json", MAX_SUMMARY))
+    except (OSError, ValueError):
         raise FesError(f"{directory} has no summary") from None
     return found if isinstance(found, dict) else {}
 

@@ -13,7 +13,7 @@ from agents import assembly, contacts, crew, transmitter
 from agents.assembly import Assembly
 from console.difference import Difference, between, of_payloads, of_reports
 from console.log import Log, Tick
-from fes import messages, strict_json
+from fes import fingerprint, messages, strict_json
 from fes.arrays import Floats, Ints
 from fes.errors import FesError, MessageError
 from fes.messages import Beacon, Command, Observation
@@ -27,15 +27,18 @@ from world.simulation import State
 from world.summary import summarize
 from world.wording import Told
 
+YEARS = 1e12
+"""No run takes so long [s; wall clock]."""
+
 T = TypeVar("T", Observation, Beacon, Command)
 
 
 class Mismatch(FesError):
-    """Executed again, a run came out otherwise."""
+    """Executed again, a run came out otherwise. A note tells another processor from a log that was edited."""
 
-    def __init__(self, difference: Difference) -> None:
-        self.difference = difference
-        super().__init__(difference.told("in the log", "executed again"))
+    def __init__(self, log: Log, found: Difference | str) -> None:
+        super().__init__(found if isinstance(found, str) else found.told("in the log", "executed again"))
+        self.add_note(f"recorded with {fingerprint.text(log.arithmetic)}; executed with {fingerprint.text()}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +75,7 @@ def world(log: Log) -> Iterator[Moment]:
         for robots in tick.attended:
             state = simulation.attend(state, np.isin(again.ids, robots))
         sensed = wording.observations(simulation.observe(state), state.present, state.since)
-        _compare(tick, tick.said._replace(observations=sensed))
+        _compare(log, tick, tick.said._replace(observations=sensed))
         commands: list[Command | None] = [None] * len(again.ids)
         here = np.flatnonzero(state.present).tolist()
         if live:  # whoever is not heard of stops
@@ -89,8 +92,8 @@ def world(log: Log) -> Iterator[Moment]:
 def accounted(log: Log) -> Iterator[tuple[Moment, Account]]:
     """Every tick of a log as `world` has it, and the account up to it.
 
-    Raises Mismatch where a Report comes out otherwise, and FesError where one is missing or, when the last tick has
-    been gone through, where the summary is another one.
+    Raises Mismatch where a Report comes out otherwise or, when the last tick has been gone through, the summary, and
+    FesError where a Report is missing.
     """
     sums, elapsed, period = Account(log.scenario), 0.0, report_period(log.scenario)
     for moment in world(log):
@@ -98,7 +101,7 @@ def accounted(log: Log) -> Iterator[tuple[Moment, Account]]:
         number, recorded = moment.recorded.number, moment.recorded.report
         if recorded is not None:
             elapsed = recorded.elapsed
-            _check_report(sums, recorded)
+            _check_report(log, sums, recorded)
         elif number % period == 0 or number == log.scenario.ticks - 1:
             raise FesError(f"tick {number}: the Report that is due is not in the log")
         yield moment, sums
@@ -108,13 +111,16 @@ def accounted(log: Log) -> Iterator[tuple[Moment, Account]]:
 def summary(log: Log, sums: Account, elapsed: float = 0.0) -> dict[str, Any]:
     """The summary of the ticks in `sums`, with what is of the machine taken from the log, or from `elapsed` [s]."""
     wall = (log.summary or {}).get("wall_s")
-    wall = float(wall) if isinstance(wall, int | float) else elapsed
+    wall = float(wall) if isinstance(wall, int | float) and abs(wall) < YEARS else elapsed
     kept = (log.summary or {}).get("deadlines")
     if sums.deadlines is not None and isinstance(kept, dict):  # the log cannot tell how late what came late was
-        sums.deadlines.late = np.array(kept.get("late"), dtype=np.int64)
-        sums.deadlines.slipped = float(kept.get("slipped_s", 0.0))
+        try:
+            sums.deadlines.late = np.array(kept.get("late"), dtype=np.int64)
+            sums.deadlines.slipped = float(kept.get("slipped_s", 0.0))
+        except (TypeError, ValueError, OverflowError):
+            raise FesError(f"{log.path}: the deadlines in its summary cannot be read") from None
     found: dict[str, Any] = strict_json.loads(strict_json.dumps(summarize(sums, log.name, log.backend, wall)))
-    return found
+    return {**found, "arithmetic": dict(log.arithmetic)}
 
 
 class Robots:
@@ -128,6 +134,7 @@ class Robots:
         self._state = crew.start(self._crew)
         self._stack = Assembly(robots)
         self._robots = robots.tolist()
+        self._log = log
         self._before: Tick | None = None
 
     def step(self, tick: Tick) -> None:
@@ -160,7 +167,7 @@ class Robots:
             recorded = tick.said.beacons[robot], tick.said.commands[robot]
             for message, one, other in zip(("Beacon", "Command"), recorded, (beacon, command), strict=True):
                 if one != other:
-                    raise Mismatch(of_payloads(tick.number, message, robot, one, other))
+                    raise Mismatch(self._log, of_payloads(tick.number, message, robot, one, other))
         self._before = tick
 
 
@@ -177,29 +184,29 @@ def report(sums: Account, like: Report) -> Report:
     return reporting.build(sums, like.scenario, like.alive, like.elapsed, like.ticks_per_s)
 
 
-def _check_report(sums: Account, recorded: Report) -> None:
+def _check_report(log: Log, sums: Account, recorded: Report) -> None:
     """Raise Mismatch unless the Report of the last tick of `sums` is the recorded one."""
     found = of_reports(recorded, report(sums, recorded))
     if found is not None:
-        raise Mismatch(found)
+        raise Mismatch(log, found)
 
 
 def _check_summary(log: Log, found: dict[str, Any]) -> None:
-    """Raise FesError unless the summary in the log, if it has one, is the one that was found."""
+    """Raise Mismatch unless the summary in the log, if it has one, is the one that was found."""
     if log.summary is None:
         return
     for key in [*log.summary, *(key for key in found if key not in log.summary)]:
         mine, theirs = (strict_json.dumps(one[key]) if key in one else None for one in (log.summary, found))
         if mine != theirs:
             told = [repr(one[key]) if key in one else "missing" for one in (log.summary, found)]
-            raise FesError(f"summary: {key} is {told[0]} in the log and {told[1]} executed again")
+            raise Mismatch(log, f"summary: {key} is {told[0]} in the log and {told[1]} executed again")
 
 
 def _check_schedule(log: Log, tick: Tick) -> None:
     """Raise Mismatch unless the log says that at this tick was set what the scenario schedules."""
     planned = list(log.scenario.changes.get(tick.number, {}).items())
     if tick.scheduled != planned:
-        raise Mismatch(Difference(tick.number, "events", None, "what was scheduled", tick.scheduled, planned))
+        raise Mismatch(log, Difference(tick.number, "events", None, "what was scheduled", tick.scheduled, planned))
 
 
 def _decoded(
@@ -226,7 +233,7 @@ def _decoded(
     return found
 
 
-def _compare(tick: Tick, again: Said) -> None:
+def _compare(log: Log, tick: Tick, again: Said) -> None:
     found = between(tick.number, tick.said, again)
     if found is not None:
-        raise Mismatch(found)
+        raise Mismatch(log, found)

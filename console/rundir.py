@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from console import leftovers
-from fes import addresses, encoding, keys, signals, strict_json
+from fes import addresses, files, keys, signals, strict_json
 from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
 from fes.errors import FesError, Stopped, reason
 from fes.identity import security
@@ -38,6 +38,12 @@ class Address:
     """Of the process that withdraws this when the run is over; 0 if nobody does."""
     keys: str | None = None
     """Where the certificates are, if it can be watched only with one."""
+
+    def __post_init__(self) -> None:
+        """Raise TypeError for what no run announces: anybody may have written the file."""
+        texts = (self.endpoint, self.run, self.keys or "")
+        if not all(isinstance(text, str) for text in texts) or not 0 <= self.pid < 1 << 31:
+            raise TypeError("an address is an endpoint, a run, a process and a directory")
 
 
 @dataclass(frozen=True)
@@ -148,8 +154,8 @@ def announced(run: str) -> tuple[Path, Address] | None:
     where it says so, and what it says."""
     said = (path for path in ROOT.glob(f"*/{ENDPOINT}") if not path.parent.is_symlink())
     for path in sorted(said, key=_written, reverse=True):
-        with contextlib.suppress(OSError, ValueError, TypeError, OverflowError, RecursionError, FesError):
-            found = _address(strict_json.loads(encoding.read(path)))
+        with contextlib.suppress(FesError, TypeError, OverflowError):
+            found = _address(files.read_table(path))
             if found.run == run and _lives(found.pid):
                 return path, found
     return None

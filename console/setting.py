@@ -44,7 +44,7 @@ def set_command(
                     f"r* = {effect.optimal_separation:.3f} m"
                 )
             if effect.unnoticed:  # of the last change: the channel as it is now
-                print(remarks.UNNOTICED)
+                printing.line(remarks.UNNOTICED)
         return process.SUCCESS
 
     process.leave("fes", ask)

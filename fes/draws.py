@@ -13,6 +13,7 @@ from fes.arrays import Floats, Ints
 
 _PER_COUNTER = 4  # Philox 4x64 gives four words at each counter value
 _TO_UNIT = 2.0**-53
+_AT_ONCE = 2**16
 
 
 def key(seed: int, stream: str) -> Ints:
@@ -44,11 +45,12 @@ def uniform_ticks(stream_key: Ints, first: int, count: int, senders: Ints, recei
         counter[:] = (first // _PER_COUNTER, sender, receiver, 0)
         generator.state = state
         words[:, column] = generator.random_raw(count)
-    # In place, tick by tick: the numbers of a crowd are large, and three of them at once too large.
+    # In place, some ticks at a time: the numbers of a crowd are large, and three times as many too large.
     words >>= np.uint64(11)
     numbers: Floats = words.view(np.float64)
-    for row, ready in zip(words, numbers, strict=True):
-        np.multiply(row, _TO_UNIT, out=ready)
+    rows = max(1, _AT_ONCE // max(1, len(senders)))
+    for row in range(0, count, rows):
+        np.multiply(words[row : row + rows], _TO_UNIT, out=numbers[row : row + rows])
     return numbers
 
 

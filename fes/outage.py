@@ -23,9 +23,11 @@ def exponent_scale(channel: ChannelConfig) -> float:
         raise ValueError("a logistic channel is not of the form exp(-c r^nu)")
     if channel.model == "perfect":
         return 0.0
-    threshold = _exp2_less_one(channel.spectral_efficiency)
+    efficiency = channel.spectral_efficiency
+    # where it is small, 2^delta - 1 would lose digits
+    threshold = math.exp2(efficiency) - 1.0 if efficiency >= 1.0 else math.expm1(math.log(2.0) * efficiency)
     scale = threshold / channel.reference_snr / channel.reference_distance**channel.path_loss_exponent
-    return float(min(scale, sys.float_info.max))
+    return float(scale if scale < math.inf else sys.float_info.max)
 
 
 def logistic_excess(separation: Floats, channel: ChannelConfig) -> Floats:
@@ -38,14 +40,14 @@ def reception_probability(separation: Floats, channel: ChannelConfig) -> Floats:
     """Probability that a beacon decodes at `separation` [m], any shape: 1 - outage, after (3) if Rayleigh."""
     if channel.model == "logistic":
         return _logistic(-logistic_excess(separation, channel))
-    return np.exp(-_loss(separation, channel))
+    return np.exp(_log_reception(separation, channel))
 
 
 def outage_probability(separation: Floats, channel: ChannelConfig) -> Floats:
     """Outage at `separation` [m], any shape; P[C < delta] of (3) if Rayleigh."""
     if channel.model == "logistic":
         return _logistic(logistic_excess(separation, channel))
-    return -np.expm1(-_loss(separation, channel))
+    return -np.expm1(_log_reception(separation, channel))
 
 
 def log_reception_slope(separation: Floats, channel: ChannelConfig) -> Floats:
@@ -78,16 +80,10 @@ def range_at_outage(outage: float, channel: ChannelConfig) -> float:
     return float((-math.log1p(-outage) / scale) ** (1.0 / channel.path_loss_exponent))
 
 
-def _loss(separation: Floats, channel: ChannelConfig) -> Floats:
-    """c r^nu [1] of (3) at `separation` [m], any shape; infinite beyond what a float can hold."""
+def _log_reception(separation: Floats, channel: ChannelConfig) -> Floats:
+    """ln p = -c r^nu of (3) at `separation` [m], any shape; infinite beyond what a float can hold."""
     scale = exponent_scale(channel)
-    with np.errstate(over="ignore"):
-        return scale * np.power(separation, channel.path_loss_exponent) if scale else np.zeros_like(separation)
-
-
-def _exp2_less_one(x: float) -> float:
-    """2^x - 1; where x is small the difference would lose digits."""
-    return math.exp2(x) - 1.0 if x >= 1.0 else math.expm1(math.log(2.0) * x)
+    return -scale * np.power(separation, channel.path_loss_exponent) if scale else np.zeros_like(separation)
 
 
 def _logistic(z: Floats) -> Floats:

@@ -36,7 +36,7 @@ def messages(path: Path) -> list[tuple[str, int, bytes]]:
 def rewrite(path: Path, to: Path, edit: Edit, summary: dict[str, Any] | None = None, ended: bool = True) -> None:
     """A copy of a log with messages edited, with another summary, or as if its run had been killed."""
     with path.open("rb") as file, to.open("wb") as out:
-        reader, writer = make_reader(file), Writer(out)
+        reader, writer = make_reader(file), Writer(out, enable_data_crcs=True)
         writer.start("fes")
         channels: dict[int, int] = {}
         for schema, channel, message in reader.iter_messages(log_time_order=False):

@@ -79,8 +79,10 @@ def test_only_the_bus_and_its_session_import_zenoh() -> None:
     assert importers("fes.session") == {"fes.bus"}
 
 
-def test_only_the_logs_writer_and_its_reader_import_mcap() -> None:
-    assert importers("mcap") == {"world.container", "console.log"}
+def test_only_the_logs_writer_and_its_readers_import_mcap_and_one_of_them_its_reader() -> None:
+    assert importers("mcap") == {"world.container", "world.records", "console.log"}
+    assert importers("mcap.data_stream") == {"world.records"}
+    assert not importers("mcap.stream_reader") | importers("mcap.reader")  # which take a length for granted
 
 
 def test_only_the_world_and_the_oracle_know_the_channels_formula() -> None:

@@ -43,7 +43,7 @@ def bad(path: Path, good: Path, what: str) -> Path:
         def edit(topic: str, tick: int, payload: bytes) -> bytes | None:
             if topic != "/scenario":
                 return payload
-            told = {**json.loads(payload), "log": 2}
+            told = {**json.loads(payload), "log": 9}
             return json.dumps(told).encode() if what == "another version" else None
 
         recordings.rewrite(good, path, edit)
@@ -54,9 +54,9 @@ BAD = {
     "a text file": "is not a log: it is not an MCAP file",
     "cut before the first tick": "0 of 100 ticks are there",
     "cut": "has no end, its run was killed or the file was cut: 100 of 100 ticks are there",
-    "damaged": "is damaged: crc validation failed in Chunk",
+    "damaged": "the checksum of a chunk differs",
     "a directory": "has no run.mcap: the run was not recorded",
-    "another version": "is a log of version 2; this fes reads version 1",
+    "another version": "is a log of version 9; this fes reads version 2",
     "somebody else's": "is not a log of a run: it does not begin with its scenario",
     "nothing": "No such file or directory",
 }

@@ -10,7 +10,9 @@ import pytest
 from distributed import LocalCluster
 
 from console.sweep import cluster, design, work
+from fes import fingerprint
 from fes.errors import FesError
+from tests.arithmetics import OTHER
 from tests.test_cli import PAIR, PROGRAMS, call, complaint, vacant
 from tests.test_sweep import RUNS, kept, until_some_are_done
 
@@ -50,6 +52,15 @@ def test_a_worker_with_another_version_of_fes_is_refused(dask: LocalCluster, mon
         assert workers.count == 2
         with pytest.raises(FesError, match=r"a Dask worker has fes .*, and the sweep is of fes 9\.9"):
             list(workers.carry_out(work.batches("pair", planned.runs, 2), work.ignore))
+
+
+def test_a_worker_with_another_arithmetic_is_refused(dask: LocalCluster, monkeypatch: pytest.MonkeyPatch) -> None:
+    here = fingerprint.text()
+    monkeypatch.setattr(fingerprint, "table", lambda: dict(OTHER))  # of this end only
+    planned = design.plan(Path(PAIR), [], "0:1", ["run.duration=1"])
+    wanted = rf"^a Dask worker has {here}, and the sweep is of {fingerprint.text()}$"
+    with cluster.connected(dask.scheduler_address) as workers, pytest.raises(FesError, match=wanted):
+        list(workers.carry_out(work.batches("pair", planned.runs, 2), work.ignore))
 
 
 def test_a_scheduler_that_does_not_answer_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

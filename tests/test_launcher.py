@@ -1,12 +1,7 @@
-"""Children of `fes run`: a world has the time that it takes to close, and the end of each child is told as it was."""
+"""Children of `fes run`: a world has the time that it takes to close, and an agent that dies ends nothing."""
 
 import asyncio
-import contextlib
-import os
 import signal
-import subprocess
-import sys
-from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 
 import pytest
@@ -16,55 +11,8 @@ from console.child import Child
 from console.launcher import BEGUN, Family
 from console.respawn import Respawn
 from console.supervision import ChildFailed, Supervisor
+from tests.families import ENDLESS, FAILURE, SLOW, SUCCESS, agent, family, until, world
 from tests.test_processes import alive
-
-ENDLESS = "import signal; signal.pause()"
-SUCCESS, FAILURE = "raise SystemExit(0)", "raise SystemExit(1)"
-
-SLOW = """
-import asyncio, os, sys
-from pathlib import Path
-from fes import process
-
-async def main():
-    Path("here").touch()
-    try:
-        await asyncio.Event().wait()
-    finally:
-        while not Path("go").exists():
-            await asyncio.sleep(0.01)
-        Path("kept").touch()
-    return 0
-
-process.run("slow", main, exit_with_stdin=True)
-"""
-"""A world that writes down what was reached when it is let."""
-
-
-@contextlib.asynccontextmanager
-async def family(where: Path) -> AsyncIterator[Family]:
-    kin = Family(where)
-    async with launcher.ended_with_block(kin):
-        yield kin
-
-
-async def child(where: Path, name: str, code: str, said: str = "", robots: str = "") -> Child:
-    """A process in place of a program; `said` is in its log."""
-    log = where / f"{name}.log"
-    log.write_text(said)
-    started = await asyncio.create_subprocess_exec(sys.executable, "-c", code, stdin=subprocess.PIPE, cwd=where)
-    return Child(name, started, log, robots)
-
-
-async def world(kin: Family, code: str, said: str = "") -> None:
-    kin.world = await child(kin.directory, "fes-world", code, said)
-    kin.watch(kin.world)
-
-
-async def agent(kin: Family, robots: str, code: str, said: str = "") -> Child:
-    kin.agents.append(await child(kin.directory, f"fes-agent --id {robots}", code, said, robots))
-    kin.watch(kin.agents[-1])
-    return kin.agents[-1]
 
 
 async def finished(kin: Family, respawn: Respawn | None = None) -> tuple[str, list[str]]:
@@ -75,12 +23,6 @@ async def finished(kin: Family, respawn: Respawn | None = None) -> tuple[str, li
     except ChildFailed as failed:
         return str(failed), said
     return "", said
-
-
-async def until(holds: Callable[[], object]) -> None:
-    async with asyncio.timeout(60.0):
-        while not holds():
-            await asyncio.sleep(0.01)
 
 
 def test_a_world_that_is_slow_to_write_what_was_reached_is_not_ended_as_soon_as_its_agents_are_gone(
@@ -203,15 +145,15 @@ def test_an_agent_that_dies_each_time_is_started_again_a_few_times_and_then_give
 def test_no_agent_that_waits_to_be_started_again_is_started_when_all_ends(tmp_path: Path) -> None:
     async def main() -> list[Child]:
         async with family(tmp_path) as kin:
-            await world(kin, ENDLESS)
+            await world(kin, SLOW)
             await kin.start_agent("0", ["--no-such-flag"])
             await kin.agents[0].process.wait()
-            kin.restart_agent("0", 0.0)
-            await asyncio.sleep(0)  # it is on its way
+            await until((tmp_path / "here").exists)
+            kin.restart_agent("0", 0.1)
+            asyncio.get_running_loop().call_later(0.5, (tmp_path / "go").touch)  # it closes for longer than that
         return kin.agents
 
-    agents = asyncio.run(main())
-    assert not any(one.runs for one in agents)
+    assert len(asyncio.run(main())) == 1
 
 
 def test_an_agent_that_is_stopped_at_the_end_is_told_to_end_and_not_killed(tmp_path: Path) -> None:
@@ -231,26 +173,3 @@ def test_an_agent_that_is_stopped_at_the_end_is_told_to_end_and_not_killed(tmp_p
     assert stopped.process.returncode == 0
     assert not alive(stopped.process.pid)
     assert (tmp_path / "kept").exists()
-
-
-@pytest.mark.parametrize("log", ["missing", "a folder", "within a file", "unreadable"])
-def test_the_verdict_on_a_child_names_it_whatever_became_of_its_log(tmp_path: Path, log: str) -> None:
-    async def main() -> tuple[str, bool]:
-        one = await child(tmp_path, "fes-world", FAILURE, "fes-world: error: no room\n")
-        await one.process.wait()
-        if log in ("missing", "a folder"):
-            one.log.unlink()
-        if log == "a folder":
-            one.log.mkdir()
-        if log == "within a file":
-            one = Child(one.name, one.process, one.log / "world.log")
-        if log == "unreadable":
-            one.log.chmod(0o000)
-        return one.verdict(), one.was_dismissed
-
-    said, dismissed = asyncio.run(main())
-    if log == "unreadable" and os.geteuid() == 0:  # root reads it
-        assert said == "fes-world: no room"
-        return
-    assert said.startswith("fes-world ended with exit code 1 (its log cannot be read: ")
-    assert dismissed

@@ -31,7 +31,7 @@ def test_a_pair_runs_with_few_files(tmp_path: Path, files: int) -> None:
 def test_who_has_too_few_files_is_told_how_to_have_more(tmp_path: Path) -> None:
     done = limited(12, tmp_path)
     assert done.returncode == 1
-    said = "12 a process: 2 robots with a process each take 20; ulimit -n 36, or --agents-per-process"
+    said = "12 a process: 2 robots with a process each take 20; raise the hard limit of 12, or --agents-per-process"
     assert done.stderr == f"fes: error: open files: {said}\n"
     assert not (tmp_path / "runs").exists()
 

@@ -130,5 +130,8 @@ def test_a_damaged_log_is_one_line(tmp_path: Path) -> None:
     for damaged in (b"", whole[: snapshot.log.size // 2], whole[: snapshot.log.size - 1], b"x" + whole[1:]):
         (tmp_path / FOLDER / f"log-{snapshot.number}").unlink(missing_ok=True)
         (tmp_path / NAME).write_bytes(damaged)
-        with pytest.raises(FesError, match=r"^the log of .* cannot be gone on with: it is damaged "):
-            resume.recorder(tmp_path, snapshot)
+        for gone_on_with in (lambda: resume.load(tmp_path), lambda: resume.recorder(tmp_path, snapshot)):
+            with pytest.raises(FesError, match=r"(run\.mcap|log-2) is (damaged at byte|not a log: )"):
+                gone_on_with()
+            assert (tmp_path / NAME).read_bytes() == damaged  # the original stays
+            assert not (tmp_path / FOLDER / "log-2").exists()

@@ -43,6 +43,7 @@ CONTRACT = {
     "tracking": list,
     "radio": list,
     "deadlines": type(None),
+    "arithmetic": dict,
     "links_gap_longest": float,
     "unscheduled_absences": int,
     "links_lost_at": type(None),

@@ -8,6 +8,8 @@ lockstep    the barrier: every tick waits for all commands
 live        the live clock: ticks wait for nobody
 deadlines   how robots keep its pace
 checkpoint  what a run can be gone on from
+lock        one world a run directory
+snapshot    its file: a run at one tick
 journal     notes of what came from outside since
 resume      a run gone on with
 attendance  who takes part at a tick
@@ -19,6 +21,8 @@ reporting   the report to observers
 wording     between arrays and the messages of all robots
 recorder    the log of a run: run.mcap
 container   its file: topics, schemas, chunks
+records     the same file, read with bounds and checksums
+hashed_file  files that a run writes, hashed and checked at the end
 schemas     its message types
 views       what viewers show of it
 protobuf    how its messages are encoded

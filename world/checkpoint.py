@@ -2,7 +2,7 @@
 
 The folder `checkpoint` of a run directory holds
 
-    state        the run at one tick: complete, or the one before it
+    state        the run at one tick (world.snapshot): complete, or the one before it
     journal-<k>  notes made since checkpoint k (world.journal)
     trail        what went into the digest until then (world.digest)
     log-<k>      the log as checkpoint k knew it, while it is copied
@@ -13,26 +13,22 @@ journals before k are then of no use. So at every moment a checkpoint and all no
 
 import asyncio
 import contextlib
-import fcntl
+import logging
 import os
-import pickle
+import secrets
 import shutil
 import threading
 import time
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from fes.distribution import version
 from fes.errors import FesError, reason
 from fes.messages import Join
-from world.account import Account
+from world import hashed_file, snapshot
 from world.course import TICK, Course
 from world.journal import Journal
-from world.recorder import NAME, Unfinished
-from world.scenario import Scenario
-from world.simulation import State
+from world.recorder import NAME
+from world.snapshot import Snapshot
 
 FOLDER = "checkpoint"
 STATE, TRAIL = "state", "trail"
@@ -40,44 +36,19 @@ STATE, TRAIL = "state", "trail"
 PERIOD = 10.0
 """Time between two checkpoints [s]."""
 
+_logger = logging.getLogger("world")
+
 JOIN = "join"
 """Kind of a note beside those of a course: [JOIN, robots, agent]: it hosts these from now on."""
-
-MAGIC = b"fes checkpoint 3"
-
-
-@dataclass(frozen=True, eq=False)
-class Snapshot:
-    """A run at one tick."""
-
-    number: int
-    """Which checkpoint of the run it is."""
-    name: str
-    """Of the scenario."""
-    run: str
-    scenario: Scenario
-    """As the run began."""
-    now: Scenario
-    """With what persons have set since."""
-    state: State
-    sums: Account
-    hosts: dict[int, Join]
-    """The last Join that was accepted for each robot."""
-    renewed: list[int]
-    """Robots whose agents have joined, and answered no tick yet."""
-    excluded: dict[int, str]
-    """Robots that are excluded, and why."""
-    beacons: dict[int, list[bytes]]
-    """Tick -> the Beacons that peers may still ask for, by robot."""
-    log: Unfinished | None
-    elapsed: float
-    """Wall-clock time since tick 0 [s]."""
 
 
 class Keeper:
     """Keeps a run in the folder of its run directory."""
 
-    def __init__(self, directory: Path, period: float, name: str, run: str, *, number: int = 0) -> None:
+    def __init__(
+        self, directory: Path, period: float, name: str, run: str, *, number: int = 0, notes: int | None = None
+    ) -> None:
+        """`number` of the last checkpoint, and checksum of all `notes`, of a run that is gone on with."""
         self._folder = directory / FOLDER
         self._period, self._name, self._run = period, name, run
         self._number = number
@@ -86,7 +57,11 @@ class Keeper:
         self._lock = threading.Lock()
         self._written = 0
         self._journal: Journal | None = None
+        # Notes of another run never fit, as each run begins with a checksum of its own.
+        self._notes = secrets.randbits(32) if notes is None else notes
         self._trail: BinaryIO | None = None
+        self._state: os.stat_result | None = None
+        """Of the file that was written last."""
         self.hosts: dict[int, Join] = {}
         """The last Join that was accepted for each robot, as the run was when it began to be kept."""
         self.renewed: set[int] = set()
@@ -135,9 +110,15 @@ class Keeper:
         if self._writing is not None and self._writing.done():
             self._writing.result()
         self.check()
+        assert self._trail is not None
+        loss = self._loss_of_trail(course)
+        if loss is not None:
+            raise FesError(f"cannot keep a checkpoint: {loss}")
+        before = self._journal
+        notes = self._notes if before is None else before.checksum
         self._number += 1
         self._saved = time.monotonic()
-        snapshot = Snapshot(
+        kept = Snapshot(
             self._number,
             self._name,
             self._run,
@@ -151,21 +132,33 @@ class Keeper:
             dict(course.beacons),
             course.recorder.pause() if course.recorder is not None else None,
             elapsed,
+            notes,
         )
-        told = b"\n".join([MAGIC, version().encode(), pickle.dumps(snapshot, protocol=5)])
-        before, self._journal = self._journal, Journal(self._folder / f"journal-{self._number}")
+        told = snapshot.pack(kept)
+        self._journal = Journal(self._folder / f"journal-{self._number}", self._number, notes)
         if before is not None:
             before.close()
-        assert self._trail is not None
-        self._trail.flush()
         files = [self._trail.fileno()] + ([course.recorder.fileno] if course.recorder is not None else [])
         if at_once:
             self._write(self._number, told, files)
         else:
             self._writing = asyncio.get_running_loop().run_in_executor(None, self._write, self._number, told, files)
 
+    def losses(self, course: Course) -> list[str]:
+        """The files of the present checkpoint that were removed or cut from outside, a text for each."""
+        journal, state, path = self._journal, self._state, self._folder / STATE
+        if journal is None or journal.failure is not None:
+            return []
+        found = [self._loss_of_trail(course), (loss := journal.loss()) and f"{journal.path} {loss}"]
+        if state is not None and not (path.exists() and os.path.samestat(path.stat(), state)):
+            found.append(f"{path} was removed or replaced")
+        return [one for one in found if one is not None]
+
     def close(self, course: Course) -> None:
         """Keep no more of a run."""
+        with contextlib.suppress(OSError), self._lock:
+            for loss in self.losses(course):
+                _logger.warning("%s during the run: it could not have been resumed", loss)
         with self._lock:
             self._written = self._number + 1  # whatever is still to be written is not
             course.note = lambda note: None
@@ -178,6 +171,13 @@ class Keeper:
         """The run is over: there is nothing to go on from."""
         self.close(course)
         clear(self._folder.parent)
+
+    def _loss_of_trail(self, course: Course) -> str | None:
+        assert self._trail is not None
+        self._trail.flush()
+        path = self._folder / TRAIL
+        loss = hashed_file.loss(path, self._trail.fileno(), course.sums.tally.digest.length)
+        return loss and f"{path} {loss}"
 
     def _write(self, number: int, told: bytes, files: list[int]) -> None:
         with self._lock:
@@ -192,32 +192,13 @@ class Keeper:
                     file.write(told)
                     file.flush()
                     os.fsync(file.fileno())
+                    self._state = os.fstat(file.fileno())
                 os.replace(part, self._folder / STATE)
             except OSError as error:
                 raise FesError(f"cannot keep a checkpoint: {reason(error)}") from None
             for old in [*self._folder.glob("journal-*"), *self._folder.glob("log-*")]:
                 if _number(old) < number:
                     old.unlink(missing_ok=True)
-
-
-@contextlib.contextmanager
-def alone(directory: Path) -> Iterator[None]:
-    """Nobody else writes into this run directory meanwhile; raises FesError if somebody does.
-
-    The system's lock is on the folder itself, and ends with the process, however that ends.
-    """
-    with contextlib.ExitStack() as held:
-        try:
-            folder = os.open(directory, os.O_RDONLY | os.O_DIRECTORY)
-            held.callback(os.close, folder)
-            fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except FileNotFoundError:
-            pass  # nobody can be at work where nothing is
-        except BlockingIOError:
-            raise FesError(f"another world is at work in {directory}") from None
-        except OSError as error:
-            raise FesError(f"cannot use the run directory: {reason(error)}") from None
-        yield
 
 
 def clear(directory: Path) -> None:
@@ -250,11 +231,17 @@ def last(directory: Path, number: int) -> int:
     return max([number, *map(_number, journals(directory, number))])
 
 
+def log_of(directory: Path, number: int) -> Path:
+    """Where the log is as checkpoint `number` knew it."""
+    aside = directory / FOLDER / f"log-{number}"
+    return aside if aside.exists() else directory / NAME
+
+
 def set_log_aside(directory: Path, number: int) -> Path:
     """The log as checkpoint `number` knew it, where nobody writes any more; raises OSError."""
-    aside = directory / FOLDER / f"log-{number}"
-    if not aside.exists():
-        os.replace(directory / NAME, aside)
+    found, aside = log_of(directory, number), directory / FOLDER / f"log-{number}"
+    if found != aside:
+        os.replace(found, aside)
     return aside
 
 

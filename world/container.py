@@ -1,26 +1,26 @@
 """The file of a log: topics, schemas and chunks, through the mcap library."""
 
 import contextlib
-import struct
+import hashlib
 import time
+from collections import deque
 from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import IO, Any, cast
 
-import zstandard
-from mcap.exceptions import EndOfFile, McapError
 from mcap.records import Channel as McapChannel
-from mcap.records import Chunk
 from mcap.records import Message as McapMessage
 from mcap.records import Schema as McapSchema
-from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.writer import CompressionType, Writer
 
 from fes import distribution, strict_json
 from fes.errors import FesError, reason
+from world import hashed_file, records
 from world.descriptors import describe
+from world.hashed_file import HashedFile
 from world.protobuf import Message
+from world.records import Block, Damaged, Reader
 
 PROFILE = "fes"
 
@@ -30,6 +30,9 @@ all chunks stays in memory until the end, about 2 kB each."""
 
 CHUNK_AGE = 2.0
 """A chunk is closed when it is this old [s; wall clock], which is how much a run that is killed may lose."""
+
+LARGEST = records.LIMIT - (records.LIMIT >> 6)
+"""A chunk holds at most this much [bytes, not compressed]; a reader takes it even where nothing makes it smaller."""
 
 _MESSAGE_HEADER = 31  # bytes
 
@@ -44,14 +47,19 @@ class Container:
         self._path = path
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, int] = {}
-        self._waiting = 0
+        self._waiting = self._unpacked = 0
         self._begun = time.monotonic()
         self._broken = False
+        self.loss: str | None = None
+        """What became of the file from outside; None if it is as it was written, or not finished yet."""
         with self._writing():
-            self._file = path.open("wb")
+            self._file = HashedFile(path)
             # Chunks are closed by `settle`, between two ticks, and not by the library in the middle of one.
             self._writer = Writer(
-                self._file, chunk_size=1 << 40, compression=CompressionType.ZSTD, enable_data_crcs=True
+                cast(IO[bytes], self._file),
+                chunk_size=1 << 40,
+                compression=CompressionType.ZSTD,
+                enable_data_crcs=True,
             )
             self._writer.start(PROFILE, f"fes {distribution.version()}; mcap-python {metadata.version('mcap')}")
 
@@ -70,47 +78,56 @@ class Container:
         if self._broken:
             return  # it was said once
         if at_once or self._waiting >= CHUNK or time.monotonic() - self._begun >= CHUNK_AGE:
+            self._check_size()
             with self._writing():
                 self._writer.flush()
             self._waiting, self._begun = 0, time.monotonic()
 
+    def _check_size(self) -> None:
+        """Raise FesError where the chunk that is to be closed makes the file one that a reader refuses."""
+        self._unpacked += self._waiting
+        why = None
+        if self._waiting > LARGEST:
+            why = f"a tick takes {self._waiting:,} bytes, of at most {LARGEST:,}"
+        elif self._unpacked > (records.FREE + records.RATIO * self._file.size) // 2:  # channels are not counted
+            why = f"it is so uniform that {self._unpacked:,} bytes take {self._file.size:,}"
+        if why is not None:
+            self._broken = True
+            raise FesError(f"cannot write {self._path}: {why}: --no-record runs without a log")
+
     def close_chunk(self) -> int:
         """Close the chunk; returns how many bytes there are then, all of them whole records."""
         self.settle(at_once=True)
-        with self._writing():
-            self._file.flush()
-            return self._file.tell()
-        return 0
+        return self._file.size
 
     @property
     def fileno(self) -> int:
         """The number of the open file."""
         return self._file.fileno()
 
-    def copy(self, path: Path, size: int) -> None:
-        """Take over all messages in the first `size` bytes of another file, chunk by chunk."""
-        try:
-            self._copy(path, size)
-        except (EndOfFile, McapError, UnicodeDecodeError, struct.error, zstandard.ZstdError) as error:
-            self._file.close()
-            raise FesError(f"it is damaged ({type(error).__name__})") from None
+    @property
+    def sha256(self) -> str:
+        """Of all bytes so far, in hexadecimal."""
+        return self._file.sha256
 
-    def _copy(self, path: Path, size: int) -> None:
-        schemas, channels = dict[int, McapSchema](), dict[int, McapChannel]()
-        with path.open("rb") as file:
-            for record in StreamReader(file, emit_chunks=True).records:
-                for part in breakup_chunk(record) if isinstance(record, Chunk) else [record]:
-                    if isinstance(part, McapSchema):
-                        schemas[part.id] = part
-                    elif isinstance(part, McapChannel):
-                        channels[part.id] = part
-                    elif isinstance(part, McapMessage):
-                        channel = channels[part.channel_id]
-                        self._again(part, channel, schemas[channel.schema_id])
+    def copy(self, path: Path, size: int) -> None:
+        """Take over all messages in the first `size` bytes of another log, chunk by chunk, and read the copy back.
+
+        Raises FesError, where the other log is damaged too.
+        """
+        copied, written = _Contents(), _Contents()
+        try:
+            for block in Reader(path, size):
+                for message, channel, schema in copied.messages(block):
+                    self._again(message, channel, schema)
                 self.settle(at_once=True)
-                if file.tell() >= size:
-                    return
-        raise EndOfFile
+            for block in Reader(self._path, self.close_chunk()):
+                deque(written.messages(block), maxlen=0)
+            if written.sha256 != copied.sha256:
+                raise FesError(f"{self._path} does not hold what was copied to it")
+        except FesError:
+            self._file.close()
+            raise
 
     def finish(self, name: str, metadata: dict[str, str]) -> None:
         """Close the file, with a record of metadata and an index."""
@@ -119,9 +136,11 @@ class Container:
             with contextlib.suppress(OSError):
                 self._file.close()
             return
-        with self._writing(), self._file:
+        with self._writing(), contextlib.closing(self._file):
             self._writer.add_metadata(name, metadata)
             self._writer.finish()
+            self._file.flush()
+            self.loss = hashed_file.loss(self._path, self.fileno, self._file.size)
 
     def _register(self, topic: str, schema: Schema) -> int:
         if isinstance(schema, Message):
@@ -147,3 +166,37 @@ class Container:
         except OSError as error:
             self._broken = True
             raise FesError(f"cannot write {self._path}: {reason(error, with_file=False)}") from None
+
+
+class _Contents:
+    """What a log holds, as far as it was read: its messages, each with its topic and schema."""
+
+    def __init__(self) -> None:
+        self._channels = dict[int, McapChannel]()
+        self._schemas = dict[int, McapSchema]()
+        self._topics = set[str]()
+        self._hash = hashlib.sha256()
+
+    def messages(self, block: Block) -> Iterator[tuple[McapMessage, McapChannel, McapSchema]]:
+        """The messages of the next block."""
+        for record in block:
+            if isinstance(record, McapSchema):
+                self._schemas[record.id] = record
+            elif isinstance(record, McapChannel):
+                self._channels[record.id] = record
+            elif isinstance(record, McapMessage):
+                channel = self._channels[record.channel_id]
+                schema = self._schemas.get(channel.schema_id)
+                if schema is None:
+                    raise Damaged(block.reader.path, block.place, f"{channel.topic[:60]!r} has no schema")
+                if channel.topic not in self._topics:
+                    self._topics.add(channel.topic)
+                    self._hash.update(schema.data)
+                told = (channel.topic, schema.name, record.sequence, record.log_time, len(record.data))
+                self._hash.update(repr(told).encode() + record.data)
+                yield record, channel, schema
+
+    @property
+    def sha256(self) -> str:
+        """Of all messages so far."""
+        return self._hash.hexdigest()

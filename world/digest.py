@@ -1,16 +1,19 @@
 """The digest of a run: SHA-256 over its ticks, in the layout that the README gives.
 
 The state of a hash cannot be kept. So what went into it can be left in a file, its trail, from which a run that is
-gone on with takes it up again.
+gone on with takes it up again. Its text is kept, and tells whether the trail is still the same.
 """
 
 import hashlib
+import os
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
 
 from fes.arrays import Floats
+from fes.errors import FesError
+from world import hashed_file
 
 _BLOCK = 1 << 20  # bytes
 
@@ -23,6 +26,8 @@ class Digest:
         self._trail: BinaryIO | None = None
         self.length = 0
         """Bytes that went into it."""
+        self._kept = ""
+        """Its text, where it was kept and has not been taken up yet."""
 
     def add(self, tick: int, poses: Floats, twists: Floats) -> None:
         """Add a tick: poses [n, 3] and twists [n, 2]."""
@@ -39,23 +44,33 @@ class Digest:
 
     def leave_in(self, path: Path) -> BinaryIO:
         """From now on leave a trail in a new file, which is returned; nothing may have been added yet."""
-        self._trail = path.open("wb")
+        self._trail = open(path, "xb", opener=hashed_file.append)  # noqa: SIM115
         return self._trail
+
+    def check(self, path: Path) -> None:
+        """Raise FesError unless the first `length` bytes of the trail in a file are those that went into it."""
+        self._read(path)
 
     def take_up(self, path: Path) -> BinaryIO:
         """Go on with the first `length` bytes of the trail in a file, and leave the rest of it there.
 
-        Raises EOFError where it is shorter.
+        Raises FesError where they are others, and OSError where they cannot be read.
         """
+        self._hash = self._read(path)
+        os.truncate(path, self.length)
+        self._trail = open(path, "ab")  # noqa: SIM115
+        return self._trail
+
+    def _read(self, path: Path) -> "hashlib._Hash":
+        found = hashlib.sha256()
         with path.open("rb") as file:
             for start in range(0, self.length, _BLOCK):
-                self._hash.update(file.read(min(_BLOCK, self.length - start)))
+                found.update(file.read(min(_BLOCK, self.length - start)))
             if file.tell() < self.length:
-                raise EOFError(f"{path} holds {file.tell()} of {self.length} bytes")
-        self._trail = path.open("r+b")
-        self._trail.truncate(self.length)
-        self._trail.seek(self.length)
-        return self._trail
+                raise FesError(f"{path} is damaged at byte {file.tell():,}: it ends there, of {self.length:,}")
+        if found.hexdigest() != self._kept:
+            raise FesError(f"{path} is damaged: the SHA-256 of its first {self.length:,} bytes differs")
+        return found
 
     def close(self) -> None:
         """Leave no trail any more."""
@@ -63,9 +78,9 @@ class Digest:
             self._trail.close()
             self._trail = None
 
-    def __getstate__(self) -> dict[str, int]:
-        return {"length": self.length}
+    def __getstate__(self) -> dict[str, int | str]:
+        return {"length": self.length, "text": self.text()}
 
-    def __setstate__(self, kept: dict[str, int]) -> None:
+    def __setstate__(self, kept: dict[str, int | str]) -> None:
         self.__init__()  # type: ignore[misc]
-        self.length = kept["length"]
+        self.length, self._kept = int(kept["length"]), str(kept["text"])

@@ -36,6 +36,7 @@ SUMMARY: dict[str, Shape] = {
         **{key: [NUMBER] for key in ("due", "missed", "stopped", "late")},
         **dict.fromkeys(("missed_share", "slipped_s"), NUMBER),
     },
+    "arithmetic": dict.fromkeys(("fingerprint", "numpy", "core"), TEXT),
     "edges": [(NUMBER,) * 5],
     "radio": [(NUMBER,) * 6],
 }

@@ -19,11 +19,13 @@ from typing import Any
 from fes import bus, encoding, identity, keys, output, process
 from fes.errors import FesError, reason
 from world import access, audit, claim, expect, remarks, resume, summary
-from world.checkpoint import FOLDER, PERIOD, Keeper, Snapshot, alone, clear, is_kept
+from world.checkpoint import FOLDER, PERIOD, Keeper, clear, is_kept
 from world.course import Course
+from world.lock import alone
 from world.recorder import NAME, Recorder
 from world.scenario import Scenario, load, parse_override
 from world.server import Server
+from world.snapshot import Snapshot
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,7 @@ A chunk never divides a tick and is handed to the system when it is closed, so t
 the file can be read up to its last chunk.
 """
 
+import logging
 import platform
 from dataclasses import dataclass
 from importlib import metadata
@@ -14,11 +15,11 @@ from typing import Any, NamedTuple, Self
 
 import tomli_w
 
-from fes import counts, distribution, strict_json
+from fes import counts, distribution, fingerprint, strict_json
 from fes.arrays import Bytes, Floats
 from fes.errors import FesError
 from fes.report import encode_report
-from world import reporting, schemas, views
+from world import records, reporting, schemas, views
 from world.account import Account
 from world.container import Container, Schema
 from world.scenario import Scenario
@@ -30,6 +31,11 @@ SUMMARY = "fes.summary"
 """Name of the metadata at the end: the summary, and how the run ended."""
 
 AT_ITS_END = "at its end"
+
+MAX_JSON = records.SMALL
+"""Longest text in JSON [bytes]: a summary that is longer stands in summary.json only."""
+
+_ENDED = 4096  # bytes; room beside a summary for how the run ended
 
 VIEW_PERIOD = 0.1
 """Simulated time between two Reports [s]."""
@@ -52,6 +58,8 @@ class Unfinished:
 
     size: int
     """Bytes of the file that are whole."""
+    sha256: str
+    """Of these bytes, in hexadecimal."""
     tick: int
     told: tuple[int, float]
     pending: list[tuple[int, str, Any]]
@@ -71,6 +79,7 @@ class Recorder:
         before: tuple[Path, Unfinished] | None = None,
     ) -> None:
         """`before` is the log so far, in another file, where a run is gone on with."""
+        self.path = path
         self._scenario, self._name = scenario, name
         self._changes = scenario.changes
         self._period = report_period(scenario)
@@ -99,6 +108,11 @@ class Recorder:
             self._end(None)
         else:
             self._end(str(error) if isinstance(error, FesError) else "it was stopped")
+        if self._file.loss is not None:
+            said = f"{self.path} {self._file.loss} during the run: the log is incomplete"
+            if error is None:
+                raise FesError(said)
+            logging.getLogger("world").warning("%s", said)
 
     def add(self, account: Account, twists: Floats, said: Said, alive: Bytes, elapsed: float) -> None:
         """Add the last tick of `account`, `elapsed` [s; wall clock] after tick 0, and what made it.
@@ -144,6 +158,7 @@ class Recorder:
         """The log up to the last tick that was added: from now on a reader finds all of it."""
         return Unfinished(
             self._file.close_chunk(),
+            self._file.sha256,
             self._tick,
             self._told,
             list(self._pending),
@@ -163,6 +178,7 @@ class Recorder:
             "name": self._name,
             "backend": backend,
             "scenario": tomli_w.dumps(tables),
+            "arithmetic": fingerprint.table(),
             "versions": {
                 "fes": distribution.version(),
                 **versions,
@@ -181,13 +197,15 @@ class Recorder:
     def _end(self, reason: str | None) -> None:
         ticks = self._tick = self._tick + 1
         self._set_by_persons(ticks)
+        reason = reason[: _ENDED // 8] if reason else None
         event = {"tick": ticks, "what": "end", **({"reason": reason} if reason else {})}
         self._put("/events", schemas.EVENT, strict_json.dumps(event).encode())
         because = f": {reason}" if reason else ""
         self._remark(views.WARNING if reason else views.INFO, f"the run is over after {ticks} ticks{because}")
         ended = {"ended": reason or AT_ITS_END}
-        if self._summary is not None:
-            ended["summary"] = strict_json.dumps(self._summary)
+        told = strict_json.dumps(self._summary)
+        if self._summary is not None and len(told) <= MAX_JSON - _ENDED:
+            ended["summary"] = told
         self._file.finish(SUMMARY, ended)
 
     def _set_by_persons(self, tick: int) -> None:

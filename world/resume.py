@@ -1,110 +1,117 @@
 """A run gone on with from its last checkpoint: what has happened since is gone through again."""
 
-import io
-import pickle
-from dataclasses import is_dataclass
+import os
+from collections import deque
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel
 
-from fes import messages
-from fes.distribution import version
+from fes import files, messages
 from fes.errors import FesError, MessageError, ScenarioError, reason
 from fes.messages import Join
-from world import checkpoint, journal
-from world.account import Account
-from world.breathing import Breathing
-from world.checkpoint import FOLDER, JOIN, MAGIC, STATE, TRAIL, Keeper, Snapshot
+from world import checkpoint, journal, records, snapshot
+from world.checkpoint import FOLDER, JOIN, STATE, TRAIL, Keeper
 from world.course import ATTEND, EXCLUDE, SET, TICK, Course
-from world.digest import Digest
-from world.recorder import NAME, Recorder
-from world.tracking import Tracking
-
-_PLAIN = (Account, Breathing, Digest, Tracking)
-_OTHERS = {
-    ("collections", "deque"),
-    ("numpy", "dtype"),
-    ("numpy", "ndarray"),
-    ("numpy._core.multiarray", "_reconstruct"),
-    ("numpy._core.multiarray", "scalar"),
-    ("numpy._core.numeric", "_frombuffer"),
-}
-"""What a checkpoint may be made of beside the world's own tables: nothing in it can run anything else."""
+from world.recorder import NAME, Recorder, Unfinished
+from world.snapshot import Snapshot
 
 
 def load(directory: Path) -> Snapshot:
-    """The checkpoint of a run directory; raises FesError."""
-    path = directory / FOLDER / STATE
-    try:
-        magic, ours, told = path.read_bytes().split(b"\n", 2)
-    except FileNotFoundError:
+    """The checkpoint of a run directory, if all that belongs to it is whole; raises FesError, and touches nothing."""
+    if not checkpoint.is_kept(directory):
         if not directory.exists():
-            raise FesError(f"there is no run directory {directory}") from None
-        raise FesError(f"{directory} has no checkpoint: its run is over, or kept none") from None
+            raise FesError(f"there is no run directory {directory}")
+        raise FesError(f"{directory} has no checkpoint: its run is over, or kept none")
+    kept = snapshot.read(directory / FOLDER / STATE)
+    try:
+        kept.sums.tally.digest.check(directory / FOLDER / TRAIL)
+        deque(_notes(directory, kept), maxlen=0)
+        if kept.log is not None:
+            _check_log(checkpoint.log_of(directory, kept.number), kept.log)
     except OSError as error:
-        raise FesError(f"{path} cannot be read: {reason(error)}") from None
-    except ValueError:
-        raise FesError(f"{path} is not a checkpoint") from None
-    if magic != MAGIC:
-        raise FesError(f"{path} is not a checkpoint that this fes can read")
-    if ours.decode(errors="replace") != version():
-        raise FesError(f"{path} was kept by fes {ours.decode(errors='replace')[:20]}, this is {version()}")
-    try:
-        snapshot = _Tables(io.BytesIO(told)).load()
-    except Exception as error:
-        raise FesError(f"{path} is damaged: {type(error).__name__}") from None
-    if not isinstance(snapshot, Snapshot):
-        raise FesError(f"{path} is not a checkpoint")
-    return snapshot
+        raise FesError(f"the checkpoint of {directory} cannot be read: {reason(error)}") from None
+    except FesError:
+        raise
+    except Exception as error:  # valid checksums, and impossible values
+        raise FesError(f"{directory / FOLDER} is damaged: {type(error).__name__}") from None
+    return kept
 
 
-def recorder(directory: Path, snapshot: Snapshot) -> Recorder | None:
-    """The log of the run, to be gone on with from the checkpoint; None if there was none. Raises FesError."""
-    if snapshot.log is None:
+def _notes(directory: Path, kept: Snapshot) -> Iterator[tuple[int, list[Any]]]:
+    """What was noted since a checkpoint, and after each note the checksum of all."""
+    return journal.chained(checkpoint.journals(directory, kept.number), kept.number, kept.notes)
+
+
+def _check_log(path: Path, log: Unfinished) -> None:
+    """Raise FesError unless a log begins as it was known, and OSError where it cannot be read."""
+    deque(records.Reader(path, log.size), maxlen=0)  # names the place
+    if files.sha256(path, log.size) != log.sha256:
+        raise FesError(f"{path} is damaged: the SHA-256 of its first {log.size:,} bytes differs")
+
+
+def recorder(directory: Path, kept: Snapshot) -> Recorder | None:
+    """The log of the run, to be gone on with from the checkpoint; None if there was none. Raises FesError.
+
+    Where it cannot be copied, it stays where it was; else until the next checkpoint of the run knows the copy.
+    """
+    if kept.log is None:
         return None
+    path = directory / NAME
     try:
-        before = checkpoint.set_log_aside(directory, snapshot.number)
-        return Recorder(directory / NAME, snapshot.scenario, snapshot.name, "processes", (before, snapshot.log))
-    except (OSError, FesError) as error:
-        raise FesError(
-            f"the log of {directory} cannot be gone on with: {reason(error) if isinstance(error, OSError) else error}"
-        ) from None
+        before = checkpoint.set_log_aside(directory, kept.number)
+    except OSError as error:
+        raise FesError(f"the log of {directory} cannot be gone on with: {reason(error)}") from None
+    try:
+        return Recorder(path, kept.scenario, kept.name, "processes", (before, kept.log))
+    except Exception as error:
+        os.replace(before, path)  # as it was before
+        why = reason(error) if isinstance(error, OSError) else error if isinstance(error, FesError) else repr(error)
+        raise FesError(f"the log of {directory} cannot be gone on with: {why}") from None
 
 
-def course(
-    directory: Path, snapshot: Snapshot, recorder: Recorder | None, period: float
-) -> tuple[Course, Keeper, float]:
+def course(directory: Path, kept: Snapshot, recorder: Recorder | None, period: float) -> tuple[Course, Keeper, float]:
     """The run as it was when its world ended, who keeps it from now on, and the time since tick 0 [s].
 
     Raises FesError. Since the checkpoint it has been noted what came from outside: the rest is a function of that.
     """
-    run = Course(snapshot.scenario, recorder)
-    run.scenario, run.state, run.sums = snapshot.now, snapshot.state, snapshot.sums
-    run.excluded.update(snapshot.excluded)
-    run.beacons.update(snapshot.beacons)
-    hosts, renewed, elapsed = dict(snapshot.hosts), set(snapshot.renewed), snapshot.elapsed
+    try:
+        run = Course(kept.scenario, recorder)
+    except Exception as error:
+        raise FesError(f"{directory / FOLDER / STATE} is damaged: {type(error).__name__}") from None
+    run.scenario, run.state, run.sums = kept.now, kept.state, kept.sums
+    run.excluded.update(kept.excluded)
+    run.beacons.update(kept.beacons)
+    hosts, renewed, elapsed = dict(kept.hosts), set(kept.renewed), kept.elapsed
+    notes = kept.notes
     try:
         trail = run.sums.tally.digest.take_up(directory / FOLDER / TRAIL)
-        for path in checkpoint.journals(directory, snapshot.number):
-            for note in journal.notes(path):
-                checkpoint.renew(renewed, note)
-                if note[0] == JOIN:
-                    hosts.update(dict.fromkeys(note[1], Join(tuple(note[1]), note[2])))
-                    run.readmit(note[1])
-                else:
-                    elapsed = _again(run, note, elapsed)
-    except (OSError, EOFError) as error:
+        for after, note in _notes(directory, kept):
+            notes = after
+            checkpoint.renew(renewed, note)
+            if note[0] == JOIN:
+                hosts.update(dict.fromkeys(note[1], Join(tuple(note[1]), note[2])))
+                run.readmit(note[1])
+            else:
+                elapsed = _again(run, note, elapsed)
+    except Exception as error:  # a note with a valid checksum may hold impossible values
         run.sums.tally.digest.close()
-        raise FesError(f"the checkpoint of {directory} cannot be gone on from: {error}") from None
-    except (MessageError, ScenarioError, ValueError, TypeError, IndexError) as error:
-        run.sums.tally.digest.close()
-        raise FesError(f"the notes in {directory / FOLDER} are damaged: {error}") from None
-    number = checkpoint.last(directory, snapshot.number)
-    keeper = Keeper(directory, period, snapshot.name, snapshot.run, number=number)
+        raise _refusal(directory, error) from None
+    number = checkpoint.last(directory, kept.number)
+    keeper = Keeper(directory, period, kept.name, kept.run, number=number, notes=notes)
     keeper.follow(run, trail, hosts, renewed, elapsed)
     return run, keeper, elapsed
+
+
+def _refusal(directory: Path, error: Exception) -> FesError:
+    """Why a run cannot be gone on with, for whatever went wrong on the way."""
+    if isinstance(error, OSError):
+        return FesError(f"the checkpoint of {directory} cannot be gone on from: {reason(error)}")
+    if isinstance(error, FesError) and not isinstance(error, MessageError | ScenarioError):
+        return error
+    why = str(error) if isinstance(error, FesError | ValueError) else f"{type(error).__name__}: {error}"
+    return FesError(f"the notes in {directory / FOLDER} are damaged: {' '.join(why.split())}")
 
 
 def _again(run: Course, note: list[Any], elapsed: float) -> float:
@@ -128,17 +135,3 @@ def _again(run: Course, note: list[Any], elapsed: float) -> float:
     else:
         raise ValueError(f"a note of kind {kind!r}")
     return elapsed
-
-
-class _Tables(pickle.Unpickler):
-    """Reads arrays and the world's own tables, and nothing else."""
-
-    def find_class(self, module: str, name: str) -> Any:
-        other = (module, name) in _OTHERS
-        if "." in name or not (other or module.split(".")[0] in ("fes", "world")):  # before it is imported, and runs
-            raise pickle.UnpicklingError(f"{module}.{name}")
-        found = super().find_class(module, name)
-        ours = isinstance(found, type) and found.__module__ == module
-        if other or (ours and (is_dataclass(found) or issubclass(found, (BaseModel, tuple)) or found in _PLAIN)):
-            return found
-        raise pickle.UnpicklingError(f"{module}.{name}")

@@ -6,8 +6,8 @@ meters, angles in radians; times are simulated; a number that does not exist is 
 
 from world.protobuf import parse
 
-VERSION = 1
-"""Of the log as a whole: a reader of another one does not understand it."""
+VERSION = 2
+"""Of the log as a whole: a reader of another one does not understand it. Since 2 it names the arithmetic."""
 
 _TIME = parse(
     "google.protobuf",
@@ -116,12 +116,16 @@ SCENARIO = {
     "title": "fes.Scenario",
     "type": "object",
     "description": "What was run, and by what",
-    "required": ["log", "name", "backend", "scenario", "versions"],
+    "required": ["log", "name", "backend", "scenario", "arithmetic", "versions"],
     "properties": {
         "log": {"type": "integer", "description": "version of the log's schemas"},
         "name": {"type": "string", "description": "name of the scenario"},
         "backend": {"type": "string"},
         "scenario": {"type": "string", "description": "the effective scenario, TOML"},
+        "arithmetic": {
+            "type": "object",
+            "description": "fingerprint of the elementary functions, version of numpy, and the core in use",
+        },
         "versions": {"type": "object", "description": "of fes and of the libraries that its digits depend on"},
     },
 }

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from fes import strict_json
+from fes import fingerprint, strict_json
 from fes.arrays import Floats
 from fes.edges import Edges
 from fes.errors import FesError, reason
@@ -57,6 +57,7 @@ def summarize(account: Account, name: str, backend: str, wall: float) -> dict[st
         "tracking": account.tracking.table(),
         "radio": _contacts(final.radio),
         "deadlines": None if account.deadlines is None else account.deadlines.table(),
+        "arithmetic": fingerprint.table(),
         "links_gap_longest": tally.longest_gap * scenario.run.dt,
         "unscheduled_absences": account.unscheduled_absences,
         "links_lost_at": tally.links_lost_at,

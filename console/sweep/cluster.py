@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from console.sweep import work
 from console.sweep.work import Batch, Done, Watch, Workers
-from fes import addresses
+from fes import addresses, fingerprint
 from fes.distribution import install, version
 from fes.errors import FesError
 
@@ -57,7 +57,7 @@ def _carry_out(client: "Client", batches: Sequence[Batch], watch: Watch) -> Gene
     """What batches come to; their ticks are told of when they end."""
     from distributed import as_completed
 
-    here, ticks = version(), 0
+    here, ticks = (version(), fingerprint.text()), 0
     futures = [client.submit(_at_worker, here, batch, key=_key(batch), retries=0, pure=False) for batch in batches]
     sizes = {_key(batch): sum(scenario.ticks for scenario in batch.scenarios) for batch in batches}
     try:
@@ -74,10 +74,13 @@ def _carry_out(client: "Client", batches: Sequence[Batch], watch: Watch) -> Gene
             client.cancel(futures)
 
 
-def _at_worker(wanted: str, batch: Batch) -> list[Done]:
-    """On a worker: carry out a batch, unless another version of fes would."""
-    if version() != wanted:
-        raise FesError(f"a Dask worker has fes {version()}, and the sweep is of fes {wanted}")
+def _at_worker(wanted: tuple[str, str], batch: Batch) -> list[Done]:
+    """On a worker: carry out a batch, unless another version of fes would, or another arithmetic."""
+    package, arithmetic = wanted
+    if version() != package:
+        raise FesError(f"a Dask worker has fes {version()}, and the sweep is of fes {package}")
+    if fingerprint.text() != arithmetic:
+        raise FesError(f"a Dask worker has {fingerprint.text()}, and the sweep is of {arithmetic}")
     return work.carry_out(batch)
 
 

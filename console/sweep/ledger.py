@@ -1,12 +1,14 @@
 """What is done, kept through every interruption: one line a run, appended when the run has ended.
 
-A line that a kill tore off is dropped, and its run is run again; a run has one line, by its key.
+A line that a kill tore off is dropped, and its run is run again; a run has one line, by its key. Each line ends with
+a checksum of what stands before it. All runs of a directory were computed with one arithmetic.
 """
 
 import contextlib
 import fcntl
 import hashlib
 import os
+import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -14,18 +16,25 @@ from typing import IO, Any
 
 from console.sweep.design import Design, digest, seeded
 from console.sweep.work import Done
-from fes import encoding, strict_json
+from fes import encoding, files, fingerprint, strict_json
 from fes.distribution import version
 from fes.errors import FesError, reason
 
 HEADER = "sweep.json"
 LINES = "runs.jsonl"
 
+FORMAT = 2
+"""Of the two files; the first one had no number, no arithmetic and no checksums."""
+
+_MAX_LINE = 1 << 24  # bytes; a run has 2 kB
+_MAX_HEADER = 1 << 26  # bytes; the axes may have a million values
+
 _DIFFERS = {
     "scenario": "another scenario",
     "axes": "other axes",
     "fes": "another version of fes",
     "cells": "another scenario",
+    "arithmetic": "another arithmetic",
 }
 
 
@@ -40,7 +49,7 @@ class Ledger:
     def add(self, ended: Sequence[Done]) -> None:
         """Keep what these runs came to; it is on the disk when this returns."""
         fresh = {one.key: one for one in ended if one.key not in self.done}
-        self._file.write(b"".join(strict_json.dumps(asdict(one)).encode() + b"\n" for one in fresh.values()))
+        self._file.write(b"".join(map(_line, fresh.values())))
         self._file.flush()
         os.fsync(self._file.fileno())
         self.done |= fresh
@@ -80,6 +89,8 @@ def _identity(design: Design) -> dict[str, Any]:
         "axes": axes,
         "cells": hashlib.sha256(cells.encode()).hexdigest(),
         "fes": version(),
+        "arithmetic": fingerprint.text(),
+        "format": FORMAT,
     }
 
 
@@ -93,15 +104,17 @@ def _claim(directory: Path, design: Design) -> None:
         temporary.write_text(strict_json.dumps(wanted, indent=1) + "\n", encoding="utf-8")
         os.replace(temporary, path)
         return
-    try:
-        found = strict_json.loads(path.read_text(encoding="utf-8"))
-    except (ValueError, RecursionError):
-        found = None
-    if not isinstance(found, dict):
-        raise FesError(f"--out {directory}: {HEADER} cannot be read")
+    found = files.read_table(path, _MAX_HEADER)
+    before = found.get("format", 1)
+    if before != FORMAT:
+        raise FesError(
+            f"--out {directory}: it holds a sweep of format {before!r:.20}; this fes reads format {FORMAT}"
+        )
     for name, what in _DIFFERS.items():
         if found.get(name) != wanted[name]:
-            told = strict_json.dumps(found.get(name))
+            told = f"{strict_json.dumps(found.get(name)):.200}"
+            if name == "arithmetic":
+                told += f", and this is {wanted[name]}"
             raise FesError(f"--out {directory}: it holds a sweep of {what}; {HEADER} has {name} = {told}")
 
 
@@ -115,14 +128,34 @@ def _lock(file: IO[bytes], directory: Path) -> None:
 def _read(file: IO[bytes], path: Path) -> dict[str, Done]:
     """The runs that have ended; what stands after the last whole line is cut off."""
     file.seek(0)
-    content = file.read()
-    whole = content[: content.rfind(b"\n") + 1]
-    file.truncate(len(whole))
     done: dict[str, Done] = {}
-    for number, line in enumerate(whole.splitlines(), 1):
-        try:
-            one = Done(**strict_json.loads(line))
-        except (ValueError, TypeError, RecursionError):
-            raise FesError(f"{path}: line {number} is not a run") from None
+    whole = number = 0
+    while (line := file.readline(_MAX_LINE)).endswith(b"\n"):
+        number, whole = number + 1, whole + len(line)
+        one = _parse(line)
+        if one is None:
+            raise FesError(f"{path} is damaged: line {number} is not a run")
         done.setdefault(one.key, one)
+    if len(line) == _MAX_LINE:
+        raise FesError(f"{path} is damaged: line {number + 1} has more than {_MAX_LINE:,} bytes")
+    file.truncate(whole)
     return done
+
+
+def _line(one: Done) -> bytes:
+    """The line of a run."""
+    told = strict_json.dumps(asdict(one)).encode()
+    return told[:-1] + b', "crc32": "%08x"}\n' % zlib.crc32(told)
+
+
+def _parse(line: bytes) -> Done | None:
+    """The run of a line; None if it is not as it was written."""
+    try:
+        told = strict_json.loads(line)
+        told.pop("crc32")
+        one = Done(**told)
+    except (ValueError, TypeError, KeyError, AttributeError):
+        return None
+    scalars = one.scalars.values() if isinstance(one.scalars, dict) else [one.scalars]
+    plain = all(isinstance(value, str | int | float | bool | None) for value in (one.key, one.error, *scalars))
+    return one if plain and _line(one) == line else None

@@ -19,7 +19,7 @@ MOST_RUNS, MOST_ROBOTS = 20, 400
 WALL_CLOCK = frozenset({"wall_s", "ticks_per_s", "real_time_factor"})
 """What the summary says of the machine and not of the run."""
 
-THE_SAME = frozenset({"scenario", "seed", "backend"})
+THE_SAME = frozenset({"scenario", "seed", "backend", "arithmetic"})
 """What a sweep says elsewhere, or what is the same for all its runs."""
 
 Scalars = dict[str, Value]
@@ -96,11 +96,13 @@ def scalars(summary: dict[str, Any], prefix: str = "") -> Scalars:
     """
     found: Scalars = {}
     for name, value in summary.items():
+        if prefix + name in WALL_CLOCK | THE_SAME:
+            continue
         if isinstance(value, list) and value and isinstance(value[0], dict):
             value = {str(at): one for at, one in enumerate(value)}
         if isinstance(value, dict):
             found |= scalars(value, f"{prefix}{name}.")
-        elif not isinstance(value, list | tuple) and prefix + name not in WALL_CLOCK | THE_SAME:
+        elif not isinstance(value, list | tuple):
             found[prefix + name] = value
     return found
 

@@ -1,0 +1,66 @@
+"""Processes in place of those of `fes run`, each in a family that ends them."""
+
+import asyncio
+import contextlib
+import subprocess
+import sys
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+
+from console import launcher
+from console.child import Child
+from console.launcher import Family
+
+ENDLESS = "import signal; signal.pause()"
+SUCCESS, FAILURE = "raise SystemExit(0)", "raise SystemExit(1)"
+
+SLOW = """
+import asyncio, os, sys
+from pathlib import Path
+from fes import process
+
+async def main():
+    Path("here").touch()
+    try:
+        await asyncio.Event().wait()
+    finally:
+        while not Path("go").exists():
+            await asyncio.sleep(0.01)
+        Path("kept").touch()
+    return 0
+
+process.run("slow", main, exit_with_stdin=True)
+"""
+"""A world that writes down what was reached when it is let."""
+
+
+@contextlib.asynccontextmanager
+async def family(where: Path) -> AsyncIterator[Family]:
+    kin = Family(where)
+    async with launcher.ended_with_block(kin):
+        yield kin
+
+
+async def child(where: Path, name: str, code: str, said: str = "", robots: str = "") -> Child:
+    """A process in place of a program; `said` is in its log."""
+    log = where / f"{name}.log"
+    log.write_text(said)
+    started = await asyncio.create_subprocess_exec(sys.executable, "-c", code, stdin=subprocess.PIPE, cwd=where)
+    return Child(name, started, log, robots)
+
+
+async def world(kin: Family, code: str, said: str = "") -> None:
+    kin.world = await child(kin.directory, "fes-world", code, said)
+    kin.watch(kin.world)
+
+
+async def agent(kin: Family, robots: str, code: str, said: str = "") -> Child:
+    kin.agents.append(await child(kin.directory, f"fes-agent --id {robots}", code, said, robots))
+    kin.watch(kin.agents[-1])
+    return kin.agents[-1]
+
+
+async def until(holds: Callable[[], object]) -> None:
+    async with asyncio.timeout(60.0):
+        while not holds():
+            await asyncio.sleep(0.01)

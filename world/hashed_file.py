@@ -1,0 +1,82 @@
+"""Files that a run writes: hashed while they are written, and checked at the end: they may be removed or cut.
+
+They are appended to. In a file that is written at a place of one's own, what was cut would become a hole, and no size
+would tell of it.
+"""
+
+import hashlib
+import os
+import stat
+from pathlib import Path
+
+
+class HashedFile:
+    """A new file, with the hash of all that was written to it."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._file = open(path, "wb", opener=append)  # noqa: SIM115
+        self._hash = hashlib.sha256()
+        self.size = 0
+        """Bytes that were written."""
+
+    @property
+    def closed(self) -> bool:
+        """True once the file was closed."""
+        return self._file.closed
+
+    @property
+    def sha256(self) -> str:
+        """Of all that was written, in hexadecimal."""
+        return self._hash.hexdigest()
+
+    def write(self, data: bytes) -> int:
+        """Append bytes."""
+        self._hash.update(data)
+        self.size += len(data)
+        return self._file.write(data)
+
+    def tell(self) -> int:
+        """The place of the next byte."""
+        return self.size
+
+    def flush(self) -> None:
+        """Hand all that was written to the system."""
+        self._file.flush()
+
+    def fileno(self) -> int:
+        """The number of the open file."""
+        return self._file.fileno()
+
+    def close(self) -> None:
+        """Write no more."""
+        self._file.close()
+
+
+def append(path: str, flags: int) -> int:
+    """An opener for `open`: all that is written goes to the end of the file, wherever that is then."""
+    return os.open(path, flags | os.O_APPEND, 0o666)
+
+
+def loss(path: Path, fileno: int, size: int) -> str | None:
+    """What became of a file to which `size` bytes were written and handed to the system; None if it is as it was.
+
+    >>> import tempfile
+    >>> with tempfile.NamedTemporaryFile(buffering=0) as file:
+    ...     file.write(b"whole"), loss(Path(file.name), file.fileno(), 5), loss(Path(file.name), file.fileno(), 7)
+    (5, None, 'was cut by 2 bytes')
+    """
+    ours = os.fstat(fileno)
+    if not stat.S_ISREG(ours.st_mode):
+        return None
+    try:
+        found = path.stat()
+    except OSError:
+        return "was removed"
+    if (found.st_dev, found.st_ino) != (ours.st_dev, ours.st_ino):
+        return "was replaced"
+    if ours.st_size < size:
+        return f"was cut by {size - ours.st_size:,} bytes"
+    return (
+        None if ours.st_size == size else f"was written to by another program: {ours.st_size:,} bytes, not {size:,}"
+    )

@@ -1,0 +1,201 @@
+"""Records of an MCAP file, read in order: the one reader of logs, with bounds on what they may hold.
+
+Every checksum is verified, one that is missing too: of each chunk, of the data, of the index at the end. mcap knows
+the records; their frames are read here, as its readers take a length for granted, and a chunk may unpack to anything.
+"""
+
+import struct
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from io import BytesIO
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import zstandard
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.records import Channel, Chunk, McapRecord, Message, Metadata, Schema
+from mcap.writer import MCAP0_MAGIC
+
+from fes import files
+from fes.errors import FesError, reason
+
+LIMIT = 1 << 26
+"""Largest record, and largest chunk when it is unpacked [bytes]."""
+
+SMALL = 1 << 24
+"""Largest record that is no chunk and is read into a table [bytes]."""
+
+RATIO, FREE = 200, 1 << 28
+"""A file unpacks to at most RATIO times its size and FREE bytes. A run's log unpacks to 3 times its size; where
+hundreds of robots are absent, to 80 times."""
+
+_HEAD = struct.Struct("<BQ")  # opcode and length
+_MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log and publish time
+
+_TYPES: dict[int, Any] = {
+    Opcode.SCHEMA: Schema,
+    Opcode.CHANNEL: Channel,
+    Opcode.CHUNK: Chunk,
+    Opcode.METADATA: Metadata,
+}
+"""Of the records that are read here; an index is only verified."""
+
+_BROKEN = (McapError, zstandard.ZstdError, struct.error, ValueError, KeyError, OverflowError, MemoryError)
+"""What mcap and zstandard raise for bytes that are no record."""
+
+
+class Damaged(FesError):
+    """A file whose bytes are not those of a log."""
+
+    def __init__(self, path: Path, place: int, why: str) -> None:
+        super().__init__(f"{path} is damaged at byte {place:,}: {why}")
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """A record of a file, and the records in it."""
+
+    reader: "Reader"
+    place: int
+    """Where it begins [byte]."""
+    record: McapRecord
+    """The data of a chunk is unpacked."""
+
+    def __iter__(self) -> Iterator[McapRecord]:
+        """The schemas, channels and messages in a chunk, in order; else the record itself."""
+        if isinstance(self.record, Chunk):
+            return self.reader.within(self.record.data, self.place)
+        return iter([self.record])
+
+
+class Reader:
+    """The records of one file; it can be iterated over once, and raises FesError."""
+
+    def __init__(self, path: Path, size: int | None = None) -> None:
+        """With `size` only the first so many bytes are read, which must be whole records."""
+        self.path = path
+        self.has_end = False
+        """True once the end of the log was read: no record can be missing."""
+        self._size = size
+        self._place = len(MCAP0_MAGIC)
+        self._checksum = zlib.crc32(MCAP0_MAGIC)
+        self._data_ended = False
+        self._unpacked = 0
+        self._channels: set[int] = set()
+
+    def __iter__(self) -> Iterator[Block]:
+        """Its blocks in order, of a file that was cut those that are whole."""
+        try:
+            with files.opened(self.path) as file:
+                if file.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
+                    raise FesError(f"{self.path} is not a log: it is not an MCAP file")
+                yield from self._blocks(file)
+        except OSError as error:
+            raise FesError(f"{self.path} cannot be read: {reason(error)}") from None
+
+    def within(self, data: bytes, place: int) -> Iterator[McapRecord]:
+        """The records in the unpacked data of the chunk at `place`; raises Damaged."""
+        start = 0
+        while start < len(data):
+            begin = start + _HEAD.size
+            if begin > len(data):
+                raise Damaged(self.path, place, "its chunk ends amid a record")
+            opcode, length = _HEAD.unpack_from(data, start)
+            if begin + length > len(data):
+                raise Damaged(self.path, place, "a record goes on beyond its chunk")
+            if opcode not in (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE):
+                raise Damaged(self.path, place, f"its chunk holds a record of kind {opcode}")
+            start = begin + length
+            yield self._record(opcode, data[begin:start], place)
+
+    def _blocks(self, file: BinaryIO) -> Iterator[Block]:
+        while self._size is None or self._place < self._size:
+            head, content = self._next(file)
+            if content is None:
+                return
+            opcode = head[0]
+            if opcode in (Opcode.DATA_END, Opcode.FOOTER):
+                self._end(opcode, head, content)
+            if opcode == Opcode.FOOTER:
+                self._finish(file)
+                return
+            if opcode != Opcode.DATA_END:
+                self._checksum = zlib.crc32(content, zlib.crc32(head, self._checksum))
+            # What stands in the index was read before.
+            if not self._data_ended and (opcode in _TYPES or opcode == Opcode.MESSAGE):
+                yield Block(self, self._place, self._record(opcode, content, self._place))
+            self._place += len(head) + len(content)
+        if self._place != self._size:
+            raise Damaged(self.path, self._place, f"a record goes on beyond byte {self._size:,}")
+
+    def _next(self, file: BinaryIO) -> tuple[bytes, bytes | None]:
+        """Head and content of the next record; content is None where the file was cut."""
+        head, there = file.read(_HEAD.size), 0
+        if len(head) == _HEAD.size:
+            length = _HEAD.unpack(head)[1]
+            if length > LIMIT:
+                raise Damaged(self.path, self._place, f"a record of {length:,} bytes, more than {LIMIT:,}")
+            content = file.read(length)
+            if len(content) == length:
+                return head, content
+            there = len(content)
+        if self._size is not None:
+            raise Damaged(self.path, self._place + len(head) + there, f"it ends there, {self._size:,} were written")
+        return head, None
+
+    def _end(self, opcode: int, head: bytes, content: bytes) -> None:
+        """Verify the checksum of all records since the one before, and begin another one."""
+        end = len(content) - 4
+        if opcode == Opcode.FOOTER:
+            self._checksum = zlib.crc32(content[:end], zlib.crc32(head, self._checksum))
+        if self._data_ended != (opcode == Opcode.FOOTER) or content[end:] != self._checksum.to_bytes(4, "little"):
+            what = "its index" if opcode == Opcode.FOOTER else "what stands before it"
+            raise Damaged(self.path, self._place, f"the checksum of {what} differs")
+        self._checksum, self._data_ended = 0, True
+
+    def _finish(self, file: BinaryIO) -> None:
+        """Read what stands behind the last record."""
+        rest = file.read(len(MCAP0_MAGIC) + 1)
+        if not MCAP0_MAGIC.startswith(rest):
+            raise Damaged(self.path, self._place, "its end is followed by something else")
+        self.has_end = rest == MCAP0_MAGIC
+
+    def _record(self, opcode: int, content: bytes, place: int) -> McapRecord:
+        try:
+            if opcode == Opcode.MESSAGE:
+                channel, sequence, log_time, publish_time = _MESSAGE.unpack_from(content)
+                if channel not in self._channels:
+                    raise Damaged(self.path, place, f"a message of channel {channel}, which there is not")
+                return Message(channel, log_time, content[_MESSAGE.size :], publish_time, sequence)
+            if opcode != Opcode.CHUNK and len(content) > SMALL:
+                raise Damaged(self.path, place, f"a record of {len(content):,} bytes, more than {SMALL:,}")
+            found: McapRecord = _TYPES[opcode].read(ReadDataStream(BytesIO(content)))
+            if isinstance(found, Chunk):
+                return self._unpack(found, place)
+        except _BROKEN as error:
+            raise Damaged(self.path, place, f"it cannot be read: {type(error).__name__}") from None
+        if isinstance(found, Channel):
+            self._channels.add(found.id)
+        return found
+
+    def _unpack(self, chunk: Chunk, place: int) -> Chunk:
+        size = chunk.uncompressed_size
+        self._unpacked += size
+        if size > LIMIT:
+            raise Damaged(self.path, place, f"a chunk of {size:,} bytes, more than {LIMIT:,}")
+        if self._unpacked > FREE + RATIO * place:
+            raise Damaged(self.path, place, f"it unpacks to more than {FREE:,} bytes and {RATIO} times its size")
+        data = chunk.data
+        if chunk.compression == "zstd":
+            # The length that the data themselves promise counts for the library, if they do.
+            if zstandard.frame_content_size(data) not in (-1, size):
+                raise Damaged(self.path, place, "a chunk of another length than it says")
+            data = zstandard.ZstdDecompressor(max_window_size=LIMIT).decompress(data, max_output_size=size)
+        elif chunk.compression:
+            raise Damaged(self.path, place, f"a chunk compressed as {chunk.compression[:20]!r}, not as 'zstd'")
+        if len(data) != size or zlib.crc32(data) != chunk.uncompressed_crc:
+            raise Damaged(self.path, place, "the checksum of a chunk differs")
+        return replace(chunk, data=data, compression="")
