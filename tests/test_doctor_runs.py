@@ -60,6 +60,7 @@ def test_a_certificate_that_the_world_refuses_stays_a_failure_while_its_run_goes
             "fes doctor --help",
         ),
         (["--keys", "none"], "--keys none: the observer needs ca.crt, and there is none", "fes doctor -e tls/"),
+        (["-e", "tcp/::1:1"], "an IPv6 address wants brackets, tcp/[::1]:1: tcp/::1:1", "fes doctor --help"),
         (["--cfg", "nonsense"], "--cfg expects KEY:VALUE, got 'nonsense'", "fes doctor --help"),
     ],
     ids=lambda given: " ".join(given) if isinstance(given, list) else "",
@@ -115,3 +116,11 @@ def test_a_run_is_announced_by_its_own_directory_and_not_by_the_latest() -> None
     found = rundir.announced(keys.DEFAULT_RUN)
     assert found is not None
     assert found[0] == Path("runs/pair-1/endpoint.json")
+
+
+def test_a_name_that_does_not_resolve_is_a_finding_with_its_own_remedy(tmp_path: Path) -> None:
+    done = call(tmp_path, "fes", "doctor", "--json", "-e", "tcp/no.such.host.invalid:1")
+    [found] = [one for one in json.loads(done.stdout) if one["check"] == "endpoint"]
+    assert (done.returncode, found["status"]) == (1, "failed")
+    assert "the name 'no.such.host.invalid' does not resolve" in found["seen"]
+    assert found["remedy"].startswith("correct the name")

@@ -121,6 +121,8 @@ def remedy(said: str) -> str:
         return f"{certified}; or {again}" if SLOW in said else certified
     if SLOW in said:
         return again
+    if "does not resolve" in said:
+        return "correct the name, or name the address of the world's machine: -e tcp/ADDRESS:PORT"
     if "certificate" in said:
         return "certificates in date, of the authority of that world (fes keys list), and one of its names for HOST"
     return "start fes-world or fes run, or name its endpoint with -e"
