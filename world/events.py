@@ -13,7 +13,7 @@ from fes.errors import ScenarioError
 from world import equipment
 from world.equipment import ClockConfig, Part, RobotId, TransmitterConfig
 from world.radio_config import RadioConfig
-from world.rules import first_rule
+from world.rules import first_rule, short
 
 PREFIX = "channel."
 """What can be changed: the rest is what the robots were told when they joined."""
@@ -71,9 +71,13 @@ def changed(channel: RadioConfig, settings: dict[str, Any], dt: float) -> RadioC
     tables = channel.model_dump()
     for path, value in settings.items():
         if value is None:
-            raise ScenarioError(path, "cannot be nothing: a deviation or a loss of 0 takes shadowing or bursts away")
+            raise ScenarioError(
+                short(path), "cannot be nothing: a deviation or a loss of 0 takes shadowing or bursts away"
+            )
         if not path.startswith(PREFIX):
-            raise ScenarioError(path, f"only fields like '{PREFIX}reference_snr' can be changed while a run goes on")
+            raise ScenarioError(
+                short(path), f"only fields like '{PREFIX}reference_snr' can be changed while a run goes on"
+            )
         *parents, field = path.removeprefix(PREFIX).split(".")
         table = tables
         for parent in parents:
@@ -81,7 +85,7 @@ def changed(channel: RadioConfig, settings: dict[str, Any], dt: float) -> RadioC
                 table[parent] = {}
             table = table[parent]
             if not isinstance(table, dict):
-                raise ScenarioError(path, f"goes through '{parent}', which is not a table")
+                raise ScenarioError(short(path), f"goes through '{short(parent)}', which is not a table")
         table[field] = value
     try:
         result = RadioConfig.model_validate(tables)
