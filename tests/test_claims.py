@@ -10,7 +10,7 @@ import pytest
 from console import claims
 from tests.loop import load
 
-PAPER = (Path(__file__).parent.parent / "docs" / "paper.md").read_text()
+PAPER = (Path(__file__).parent.parent / "docs" / "paper.md").read_text(encoding="utf-8")
 
 
 def test_the_printed_law_freezes_a_disagreement_at_one_third() -> None:
