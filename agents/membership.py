@@ -57,7 +57,7 @@ class Membership:
 
     def on_quiet(self) -> None:
         """Nothing was heard for a while: ask whether this agent is still welcome, as its robots may be excluded."""
-        if self._confirming is None or self._confirming.done():
+        if self.world.is_here and (self._confirming is None or self._confirming.done()):
             self._confirm(1)
 
     def on_world(self, key: str, alive: bool) -> None:

@@ -39,7 +39,7 @@ class Agent:
         name = f"agent.{robots[0]}" if len(robots) == 1 else f"agent.{robots[0]}-{robots[-1]}"
         self.logger = logging.getLogger(name)
         self.complaints = Complaints(self.logger)
-        self.radio = Radio(opened, run, self.complaints)
+        self.radio = Radio(opened, run, keys.span(robots), self.complaints)
         self._bus = opened
         self._run = run
         self._robots = robots
@@ -90,12 +90,15 @@ class Agent:
         """All beacons that decoded, by sender; raises Absent where one cannot be had, as digits would change.
 
         Links are first-in first-out, so one is missing only where junk filled a mailbox, where it took a slower way
-        than the tick, or where a router died with it.
+        than the tick, or where a router died with it. A world that is busy is asked again for as long as it is there.
         """
+        world = self.membership.world
         while absent := contacts.decoded(observations) - {beacon.robot for beacon in heard}:
-            found = await self.radio.recall(observations.tick - 1, sorted(absent))
+            found, refused = await self.radio.recall(observations.tick - 1, sorted(absent))
             heard = sorted([*heard, *found], key=lambda beacon: beacon.robot)
-            if len(found) < len(absent) and not await self.membership.world.comes_back():
+            if len(found) == len(absent):
+                break
+            if not (await world.comes_back() if refused else await world.stays()):
                 raise Absent(f"a beacon that decoded did not arrive at tick {observations.tick}")
         return heard
 

@@ -33,10 +33,13 @@ def _machine() -> int:
 
 
 def _container() -> int:
-    """What is left of the limit of this process' control group (version 2)."""
+    """What is left of the limit of this process' control group (version 2); files that it caches can be dropped."""
     try:
         limit, used = ((CGROUP / f"memory.{name}").read_text(encoding="ascii") for name in ("max", "current"))
-        return int(limit) - int(used)
+        lines = (CGROUP / "memory.stat").read_text(encoding="ascii").splitlines()
+        told = {name: int(size) for name, size in (line.split() for line in lines)}
+        cached = told.get("inactive_file", 0) + told.get("active_file", 0)
+        return int(limit) - max(0, int(used) - cached)
     except (OSError, ValueError):  # no such group, or "max": no limit
         return 2**63
 

@@ -85,7 +85,7 @@ async def _run(where: Path, keyed: Path, attack: Attack, beside: Beside | None) 
             course = Course(what, recorder)
             keeper = Keeper(where, 1e9, "hostile", RUN)
             keeper.begin(course)
-            server = Server(opened, course, "hostile", RUN, keeper=keeper)
+            server = Server(opened, course, "hostile", RUN, keeper=keeper, guarded=True)
             agents = [
                 asyncio.ensure_future(_live(_member(keyed, endpoint, i), i, attack if i == HOSTILE else None))
                 for i in range(ROBOTS)

@@ -144,7 +144,7 @@ async def accuse(second: Bus) -> None:
     for tick in range(FIRST, FIRST + 20):
         for robot in sorted(OTHERS):
             try:
-                await second.ask(keys.held_beacon(RUN, robot), messages.encode_recall(tick), 0.2)
+                await second.ask(keys.held_beacon(RUN, robot, str(HOSTILE)), messages.encode_recall(tick), 0.2)
             except (Refused, Absent):
                 continue
         second._session.get(keys.recall(RUN, 5), payload=messages.encode_recall(tick), timeout=0.1)  # not its right

@@ -51,7 +51,7 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
         await claim.claim(opened, run, connected=connected)
         with _recorder(flags, start) as recorder:
             course, keeper, elapsed = _course(flags, start, recorder)
-            server = Server(opened, course, start.name, run, flags.rtf, keeper, elapsed)
+            server = Server(opened, course, start.name, run, flags.rtf, keeper, elapsed, guarded=rules is not None)
             if flags.out is not None:
                 server.keep = partial(summary.write_scenario, flags.out)
                 server.keep(course.scenario)

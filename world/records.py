@@ -28,7 +28,7 @@ LIMIT = 1 << 26
 SMALL = 1 << 24
 """Largest record that is no chunk and is read into a table [bytes]."""
 
-RATIO, FREE = 200, 1 << 28
+RATIO, FREE = 1000, 1 << 28
 """A file unpacks to at most RATIO times its size and FREE bytes. A run's log unpacks to 3 times its size; where
 hundreds of robots are absent, to 80 times."""
 
