@@ -1,8 +1,8 @@
 """The commands `fes`, `fes-world` and `fes-agent`, from the first line on.
 
 The packages `fes`, `agents`, `world` and `console` have names that others use too, and a package of another project
-that Python finds first would end every command in a traceback. This module, whose name nobody else uses, imports none
-of them before it knows that they are ours, and that this system can run them.
+that Python finds first would end every command in a traceback. This module, whose name no other project uses,
+imports none of them before it knows that they are ours, and that this system can run them.
 """
 
 import importlib
@@ -16,7 +16,7 @@ NEEDED = ("fcntl", "resource", "termios")
 
 
 def trouble() -> str:
-    """Why no command can run here, in a line; empty if they can."""
+    """Reason why no command can run here, in one line; empty if they can."""
     for name in NEEDED:
         try:
             importlib.import_module(name)

@@ -43,10 +43,10 @@ class Radio:
         return [beacon for beacon in found if beacon is not None]
 
     async def recall(self, tick: int, peers: Collection[int]) -> list[Beacon]:
-        """The beacons of `peers` from `tick`, as far as the world has them; in any order.
+        """The beacons of `peers` from `tick`, as far as the world has them, in any order.
 
-        For beacons that junk pushed out of a mailbox, or that took a slower way than the tick. The world is asked and
-        not the peer, so that all robots hear the same beacon, whatever its sender is worth.
+        For beacons that junk pushed out of a mailbox, or that took a slower path than the tick. The world is asked,
+        not the peer, so that all robots hear the same beacon, even from a hostile sender.
         """
         found = []
         for peer in peers:
@@ -55,7 +55,7 @@ class Radio:
                 payload = await self._bus.ask(key, messages.encode_recall(tick), RECALL_TIMEOUT)
                 beacon = messages.decode_beacon(payload)
             except (Absent, Refused, MessageError):
-                continue  # the caller misses it
+                continue  # the caller notices that it is missing
             if (beacon.robot, beacon.tick) == (peer, tick):
                 found.append(beacon)
                 self._complaints.add(

@@ -1,4 +1,4 @@
-"""How much memory a process of this machine can still take."""
+"""Memory that a process of this machine can still take."""
 
 import os
 import resource
@@ -24,7 +24,7 @@ def gigabytes(size: float) -> str:
 
 
 def _machine() -> int:
-    """What the kernel says it could give; all of the memory where it does not say (macOS)."""
+    """Memory that the kernel reports as available [bytes]; all of it where the kernel does not report it (macOS)."""
     try:
         lines = MEMINFO.read_text(encoding="ascii").splitlines()
         return next(1024 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable:"))
@@ -33,7 +33,7 @@ def _machine() -> int:
 
 
 def _container() -> int:
-    """What is left of the limit of this process' control group (version 2)."""
+    """The rest of the limit of this process's control group (version 2) [bytes]."""
     try:
         limit, used = ((CGROUP / f"memory.{name}").read_text(encoding="ascii") for name in ("max", "current"))
         return int(limit) - int(used)
@@ -42,7 +42,7 @@ def _container() -> int:
 
 
 def _limit() -> int:
-    """What is left of the address space of this process."""
+    """The rest of the address space of this process [bytes]."""
     soft, _ = resource.getrlimit(resource.RLIMIT_AS)
     if soft == resource.RLIM_INFINITY:
         return 2**63
