@@ -96,7 +96,7 @@ class Membership:
             except Refused as refused:
                 self._inbox.fail(refused)
                 return
-        logging.getLogger("agent").warning("the world is there, and does not say whether it still wants this agent")
+        logging.getLogger("agent").warning("the world does not say whether this agent is still welcome")
 
     def _spread(self, least: float) -> float:
         """Time [s] before a question is repeated: not all agents of a team at once."""

@@ -67,7 +67,7 @@ class Log:
                 if tick.number != expected:
                     raise FesError(f"{self.path}: after tick {expected - 1} comes tick {tick.number}")
                 if expected >= self.scenario.ticks:
-                    raise FesError(f"{self.path}: it goes on after tick {expected - 1}, the last of its scenario")
+                    raise FesError(f"{self.path}: it continues after tick {expected - 1}, the last of its scenario")
                 yield tick
                 there = expected + 1
         except _UNREADABLE as error:

@@ -69,7 +69,7 @@ def _check_host(host: str, endpoint: str) -> None:
             raise FesError(f"only an IPv6 address stands in brackets: {endpoint}") from None
     elif ":" in host:
         protocol, _, rest = endpoint.partition("/")
-        raise FesError(f"an IPv6 address wants brackets, {protocol}/[{host}]{rest[len(host) :]}: {endpoint}")
+        raise FesError(f"an IPv6 address needs brackets, {protocol}/[{host}]{rest[len(host) :]}: {endpoint}")
     elif len(host) > MAX_NAME or not all(map(_LABEL.fullmatch, host.removesuffix(".").split("."))):
         raise FesError(f"the name of a host is up to {MAX_NAME} letters, 1 to 63 between dots: {endpoint}")
 

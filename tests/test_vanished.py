@@ -139,9 +139,7 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
     with pytest.MonkeyPatch.context() as broken:
         broken.setattr(Recorder, "add", lambda *words: None)
         broken.setattr("world.container.Container._again", lambda *words: None)
-        with pytest.raises(
-            FesError, match=r"cannot be gone on with: .*run\.mcap does not hold what was copied to it$"
-        ):
+        with pytest.raises(FesError, match=r"cannot be continued: .*run\.mcap does not hold what was copied to it$"):
             resume.recorder(run, kept)
     assert (run / NAME).read_bytes() == original
     assert not aside.exists()

@@ -133,7 +133,7 @@ class Server:
 
     @property
     def strangers(self) -> int:
-        """Commands that came from another process than the agent that was accepted for their robot."""
+        """Number of commands from processes other than the agent that was accepted for their robot."""
         return self._gate.rejected
 
     def dismiss(self) -> None:
@@ -211,7 +211,7 @@ class Server:
     async def _hear(self, answers: list[Answer | None], present: Bools) -> list[bytes]:
         """The beacons of this tick, in id order; a robot at fault is excluded, in `answers` and `present` [n] too.
 
-        The live clock waits for no beacon, so one that is missing is late, and its sender not at fault.
+        The live clock waits for no beacon: a missing one is only late, and its sender is not at fault.
         """
         state = self.course.state
         legible = state.legible & present

@@ -23,7 +23,7 @@ def own() -> Iterator[Finding]:
         f"{', '.join(others)} has the package '{package}' too" for package, others in _sharers().items() if others
     ]
     if shared:
-        remedy = f"one of them works, and to remove one breaks the other: {distribution.separate()}"
+        remedy = f"only one of them works, and removing one breaks the other: {distribution.separate()}"
         yield warning(CHECK, "; ".join(shared), remedy)
         return
     try:
