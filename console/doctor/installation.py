@@ -36,7 +36,7 @@ def own() -> Iterator[Finding]:
 
 
 def overwritten(files: Distribution | None = None) -> Iterator[str]:
-    """Each of our packages whose first file is not the one that was installed, and whose it may be.
+    """Each of our packages whose first file is not the one that was installed, and the likely owner of that file.
 
     An installation of a clone keeps no list of files: there is nothing to compare.
     """
