@@ -91,7 +91,7 @@ def test_pairs_found_in_blocks_are_those_of_a_search_of_all_pairs(
 
 @pytest.mark.parametrize("rule", sorted(neighbors.RULES))
 def test_a_crowd_takes_memory_in_proportion_to_its_contacts(rule: str) -> None:
-    """However many they are: the triples of contacts and third robots are 80 and 160 times as many."""
+    """For any number of contacts: their triples with third robots are 80 and 160 times as many."""
     for robots in (80, 160):
         what, numbers = dense(robots, rule), 128 * 8
         tracemalloc.start()

@@ -1,4 +1,4 @@
-"""Endpoints that cannot be: each has a line of its own, before anything waits for it."""
+"""Impossible endpoints: each has an error line of its own, before anything waits for it."""
 
 import asyncio
 import json
@@ -18,7 +18,7 @@ from tests.loop import CONFIGS
 from tests.test_cli import PROGRAMS, call, complaint, vacant
 
 NAME = "no.such.host.invalid"
-"""No name server has it: `.invalid` is kept free for that."""
+"""A name that no name server has: `.invalid` is reserved for this."""
 
 BAD = {
     "bogus": "not an endpoint like tcp/127.0.0.1:7447: bogus",
@@ -173,7 +173,7 @@ def hosts(tmp_path: Path) -> list[str]:
 
 
 def test_a_name_that_comes_to_resolve_is_joined(hosts: list[str], tmp_path: Path) -> None:
-    """A container may start before the one whose name it is given: it waits, as for a world."""
+    """A container may start before the one that it connects to by name: it waits, as for a world."""
     endpoint = vacant()
     late = endpoint.replace("127.0.0.1", "late-world.invalid")
     words = [*hosts, str(PROGRAMS / "fes-agent"), "--id", "0", "--timeout", "60", "-e", late]
@@ -203,7 +203,7 @@ def test_a_namespace_that_would_make_keys_too_long_is_refused() -> None:
 
 @pytest.mark.parametrize("nesting", ["[", "{a:"])
 def test_brackets_that_would_end_zenoh_are_refused(nesting: str, tmp_path: Path) -> None:
-    """Its parser overflows the stack: a signal, not an error."""
+    """Zenoh's parser would overflow the stack, which is a signal and not an error."""
     close = {"[": "]", "{a:": "1}"}[nesting]
     deep = nesting * 50_000 + close[:-1] + close[-1] * 50_000
     (tmp_path / "deep.json5").write_text(f'{{"metadata": {deep}}}')

@@ -1,4 +1,4 @@
-"""A beacon that did not arrive is had from the world, which judged its sender by it."""
+"""The world repeats a beacon that did not arrive: the copy by which it judged the sender."""
 
 import asyncio
 import contextlib
@@ -68,7 +68,7 @@ def test_the_world_repeats_a_beacon_as_its_peers_got_it_without_a_log_too() -> N
                     await asyncio.sleep(0)
                     continue
                 question = messages.encode_recall(messages.decode_beacon(sample[1]).tick)
-                with contextlib.suppress(Refused):  # not judged yet, or forgotten already
+                with contextlib.suppress(Refused):  # not judged yet, or already forgotten
                     repeated.append(await robot.ask(keys.held_beacon(RUN, 1), question, PATIENCE) == sample[1])
 
     asyncio.run(session.run(load("pair.toml", run__duration=20.0), [[0], [1]], disturb))

@@ -1,4 +1,4 @@
-"""What is asked for is not changed or dropped without a word: durations, events, delays, channels that are told."""
+"""No part of a scenario is changed or dropped silently: durations, events, delays, channels that are told."""
 
 import json
 import subprocess
@@ -102,7 +102,7 @@ def test_fes_run_says_them_with_both_backends_and_fes_world_in_its_log(tmp_path:
 
 def test_fes_sweep_says_them_once_for_all_of_its_cells(tmp_path: Path) -> None:
     words = ["--seeds", "0:3", "--set", "run.duration=0.05", "--axis", "formation.rule=disk,two_nearest"]
-    call = fes("sweep", str(CONFIGS / "pair.toml"), *words, "--out", "/dev/null")  # where it cannot go further
+    call = fes("sweep", str(CONFIGS / "pair.toml"), *words, "--out", "/dev/null")  # it cannot go further there
     done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 1
     line = "fes: warning: run.duration 0.05 s is not a multiple of run.dt 0.02 s: 2 ticks are run, 0.04 s\n"
