@@ -2,14 +2,12 @@
 
 The packages `fes`, `agents`, `world` and `console` have names that others use too, and a package of another project
 that Python finds first would end every command in a traceback. This module, whose name no other project uses,
-imports none of them before it knows that they are ours, and that this system can run them.
+imports none of them before it knows that they are ours, and that this system can run them. It also imports next to
+nothing itself until a Ctrl-C ends a command without a traceback.
 """
 
-import importlib
-import importlib.util
 import signal
 import sys
-from pathlib import Path
 
 NEEDED = ("fcntl", "resource", "termios")
 """Modules of Python that only Unix has."""
@@ -17,12 +15,15 @@ NEEDED = ("fcntl", "resource", "termios")
 
 def trouble() -> str:
     """Reason why no command can run here, in one line; empty if they can."""
+    import importlib.util
+    from pathlib import Path
+
     for name in NEEDED:
         try:
             importlib.import_module(name)
         except ImportError:
             return f"fes runs on Linux and macOS; Python on {sys.platform} has no module '{name}'"
-    path = Path(__file__).resolve().parent / "fes" / "distribution.py"
+    path = Path(__file__).absolute().parent / "fes" / "distribution.py"
     spec = importlib.util.spec_from_file_location("fes_robots_distribution", path)
     if spec is None or spec.loader is None or not path.is_file():
         return f"the package 'fes' is missing beside {__file__}: install fes-robots again"
@@ -48,12 +49,11 @@ def fes_agent() -> None:
 
 
 def _start(command: str, module: str) -> None:
-    python = signal.getsignal(signal.SIGINT)
-    if python is signal.default_int_handler:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # no traceback out of an import
-    why = trouble()
-    signal.signal(signal.SIGINT, python)
-    if why:
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # no traceback out of an import; `fes.signals.hold` follows
+    import importlib
+
+    if why := trouble():
         print(f"{command}: error: {why}", file=sys.stderr)
         raise SystemExit(1)
     importlib.import_module(module).main()

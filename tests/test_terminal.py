@@ -118,7 +118,7 @@ def test_a_signal_leaves_the_terminal_as_it_was_and_the_last_frame_on_it(
     assert shown.end() == 1
     assert is_restored(shown.text)
     *frame, last = shown.left.rstrip("\n").split("\n")
-    assert last == f"fes: error: stopped by {number.name}"
+    assert last == f"fes: error: stopped by {number.name}; what was reached is in out"
     assert any(line.startswith("pair ") for line in frame)
 
 
