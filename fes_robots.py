@@ -1,9 +1,9 @@
 """The commands `fes`, `fes-world` and `fes-agent`, from the first line on.
 
 The packages `fes`, `agents`, `world` and `console` have names that others use too, and a package of another project
-that Python finds first would end every command in a traceback. This module, whose name nobody else uses, imports none
-of them before it knows that they are ours, and that this system can run them. Until a Ctrl-C ends a command without a
-traceback, it imports next to nothing itself.
+that Python finds first would end every command in a traceback. This module, whose name no other project uses,
+imports none of them before it knows that they are ours, and that this system can run them. It also imports next to
+nothing itself until a Ctrl-C ends a command without a traceback.
 """
 
 import signal
@@ -14,7 +14,7 @@ NEEDED = ("fcntl", "resource", "termios")
 
 
 def trouble() -> str:
-    """Why no command can run here, in a line; empty if they can."""
+    """Reason why no command can run here, in one line; empty if they can."""
     import importlib.util
     from pathlib import Path
 
@@ -50,7 +50,7 @@ def fes_agent() -> None:
 
 def _start(command: str, module: str) -> None:
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # no traceback out of an import; `fes.signals.hold` goes on
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # no traceback out of an import; `fes.signals.hold` follows
     import importlib
 
     if why := trouble():

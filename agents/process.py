@@ -75,7 +75,7 @@ class Agent:
             heard = self.radio.heard(observations.tick - 1)
             if lockstep:
                 heard = await self._complete(observations, heard)
-            else:  # a beacon that comes late is lost
+            else:  # a late beacon is lost
                 self._late += contacts.missing(observations, [beacon.robot for beacon in heard])
             beacons = stack.beacons(observations.tick - 1, heard)
             state, said, twists = crew.step(robots, state, observations, beacons)
@@ -87,10 +87,10 @@ class Agent:
         self.membership.close()
 
     async def _complete(self, observations: Observations, heard: list[Beacon]) -> list[Beacon]:
-        """All beacons that decoded, by sender; raises Absent where one cannot be had, as digits would change.
+        """All beacons that decoded, by sender; raises Absent if one is missing, since digits would change.
 
-        Links are first-in first-out, so one is missing only where junk filled a mailbox, where it took a slower way
-        than the tick, or where a router died with it. A world that is busy is asked again for as long as it is there.
+        Links are first-in first-out. So a beacon is missing only if junk filled a mailbox, if it took a slower path
+        than the tick, or if a router died with it. A busy world is asked again for as long as it is there.
         """
         world = self.membership.world
         while absent := contacts.decoded(observations) - {beacon.robot for beacon in heard}:

@@ -47,8 +47,8 @@ class Radio:
     async def recall(self, tick: int, peers: Collection[int]) -> tuple[list[Beacon], bool]:
         """The beacons of `peers` from `tick` that the world repeats now, and True if it refused one for good.
 
-        For beacons that junk pushed out of a mailbox, or that took a slower way than the tick. The world is asked and
-        not the peer, so that all robots hear the same beacon, whatever its sender is worth.
+        For beacons that junk pushed out of a mailbox, or that took a slower path than the tick. The world is asked,
+        not the peer, so that all robots hear the same beacon, even from a hostile sender.
         """
         answers = await asyncio.gather(*(self._held(peer, tick) for peer in peers))
         return [answer for answer in answers if isinstance(answer, Beacon)], False in answers

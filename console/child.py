@@ -1,4 +1,4 @@
-"""One child process of `fes run`: how it is started, signaled, and what is said of its end."""
+"""One child process of `fes run`: its start, its signals, and the report of its end."""
 
 import asyncio
 import contextlib
@@ -19,7 +19,7 @@ DISMISSED = "the run is over"
 """Said in the log of an agent whose world has dismissed it."""
 
 TAIL = 4096
-"""So much of the end of a log is read [bytes]."""
+"""Length of the end of a log that is read [bytes]."""
 
 LONGEST = 300
 """Longest line of a log that is shown [characters]."""
@@ -30,7 +30,7 @@ class Child:
     """One child process."""
 
     name: str
-    """The program, and which robots it hosts."""
+    """The program, and the robots that it hosts."""
     process: asyncio.subprocess.Process
     log: Path
     """Its standard error."""
@@ -41,12 +41,12 @@ class Child:
 
     @property
     def runs(self) -> bool:
-        """Whether it has not ended."""
+        """True if it has not ended."""
         return self.process.returncode is None
 
     @property
     def was_dismissed(self) -> bool:
-        """Whether an agent ended since its run was over; so it is taken, if its log does not tell."""
+        """True if an agent ended because its run was over; also if its log cannot be read."""
         try:
             return DISMISSED in self._tail()
         except OSError:
@@ -69,7 +69,7 @@ class Child:
     def signal(self, number: signal.Signals) -> None:
         """Send it a signal, unless it has ended.
 
-        Not through Popen, which would look whether the child has ended and take its exit status from asyncio.
+        Popen is not used: it would check whether the child has ended, and take its exit status from asyncio.
         """
         if self.runs:
             with contextlib.suppress(ProcessLookupError):
@@ -84,8 +84,8 @@ class Child:
 async def start(name: str, module: str, arguments: list[str], log: Path, robots: str = "") -> Child:
     """A new child, which ends when this process does; it appends to its `log`. Raises OSError."""
     with log.open("ab") as stream:
-        # A child inherits the mask, so that no signal meets an interpreter that only just starts: `fes.signals.hold`
-        # delivers it. Nothing may be awaited between the two, as other children may be started meanwhile.
+        # A child inherits the mask, so that no signal meets a half-started interpreter: `fes.signals.hold` delivers
+        # it later. Nothing may be awaited in between, since other children may be started meanwhile.
         signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
         try:
             process = await asyncio.create_subprocess_exec(
@@ -130,7 +130,7 @@ def _signal_name(number: int) -> str:
 
 
 def _printable(line: str) -> str:
-    r"""A line of a log on one line of a terminal, which it cannot command.
+    r"""A line of a log as one line that cannot control the terminal.
 
     >>> print(_printable("no \x1b[2Jroom"))
     no \x1b[2Jroom

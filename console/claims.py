@@ -24,7 +24,7 @@ CONFIGS = Path(__file__).parent.parent / "configs"
 Numbers = dict[str, float]
 
 SEEDS = 5
-"""Runs of a formation whose end differs from seed to seed."""
+"""Number of runs of a formation whose end differs from seed to seed."""
 
 PAIR = np.array([58.0, 78.0])
 """Two estimates of one link, 20 m apart [m]."""
@@ -119,7 +119,7 @@ def theorem_1() -> Numbers:
 def disk_graph() -> Numbers:
     """Every robot in range a neighbor: Problem 1 has no solution, and the robots end in a frustrated cluster.
 
-    Where a frustrated formation ends is chaotic: the last bit of a processor's exp decides. So it is told over seeds.
+    The end of a frustrated formation is chaotic: the last bit of a processor's exp decides. So many seeds are run.
     """
     start = _scenario("disk")
     seeds = [start.model_copy(update={"run": start.run.model_copy(update={"seed": seed})}) for seed in range(SEEDS)]

@@ -108,13 +108,13 @@ def run(
     json_: Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else.")] = False,
     record: Annotated[bool, typer.Option(help="Write a log of every message, run.mcap.")] = True,
     respawn: Annotated[
-        bool, typer.Option("--respawn", help="Start agents that die again, each with all of its robots.")
+        bool, typer.Option("--respawn", help="Restart agents that die, each with all of its robots.")
     ] = False,
     verbose: Annotated[bool, typer.Option("--verbose", help=VERBOSE)] = False,
 ) -> int:
     """Run a scenario: world, robots and dashboard.
 
-    An agent that dies does not end the run: its robots stand still from then on, or until it is there again.
+    An agent that dies does not end the run: its robots stand still until another agent joins for them.
     """
     fields = [("run.seed", seed), ("run.duration", duration), ("run.clock", clock)]
     overrides = [*(set_ or []), *(f"{field}={value}" for field, value in fields if value is not None)]
@@ -188,7 +188,7 @@ def main() -> None:
     """Entry point of fes: every error is one line, and the exit code says which kind it was."""
     output.configure()
     try:
-        signal.signal(signal.SIGINT, signal.default_int_handler)  # no longer that of the first moments
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # instead of the handler of the first moments
         code = typer.main.get_command(app)(standalone_mode=False)
     except KeyboardInterrupt:
         code = INTERRUPTED
@@ -218,7 +218,7 @@ def main() -> None:
     if code == INTERRUPTED:
         process.complain("fes", "stopped by SIGINT")
         code = process.FAILURE
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Python's own would be a traceback out of its shutdown
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Python's own would print a traceback during its shutdown
     sys.exit(code if isinstance(code, int) else process.SUCCESS)
 
 

@@ -117,7 +117,7 @@ def _again(directory: Path) -> History:
     summary, loaded = processes.read_summary(directory), load(scenario)
     ticks = summary.get("ticks")
     if not isinstance(ticks, int) or not 1 <= ticks <= loaded.ticks or "digest" not in summary:
-        raise FesError(f"{directory / 'summary.json'} is no summary of {scenario.name}: it lacks ticks or digest")
+        raise FesError(f"{directory / 'summary.json'} is not a summary of {scenario.name}: it lacks ticks or digest")
     run = loaded.run.model_copy(update={"duration": ticks * loaded.run.dt})
     seen = history.follow(loaded.model_copy(update={"run": run}))
     if seen.digest != summary["digest"]:

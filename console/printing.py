@@ -29,5 +29,5 @@ def cell(text: object, style: str = "") -> Text:
 
 
 def show(screen: Console, what: RenderableType) -> None:
-    """Print a table, or several, and cut off nothing."""
+    """Print a table, or several, without cutting anything off."""
     screen.print(what, crop=False)

@@ -29,7 +29,7 @@ from world.scenario import Scenario
 
 RUN = keys.DEFAULT_RUN
 MAX_SUMMARY = 1 << 30
-"""Size of a summary that is read [bytes]; that of a hundred robots has 100 kB."""
+"""Largest summary that is read [bytes]; that of a hundred robots has 100 kB."""
 
 JOIN_TIMEOUT = 60.0
 """How long children look for the world [s]; a loaded machine starts ten interpreters slowly."""
@@ -48,7 +48,7 @@ class Launch:
     secure: bool = False
     """With TLS, and certificates made for this run."""
     respawn: bool = False
-    """Start agents that die again."""
+    """True if agents that die are restarted."""
 
     def groups(self, robots: int) -> list[str]:
         """The robot ids of each agent process."""
@@ -56,7 +56,7 @@ class Launch:
 
 
 def check(launch: Launch, scenario: Scenario) -> None:
-    """Raise FesError, as `fes doctor` says it, for what would keep this run from starting."""
+    """Raise FesError, in the words of `fes doctor`, for anything that would keep this run from starting."""
     for seen in (machine.loopback(), machine.files(len(launch.groups(scenario.robots.number)))):
         if seen.status is Status.FAILED:
             raise FesError(f"{seen.check}: {seen.seen}; {seen.remedy}")
@@ -78,21 +78,21 @@ def run(launch: Launch, scenario: Scenario, directory: RunDirectory, console: Co
 
 
 class Remarks:
-    """Warnings while a run goes on: at once, or `held` until no dashboard covers them."""
+    """Warnings during a run: printed at once, or `held` until no dashboard covers them."""
 
     def __init__(self, held: bool) -> None:
         self._held = held
         self._waiting: list[str] = []
 
     def add(self, line: str) -> None:
-        """Say a line, or keep it."""
+        """Print a line, or hold it."""
         if self._held:
             self._waiting.append(line)
         else:
             process.warn("fes", line)
 
     def close(self) -> None:
-        """Say all that was held."""
+        """Print all lines that were held."""
         for line in self._waiting:
             process.warn("fes", line)
 
@@ -126,8 +126,8 @@ async def _run(
 
 @contextlib.asynccontextmanager
 async def _family(directory: RunDirectory) -> AsyncIterator[Family]:
-    """The children of a run. A second signal, which waits for none of them, lets a world that has begun close by
-    itself, and leaves nothing of one that has not."""
+    """The children of a run. A second signal waits for none of them. It lets a world that has begun close by itself,
+    and leaves nothing of one that has not."""
     family = Family(directory.path)
 
     def abandon() -> None:
@@ -174,7 +174,7 @@ async def _faults(
 
 
 def _deserted(scenario: Scenario, endpoint: str) -> str:
-    """What to say when no agent is left."""
+    """Warning for a run of which no agent is left."""
     if scenario.run.clock == "live":
         return "no agent is left: all robots stand still until the end"
     return f"no agent is left: the world at {endpoint} waits {RETURN_TIMEOUT:g} s for one, and then ends"

@@ -1,4 +1,4 @@
-"""Signs of life of a command that takes longer than a second: on the standard error of a terminal, else nothing."""
+"""Progress of a command that takes longer than a second: on standard error, only if it is a terminal."""
 
 import contextlib
 from collections.abc import Iterator
@@ -19,11 +19,11 @@ from fes import process
 from fes.output import printable
 
 SPINNER = "line"
-"""Of rich's spinners: one that any encoding has."""
+"""Name of a rich spinner that every encoding can print."""
 
 
 class Bar:
-    """How far a command is."""
+    """The progress bar of a command."""
 
     def __init__(self, shown: Progress, what: str, total: float | None) -> None:
         self._shown = shown
@@ -31,32 +31,32 @@ class Bar:
 
     @property
     def is_shown(self) -> bool:
-        """True if somebody can see it."""
+        """True if it is visible."""
         return not self._shown.disable
 
     def measure(self, total: float) -> None:
-        """So much is to be done."""
+        """Set the work that is to be done."""
         self._shown.update(self._task, total=total)
 
     def advance(self, by: float = 1.0) -> None:
-        """So much more is done."""
+        """Add to the work that is done."""
         if self.is_shown:
             self._shown.advance(self._task, by)
 
     def reach(self, done: float) -> None:
-        """So much is done in all."""
+        """Set the work that is done so far."""
         self._shown.update(self._task, completed=done)
 
     def note(self, text: str) -> None:
-        """Say something beside the bar."""
+        """Show a text beside the bar."""
         self._shown.update(self._task, note=printable(text))
 
 
 @contextlib.contextmanager
 def bar(what: str, total: float | None = None) -> Iterator[Bar]:
-    """A block that takes a while, in which a bar shows how much of `total` is done; None if nobody can say.
+    """A block that takes a while, in which a bar shows how much of `total` is done; None if that is unknown.
 
-    Within it a signal raises Stopped, so that the cursor is there again whatever ends it.
+    Within it a signal raises Stopped, so that the cursor returns whatever ends the block.
     """
     measured = (BarColumn(), TaskProgressColumn(), _text("{task.fields[note]}"), TimeElapsedColumn())
     with process.interruptible(), _shown(*measured, TimeRemainingColumn()) as shown:
@@ -65,7 +65,7 @@ def bar(what: str, total: float | None = None) -> Iterator[Bar]:
 
 @contextlib.contextmanager
 def waiting(what: str) -> Iterator[None]:
-    """A block of asyncio that waits for others, in which a line says for `what`."""
+    """A block of asyncio that waits for others; a line says for `what`."""
     with _shown(TimeElapsedColumn()) as shown:
         Bar(shown, what, None)
         yield

@@ -109,7 +109,7 @@ class Bus:
         return declared.put if mark is None else partial(declared.put, attachment=mark)
 
     def subscribe(self, key: str, handler: Handler, gate: Gate | None = None) -> Callable[[], None]:
-        """Hand every sample on `key` that may pass the `gate` to `handler`; returns a function that ends it."""
+        """Hand every sample on `key` that may pass the `gate` to `handler`; returns a function that unsubscribes."""
 
         def on_sample(sample: zenoh.Sample) -> None:
             name = str(sample.key_expr)

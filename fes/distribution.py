@@ -3,8 +3,8 @@
 `fes` on the Python Package Index is another project. Ours is not published there, so no text may tell a user to
 install it by name: every command that installs something comes from this module and names a clone.
 
-`fes_robots.py` loads this file before it knows whether the package `fes` is ours: it imports the standard library
-only.
+`fes_robots.py` loads this file before it knows whether the package `fes` is ours. So this file imports only the
+standard library.
 """
 
 import importlib.util

@@ -128,12 +128,12 @@ def beacon(run: str, robot: int | str) -> str:
 
 
 def recall(run: str, robot: int | str) -> str:
-    """Where the world asks a robot to repeat a beacon that it did not get."""
+    """Key on which the world asks a robot to repeat a beacon that the world did not get."""
     return f"fes/{run}/robot/{robot}/recall"
 
 
 def held_beacon(run: str, robot: int | str, robots: str) -> str:
-    """Where the agent of `robots`, as `span` writes them, asks the world for its copy of a robot's beacon."""
+    """Key on which the agent of `robots`, as `span` writes them, asks the world for its copy of a robot's beacon."""
     return f"fes/{run}/world/beacon/{robot}/{robots}"
 
 

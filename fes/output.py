@@ -10,12 +10,12 @@ def configure() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
-    if logging.lastResort is not None:  # for tools that have no log
+    if logging.lastResort is not None:  # for tools that configure no log
         logging.lastResort.setFormatter(Formatter("%(message)s"))
 
 
 def printable(text: str) -> str:
-    r"""`text` as one line without control characters: each is shown by its escape.
+    r"""`text` as one line without control characters: each is shown as its escape.
 
     >>> print(printable("a\x1b[2J\nb"))
     a\x1b[2J\nb

@@ -26,7 +26,7 @@ FORCED = 130
 YEAR = 3.2e7  # s
 
 SLOWEST = 1e-6
-"""Least pace [simulated seconds per second]: a tick of it can be slept through."""
+"""Slowest pace [simulated seconds per second]: a program can still sleep for one tick of it."""
 
 T = TypeVar("T")
 
@@ -68,7 +68,7 @@ def leave(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_wit
 def supervise(main: Callable[[], Coroutine[None, None, T]], *, exit_with_stdin: bool = False) -> T:
     """The result of `main`, run to its end; a signal cancels it, lets it clean up, and raises Stopped.
 
-    Signals have the handlers of before again when this is over.
+    Afterwards signals have their previous handlers again.
     """
     with signals.restored():
         return asyncio.run(_until_stopped(main, exit_with_stdin))
@@ -141,12 +141,12 @@ def complain(name: str, message: str) -> None:
 
 
 def warn(name: str, message: str) -> None:
-    """Say what a person should know of a program that continues, in one line."""
+    """Print a warning of a program that continues, in one line."""
     tell(f"{name}: warning: {message}")
 
 
 def tell(message: str) -> None:
-    """Say something on standard error, in one line; nothing if that is closed."""
+    """Print a message on standard error, in one line; nothing if that is closed."""
     line = output.printable(" ".join(message.split("\n")))
     if sys.stderr is not None:  # print() would take standard output instead
         with contextlib.suppress(OSError, ValueError):  # the terminal may be gone

@@ -42,11 +42,6 @@ def held(ids: str) -> set[str]:
     return {f"world/beacon/{robot}/{ids}" for robot in (2, 3, 4)}
 
 
-def held(ids: str) -> set[str]:
-    """Where an agent asks for beacons that it missed."""
-    return {f"world/beacon/{robot}/{ids}" for robot in (2, 3, 4)}
-
-
 def test_a_robot_says_only_what_is_its_own() -> None:
     assert everything("put", "ingress", "robot-3") == {"robot/3/beacon", "robot/3/command"}
     assert everything("liveliness_token", "ingress", "robot-3") == {"robot/3/alive"}

@@ -1,6 +1,6 @@
-"""Stop signals in the first moments of a program: quiet, soon, true, and with nothing left behind.
+"""Stop signals in the first moments of a program: it ends quietly and soon, with a true message, and leaves nothing.
 
-Moments are waited for as what can be seen of them: a library that is being loaded, a line, a child, a file.
+Each moment is awaited by its visible sign: a library that is being loaded, a line, a child, a file.
 """
 
 import json
@@ -18,7 +18,7 @@ from tests.test_processes import PATIENCE, STARTING, alive, children, fes, start
 PAIR = str(CONFIGS / "pair.toml")
 RUN = ["-m", "console", "run", PAIR, "--headless", "--json", "--duration", "1000"]
 NUMPY = "_multiarray_umath"
-"""A file of numpy: a process that has it open is importing what it needs."""
+"""A file of numpy: a process that has it open is still importing."""
 
 Moment = Callable[[int, Path], object]
 
@@ -54,7 +54,7 @@ MOMENTS: dict[str, Moment] = {
 
 
 SECURE = ("while its world imports", "while its agents import", "when it has begun")
-"""With keys, the moments that a run without them does not stand for."""
+"""Moments of a run with keys, which a run without keys does not cover."""
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
 """A robot with a valid certificate that does not beacon as it should is excluded alone, over TLS.
 
-What must hold: the others sense, say and do, to the bit, what they would if the schedule had removed the robot at the
-tick that the journal names.
+Pass criterion: to the bit, the others sense, say and do the same as if the schedule had removed the robot at the tick
+that the journal names.
 """
 
 import asyncio
@@ -80,7 +80,7 @@ def contradict_itself(mouth: Mouth, tick: int, said: Said) -> None:
 
 
 def contradict_itself_later(mouth: Mouth, tick: int, said: Said) -> None:
-    """The second beacon of a tick comes when the first was judged already, and peers have used it."""
+    """The second beacon of a tick arrives after the first was judged, and used by peers."""
     if tick > FIRST:
         mouth._beacon[HOSTILE](altered(mouth._beacons[tick - 1][HOSTILE]))
     Mouth.say(mouth, tick, said)
@@ -110,7 +110,7 @@ def without(tick: int, where: Path) -> log.Log:
 
 
 def resumed(outcome: Outcome) -> str:
-    """The digest of the run gone through again from its first checkpoint and its journal."""
+    """The digest of the run, computed again from its first checkpoint and its journal."""
     course, keeper, _ = resume.course(outcome.directory, resume.load(outcome.directory), None, 1e9)
     keeper.close(course)
     assert HOSTILE in course.excluded
@@ -121,7 +121,7 @@ def resumed(outcome: Outcome) -> str:
 def test_a_robot_at_fault_is_excluded_and_the_others_lose_no_digit(
     attack: Attack, tick: int, reason: str, keyed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("agents.turns.QUIET", 0.2)  # its agent learns of it when it hears nothing
+    monkeypatch.setattr("agents.turns.QUIET", 0.2)  # its agent asks when it hears nothing
     outcome = hostile.run(tmp_path, keyed, attack)
     excluded = [note for note in outcome.notes if note[0] == EXCLUDE]
     assert [note[1:3] for note in excluded] == [[tick, [HOSTILE]]]
@@ -140,14 +140,14 @@ def honest(mouth: Mouth, tick: int, said: Said) -> None:
 
 
 async def accuse(second: Bus) -> None:
-    """Ask the world again and again for beacons that came, and robots for theirs, as if they had not."""
+    """Ask the world repeatedly for beacons that arrived, and robots for theirs, as if they had not arrived."""
     for tick in range(FIRST, FIRST + 20):
         for robot in sorted(OTHERS):
             try:
                 await second.ask(keys.held_beacon(RUN, robot, str(HOSTILE)), messages.encode_recall(tick), 0.2)
             except (Refused, Absent):
                 continue
-        second._session.get(keys.recall(RUN, 5), payload=messages.encode_recall(tick), timeout=0.1)  # not its right
+        second._session.get(keys.recall(RUN, 5), payload=messages.encode_recall(tick), timeout=0.1)  # not allowed
 
 
 async def flood(second: Bus) -> None:

@@ -1,4 +1,4 @@
-"""What is installed: a wheel in an environment of its own, and other projects' packages that have our names."""
+"""Installations: a wheel in an environment of its own, and other projects' packages that have our names."""
 
 import ast
 import base64
@@ -69,7 +69,7 @@ class Environment:
         )  # fmt: skip
 
     def names(self, where: Path) -> dict[str, str]:
-        """What its doctor says of our names."""
+        """The finding of its doctor on our names."""
         [found] = [
             one
             for one in json.loads(self.call(where, "fes", "doctor", "--json").stdout)

@@ -1,4 +1,4 @@
-"""Children of `fes run`: a world has the time that it takes to close, and an agent that dies ends nothing."""
+"""Children of `fes run`: a world has the time that it needs to close, and an agent that dies does not end the run."""
 
 import asyncio
 import signal
@@ -16,7 +16,7 @@ from tests.test_processes import alive
 
 
 async def finished(kin: Family, respawn: Respawn | None = None) -> tuple[str, list[str]]:
-    """What a run is said to have failed of, if it has, and what was said under way."""
+    """The error of a run, if it failed, and its warnings."""
     said: list[str] = []
     try:
         await Supervisor(kin, said.append, "nobody is left", respawn).finish()
@@ -157,7 +157,7 @@ def test_no_agent_that_waits_to_be_started_again_is_started_when_all_ends(tmp_pa
 
 
 def test_an_agent_that_is_stopped_at_the_end_is_told_to_end_and_not_killed(tmp_path: Path) -> None:
-    """It would wait for a world that is over; continued, it ends as one that is told to."""
+    """It would wait for a world that is over; once continued, it ends as it was told to."""
 
     async def main() -> Child:
         async with family(tmp_path) as kin:

@@ -1,4 +1,4 @@
-"""Data is text: brackets are brackets, and nothing of a file or the network moves the cursor."""
+"""Data is text: brackets are brackets, and no text from a file or the network moves the cursor."""
 
 import ast
 import io
@@ -30,12 +30,12 @@ ODD = "a[/b]c [red]d[ [lambda=2] :smile:"
 
 
 def is_clean(text: str) -> bool:
-    """Whether nothing below 0x20 but newlines is in a text, nor any other control character."""
+    """True if a text has no control character but newlines."""
     return all(line.isprintable() for line in text.split("\n"))
 
 
 def words(text: str) -> str:
-    """A text in one line, as it was before it was folded."""
+    """A folded text as the one line that it was before."""
     return "".join(text.split())
 
 

@@ -1,4 +1,4 @@
-"""A command that takes longer than a second says how far it is: on a terminal, and nowhere else."""
+"""A command that takes longer than a second shows its progress: on a terminal, and nowhere else."""
 
 import re
 import subprocess

@@ -1,4 +1,4 @@
-"""A beacon that did not arrive is had from the world, which judged its sender by it."""
+"""The world repeats a beacon that did not arrive: the copy by which it judged the sender."""
 
 import asyncio
 import contextlib

@@ -1,4 +1,4 @@
-"""`fes run` survives its robots: agents that it started and that die end nothing, and are told of."""
+"""`fes run` survives its robots: if agents that it started die, it names them and continues."""
 
 import json
 import os
@@ -16,7 +16,7 @@ BEGUN = "all robots are here"
 
 
 class Run:
-    """A `fes run` under way."""
+    """A running `fes run`."""
 
     def __init__(self, where: Path, scenario: str, *words: str) -> None:
         self.out = where / "out"
@@ -29,7 +29,7 @@ class Run:
         return path.read_text() if path.exists() else ""
 
     def pid(self, robots: str) -> int:
-        """Of the agent of `robots` that runs now."""
+        """Process id of the agent of `robots` that runs now."""
 
         def found() -> list[int]:
             here = children(self.running.pid)
@@ -45,7 +45,7 @@ class Run:
         until(lambda: not any(alive(pid) for pid in pids))
 
     def end(self) -> tuple[int, str, list[str]]:
-        """The exit code, standard output, and what was said after the first line; nobody may be left."""
+        """The exit code, standard output, and the messages after the first line; no process may be left."""
         self.seen |= set(children(self.running.pid))
         out, err = self.running.communicate(timeout=2 * PATIENCE)
         until(lambda: not any(alive(pid) for pid in self.seen))

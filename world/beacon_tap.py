@@ -1,7 +1,7 @@
 """The world's own copy of every Beacon, by which it judges the robots that sent them.
 
-A robot puts Beacon k before Command k on one first-in first-out link. So when the commands of tick k are here, a
-Beacon k that is missing or unreadable is the fault of its sender, and of nobody else: peers have no say in it.
+A robot puts Beacon k before Command k on one first-in first-out link. So when the commands of tick k have
+arrived, a missing or unreadable Beacon k is the fault of its sender alone: peers have no say in it.
 """
 
 import asyncio
@@ -28,7 +28,7 @@ Faults = dict[int, str]
 
 
 class BeaconTap:
-    """One mailbox for each robot, and the beacons of the tick at hand."""
+    """One mailbox per robot, and the beacons of the current tick."""
 
     def __init__(
         self,
@@ -53,9 +53,9 @@ class BeaconTap:
         opened.serve(keys.held_beacon(run, "*", "*"), self._on_recall)
 
     def heard(self, tick: int, legible: Bools) -> list[bytes]:
-        """The payload of each robot's Beacon of `tick` as far as it came, in id order; a missing one is counted.
+        """The payload of each robot's Beacon of `tick` as far as it arrived, in id order; a missing one is counted.
 
-        It is empty for a robot that is not `legible` [n], and where nothing readable came.
+        The payload is empty for a robot that is not `legible` [n], and if nothing readable arrived.
         """
         found = self._collect(tick, legible)
         for robot in np.flatnonzero(legible).tolist():
@@ -80,7 +80,7 @@ class BeaconTap:
         found = self._collect(tick, legible)
         absent = [robot for robot, here in enumerate(legible.tolist()) if here and not found[robot]]
         answers = await asyncio.gather(*(self._recall(robot, tick) for robot in absent))
-        faults = dict(self._faults.pop(tick - 1, {}))  # of a beacon that came after the judgement of its tick
+        faults = dict(self._faults.pop(tick - 1, {}))  # of a beacon that arrived after the judgement of its tick
         for robot, answer in zip(absent, answers, strict=True):
             found[robot] = answer if isinstance(answer, bytes) else b""
             if isinstance(answer, str):

@@ -1,4 +1,4 @@
-"""Which process may command a robot: the one that was accepted for it, and no other with the same certificate."""
+"""Gate for commands: only the process accepted for a robot passes, not another one with the same certificate."""
 
 from collections.abc import Mapping
 
@@ -18,7 +18,7 @@ class CommandGate:
         self._run = run
         self._marks: dict[str, bytes] = {}
         self.rejected = 0
-        """Commands that were not admitted."""
+        """Number of commands that were not admitted."""
         for robot, join in hosts.items():  # another robot of the same Join may have a new agent
             self._marks[keys.command(run, robot)] = join.mark
 
@@ -28,7 +28,7 @@ class CommandGate:
             self._marks[keys.command(self._run, robot)] = join.mark
 
     def admits(self, key: str, mark: bytes) -> bool:
-        """True if a sample on `key` with this mark is that of the agent that was accepted."""
+        """True if a sample on `key` with this mark comes from the accepted agent."""
         if self._marks.get(key) == mark:
             return True
         self.rejected += 1

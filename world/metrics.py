@@ -59,7 +59,7 @@ class Tally:
     """Most ticks in a row at which the links of the robots present were not one component."""
     _gap: int = 0
     _linked: int = -1
-    """The last tick at which a link stood."""
+    """The last tick with a link."""
     _opened: bool = False
     _disk_always: bool = True
     _links_always: bool = True
@@ -110,7 +110,7 @@ class Tally:
 
     @property
     def links_lost_at(self) -> float | None:
-        """The time [s] from which on no link stood; None where one stands at the last tick, or one robot is alone."""
+        """Time [s] since which no link has existed; None if one exists at the last tick, or if one robot is alone."""
         since = self._linked + 1
         return round(since * self.dt, 9) if since < self.ticks else None
 

@@ -1,7 +1,7 @@
 """The separation that maximizes the performance index (16): what the robots are to find.
 
-r* is computed in decimal arithmetic of 50 digits, whose exponents do not overflow: the nearest float to the true
-optimum, for every channel and objective, and the same one on every machine.
+r* is computed in decimal arithmetic of 50 digits, whose exponents do not overflow. So it is the float nearest to the
+true optimum, for every channel and objective, and the same one on every machine.
 """
 
 import decimal
@@ -12,10 +12,10 @@ from functools import lru_cache
 from fes.config import ChannelConfig, ObjectiveConfig
 
 _EXACT = decimal.Context(prec=50, Emax=decimal.MAX_EMAX, Emin=decimal.MIN_EMIN, traps=[])
-"""Rounding errors stay 30 digits below a float's. No trap: exp of what is too large even for this is infinite."""
+"""Rounding errors stay 30 digits below a float's. No trap: an exp that overflows even this is infinite."""
 
 _SMALL = Decimal("1e-12")
-"""Below this, e^x - 1 is summed up as a series: the difference would lose digits."""
+"""Below this, e^x - 1 is summed as a series: the difference would lose digits."""
 
 
 def optimal_separation(preferred: ObjectiveConfig, channel: ChannelConfig) -> float:
@@ -26,7 +26,7 @@ def optimal_separation(preferred: ObjectiveConfig, channel: ChannelConfig) -> fl
     of the logistic channel, both factors of which rise. So J has one maximum, between the two. An optimum below the
     smallest float is given as that float.
     """
-    # Of a channel only the formula counts; what may be laid over it has no hash.
+    # Only the formula of a channel counts; its shadowing, bursts and jammers have no hash.
     formula = {name: getattr(channel, name) for name in ChannelConfig.model_fields}
     return _optimum(preferred, ChannelConfig.model_construct(**formula))
 

@@ -134,7 +134,7 @@ class Server:
 
     @property
     def strangers(self) -> int:
-        """Commands that came from another process than the agent that was accepted for their robot."""
+        """Number of commands from processes other than the agent that was accepted for their robot."""
         return self._gate.rejected
 
     def dismiss(self) -> None:
@@ -212,7 +212,7 @@ class Server:
     async def _hear(self, answers: list[Answer | None], present: Bools) -> list[bytes]:
         """The beacons of this tick, in id order; a robot at fault is excluded, in `answers` and `present` [n] too.
 
-        The live clock waits for no beacon, so one that is missing is late, and its sender not at fault.
+        The live clock waits for no beacon: a missing one is only late, and its sender is not at fault.
         """
         state = self.course.state
         legible = state.legible & present
@@ -222,12 +222,8 @@ class Server:
         beacons, faults = await self._tap.judge(state.tick, legible)
         for robot, reason in faults.items():
             group = list(hosts[robot].robots) if robot in hosts else [robot]
-            if hosts.get(robot) != self._roster.hosts.get(robot):
-                answers[robot], beacons[robot], present[robot] = (
-                    None,
-                    b"",
-                    False,
-                )  # its agent died, and has a successor
+            if hosts.get(robot) != self._roster.hosts.get(robot):  # its agent died: the next one is not at fault
+                answers[robot], beacons[robot], present[robot] = None, b"", False
                 continue
             if robot in self.course.excluded:
                 continue  # with another robot of its process

@@ -42,7 +42,7 @@ MOMENT = 0.1
 YEAR_2024 = 1_704_067_200.0  # s since 1970
 
 TOOLS = "dev"
-"""The extra of a developer, of no use to a run."""
+"""The extra for developers, of no use to a run."""
 
 _REQUIREMENT = re.compile(r"([A-Za-z0-9._-]+)(\[.*\])?\s*([^;]*)(?:;.*extra\s*==\s*['\"]([\w-]+)['\"])?")
 
@@ -162,7 +162,7 @@ def directory(root: Path) -> Finding:
 
 
 def private_keys(root: Path) -> Iterator[Finding]:
-    """The private keys that runs which were killed have left in their run directories under `root`."""
+    """The private keys that killed runs have left in their run directories under `root`."""
     if left := leftovers.found(root):
         where = " ".join(map(str, left))
         yield warning("private keys", f"left by runs that were killed: {where}", f"rm -r {where}")

@@ -54,7 +54,7 @@ def connected(address: str) -> Iterator[Workers]:
 
 
 def _carry_out(client: "Client", batches: Sequence[Batch], watch: Watch) -> Generator[list[Done], None, None]:
-    """What batches come to; their ticks are told of when they end."""
+    """Results of batches; their ticks are reported when they end."""
     from distributed import as_completed
 
     here, ticks = (version(), fingerprint.text()), 0
