@@ -21,7 +21,7 @@ STRANGER = "fes"
 PACKAGES = ("fes", "agents", "world", "console")
 """Top-level packages of the distribution, beside the module fes_robots."""
 
-HOME = Path(__file__).resolve().parent.parent
+HOME = Path(__file__).absolute().parent.parent
 """Folder of our packages: site-packages, or a clone."""
 
 
@@ -55,7 +55,15 @@ def foreign() -> Iterator[str]:
         origin = Path(spec.origin) if spec is not None and spec.origin else None
         if origin is None:
             yield f"the package '{package}' is missing beside those in {HOME}"
-        elif origin.resolve() != HOME / package / "__init__.py":
+        elif not _is_same(origin, HOME / package / "__init__.py"):
             owners = metadata.packages_distributions().get(package, [])
             others = ", ".join(sorted(set(owners) - {NAME}))
             yield f"the package '{package}' is that of {others or 'another project'}: {origin}, not in {HOME}"
+
+
+def _is_same(first: Path, second: Path) -> bool:
+    """True if both are one file, whatever links lead to it."""
+    try:
+        return first.samefile(second)
+    except OSError:
+        return False

@@ -10,7 +10,7 @@ from agents.assembly import Assembly, payloads
 from fes import messages
 from fes.arrays import Bytes, Floats, Ints
 from fes.messages import Beacon, Observation
-from fes.sensing import Beacons, Telemetry
+from fes.sensing import MAX_TOLD, MAX_TWIST, Beacons, Telemetry, bounded
 from tests import layouts
 
 Pairs = set[tuple[int, int]]
@@ -21,10 +21,11 @@ pair_sets = st.sets(st.tuples(st.sampled_from(IDS), st.sampled_from(IDS)).filter
 seeds = st.integers(0, 2**32)
 
 
-def wild(rng: np.random.Generator, *shape: int) -> Floats:
-    """Finite numbers of every bit pattern: both zeros, subnormal ones, the largest."""
+def wild(rng: np.random.Generator, *shape: int, most: float = MAX_TOLD) -> Floats:
+    """Numbers within `most` of zero, of every bit pattern: both zeros, subnormal ones, the largest."""
     numbers = rng.integers(0, 2**64, shape, dtype=np.uint64, endpoint=False).view(np.float64)
-    return np.where(np.isfinite(numbers) & (rng.random(shape) < 0.8), numbers, -0.0)
+    kept = np.where(np.isfinite(numbers) & (rng.random(shape) < 0.8), numbers, -0.0)
+    return bounded(kept, most)
 
 
 def say(crew: set[int], pairs: Pairs, seed: int, tick: int = 7) -> tuple[Beacons, Floats]:
@@ -35,7 +36,7 @@ def say(crew: set[int], pairs: Pairs, seed: int, tick: int = 7) -> tuple[Beacons
     said = Beacons(
         tick, links.ids, wild(rng, len(crew), 3), links, wild(rng, len(links)), named, wild(rng, len(crew), 5)
     )
-    return said, wild(rng, len(crew), 2)
+    return said, wild(rng, len(crew), 2, most=MAX_TWIST)
 
 
 def told(said: Beacons, learnt: Floats) -> Telemetry:

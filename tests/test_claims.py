@@ -14,7 +14,7 @@ from console import claims
 from fes.config import ChannelConfig, ObjectiveConfig
 from tests.loop import load
 
-PAPER = (Path(__file__).parent.parent / "docs" / "paper.md").read_text()
+PAPER = (Path(__file__).parent.parent / "docs" / "paper.md").read_text(encoding="utf-8")
 
 
 def test_the_printed_law_freezes_a_disagreement_at_one_third() -> None:

@@ -1,5 +1,6 @@
 """What is installed: a wheel in an environment of its own, and other projects' packages that have our names."""
 
+import ast
 import base64
 import hashlib
 import json
@@ -16,6 +17,7 @@ from hatchling.build import build_wheel
 
 from fes import distribution
 from tests.loop import CONFIGS
+from tests.test_architecture import imports
 from tests.test_cli import PROGRAMS, complaint
 
 ROOT = Path(__file__).parent.parent
@@ -181,6 +183,12 @@ fes_robots.{command.replace("-", "_")}()
     assert complaint(done, command) == (
         f"fes runs on Linux and macOS; Python on {sys.platform} has no module '{module}'"
     )
+
+
+@pytest.mark.parametrize("path", ["fes_robots.py", "fes/distribution.py"])
+def test_what_runs_before_the_packages_are_known_needs_the_standard_library_only(path: str) -> None:
+    wanted = set(imports(ast.parse((ROOT / path).read_text(encoding="utf-8"))))
+    assert {name.partition(".")[0] for name in wanted} <= sys.stdlib_module_names
 
 
 def test_the_readme_names_the_systems() -> None:

@@ -1,5 +1,6 @@
 """Names of scenarios and texts of arguments: valid text from the entrance on, whatever the locale makes of them."""
 
+import ast
 import contextlib
 import json
 import os
@@ -14,6 +15,7 @@ from fes import encoding
 from tests.loop import CONFIGS
 from tests.test_cli import PROGRAMS, call, complaint
 
+ROOT = Path(__file__).parent.parent
 PAIR = (CONFIGS / "pair.toml").read_text(encoding="utf-8")
 IN = ["--backend", "inprocess", "--headless", "--json", "--duration", "0.2"]
 
@@ -65,3 +67,13 @@ def test_an_argument_in_utf_8_is_read_in_any_locale() -> None:
         assert encoding.argument(garbled) == encoding.argument(text) == text
         with contextlib.suppress(UnicodeEncodeError):
             assert encoding.file_name(text) == text
+
+
+def test_no_text_file_is_read_or_written_in_the_encoding_of_the_locale() -> None:
+    texts = {"read_text", "write_text"}
+    for package in ("fes", "agents", "world", "console"):
+        for path in (ROOT / package).rglob("*.py"):
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in texts:
+                    given = {word.arg for word in node.keywords}
+                    assert "encoding" in given, f"{path}: line {node.lineno}"
