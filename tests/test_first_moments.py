@@ -129,25 +129,24 @@ def test_a_second_signal_leaves_no_keys_no_endpoint_and_no_run_that_had_not_begu
             assert not list(where.iterdir())
 
 
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM], ids=lambda how: how.name)
 @pytest.mark.parametrize(
-    ("words", "code", "said"),
+    ("words", "how", "code", "said"),
     [
-        (["console", "run", PAIR], 1, "fes: error: stopped by {}\n"),
-        (["console", "--help"], 1, "fes: error: stopped by {}\n"),
-        (["world", PAIR], 0, ""),
-        (["agents", "--id", "0"], 0, ""),
+        (["console", "run", PAIR], signal.SIGINT, 1, "fes: error: stopped by SIGINT\n"),
+        (["console", "--help"], signal.SIGTERM, 1, "fes: error: stopped by SIGTERM\n"),
+        (["world", PAIR], signal.SIGINT, 0, ""),
+        (["agents", "--id", "0"], signal.SIGINT, 0, ""),
     ],
-    ids=lambda value: " ".join(value[:1]) if isinstance(value, list) else None,
+    ids=["fes run", "fes", "fes-world", "fes-agent"],
 )
 def test_a_program_that_is_stopped_while_it_imports_says_so_and_no_more(
-    words: list[str], code: int, said: str, how: signal.Signals, tmp_path: Path
+    words: list[str], how: signal.Signals, code: int, said: str, tmp_path: Path
 ) -> None:
     running = start([sys.executable, "-m", *words], tmp_path)
     until(lambda: loads(running.pid, NUMPY) or running.poll() is not None)
     running.send_signal(how)
     out, err = running.communicate(timeout=PATIENCE)
-    assert (running.returncode, out, err) == (code, "", said.format(how.name))
+    assert (running.returncode, out, err) == (code, "", said)
     assert not list(tmp_path.iterdir())
 
 

@@ -25,6 +25,20 @@ async def finished(kin: Family, respawn: Respawn | None = None) -> tuple[str, li
     return "", said
 
 
+class Impatient(Respawn):
+    """At once, twice."""
+
+    def delay(self, robots: str, lived: float) -> float | None:
+        return 0.01 if super().delay(robots, 0.0) in (0.5, 1.0) else None
+
+
+class Tireless(Respawn):
+    """At once, for ever."""
+
+    def delay(self, robots: str, lived: float) -> float | None:
+        return 0.01
+
+
 def test_a_world_that_is_slow_to_write_what_was_reached_is_not_ended_as_soon_as_its_agents_are_gone(
     tmp_path: Path,
 ) -> None:
@@ -103,6 +117,24 @@ def test_an_agent_that_ends_before_the_run_begins_is_what_it_fails_of(
     assert asyncio.run(main()) == ("fes-agent --id 1: gave up; the run cannot begin without it", [])
 
 
+def test_one_that_is_started_again_may_end_before_the_run_begins(tmp_path: Path) -> None:
+    async def main() -> tuple[str, list[str]]:
+        async with family(tmp_path) as kin:
+            await world(kin, SLOW, "waiting for 2 robots\n")
+            await kin.start_agent("0", ["--no-such-flag"])
+            following = asyncio.ensure_future(finished(kin, Tireless()))
+            await until(lambda: len(kin.agents) > 1)
+            (tmp_path / "go").touch()
+            await until((tmp_path / "here").exists)
+            assert kin.world is not None
+            kin.world.signal(signal.SIGINT)
+            return await following
+
+    failed, said = asyncio.run(main())
+    assert failed == ""
+    assert said[0] == "robot 0: fes-agent --id 0: unrecognized arguments: --no-such-flag; started again in 0.01 s"
+
+
 def test_a_world_that_fails_is_named_before_the_agents_that_fail_with_it(tmp_path: Path) -> None:
     async def main() -> tuple[str, list[str]]:
         async with family(tmp_path) as kin:
@@ -112,13 +144,6 @@ def test_a_world_that_fails_is_named_before_the_agents_that_fail_with_it(tmp_pat
             return await finished(kin)
 
     assert asyncio.run(main()) == ("fes-world: the address is taken", [])
-
-
-class Impatient(Respawn):
-    """At once, twice."""
-
-    def delay(self, robots: str, lived: float) -> float | None:
-        return 0.01 if super().delay(robots, 0.0) in (0.5, 1.0) else None
 
 
 def test_an_agent_that_dies_each_time_is_started_again_a_few_times_and_then_given_up(tmp_path: Path) -> None:
