@@ -15,7 +15,6 @@ from fes.edges import Edges
 FEW = 4096
 """Up to this many (robot, peer, witness) all are looked at in every tick: it is cheaper than choosing among them."""
 
-
 BLOCK = 2**16
 """Triples that are examined at once: memory grows with the contacts, not with contacts times degree."""
 
