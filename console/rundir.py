@@ -66,16 +66,20 @@ def made(scenario: str, out: Path | None) -> Iterator["RunDirectory"]:
     It is removed again if a signal ends the block before a tick was reached, or an error before anything was written.
     A Stopped that leaves the block names the directory that holds what was reached.
     """
-    directory = RunDirectory.create(scenario, out)
+    directory = None
     try:
+        with signals.blocked():  # one that comes meanwhile is delivered when there is something to discard
+            directory = RunDirectory.create(scenario, out)
         yield directory
     except Stopped as stopped:
+        if directory is None:
+            raise
         if is_kept(directory.path) or (directory.path / SUMMARY).exists():
             raise Stopped(f"{stopped}; what was reached is in {directory.path}") from None
         directory.discard()
         raise
     except (FesError, OSError):
-        if directory.is_bare:
+        if directory is not None and directory.is_bare:
             directory.discard()
         raise
 
