@@ -35,7 +35,7 @@ def is_unnoticed(seeking: SeekingConfig, told: ChannelConfig, now: ChannelConfig
 
 def _duration(scenario: Scenario) -> Iterator[str]:
     duration, dt = scenario.run.duration, scenario.run.dt
-    if _is_moved(duration, dt):
+    if _is_moved(duration, dt) or duration < dt / 2.0:
         yield (
             f"run.duration {duration:g} s is not a multiple of run.dt {dt:g} s: "
             f"{scenario.ticks} ticks are run, {scenario.ticks * dt:.9g} s"
