@@ -96,11 +96,14 @@ class Course:
         for robot in robots:
             self.excluded.pop(robot, None)
 
-    def change(self, path: str, value: Any) -> Effect:
-        """Set a field of the channel from this tick on; raises ScenarioError where it cannot be."""
+    def change(self, path: str, value: Any, replayed: bool = False) -> Effect:
+        """Set a field of the channel from this tick on; raises ScenarioError if it cannot be set.
+
+        A change that was accepted before is `replayed`, however much memory is free now.
+        """
         tick = self.state.tick
         channel = events.changed(self.state.channel, {path: value}, self.scenario.run.dt)
-        if channel.communication_range > self.state.channel.communication_range:
+        if not replayed and channel.communication_range > self.state.channel.communication_range:
             crowd.check_contacts(self.state.poses, channel.communication_range)
         value = events.effective(channel, path)
         scenario = with_event(self.scenario, tick, path, value)

@@ -112,7 +112,7 @@ class Tally:
     def links_lost_at(self) -> float | None:
         """Time [s] since which no link has existed; None if one exists at the last tick, or if one robot is alone."""
         since = self._linked + 1
-        return round(since * self.dt, 9) if since < self.ticks else None
+        return round(since * self.dt, 9) if since < self.ticks and self._opened else None
 
     def times(self) -> dict[str, float | None]:
         """For each level the first time [s] from which it held for HOLD, or to the end; None if it never did."""

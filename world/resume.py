@@ -78,6 +78,8 @@ def course(directory: Path, kept: Snapshot, recorder: Recorder | None, period: f
     """
     try:
         run = Course(kept.scenario, recorder)
+    except ScenarioError:  # such as too little memory: no fault of the checkpoint
+        raise
     except Exception as error:
         raise FesError(f"{directory / FOLDER / STATE} is damaged: {type(error).__name__}") from None
     run.scenario, run.state, run.sums = kept.now, kept.state, kept.sums
@@ -124,7 +126,7 @@ def _again(run: Course, note: list[Any], elapsed: float) -> float:
     elif kind == EXCLUDE:
         run.exclude(*rest)
     elif kind == SET:
-        run.change(*rest)
+        run.change(*rest, replayed=True)
     elif kind == TICK:
         commands, beacons, alive, elapsed = rest
         answers = [(messages.decode_command(payload), payload) if payload else None for payload in commands]
