@@ -126,7 +126,8 @@ def _again(run: Course, note: list[Any], elapsed: float) -> float:
     elif kind == EXCLUDE:
         run.exclude(*rest)
     elif kind == SET:
-        run.change(*rest, replayed=True)
+        path, value = rest
+        run.change(path, value, replayed=True)
     elif kind == TICK:
         commands, beacons, alive, elapsed = rest
         answers = [(messages.decode_command(payload), payload) if payload else None for payload in commands]
