@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from hatchling.build import build_wheel
 
-from fes import distribution
+from fes import about, distribution
 from tests.loop import CONFIGS
 from tests.test_architecture import imports
 from tests.test_cli import PROGRAMS, complaint
@@ -92,7 +92,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_an_installed_wheel_runs_a_scenario_in_one_loop_and_in_processes(wheel: Path, tmp_path: Path) -> None:
     environment = Environment(tmp_path / "venv")
     environment.install(wheel)
-    assert environment.call(tmp_path, "fes", "--version").stdout == f"{distribution.version()}\n"
+    assert environment.call(tmp_path, "fes", "--version").stdout == f"{about.version()}\n"
     assert environment.names(tmp_path)["status"] == "ok"
     assert str(environment.packages) in environment.names(tmp_path)["seen"]
     words = ["fes", "run", str(CONFIGS / "pair.toml"), "--duration", "0.5", "--headless", "--json"]
