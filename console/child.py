@@ -84,16 +84,16 @@ class Child:
 
 @dataclass(frozen=True)
 class NotStarted:
-    """A child process that the system did not start."""
+    """An agent process that the system did not start."""
 
     name: str
     """The program, and the robots that it was to host."""
+    robots: str
+    """The ids of these robots."""
     reason: str
-    robots: str = ""
-    """Those robots' ids; empty for a world."""
 
     def verdict(self) -> str:
-        """What did not start, and why."""
+        """Its name, and the reason."""
         return f"{self.name} cannot be started: {self.reason}"
 
 
@@ -103,7 +103,7 @@ async def start(name: str, module: str, arguments: list[str], log: Path, robots:
         # A child inherits the mask, so that no signal meets a half-started interpreter: `fes.signals.hold` delivers
         # it later. Nothing may be awaited in between, since other children may be started meanwhile.
         signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
-        # A child would also inherit an ignored SIGINT, which a background job of a script has, and SIGINT ends a world.
+        # A background job of a script ignores SIGINT. Its children must not: SIGINT ends a world.
         before = signal.getsignal(signal.SIGINT)
         if before == signal.SIG_IGN:
             signal.signal(signal.SIGINT, lambda number, frame: None)

@@ -38,8 +38,10 @@ class Family:
         """Children killed by us, as the scenario wants: they are not missed."""
         self.successor_due = False
         """True while another world is about to resume the run."""
+        self.not_resumed = ""
+        """Reason why no other world resumes the run, in one line; empty if there is none."""
         self.ends: asyncio.Queue[Child | NotStarted] = asyncio.Queue()
-        """The children that have ended, or that could not be started again, in order."""
+        """The children that have ended, and the agents that could not be started again, in order."""
         self._begun = False
         self._arguments: dict[str, list[str]] = {}
         """Arguments of each agent's last start, by its robots."""
@@ -106,7 +108,7 @@ class Family:
     async def replace_world(self, seconds: float, arguments: list[str]) -> None:
         """End the world by SIGKILL, as its scenario wants, and start another after a while [s]; it is not missed.
 
-        If the system cannot start another, `ends` has the reason.
+        If the system cannot start another, `not_resumed` has the reason.
         """
         world = self.world
         if world is None or not world.runs:
@@ -121,7 +123,7 @@ class Family:
                 await asyncio.sleep(seconds)
                 await self.start_world(arguments)
         except OSError as error:
-            self.ends.put_nowait(NotStarted("fes-world", reason(error)))
+            self.not_resumed = f"fes-world cannot be started: {reason(error)}"
         finally:
             self.successor_due = False
             if self.world is world:
@@ -189,7 +191,7 @@ class Family:
         try:
             await self._start_agent(robots)
         except OSError as error:
-            self.ends.put_nowait(NotStarted(f"fes-agent --id {robots}", reason(error), robots))
+            self.ends.put_nowait(NotStarted(f"fes-agent --id {robots}", robots, reason(error)))
 
     def _cancel_restart(self, robots: str) -> None:
         if (restart := self._restarts.pop(robots, None)) is not None:

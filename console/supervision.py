@@ -44,12 +44,12 @@ class Supervisor:
         """
         while (gone := await self.family.ends.get()) is not self.family.world or self.family.successor_due:
             if isinstance(gone, NotStarted):
-                if not gone.robots:
-                    raise ChildFailed(gone.verdict())
                 await self._lose(gone.robots, gone.verdict(), lived=0.0)
             elif gone in self.family.agents:
                 await self._miss(gone)
         assert isinstance(gone, Child)  # it is the world
+        if self.family.not_resumed:
+            raise ChildFailed(self.family.not_resumed)
         if gone not in self.family.killed and gone.process.returncode not in (SUCCESS, UNMET):
             raise ChildFailed(gone.verdict())
         await ended(self.family.agents, DISMISSAL)
