@@ -29,8 +29,9 @@ def trouble() -> str:
         return f"the package 'fes' is missing beside {__file__}: install fes-robots again"
     ours = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(ours)
-    found = next(ours.foreign(), "")
-    return f"{found}; {ours.separate()}" if found else ""
+    if found := next(ours.foreign(), ""):
+        return f"{found}; {ours.separate()}"
+    return str(ours.absence())
 
 
 def fes() -> None:
@@ -54,6 +55,7 @@ def _start(command: str, module: str) -> None:
     import importlib
 
     if why := trouble():
-        print(f"{command}: error: {why}", file=sys.stderr)
+        if sys.stderr is not None:  # print() would take standard output instead
+            print(f"{command}: error: {why}", file=sys.stderr)
         raise SystemExit(1)
     importlib.import_module(module).main()

@@ -11,7 +11,8 @@ def say(scenario: Scenario, in_process: bool, launch: Launch) -> None:
     """Print what is started, which parts of the scenario do not run as written, and which keys were removed."""
     robots = scenario.robots.number
     what = f"a world and {robots} robot{'s' if robots > 1 else ''}"
-    crews = f" in {len(launch.groups(robots))} processes" if launch.agents_per_process > 1 else ""
+    groups = len(launch.groups(robots))
+    crews = f" in {groups} process{'es' if groups > 1 else ''}" if launch.agents_per_process > 1 else ""
     process.tell(f"running {what} in one loop ..." if in_process else f"starting {what}{crews} ...")
     for line in remarks.of(scenario):
         process.warn("fes", line)

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from fes import encoding
 from fes.errors import reason
+from fes.output import printable
 from fes.signals import STOP_SIGNALS
 
 DISMISSED = "the run is over"
@@ -59,7 +60,7 @@ class Child:
             lines, where = self._tail().strip().splitlines(), f"its log: {self.log}"
         except OSError as error:
             lines, where = [], f"its log cannot be read: {reason(error)}"
-        said, label = _printable(lines[-1]) if lines else "", f"{self.name.split()[0]}: error: "
+        said, label = _shortened(lines[-1]) if lines else "", f"{self.name.split()[0]}: error: "
         if code is not None and code < 0:
             return f"{self.name} was ended by {_signal_name(-code)} ({where})"
         if code == 1 and said.startswith(label):
@@ -81,12 +82,31 @@ class Child:
             return stream.read().decode(errors="replace")
 
 
+@dataclass(frozen=True)
+class NotStarted:
+    """An agent process that the system did not start."""
+
+    name: str
+    """The program, and the robots that it was to host."""
+    robots: str
+    """The ids of these robots."""
+    reason: str
+
+    def verdict(self) -> str:
+        """Its name, and the reason."""
+        return f"{self.name} cannot be started: {self.reason}"
+
+
 async def start(name: str, module: str, arguments: list[str], log: Path, robots: str = "") -> Child:
     """A new child, which ends when this process does; it appends to its `log`. Raises OSError."""
     with log.open("ab") as stream:
         # A child inherits the mask, so that no signal meets a half-started interpreter: `fes.signals.hold` delivers
         # it later. Nothing may be awaited in between, since other children may be started meanwhile.
         signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
+        # A background job of a script ignores SIGINT. Its children must not: SIGINT ends a world.
+        before = signal.getsignal(signal.SIGINT)
+        if before == signal.SIG_IGN:
+            signal.signal(signal.SIGINT, lambda number, frame: None)
         try:
             process = await asyncio.create_subprocess_exec(
                 sys.executable,
@@ -102,6 +122,8 @@ async def start(name: str, module: str, arguments: list[str], log: Path, robots:
                 env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
             )
         finally:
+            if before == signal.SIG_IGN:
+                signal.signal(signal.SIGINT, before)
             signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
     return Child(name, process, log, robots)
 
@@ -129,11 +151,6 @@ def _signal_name(number: int) -> str:
         return f"signal {number}"
 
 
-def _printable(line: str) -> str:
-    r"""A line of a log as one line that cannot control the terminal.
-
-    >>> print(_printable("no \x1b[2Jroom"))
-    no \x1b[2Jroom
-    """
-    shown = "".join(char if char.isprintable() else repr(char)[1:-1] for char in line[:LONGEST])
-    return shown if len(line) <= LONGEST else shown + "..."
+def _shortened(line: str) -> str:
+    """The first LONGEST characters of a line of a log, printable."""
+    return printable(line[:LONGEST]) + ("..." if len(line) > LONGEST else "")

@@ -16,6 +16,7 @@ from console.sweep import stack
 from fes.arrays import Floats
 from fes.config import ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
 from fes.edges import Edges
+from fes.errors import FesError
 from world import optimum
 from world.scenario import Scenario, load
 
@@ -177,7 +178,14 @@ def _curvature(wish: ObjectiveConfig) -> float:
     return float((below - 2.0 * here + above) / h**2)
 
 
+def configs() -> Path:
+    """The folder of the scenarios of a clone; raises FesError if this is an installed wheel, which has none."""
+    if not CONFIGS.is_dir():
+        raise FesError(f"this needs the scenarios of a clone: there is no folder {CONFIGS}")
+    return CONFIGS
+
+
 def _scenario(rule: str) -> Scenario:
-    paper = load(CONFIGS / "paper.toml")
+    paper = load(configs() / "paper.toml")
     graph = FormationConfig.model_validate({**paper.formation.model_dump(), "rule": rule})
     return paper.model_copy(update={"formation": graph})

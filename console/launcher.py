@@ -10,7 +10,8 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 from console import child
-from console.child import Child, ended
+from console.child import Child, NotStarted, ended
+from fes.errors import reason
 from world.checkpoint import is_kept
 
 DISMISSAL = 2.0
@@ -37,8 +38,10 @@ class Family:
         """Children killed by us, as the scenario wants: they are not missed."""
         self.successor_due = False
         """True while another world is about to resume the run."""
-        self.ends: asyncio.Queue[Child] = asyncio.Queue()
-        """The children that have ended, in order."""
+        self.not_resumed = ""
+        """Reason why no other world resumes the run, in one line; empty if there is none."""
+        self.ends: asyncio.Queue[Child | NotStarted] = asyncio.Queue()
+        """The children that have ended, and the agents that could not be started again, in order."""
         self._begun = False
         self._arguments: dict[str, list[str]] = {}
         """Arguments of each agent's last start, by its robots."""
@@ -77,13 +80,17 @@ class Family:
         self._arguments[robots] = arguments
         await self._start_agent(robots)
 
+    async def start_agent_again(self, robots: str) -> None:
+        """Start the agent of `robots` as it was started before; if the system cannot, `ends` has the reason."""
+        self._cancel_restart(robots)
+        await self._try_to_start_agent(robots)
+
     def restart_agent(self, robots: str, delay: float) -> None:
         """Restart the agent of `robots`, which has ended, after a `delay` [s]."""
 
         async def restart() -> None:
             await asyncio.sleep(delay)
-            with contextlib.suppress(OSError):  # the run continues without it
-                await self._start_agent(robots)
+            await self._try_to_start_agent(robots)
             self._restarts.pop(robots, None)
 
         self._cancel_restart(robots)
@@ -99,7 +106,10 @@ class Family:
                 await agent.process.wait()
 
     async def replace_world(self, seconds: float, arguments: list[str]) -> None:
-        """End the world by SIGKILL, as its scenario wants, and start another after a while [s]; it is not missed."""
+        """End the world by SIGKILL, as its scenario wants, and start another after a while [s]; it is not missed.
+
+        If the system cannot start another, `not_resumed` has the reason.
+        """
         world = self.world
         if world is None or not world.runs:
             return
@@ -112,6 +122,8 @@ class Family:
             elif is_kept(self.directory):
                 await asyncio.sleep(seconds)
                 await self.start_world(arguments)
+        except OSError as error:
+            self.not_resumed = f"fes-world cannot be started: {reason(error)}"
         finally:
             self.successor_due = False
             if self.world is world:
@@ -174,6 +186,12 @@ class Family:
         agent = await child.start(f"fes-agent --id {robots}", "agents", words, log, robots)
         self.agents.append(agent)
         self.watch(agent)
+
+    async def _try_to_start_agent(self, robots: str) -> None:
+        try:
+            await self._start_agent(robots)
+        except OSError as error:
+            self.ends.put_nowait(NotStarted(f"fes-agent --id {robots}", robots, reason(error)))
 
     def _cancel_restart(self, robots: str) -> None:
         if (restart := self._restarts.pop(robots, None)) is not None:

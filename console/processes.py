@@ -10,15 +10,13 @@ from typing import Any
 
 from rich.console import Console
 
-from console import faults, keyring, launcher, observer, rundir, view
+from console import faults, keyring, launcher, observer, progress, rundir, view
 from console.doctor import machine
 from console.doctor.finding import Status
 from console.launcher import Family
 from console.printing import is_screen
-from console.progress import SPINNER
 from console.respawn import Respawn
 from console.rundir import Address, RunDirectory
-from console.screen import cursor_back
 from console.summary import BELOW
 from console.supervision import Supervisor
 from fes import bus, files, identity, keys, process, signals, strict_json
@@ -68,8 +66,8 @@ def run(launch: Launch, scenario: Scenario, directory: RunDirectory, console: Co
     Every child ends with this call, however it ends. Raises FesError if the world fails, or if an agent does before
     the run begins, and Stopped after a signal.
     """
-    with contextlib.closing(Remarks(held=launch.dashboard)) as remarks:
-        process.supervise(lambda: _run(launch, scenario, directory, console, remarks))
+    with contextlib.closing(Warnings(held=launch.dashboard)) as warnings:
+        process.supervise(lambda: _run(launch, scenario, directory, console, warnings))
     summary = read_summary(directory.path)
     if summary["ticks"] < scenario.ticks:
         reached = f"{summary['ticks']} of {scenario.ticks} ticks"
@@ -77,7 +75,7 @@ def run(launch: Launch, scenario: Scenario, directory: RunDirectory, console: Co
     return summary
 
 
-class Remarks:
+class Warnings:
     """Warnings during a run: printed at once, or `held` until no dashboard covers them."""
 
     def __init__(self, held: bool) -> None:
@@ -98,7 +96,7 @@ class Remarks:
 
 
 async def _run(
-    launch: Launch, scenario: Scenario, directory: RunDirectory, console: Console, remarks: Remarks
+    launch: Launch, scenario: Scenario, directory: RunDirectory, console: Console, warnings: Warnings
 ) -> None:
     groups, path = launch.groups(scenario.robots.number), directory.path
     with keyring.of_a_run(path, groups) if launch.secure else contextlib.nullcontext() as kept:
@@ -114,11 +112,11 @@ async def _run(
             try:
                 joining = ["-e", endpoint, "--timeout", str(JOIN_TIMEOUT), *with_keys]
                 # First, to be there when the run begins.
-                async with _faults(family, launch, scenario, address, joining, resuming):
+                async with _faults(family, launch, scenario, address, resuming):
                     for ids in groups:
                         await family.start_agent(ids, joining)
                     again = Respawn() if launch.respawn else None
-                    supervisor = Supervisor(family, remarks.add, _deserted(scenario, endpoint), again)
+                    supervisor = Supervisor(family, warnings.add, _deserted(scenario, endpoint), again)
                     await _attend(supervisor, launch, address, console)
             finally:
                 rundir.withdraw(path)
@@ -133,7 +131,9 @@ async def _family(directory: RunDirectory) -> AsyncIterator[Family]:
     def abandon() -> None:
         if family.has_begun:
             rundir.withdraw(directory.path)
-            process.complain("fes", f"stopped at once: the world closes {directory.path} by itself")
+            closing = family.world is not None and family.world.runs  # else it is away: another was to resume the run
+            end = f"the world closes {directory.path} by itself" if closing else f"see {directory.path}"
+            process.complain("fes", f"stopped at once: {end}")
         else:
             family.abandon()
             directory.discard()
@@ -145,7 +145,7 @@ async def _family(directory: RunDirectory) -> AsyncIterator[Family]:
 
 @contextlib.asynccontextmanager
 async def _faults(
-    family: Family, launch: Launch, scenario: Scenario, address: Address, joining: list[str], resuming: list[str]
+    family: Family, launch: Launch, scenario: Scenario, address: Address, resuming: list[str]
 ) -> AsyncIterator[None]:
     """While the block lasts, processes die and hang as scheduled: the world's, and robots' if each has its own."""
     alone = launch.agents_per_process == 1
@@ -157,7 +157,7 @@ async def _faults(
         async with bus.opened(_visitor(address)) as opened:
             hands = faults.Hands(
                 family.kill_agent,
-                lambda ids: family.start_agent(ids, joining),
+                family.start_agent_again,
                 family.stop_agent,
                 family.continue_agent,
                 lambda seconds: family.replace_world(seconds, resuming),
@@ -186,12 +186,14 @@ def _visitor(address: Address) -> Endpoints:
 
 
 def read_summary(directory: Path) -> dict[str, Any]:
-    """The summary in a run directory; raises FesError."""
+    """The summary in a run directory; raises FesError, also for a file that is not a table."""
     try:
         found = strict_json.loads(files.read(directory / "summary.json", MAX_SUMMARY))
     except (OSError, ValueError):
-        raise FesError(f"{directory} has no summary") from None
-    return found if isinstance(found, dict) else {}
+        found = None
+    if not isinstance(found, dict):
+        raise FesError(f"{directory} has no summary")
+    return found
 
 
 async def _attend(supervisor: Supervisor, launch: Launch, address: Address, console: Console) -> None:
@@ -216,10 +218,10 @@ async def _show(launch: Launch, address: Address, console: Console) -> None:
             with view.Screen(console, BELOW) as screen:
                 await view.watch(opened, RUN, JOIN_TIMEOUT, screen)
             return
-        with cursor_back(console), console.status("waiting for the robots", spinner=SPINNER) as status:
+        with progress.status(console, "waiting for the robots") as shown:
             async for report in observer.reports(opened, RUN, JOIN_TIMEOUT, view.IDLE):
                 if report is not None:
-                    status.update(
+                    shown.name(
                         f"tick {report.tick} of {report.ticks}, {report.ticks_per_s:.0f} ticks/s, "
                         f"largest separation error {report.separation_error_max:.3f} m"
                     )

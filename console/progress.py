@@ -3,6 +3,7 @@
 import contextlib
 from collections.abc import Iterator
 
+from rich.console import Console
 from rich.progress import (
     BarColumn,
     Progress,
@@ -15,7 +16,7 @@ from rich.progress import (
 )
 
 from console import printing, screen
-from fes import process
+from fes import output, process
 from fes.output import printable
 
 SPINNER = "line"
@@ -47,6 +48,10 @@ class Bar:
         """Set the work that is done so far."""
         self._shown.update(self._task, completed=done)
 
+    def name(self, text: str) -> None:
+        """Show what is done now."""
+        self._shown.update(self._task, description=printable(text))
+
     def note(self, text: str) -> None:
         """Show a text beside the bar."""
         self._shown.update(self._task, note=printable(text))
@@ -59,21 +64,28 @@ def bar(what: str, total: float | None = None) -> Iterator[Bar]:
     Within it a signal raises Stopped, so that the cursor returns whatever ends the block.
     """
     measured = (BarColumn(), TaskProgressColumn(), _text("{task.fields[note]}"), TimeElapsedColumn())
-    with process.interruptible(), _shown(*measured, TimeRemainingColumn()) as shown:
+    console = printing.console(stderr=True)
+    with process.interruptible(), _shown(console, *measured, TimeRemainingColumn()) as shown:
         yield Bar(shown, what, total)
 
 
 @contextlib.contextmanager
 def waiting(what: str) -> Iterator[None]:
     """A block of asyncio that waits for others; a line says for `what`."""
-    with _shown(TimeElapsedColumn()) as shown:
+    with _shown(printing.console(stderr=True), TimeElapsedColumn()) as shown:
         Bar(shown, what, None)
         yield
 
 
 @contextlib.contextmanager
-def _shown(*columns: ProgressColumn) -> Iterator[Progress]:
-    console = printing.console(stderr=True)
+def status(console: Console, what: str) -> Iterator[Bar]:
+    """A block of asyncio in which a line on this console says what is done, first `what`."""
+    with _shown(console) as shown:
+        yield Bar(shown, what, None)
+
+
+@contextlib.contextmanager
+def _shown(console: Console, *columns: ProgressColumn) -> Iterator[Progress]:
     shown = Progress(
         SpinnerColumn(SPINNER),
         _text("{task.description}"),
@@ -81,8 +93,11 @@ def _shown(*columns: ProgressColumn) -> Iterator[Progress]:
         console=console,
         disable=not printing.is_screen(console),
         transient=True,
+        # Rich would wrap a warning, and move it to the stream of this console.
+        redirect_stdout=False,
+        redirect_stderr=False,
     )
-    with screen.cursor_back(console), shown:
+    with screen.cursor_back(console), output.erased(lambda: screen.erase_line(console)), shown:
         yield shown
 
 

@@ -42,7 +42,8 @@ class Address:
     def __post_init__(self) -> None:
         """Raise TypeError for values that no run announces: any program may have written the file."""
         texts = (self.endpoint, self.run, self.keys or "")
-        if not all(isinstance(text, str) for text in texts) or not 0 <= self.pid < 1 << 31:
+        is_pid = type(self.pid) is int and 0 <= self.pid < 1 << 31  # True is an int, and not a process
+        if not is_pid or not all(isinstance(text, str) for text in texts):
             raise TypeError("an address is an endpoint, a run, a process and a directory")
 
 
@@ -168,13 +169,6 @@ def announced(run: str) -> tuple[Path, Address] | None:
 def _address(told: dict[str, Any]) -> Address:
     """The address in an endpoint.json; raises TypeError or FesError for content that `announce` never writes."""
     found = Address(**told)
-    if (
-        type(found.pid) is not int
-        or found.pid < 0
-        or not isinstance(found.run, str)
-        or not isinstance(found.keys, str | None)
-    ):
-        raise TypeError
     addresses.check(found.endpoint, listening=False)
     return found
 

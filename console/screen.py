@@ -1,5 +1,6 @@
 """Full-screen frames on a terminal: the only module that uses rich's Live."""
 
+import contextlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -14,6 +15,9 @@ CURSOR = "\x1b[?25h"
 
 LEAVE = f"\x1b[?1049l{CURSOR}"
 """Return to the ordinary screen, with a cursor."""
+
+ERASE = "\r\x1b[K"
+"""Return to the start of the line, and erase it."""
 
 Draw = Callable[[RenderableType], None]
 
@@ -49,6 +53,13 @@ def cursor_back(console: Console) -> Iterator[None]:
     """A block that may hide the cursor, which returns even if a second signal ends the process."""
     with signals.if_forced(lambda: _write(console, CURSOR) if is_screen(console) else None):
         yield
+
+
+def erase_line(console: Console) -> None:
+    """Erase the line of the cursor, and return to its start; nothing if this is not a terminal."""
+    if is_screen(console):
+        with contextlib.suppress(OSError):  # the terminal may be gone
+            _write(console, ERASE)
 
 
 def _write(console: Console, codes: str) -> None:

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from console.child import Child, ended
+from console.child import Child, NotStarted, ended
 from console.launcher import DISMISSAL, Family
 from console.respawn import MOST, Respawn
 from fes.errors import FesError
@@ -39,11 +39,17 @@ class Supervisor:
     async def finish(self) -> None:
         """Wait until the world has ended well, and for a moment for the agents that it dismissed.
 
-        Raises ChildFailed if the world ended badly, or if an agent ended without which it cannot begin.
+        Raises ChildFailed if the world ended badly, if the one that was to resume its run cannot be started, or if an
+        agent ended without which it cannot begin.
         """
         while (gone := await self.family.ends.get()) is not self.family.world or self.family.successor_due:
-            if gone in self.family.agents:
+            if isinstance(gone, NotStarted):
+                await self._lose(gone.robots, gone.verdict(), lived=0.0)
+            elif gone in self.family.agents:
                 await self._miss(gone)
+        assert isinstance(gone, Child)  # it is the world
+        if self.family.not_resumed:
+            raise ChildFailed(self.family.not_resumed)
         if gone not in self.family.killed and gone.process.returncode not in (SUCCESS, UNMET):
             raise ChildFailed(gone.verdict())
         await ended(self.family.agents, DISMISSAL)
@@ -53,15 +59,21 @@ class Supervisor:
         self._ended.add(agent)
         if agent in self.family.killed or (agent.process.returncode == SUCCESS and agent.was_dismissed):
             return
-        plural, whom = ("s", "them") if "-" in agent.robots else ("", "it")
-        robots, why = f"robot{plural} {agent.robots}", agent.verdict()
-        lived, delay = time.monotonic() - agent.born, None
+        await self._lose(agent.robots, agent.verdict(), time.monotonic() - agent.born)
+
+    async def _lose(self, ids: str, why: str, lived: float) -> None:
+        """Restart the agent of robots `ids`, which `lived` this long [s], or say that the run continues without it.
+
+        Raises ChildFailed if the run cannot begin without it.
+        """
+        plural, whom = ("s", "them") if "-" in ids else ("", "it")
+        robots, delay = f"robot{plural} {ids}", None
         if self.respawn is not None:
-            delay = self.respawn.delay(agent.robots, lived)
+            delay = self.respawn.delay(ids, lived)
             why += "" if delay else f", {MOST + 1} times in a row: it is not started again"
         if delay is not None:
             self.warn(f"{robots}: {why}; started again in {delay:g} s")
-            self.family.restart_agent(agent.robots, delay)
+            self.family.restart_agent(ids, delay)
             return
         if not self.family.has_begun:
             await self._blame(why)

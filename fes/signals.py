@@ -29,10 +29,23 @@ def hold(code: int, program: str = "") -> None:
                 os.write(2, f"{program}: error: stopped by {signal.Signals(number).name}\n".encode())
         os._exit(code)
 
-    for number in STOP_SIGNALS:
-        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # nohup ignores it on purpose
-            signal.signal(number, stop)
+    for number in heard():
+        signal.signal(number, stop)
     deliver()
+
+
+def heard() -> tuple[signal.Signals, ...]:
+    """The stop signals that this process was not started to ignore.
+
+    `nohup` starts a program that ignores SIGHUP, and a script starts its background jobs so that they ignore SIGINT.
+    """
+    return tuple(number for number in STOP_SIGNALS if signal.getsignal(number) != signal.SIG_IGN)
+
+
+def ignore() -> None:
+    """From now on ignore all stop signals: the process has its result, and is about to end."""
+    for number in STOP_SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
 
 
 def deliver() -> None:

@@ -199,6 +199,8 @@ def test_an_announcement_of_a_process_that_cannot_be_is_not_there(
 def test_a_summary_and_a_sweep_that_cannot_be_read_are_one_line(text: str, tmp_path: Path) -> None:
     (tmp_path / "summary.json").write_text(text)
     assert line(lambda: processes.read_summary(tmp_path)) == f"{tmp_path} has no summary"
+    (tmp_path / "summary.json").write_text("[1]")
+    assert line(lambda: processes.read_summary(tmp_path)) == f"{tmp_path} has no summary"
     out = tmp_path / "sweep"
     out.mkdir()
     (out / "sweep.json").write_text(text)

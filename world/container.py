@@ -14,7 +14,7 @@ from mcap.records import Message as McapMessage
 from mcap.records import Schema as McapSchema
 from mcap.writer import CompressionType, Writer
 
-from fes import distribution, strict_json
+from fes import about, strict_json
 from fes.errors import FesError, reason
 from world import hashed_file, records
 from world.descriptors import describe
@@ -61,7 +61,7 @@ class Container:
                 compression=CompressionType.ZSTD,
                 enable_data_crcs=True,
             )
-            self._writer.start(PROFILE, f"fes {distribution.version()}; mcap-python {metadata.version('mcap')}")
+            self._writer.start(PROFILE, f"fes {about.version()}; mcap-python {metadata.version('mcap')}")
 
     def put(self, topic: str, schema: Schema, payload: bytes, at: int, tick: int) -> None:
         """Add a message of a topic, `at` a simulated time [ns]; nothing to a file that could not be written."""

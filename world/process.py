@@ -16,7 +16,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from fes import bus, encoding, identity, keys, output, process
+from fes import about, bus, encoding, identity, keys, output, process
 from fes.errors import FesError, reason
 from world import access, audit, claim, expect, remarks, resume, summary
 from world.checkpoint import FOLDER, PERIOD, Keeper, clear, is_kept
@@ -195,6 +195,7 @@ def main() -> None:
     flags = parser.parse_args()
     with contextlib.ExitStack() as held:
         try:
+            about.version()  # needed by its log and its checkpoints: say now that it has none
             start = _start(flags, held)
         except OSError as error:
             parser.error(reason(error))

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Self
 
 import tomli_w
 
-from fes import counts, distribution, fingerprint, strict_json
+from fes import about, counts, fingerprint, strict_json
 from fes.arrays import Bytes, Floats
 from fes.errors import FesError
 from fes.report import encode_report
@@ -180,7 +180,7 @@ class Recorder:
             "scenario": tomli_w.dumps(tables),
             "arithmetic": fingerprint.table(),
             "versions": {
-                "fes": distribution.version(),
+                "fes": about.version(),
                 **versions,
                 "python": platform.python_version(),
                 "machine": platform.machine(),

@@ -18,7 +18,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from fes import distribution, files, fingerprint, strict_json
+from fes import about, files, fingerprint, strict_json
 from fes.errors import FesError, reason
 from fes.messages import Join
 from world.account import Account
@@ -100,7 +100,7 @@ _KINDS: dict[str, Any] = {
 
 def pack(snapshot: Snapshot) -> bytes:
     """The content of the file of a snapshot."""
-    head = {"fes": distribution.version(), "arithmetic": fingerprint.table()}
+    head = {"fes": about.version(), "arithmetic": fingerprint.table()}
     told = strict_json.dumps(head).encode() + b"\n" + pickle.dumps(snapshot, protocol=5)
     return b"\n".join([b"fes checkpoint %d" % FORMAT, hashlib.sha256(told).hexdigest().encode(), told])
 

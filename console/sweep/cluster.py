@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 from console.sweep import work
 from console.sweep.work import Batch, Done, Watch, Workers
 from fes import addresses, fingerprint
-from fes.distribution import install, version
+from fes.about import version
+from fes.distribution import install
 from fes.errors import FesError
 
 if TYPE_CHECKING:

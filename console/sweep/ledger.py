@@ -17,7 +17,7 @@ from typing import IO, Any
 from console.sweep.design import Design, digest, seeded
 from console.sweep.work import Done
 from fes import encoding, files, fingerprint, strict_json
-from fes.distribution import version
+from fes.about import version
 from fes.errors import FesError, reason
 
 HEADER = "sweep.json"
