@@ -77,6 +77,7 @@ def test_no_log_is_written_that_unpacks_to_more_than_a_reader_takes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(records, "FREE", 1 << 20)
+    monkeypatch.setattr(records, "RATIO", 200)
     path = tmp_path / "run.mcap"
     file = Container(path)
     with pytest.raises(FesError, match=r"it is so uniform that [\d,]+ bytes take [\d,]+: --no-record runs"):  # noqa: PT012
