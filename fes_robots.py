@@ -1,9 +1,9 @@
 """The commands `fes`, `fes-world` and `fes-agent`, from the first line on.
 
 The packages `fes`, `agents`, `world` and `console` have names that others use too, and a package of another project
-that Python finds first would end every command in a traceback. This module, whose name nobody else uses, imports none
-of them before it knows that they are ours, and that this system can run them. Until a Ctrl-C ends a command without a
-traceback, it imports next to nothing itself.
+that Python finds first would end every command in a traceback. This module, whose name no other project uses,
+imports none of them before it knows that they are ours, and that this system can run them. It also imports next to
+nothing itself until a Ctrl-C ends a command without a traceback.
 """
 
 import signal
@@ -14,7 +14,7 @@ NEEDED = ("fcntl", "resource", "termios")
 
 
 def trouble() -> str:
-    """Why no command can run here, in a line; empty if they can."""
+    """Reason why no command can run here, in one line; empty if they can."""
     import importlib.util
     from pathlib import Path
 
@@ -29,8 +29,9 @@ def trouble() -> str:
         return f"the package 'fes' is missing beside {__file__}: install fes-robots again"
     ours = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(ours)
-    found = next(ours.foreign(), "")
-    return f"{found}; {ours.separate()}" if found else ""
+    if found := next(ours.foreign(), ""):
+        return f"{found}; {ours.separate()}"
+    return str(ours.absence())
 
 
 def fes() -> None:
@@ -50,10 +51,11 @@ def fes_agent() -> None:
 
 def _start(command: str, module: str) -> None:
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # no traceback out of an import; `fes.signals.hold` goes on
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # no traceback out of an import; `fes.signals.hold` follows
     import importlib
 
     if why := trouble():
-        print(f"{command}: error: {why}", file=sys.stderr)
+        if sys.stderr is not None:  # print() would take standard output instead
+            print(f"{command}: error: {why}", file=sys.stderr)
         raise SystemExit(1)
     importlib.import_module(module).main()

@@ -5,7 +5,7 @@ process     the shell: fes-agent joins, waits for a tick, publishes
 assembly    messages into a crew's arrays, and back
 radio       the beacons of the peers in range, and of no others
 turns       when the next step is taken
-membership  how an agent joins, and stays sure that its robots are its own
+membership  joining a run, and confirming that the robots are still the agent's
 presence    whether the world is there
 mouth       beacons and commands, and either again when it is asked for
 crew        pure: the table of contents of a robot

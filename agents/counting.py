@@ -12,7 +12,7 @@ from fes.arrays import Bools, Floats, Ints
 from fes.config import ObjectiveConfig
 
 MOST_MISSED = 10_000
-"""Slots counted of a silence, its latest: 200 s at 50 Hz, longer than what is learnt is remembered."""
+"""Most slots that count of one silence, the latest ones: 200 s at 50 Hz, longer than a robot remembers them."""
 
 
 def slots(before: Contacts, now: Contacts, tick: int, among: Bools) -> tuple[Ints, Floats, Bools]:

@@ -114,7 +114,7 @@ def telemetry(crew: Crew, state: State) -> Telemetry:
     return Telemetry(edges, state.links.said, learnt)
 
 
-@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # settings may be anything: twists are looked at
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # any settings may occur; twists are checked
 def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -> tuple[State, Beacons, Floats]:
     """One tick: from what the robots sense now and heard of the last tick, to what they say and do.
 

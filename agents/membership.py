@@ -1,4 +1,4 @@
-"""How an agent joins a run, and stays sure that its robots are its own."""
+"""Membership of an agent in a run: it joins, and confirms later that its robots are still its own."""
 
 import asyncio
 import logging
@@ -14,17 +14,17 @@ from fes.inbox import Inbox
 from fes.messages import MAX_AGENT, Join, Welcome
 
 ANSWER_TIMEOUT = 5.0
-"""A world that is there and does not answer a join within this time [s] is asked again."""
+"""A reachable world that does not answer a join within this time [s] is asked again."""
 
 CONFIRMATIONS = 10
-"""An agent that was not seen for a while asks this many times whether it is still welcome."""
+"""Number of times that an agent asks whether it is still welcome, after the world's token returned."""
 
 PATIENCE = 1.0
-"""How long [s] an agent waits before it asks again, without an id, or where too many ask at once: then at most."""
+"""Time [s] before an agent without an id asks again; for other agents, the scale of a spread by robot id."""
 
 
 class Membership:
-    """The robots of one agent in one run: asked for once, and asked about whenever that may have changed."""
+    """The robots of one agent in one run: requested once, and confirmed whenever the world may have another agent."""
 
     def __init__(self, bus: Bus, run: str, robots: tuple[int, ...], inbox: Inbox, tick: Callable[[], int]) -> None:
         """`tick` returns the last tick that was answered. A refusal after the join fails the `inbox`."""
@@ -56,23 +56,23 @@ class Membership:
         return welcome
 
     def on_quiet(self) -> None:
-        """Nothing was heard for a while: ask whether this agent is still welcome, as its robots may be excluded."""
-        if self._confirming is None or self._confirming.done():
+        """Ask after a silence whether this agent is still welcome, since its robots may be excluded."""
+        if self.world.is_here and (self._confirming is None or self._confirming.done()):
             self._confirm(1)
 
     def on_world(self, key: str, alive: bool) -> None:
-        """The world's token came or went."""
+        """Handle the appearance or the loss of the world's token."""
         self.world.told(alive, self._tick())
         if self.world.is_new and alive:
             self._confirm(CONFIRMATIONS)
 
     async def confirmed(self) -> None:
-        """Wait until the last question has its answer, if one was asked."""
+        """Wait for the answer to the last question, if there is one."""
         if self._confirming is not None:
             await self._confirming
 
     def close(self) -> None:
-        """Ask nothing more."""
+        """Stop asking."""
         if self._confirming is not None:
             self._confirming.cancel()
 
@@ -81,7 +81,7 @@ class Membership:
         self._confirming = asyncio.ensure_future(self._ask_again(times))
 
     async def _ask_again(self, times: int) -> None:
-        """Ask the world up to this many `times` whether it still wants this agent.
+        """Ask the world up to this many `times` whether this agent is still welcome.
 
         Its robots may have another agent meanwhile: this one may have been suspended past its lease.
         """
@@ -96,7 +96,7 @@ class Membership:
             except Refused as refused:
                 self._inbox.fail(refused)
                 return
-        logging.getLogger("agent").warning("the world is there, and does not say whether it still wants this agent")
+        logging.getLogger("agent").warning("the world does not say whether this agent is still welcome")
 
     def _spread(self, least: float) -> float:
         """Time [s] before a question is repeated: not all agents of a team at once."""

@@ -15,12 +15,11 @@ from fes.edges import Edges
 FEW = 4096
 """Up to this many (robot, peer, witness) all are looked at in every tick: it is cheaper than choosing among them."""
 
-
 BLOCK = 2**16
-"""Triples that are looked at at once: memory is a matter of the contacts, not of their product with a degree."""
+"""Triples that are examined at once: memory grows with the contacts, not with contacts times degree."""
 
 NEAREST = 16
-"""Of a robot's contacts the nearest exclude most of its pairs. In a crowd they are tried first."""
+"""Nearest contacts of a robot that are tried first in a crowd: they exclude most of its pairs."""
 
 
 class Witnesses:
@@ -40,7 +39,7 @@ class Witnesses:
             self._carry(before)
 
     def counts(self, pairs: Ints) -> Ints:
-        """How many contacts the robot of each of `pairs` has [t]."""
+        """Number of contacts of the robot of each of `pairs` [t]."""
         counts: Ints = self.edges.counts[self.edges.rows[pairs]]
         return counts
 
@@ -51,7 +50,7 @@ class Witnesses:
         return np.repeat(pairs, counts), np.repeat(first, counts) + offset
 
     def blocks(self, pairs: Ints, counts: Ints) -> Iterator[tuple[Ints, Ints]]:
-        """The same for some of `pairs` after the other, about BLOCK triples each."""
+        """The same in blocks of consecutive `pairs`, with about BLOCK triples each."""
         ends = np.cumsum(counts)
         where = np.searchsorted(ends, np.arange(BLOCK, ends[-1], BLOCK))
         return map(self.of, np.split(pairs, where), np.split(counts, where))
@@ -103,7 +102,7 @@ def relative_neighborhood(contacts: Contacts, witnesses: Witnesses) -> Bools:
 def _candidates(
     contacts: Contacts, reach: Floats, witnesses: Witnesses, suspects: Ints
 ) -> Iterable[tuple[Ints, Ints]]:
-    """All triples of the `suspects`, in blocks; where they are a crowd's, of those that no near robot excludes."""
+    """All triples of the `suspects`, in blocks; in a crowd, only of suspects that no near robot excludes."""
     counts = witnesses.counts(suspects)
     total = int(counts.sum())
     if total <= BLOCK:

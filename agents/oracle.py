@@ -18,8 +18,8 @@ NEARLY_ZERO = 1e-9
 """The smallest separation [m] at which the index is evaluated: an estimate may be thrown below zero."""
 
 LEAST = -1e9
-"""The smallest logarithm of an index. An index as small as that is zero, exp(-745) is; without a bound a step that
-throws an estimate far off, as a peer's estimate of 1e12 m does, would meet an infinite slope there."""
+"""The smallest logarithm of an index. The index itself is zero there, as it is below exp(-745). Without this bound an
+estimate thrown far off, as by a peer's estimate of 1e12 m, would meet an infinite slope."""
 
 
 def index(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal["log", "none"]) -> Index:

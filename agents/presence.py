@@ -54,6 +54,18 @@ class Presence:
             gone = Absent(f"{self._name} left after tick {tick}")
             self._giving_up = self._loop.call_later(self.patience, self._inbox.fail, gone)
 
+    @property
+    def is_here(self) -> bool:
+        """True while its token stands."""
+        return self._here.is_set()
+
+    async def stays(self) -> bool:
+        """True if it may answer another time: it is there, or comes back in time; after a moment."""
+        if not self._here.is_set():
+            return await self.comes_back()
+        await asyncio.sleep(RETRY)
+        return True
+
     async def comes_back(self) -> bool:
         """Whether there is hope that what was lost can be had: it was away, and now is back."""
         if not self._here.is_set():

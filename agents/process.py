@@ -39,7 +39,7 @@ class Agent:
         name = f"agent.{robots[0]}" if len(robots) == 1 else f"agent.{robots[0]}-{robots[-1]}"
         self.logger = logging.getLogger(name)
         self.complaints = Complaints(self.logger)
-        self.radio = Radio(opened, run, self.complaints)
+        self.radio = Radio(opened, run, keys.span(robots), self.complaints)
         self._bus = opened
         self._run = run
         self._robots = robots
@@ -75,7 +75,7 @@ class Agent:
             heard = self.radio.heard(observations.tick - 1)
             if lockstep:
                 heard = await self._complete(observations, heard)
-            else:  # a beacon that comes late is lost
+            else:  # a late beacon is lost
                 self._late += contacts.missing(observations, [beacon.robot for beacon in heard])
             beacons = stack.beacons(observations.tick - 1, heard)
             state, said, twists = crew.step(robots, state, observations, beacons)
@@ -87,15 +87,18 @@ class Agent:
         self.membership.close()
 
     async def _complete(self, observations: Observations, heard: list[Beacon]) -> list[Beacon]:
-        """All beacons that decoded, by sender; raises Absent where one cannot be had, as digits would change.
+        """All beacons that decoded, by sender; raises Absent if one is missing, since digits would change.
 
-        Links are first-in first-out, so one is missing only where junk filled a mailbox, where it took a slower way
-        than the tick, or where a router died with it.
+        Links are first-in first-out. So a beacon is missing only if junk filled a mailbox, if it took a slower path
+        than the tick, or if a router died with it. A busy world is asked again for as long as it is there.
         """
+        world = self.membership.world
         while absent := contacts.decoded(observations) - {beacon.robot for beacon in heard}:
-            found = await self.radio.recall(observations.tick - 1, sorted(absent))
+            found, refused = await self.radio.recall(observations.tick - 1, sorted(absent))
             heard = sorted([*heard, *found], key=lambda beacon: beacon.robot)
-            if len(found) < len(absent) and not await self.membership.world.comes_back():
+            if len(found) == len(absent):
+                break
+            if not (await world.comes_back() if refused else await world.stays()):
                 raise Absent(f"a beacon that decoded did not arrive at tick {observations.tick}")
         return heard
 

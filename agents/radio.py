@@ -1,23 +1,25 @@
 """A process's ear: subscribed to the beacons of the peers in range of its robots, and to no others."""
 
+import asyncio
 from collections.abc import Collection
 
-from fes import keys, messages
+from fes import bus, keys, messages, wire
 from fes.bus import Bus, Mailbox
 from fes.complaints import Complaints
-from fes.errors import Absent, MessageError, Refused
+from fes.errors import Absent, Busy, MessageError, Refused
 from fes.messages import Beacon
 
 RECALL_TIMEOUT = 2.0
-"""A world that does not repeat a beacon within this time [s] is asked again only if it was away."""
+"""A world that does not repeat a beacon within this time [s] is asked again."""
 
 
 class Radio:
     """One mailbox for each peer in range."""
 
-    def __init__(self, bus: Bus, run: str, complaints: Complaints) -> None:
-        self._bus = bus
-        self._run = run
+    def __init__(self, opened: Bus, run: str, robots: str, complaints: Complaints) -> None:
+        """`robots` are those of this process, as `fes.keys.span` writes them."""
+        self._bus = opened
+        self._run, self._robots = run, robots
         self._complaints = complaints
         self._boxes: dict[int, Mailbox] = {}
         self._early: dict[int, Beacon] = {}
@@ -42,41 +44,53 @@ class Radio:
         found = (self._beacon(peer, box, tick) for peer, box in self._boxes.items())
         return [beacon for beacon in found if beacon is not None]
 
-    async def recall(self, tick: int, peers: Collection[int]) -> list[Beacon]:
-        """The beacons of `peers` from `tick`, as far as the world has them; in any order.
+    async def recall(self, tick: int, peers: Collection[int]) -> tuple[list[Beacon], bool]:
+        """The beacons of `peers` from `tick` that the world repeats now, and True if it refused one for good.
 
-        For beacons that junk pushed out of a mailbox, or that took a slower way than the tick. The world is asked and
-        not the peer, so that all robots hear the same beacon, whatever its sender is worth.
+        For beacons that junk pushed out of a mailbox, or that took a slower path than the tick. The world is asked,
+        not the peer, so that all robots hear the same beacon, even from a hostile sender.
         """
-        found = []
-        for peer in peers:
-            key = keys.held_beacon(self._run, peer)
-            try:
-                payload = await self._bus.ask(key, messages.encode_recall(tick), RECALL_TIMEOUT)
-                beacon = messages.decode_beacon(payload)
-            except (Absent, Refused, MessageError):
-                continue  # the caller misses it
-            if (beacon.robot, beacon.tick) == (peer, tick):
-                found.append(beacon)
-                self._complaints.add(
-                    "Beacon: recalled", f"by a full mailbox, or late: a beacon of robot {peer}; asked for anew"
-                )
-        return found
+        answers = await asyncio.gather(*(self._held(peer, tick) for peer in peers))
+        return [answer for answer in answers if isinstance(answer, Beacon)], False in answers
+
+    async def _held(self, peer: int, tick: int) -> Beacon | bool:
+        """The world's copy of a beacon; False if it has none, True if it cannot say at the moment."""
+        key = keys.held_beacon(self._run, peer, self._robots)
+        try:
+            payload = await self._bus.ask(key, messages.encode_recall(tick), RECALL_TIMEOUT)
+            beacon = messages.decode_beacon(payload)
+        except (Absent, Busy):
+            return True
+        except (Refused, MessageError):
+            return False
+        if (beacon.robot, beacon.tick) != (peer, tick):
+            return False
+        self._complaints.add(
+            "Beacon: recalled", f"by a full mailbox, or late: a beacon of robot {peer}; asked for anew"
+        )
+        return beacon
 
     def _beacon(self, peer: int, box: Mailbox, tick: int) -> Beacon | None:
+        """The first beacon of `tick` in a box. As in the world's own copy, one beyond the next tick is dropped.
+
+        At most a full box is taken, as it may be filled while it is emptied.
+        """
         early = self._early.pop(peer, None)
-        if early is not None and early.tick == tick:
-            return early
-        while (sample := box.take()) is not None:
+        found = early if early is not None and early.tick == tick else None
+        for _ in range(bus.MAILBOX):
+            sample = box.take()
+            if sample is None:
+                break
+            stamp = wire.peek(sample[1]) if sample[1] is not None else None
+            if stamp is not None and stamp[0] > tick + 1:
+                self._complaints.add("Beacon: from the future", f"a beacon of robot {peer} from tick {stamp[0]}")
+                continue
             beacon = self._read(peer, *sample)
             if beacon is not None and beacon.tick == tick:
-                return beacon
-            if beacon is not None and beacon.tick == tick + 1:
+                found = found or beacon
+            elif beacon is not None and beacon.tick == tick + 1:
                 self._early.setdefault(peer, beacon)
-                continue
-            if beacon is not None and beacon.tick > tick + 1:
-                self._complaints.add("Beacon: from the future", f"a beacon of robot {peer} from tick {beacon.tick}")
-        return None
+        return found
 
     def _read(self, peer: int, key: str, payload: bytes | None) -> Beacon | None:
         try:

@@ -15,7 +15,7 @@ SILENCE_TIMEOUT = 3600.0
 """An agent that hears nothing from a living world for this long [s] gives up."""
 
 QUIET = 5.0
-"""An agent that hears nothing for this long [s] asks the world whether it is still welcome, and again each time."""
+"""After each silence of this length [s] an agent asks the world whether it is still welcome."""
 
 
 class Turns:
@@ -29,7 +29,7 @@ class Turns:
         complaints: Complaints,
         on_quiet: Callable[[], None] = lambda: None,
     ) -> None:
-        """`on_quiet` is called after each QUIET without a message."""
+        """`on_quiet` is called after each time QUIET without a message."""
         self._robots, self._on_quiet = robots, on_quiet
         self._inbox, self._mouth = inbox, mouth
         self._complaints = complaints

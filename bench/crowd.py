@@ -1,7 +1,7 @@
 """Robots that all start within radio range of each other: python -m bench.crowd [ROBOTS ...] [--rule RULE].
 
-Each number of robots runs three ticks in one loop, log and summary included, in a process of its own. Printed are its
-wall-clock time, its largest resident memory, and that memory per contact beside what `world.crowd` reckons with.
+Each number of robots runs three ticks in one loop, log and summary included, in a process of its own. A line gives
+its wall-clock time, its peak resident memory, and that memory per contact beside what `world.crowd` assumes.
 """
 
 import argparse
@@ -22,11 +22,11 @@ SCENARIO = Path("configs/hundred.toml")
 SIZES = (300, 1_000, 3_000)
 TICKS = 3
 SPACING = 1.0
-"""Of the grid [m]: 3,000 robots stand within 80 m."""
+"""Spacing of the grid [m]: 3,000 robots stand within 80 m."""
 
 
 def dense(robots: int, rule: str, ticks: int = TICKS) -> Scenario:
-    """So many robots within one radio range."""
+    """A scenario with this many `robots` within one radio range."""
     fields = {"robots.count": robots, "robots.spacing": SPACING, "formation.rule": rule}
     scenario = load(SCENARIO, fields)
     run = scenario.run.model_copy(update={"duration": ticks * scenario.run.dt})
@@ -34,7 +34,7 @@ def dense(robots: int, rule: str, ticks: int = TICKS) -> Scenario:
 
 
 def measure(robots: int, rule: str, answer: Connection) -> None:
-    """In a process of its own: run, and answer contacts, time [s] and how much resident memory it took [bytes]."""
+    """Run in a process of its own; the `answer` is contacts, time [s] and resident memory taken [bytes]."""
     before, begun = _peak(), time.perf_counter()
     scenario = dense(robots, rule)
     with tempfile.TemporaryDirectory() as folder:
@@ -49,7 +49,7 @@ def _peak() -> int:
 
 
 def main() -> None:
-    """Print them all."""
+    """Measure and print each number of robots."""
     parser = argparse.ArgumentParser(prog="python -m bench.crowd")
     parser.add_argument("robots", nargs="*", type=int, default=list(SIZES))
     parser.add_argument("--rule", choices=sorted(RULES), default="relative_neighborhood")
@@ -64,7 +64,7 @@ def main() -> None:
         child.join()
         print(
             f"{robots:6,} robots, {flags.rule}: {contacts:11,} contacts, {seconds:6.1f} s, {taken / 1e6:7,.0f} MB, "
-            f"{taken / contacts:6,.0f} bytes a contact (reckoned with: {crowd.PER_CONTACT:,})",
+            f"{taken / contacts:6,.0f} bytes per contact (assumed: {crowd.PER_CONTACT:,})",
             flush=True,
         )
 

@@ -1,14 +1,14 @@
-"""What a person runs: fes run, view, set, replay, compare, sweep, plot, schema, doctor, keys, claims.
+"""The commands that a person runs: fes run, view, set, replay, compare, sweep, plot, schema, doctor, keys, claims.
 
 __main__    entry point of fes
 cli         the commands
-guide       their order, and an example of each
-announcement  what fes run says before it starts anything
+guide       their order in the help, and an example of each
+announcement  the first lines of fes run, before it starts anything
 processes   fes run with real processes
 launcher    child processes, never left behind
-child       one of them, and what is said of its end
-supervision what the end of a child means for its run
-respawn     how often an agent that died is started again
+child       one of them, and the report of its end
+supervision the consequences of a child's end for its run
+respawn     limits on restarts of agents that died
 faults      scheduled deaths and hangs, for real
 inprocess   the same world and crew in one loop, without Zenoh
 history     a run as time series
@@ -36,9 +36,9 @@ sweep       fes sweep: many runs, compared
 summary     the summary as a person reads it
 observer    the world's reports, as they come
 view        the live dashboard
-screen      the whole of a terminal: the only place where rich's Live is
+screen      full-screen frames: the only user of rich's Live
 printing    lines and tables, in which data is never markup
-progress    bars of what takes longer than a second
+progress    bars of commands that take longer than a second
 dashboard   one frame, from the reports so far
 header      its first lines
 teammap     its map

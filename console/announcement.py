@@ -1,4 +1,4 @@
-"""What fes run says before it starts anything."""
+"""The first lines of fes run, before it starts anything."""
 
 from console import leftovers, rundir
 from console.processes import Launch
@@ -8,10 +8,11 @@ from world.scenario import Scenario
 
 
 def say(scenario: Scenario, in_process: bool, launch: Launch) -> None:
-    """Say at once what is started, what of the scenario is not run as it is written, and which keys were removed."""
+    """Print what is started, which parts of the scenario do not run as written, and which keys were removed."""
     robots = scenario.robots.number
     what = f"a world and {robots} robot{'s' if robots > 1 else ''}"
-    crews = f" in {len(launch.groups(robots))} processes" if launch.agents_per_process > 1 else ""
+    groups = len(launch.groups(robots))
+    crews = f" in {groups} process{'es' if groups > 1 else ''}" if launch.agents_per_process > 1 else ""
     process.tell(f"running {what} in one loop ..." if in_process else f"starting {what}{crews} ...")
     for line in remarks.of(scenario):
         process.warn("fes", line)

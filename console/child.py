@@ -1,4 +1,4 @@
-"""One child process of `fes run`: how it is started, signaled, and what is said of its end."""
+"""One child process of `fes run`: its start, its signals, and the report of its end."""
 
 import asyncio
 import contextlib
@@ -13,13 +13,14 @@ from pathlib import Path
 
 from fes import encoding
 from fes.errors import reason
+from fes.output import printable
 from fes.signals import STOP_SIGNALS
 
 DISMISSED = "the run is over"
 """Said in the log of an agent whose world has dismissed it."""
 
 TAIL = 4096
-"""So much of the end of a log is read [bytes]."""
+"""Length of the end of a log that is read [bytes]."""
 
 LONGEST = 300
 """Longest line of a log that is shown [characters]."""
@@ -30,7 +31,7 @@ class Child:
     """One child process."""
 
     name: str
-    """The program, and which robots it hosts."""
+    """The program, and the robots that it hosts."""
     process: asyncio.subprocess.Process
     log: Path
     """Its standard error."""
@@ -41,12 +42,12 @@ class Child:
 
     @property
     def runs(self) -> bool:
-        """Whether it has not ended."""
+        """True if it has not ended."""
         return self.process.returncode is None
 
     @property
     def was_dismissed(self) -> bool:
-        """Whether an agent ended since its run was over; so it is taken, if its log does not tell."""
+        """True if an agent ended because its run was over; also if its log cannot be read."""
         try:
             return DISMISSED in self._tail()
         except OSError:
@@ -59,7 +60,7 @@ class Child:
             lines, where = self._tail().strip().splitlines(), f"its log: {self.log}"
         except OSError as error:
             lines, where = [], f"its log cannot be read: {reason(error)}"
-        said, label = _printable(lines[-1]) if lines else "", f"{self.name.split()[0]}: error: "
+        said, label = _shortened(lines[-1]) if lines else "", f"{self.name.split()[0]}: error: "
         if code is not None and code < 0:
             return f"{self.name} was ended by {_signal_name(-code)} ({where})"
         if code == 1 and said.startswith(label):
@@ -69,7 +70,7 @@ class Child:
     def signal(self, number: signal.Signals) -> None:
         """Send it a signal, unless it has ended.
 
-        Not through Popen, which would look whether the child has ended and take its exit status from asyncio.
+        Popen is not used: it would check whether the child has ended, and take its exit status from asyncio.
         """
         if self.runs:
             with contextlib.suppress(ProcessLookupError):
@@ -81,12 +82,31 @@ class Child:
             return stream.read().decode(errors="replace")
 
 
+@dataclass(frozen=True)
+class NotStarted:
+    """An agent process that the system did not start."""
+
+    name: str
+    """The program, and the robots that it was to host."""
+    robots: str
+    """The ids of these robots."""
+    reason: str
+
+    def verdict(self) -> str:
+        """Its name, and the reason."""
+        return f"{self.name} cannot be started: {self.reason}"
+
+
 async def start(name: str, module: str, arguments: list[str], log: Path, robots: str = "") -> Child:
     """A new child, which ends when this process does; it appends to its `log`. Raises OSError."""
     with log.open("ab") as stream:
-        # A child inherits the mask, so that no signal meets an interpreter that only just starts: `fes.signals.hold`
-        # delivers it. Nothing may be awaited between the two, as other children may be started meanwhile.
+        # A child inherits the mask, so that no signal meets a half-started interpreter: `fes.signals.hold` delivers
+        # it later. Nothing may be awaited in between, since other children may be started meanwhile.
         signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
+        # A background job of a script ignores SIGINT. Its children must not: SIGINT ends a world.
+        before = signal.getsignal(signal.SIGINT)
+        if before == signal.SIG_IGN:
+            signal.signal(signal.SIGINT, lambda number, frame: None)
         try:
             process = await asyncio.create_subprocess_exec(
                 sys.executable,
@@ -102,6 +122,8 @@ async def start(name: str, module: str, arguments: list[str], log: Path, robots:
                 env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
             )
         finally:
+            if before == signal.SIG_IGN:
+                signal.signal(signal.SIGINT, before)
             signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
     return Child(name, process, log, robots)
 
@@ -129,11 +151,6 @@ def _signal_name(number: int) -> str:
         return f"signal {number}"
 
 
-def _printable(line: str) -> str:
-    r"""A line of a log on one line of a terminal, which it cannot command.
-
-    >>> print(_printable("no \x1b[2Jroom"))
-    no \x1b[2Jroom
-    """
-    shown = "".join(char if char.isprintable() else repr(char)[1:-1] for char in line[:LONGEST])
-    return shown if len(line) <= LONGEST else shown + "..."
+def _shortened(line: str) -> str:
+    """The first LONGEST characters of a line of a log, printable."""
+    return printable(line[:LONGEST]) + ("..." if len(line) > LONGEST else "")

@@ -16,6 +16,7 @@ from console.sweep import stack
 from fes.arrays import Floats
 from fes.config import ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
 from fes.edges import Edges
+from fes.errors import FesError
 from world import optimum
 from world.scenario import Scenario, load
 
@@ -24,7 +25,7 @@ CONFIGS = Path(__file__).parent.parent / "configs"
 Numbers = dict[str, float]
 
 SEEDS = 5
-"""Runs of a formation whose end differs from seed to seed."""
+"""Number of runs of a formation whose end differs from seed to seed."""
 
 PAIR = np.array([58.0, 78.0])
 """Two estimates of one link, 20 m apart [m]."""
@@ -119,7 +120,7 @@ def theorem_1() -> Numbers:
 def disk_graph() -> Numbers:
     """Every robot in range a neighbor: Problem 1 has no solution, and the robots end in a frustrated cluster.
 
-    Where a frustrated formation ends is chaotic: the last bit of a processor's exp decides. So it is told over seeds.
+    The end of a frustrated formation is chaotic: the last bit of a processor's exp decides. So many seeds are run.
     """
     start = _scenario("disk")
     seeds = [start.model_copy(update={"run": start.run.model_copy(update={"seed": seed})}) for seed in range(SEEDS)]
@@ -177,7 +178,14 @@ def _curvature(wish: ObjectiveConfig) -> float:
     return float((below - 2.0 * here + above) / h**2)
 
 
+def configs() -> Path:
+    """The folder of the scenarios of a clone; raises FesError if this is an installed wheel, which has none."""
+    if not CONFIGS.is_dir():
+        raise FesError(f"this needs the scenarios of a clone: there is no folder {CONFIGS}")
+    return CONFIGS
+
+
 def _scenario(rule: str) -> Scenario:
-    paper = load(CONFIGS / "paper.toml")
+    paper = load(configs() / "paper.toml")
     graph = FormationConfig.model_validate({**paper.formation.model_dump(), "rule": rule})
     return paper.model_copy(update={"formation": graph})

@@ -33,7 +33,8 @@ from console.options import SET, VERBOSE, Cfg, Config, Connect, ObserverKeys
 from console.processes import Launch
 from console.rundir import Visitor
 from console.sweep import command
-from fes import bus, distribution, encoding, keys, output, process, strict_json
+from fes import bus, encoding, keys, output, process, signals, strict_json
+from fes.about import version
 from fes.errors import FesError, ScenarioError, no_memory, reason
 from fes.identity import OBSERVER
 from world import crowd, expect
@@ -77,7 +78,7 @@ class Clock(StrEnum):
 
 def _version(wanted: bool) -> None:
     if wanted:
-        printing.line(distribution.version())
+        printing.line(version())
         raise typer.Exit
 
 
@@ -108,13 +109,13 @@ def run(
     json_: Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else.")] = False,
     record: Annotated[bool, typer.Option(help="Write a log of every message, run.mcap.")] = True,
     respawn: Annotated[
-        bool, typer.Option("--respawn", help="Start agents that die again, each with all of its robots.")
+        bool, typer.Option("--respawn", help="Restart agents that die, each with all of its robots.")
     ] = False,
     verbose: Annotated[bool, typer.Option("--verbose", help=VERBOSE)] = False,
 ) -> int:
     """Run a scenario: world, robots and dashboard.
 
-    An agent that dies does not end the run: its robots stand still from then on, or until it is there again.
+    An agent that dies does not end the run: its robots stand still until another agent joins for them.
     """
     fields = [("run.seed", seed), ("run.duration", duration), ("run.clock", clock)]
     overrides = [*(set_ or []), *(f"{field}={value}" for field, value in fields if value is not None)]
@@ -134,8 +135,8 @@ def run(
         launch = Launch(name, agents_per_process, rtf, dashboard, record, secure, respawn)
         if not in_process:
             processes.check(launch, loaded)
-        announcement.say(loaded, in_process, launch)
         with rundir.made(scenario.stem, out) as directory:
+            announcement.say(loaded, in_process, launch)
             write_scenario(directory.path, loaded)
             if in_process:
                 log = Recorder(directory.path / NAME, loaded, name, backend.value) if record else nullcontext()
@@ -188,14 +189,16 @@ def main() -> None:
     """Entry point of fes: every error is one line, and the exit code says which kind it was."""
     output.configure()
     try:
-        signal.signal(signal.SIGINT, signal.default_int_handler)  # no longer that of the first moments
+        if signal.SIGINT in signals.heard():
+            signal.signal(signal.SIGINT, signal.default_int_handler)  # instead of the handler of the first moments
+        version()  # an old command of a clone comes here without `fes_robots`, which checks it too
         code = typer.main.get_command(app)(standalone_mode=False)
     except KeyboardInterrupt:
         code = INTERRUPTED
     except FesError as error:
         process.complain("fes", str(error))
         for note in getattr(error, "__notes__", ()):
-            printing.line(f"fes: {note}", stderr=True)
+            process.tell(f"fes: {note}")
         code = error.exit_code
     except OSError as error:
         process.complain("fes", reason(error))
@@ -211,14 +214,14 @@ def main() -> None:
         said = message().replace("Value error, ", "")
         if said.startswith("Usage:"):  # without a command it is the whole help, and no error of one line
             for text in said.splitlines():
-                printing.line(text, stderr=True)
+                process.tell(text)
         else:
             process.complain("fes", said or "expects a command; see fes --help")
         code = process.FAILURE
     if code == INTERRUPTED:
         process.complain("fes", "stopped by SIGINT")
         code = process.FAILURE
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Python's own would be a traceback out of its shutdown
+    signals.ignore()  # none may turn a run that has ended into a failure, or print a traceback
     sys.exit(code if isinstance(code, int) else process.SUCCESS)
 
 

@@ -83,8 +83,8 @@ def chosen_robots(texts: Iterable[str], robots: int) -> set[int]:
 def first_difference(one: Log, other: Log, robots: Collection[int] | None = None) -> Difference | None:
     """The first tick, robot and field in which two logs differ; the end of one of them is a difference, too.
 
-    A difference of Reports, of what was set, of the summary or of the end is told where no message differs. With
-    `robots` only their messages are compared.
+    Reports, settings, summaries and ends are compared only if no message differs. With `robots` only their messages
+    are compared.
     """
     aside, ticks = None, 0
     for pair in itertools.zip_longest(one.ticks(), other.ticks()):

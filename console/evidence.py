@@ -33,7 +33,7 @@ def plot(
             directory, drawn = out or Path("figures"), _paper_figures(bar)
         elif target == MEASURED:
             bar.note("many seeds of robots that count beacons")
-            seen = learning.learn(claims.CONFIGS)
+            seen = learning.learn(claims.configs())
             directory, drawn = out or Path("figures"), {"measured": figures.learning_figure(seen)}
         else:
             bar.note("the run again")
@@ -59,6 +59,7 @@ def show_claims(
     """Compute where the paper's text does not hold (docs/paper.md says what the numbers mean)."""
     if name is not None and name not in claims.CLAIMS:
         raise FesError(f"no claim '{name}'; there are {', '.join(claims.CLAIMS)}")
+    claims.configs()  # some of them run scenarios: say so before the first is computed
     wanted, found = [name] if name else list(claims.CLAIMS), {}
     with progress.bar("claims", len(wanted)) as bar:
         for key in wanted:
@@ -81,7 +82,7 @@ def show_claims(
 
 def _paper_figures(bar: progress.Bar) -> "dict[str, Figure]":
     bar.note("the paper's run")
-    seen = history.follow(load(claims.CONFIGS / "paper.toml"))
+    seen = history.follow(load(claims.configs() / "paper.toml"))
     bar.note("the same with other steps")
     return {
         "fig1-outage": figures.outage_figure(),
@@ -89,7 +90,7 @@ def _paper_figures(bar: progress.Bar) -> "dict[str, Figure]":
         "fig5-formation": figures.formation_figure(seen),
         "fig6-convergence": figures.convergence_figure(seen),
         "steps": figures.step_figure(
-            study.seeking_errors(), study.tick_errors(load(claims.CONFIGS / "neighborhood.toml"))
+            study.seeking_errors(), study.tick_errors(load(claims.configs() / "neighborhood.toml"))
         ),
     }
 
@@ -117,7 +118,7 @@ def _again(directory: Path) -> History:
     summary, loaded = processes.read_summary(directory), load(scenario)
     ticks = summary.get("ticks")
     if not isinstance(ticks, int) or not 1 <= ticks <= loaded.ticks or "digest" not in summary:
-        raise FesError(f"{directory / 'summary.json'} is no summary of {scenario.name}: it lacks ticks or digest")
+        raise FesError(f"{directory / 'summary.json'} is not a summary of {scenario.name}: it lacks ticks or digest")
     run = loaded.run.model_copy(update={"duration": ticks * loaded.run.dt})
     seen = history.follow(loaded.model_copy(update={"run": run}))
     if seen.digest != summary["digest"]:

@@ -162,7 +162,7 @@ def learning_figure(seen: Learning) -> "Figure":
 
 
 def plain(text: str) -> str:
-    """Data as a label: matplotlib takes text between two dollars for a formula, and hides what begins with `_`.
+    """Data as a label: matplotlib takes text between two dollars for a formula, and hides labels that begin with `_`.
 
     >>> plain("_$a$")
     ' _\\\\$a\\\\$'

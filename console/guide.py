@@ -1,4 +1,4 @@
-"""What `fes --help` says of the commands: their order, a sentence for each, and an example."""
+"""The help of the commands: their order in `fes --help`, a sentence for each, and an example."""
 
 import inspect
 from collections.abc import Callable

@@ -10,11 +10,12 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 from console import child
-from console.child import Child, ended
+from console.child import Child, NotStarted, ended
+from fes.errors import reason
 from world.checkpoint import is_kept
 
 DISMISSAL = 2.0
-"""Time [s] that agents have to end by themselves after their world dismissed them and left; then they are told to."""
+"""Time [s] in which dismissed agents must end by themselves after their world has left; then they are told to."""
 
 CLOSING = 15.0
 """Time [s] that a world that is told to stop has to write down what was reached; a second signal does not wait."""
@@ -34,17 +35,19 @@ class Family:
         self.world: Child | None = None
         self.agents: list[Child] = []
         self.killed: set[Child] = set()
-        """By us, as the scenario wants: they are not missed."""
+        """Children killed by us, as the scenario wants: they are not missed."""
         self.successor_due = False
         """True while another world is about to resume the run."""
-        self.ends: asyncio.Queue[Child] = asyncio.Queue()
-        """The children that have ended, in order."""
+        self.not_resumed = ""
+        """Reason why no other world resumes the run, in one line; empty if there is none."""
+        self.ends: asyncio.Queue[Child | NotStarted] = asyncio.Queue()
+        """The children that have ended, and the agents that could not be started again, in order."""
         self._begun = False
         self._arguments: dict[str, list[str]] = {}
-        """Those of each agent's last start, by its robots."""
+        """Arguments of each agent's last start, by its robots."""
         self._watches: set[asyncio.Task[None]] = set()
         self._restarts: dict[str, asyncio.Task[None]] = {}
-        """Agents that are about to be started again, by their robots."""
+        """Agents that are about to be restarted, by their robots."""
 
     @property
     def children(self) -> list[Child]:
@@ -53,7 +56,7 @@ class Family:
 
     @property
     def has_begun(self) -> bool:
-        """True once the world has had all robots, and the run has begun; or where its log does not tell."""
+        """True once the world has had all robots, and the run has begun; also if its log cannot be read."""
         if self.world is not None and not self._begun:
             try:
                 self._begun = BEGUN in self.world.log.read_bytes()
@@ -63,7 +66,7 @@ class Family:
 
     @property
     def is_deserted(self) -> bool:
-        """True if no agent runs, and none is about to be started again."""
+        """True if no agent runs, and none is about to be restarted."""
         return not self._restarts and not any(agent.runs for agent in self.agents)
 
     async def start_world(self, arguments: list[str]) -> None:
@@ -77,13 +80,17 @@ class Family:
         self._arguments[robots] = arguments
         await self._start_agent(robots)
 
+    async def start_agent_again(self, robots: str) -> None:
+        """Start the agent of `robots` as it was started before; if the system cannot, `ends` has the reason."""
+        self._cancel_restart(robots)
+        await self._try_to_start_agent(robots)
+
     def restart_agent(self, robots: str, delay: float) -> None:
-        """Start the agent of `robots`, which has ended, again after a `delay` [s]."""
+        """Restart the agent of `robots`, which has ended, after a `delay` [s]."""
 
         async def restart() -> None:
             await asyncio.sleep(delay)
-            with contextlib.suppress(OSError):  # the run goes on without it
-                await self._start_agent(robots)
+            await self._try_to_start_agent(robots)
             self._restarts.pop(robots, None)
 
         self._cancel_restart(robots)
@@ -99,34 +106,39 @@ class Family:
                 await agent.process.wait()
 
     async def replace_world(self, seconds: float, arguments: list[str]) -> None:
-        """End the world by SIGKILL, as its scenario wants, and start another after a while [s]; it is not missed."""
+        """End the world by SIGKILL, as its scenario wants, and start another after a while [s]; it is not missed.
+
+        If the system cannot start another, `not_resumed` has the reason.
+        """
         world = self.world
         if world is None or not world.runs:
             return
-        self.killed.add(world)  # first: nobody is to think that it failed, or that all is over
+        self.killed.add(world)  # first, so that its end is not taken for a failure, or for the end of the run
         self.successor_due = True
         try:
             world.signal(signal.SIGKILL)
-            if await world.process.wait() >= 0:  # it was over just then
+            if await world.process.wait() >= 0:  # it had just ended by itself
                 self.killed.discard(world)
             elif is_kept(self.directory):
                 await asyncio.sleep(seconds)
                 await self.start_world(arguments)
+        except OSError as error:
+            self.not_resumed = f"fes-world cannot be started: {reason(error)}"
         finally:
             self.successor_due = False
             if self.world is world:
-                self.ends.put_nowait(world)  # no other follows
+                self.ends.put_nowait(world)  # no other world follows
 
     def stop_agent(self, robots: str) -> None:
-        """Have the agent of `robots` go no further, as one that hangs."""
+        """Suspend the agent of `robots`, as if it hung."""
         self._signal_agent(robots, signal.SIGSTOP)
 
     def continue_agent(self, robots: str) -> None:
-        """Have the agent of `robots` go on."""
+        """Resume the agent of `robots`."""
         self._signal_agent(robots, signal.SIGCONT)
 
     def watch(self, watched: Child) -> None:
-        """Have a child among the `ends` when it has ended."""
+        """Put a child into `ends` when it has ended."""
 
         async def watch() -> None:
             await watched.process.wait()
@@ -140,7 +152,7 @@ class Family:
         """End every child: the world first, which dismisses the agents; then the others, by force after GRACE."""
         await self._cancel_restarts()
         if self.world is not None and self.world.runs:
-            self.world.signal(signal.SIGINT)  # SIGTERM would let the agents wait for a world that goes on
+            self.world.signal(signal.SIGINT)  # after SIGTERM the agents would wait for a resumed world
             self.world.signal(signal.SIGCONT)  # a stopped process hears nothing else
             if not self.has_begun:
                 self._tell_agents()  # a world may dismiss only those that have joined it
@@ -159,8 +171,8 @@ class Family:
             one.signal(signal.SIGKILL)
 
     def abandon(self) -> None:
-        """End every child by force, and return when they have ended (where the system can wait and leave it to
-        asyncio to reap them)."""
+        """End every child by force, and wait until they have ended (if the system can wait and leave it to asyncio to
+        reap them)."""
         self.kill()
         if hasattr(os, "waitid"):
             for one in self.children:
@@ -175,12 +187,18 @@ class Family:
         self.agents.append(agent)
         self.watch(agent)
 
+    async def _try_to_start_agent(self, robots: str) -> None:
+        try:
+            await self._start_agent(robots)
+        except OSError as error:
+            self.ends.put_nowait(NotStarted(f"fes-agent --id {robots}", robots, reason(error)))
+
     def _cancel_restart(self, robots: str) -> None:
         if (restart := self._restarts.pop(robots, None)) is not None:
             restart.cancel()
 
     async def _cancel_restarts(self) -> None:
-        """Cancel all, and wait until none is in the midst of a start."""
+        """Cancel all restarts, and wait until none of them is starting a process."""
         restarts = list(self._restarts.values())
         self._restarts.clear()
         for restart in restarts:
@@ -201,7 +219,7 @@ class Family:
 
 @asynccontextmanager
 async def ended_with_block(family: Family) -> AsyncIterator[None]:
-    """A block with which all children end, however it ends."""
+    """A block at whose end all children end, however it ends."""
     try:
         yield
     finally:

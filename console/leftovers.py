@@ -1,6 +1,6 @@
-"""Private keys that a run of `fes run --secure` left behind, as it was killed: found, named and removed.
+"""Private keys that a killed `fes run --secure` left behind: found, named and removed.
 
-The launcher holds a lock on a file beside the keys of its run. The system lets go of it however the launcher ends.
+The launcher holds a lock on a file beside the keys of its run. The system releases it however the launcher ends.
 """
 
 import contextlib
@@ -14,15 +14,15 @@ KEYS = "keys"
 """The folder of a run directory with the certificates and keys of its run."""
 
 LOCK = "run.lock"
-"""The file in it that says that these are of one run, and is locked while that goes on."""
+"""The file that marks this folder as that of one run; it is locked during the run."""
 
 PRIVATE = 0o600
 
 
 @contextlib.contextmanager
 def marked(directory: Path) -> Iterator[None]:
-    """A folder of keys that is taken for left behind when this process is gone; raises OSError."""
-    temporary = directory / f".{LOCK}"  # so that nobody ever sees it without its lock
+    """A block that locks a folder of keys, which counts as left behind once this process is gone; raises OSError."""
+    temporary = directory / f".{LOCK}"  # so that it never exists without its lock
     handle = os.open(temporary, os.O_WRONLY | os.O_CREAT, PRIVATE)
     try:
         fcntl.flock(handle, fcntl.LOCK_EX)
@@ -48,18 +48,18 @@ def remove(root: Path) -> list[Path]:
 
 
 def named(directory: Path) -> str:
-    """What to say of a run directory that cannot be used, where keys are left in it; else nothing."""
+    """Remark on keys that are left in a run directory that cannot be used; empty if there are none."""
     lock = directory / KEYS / LOCK
     return f"; {left(lock.parent)}" if lock.exists() and _is_left(lock) else ""
 
 
 def left(directory: Path) -> str:
-    """What is said of a folder of keys that was left behind."""
+    """Text about a folder of keys that was left behind."""
     return f"{directory} has the private keys of a run that was killed"
 
 
 def _is_left(lock: Path) -> bool:
-    """True if nobody holds this lock."""
+    """True if no process holds this lock."""
     if lock.parent.parent.is_symlink():  # runs/latest names a directory twice
         return False
     try:

@@ -21,9 +21,9 @@ from world.scenario import Scenario, parse
 
 _EVIDENCE = ("/observations", "/beacons", "/commands")
 _TOPICS = (*_EVIDENCE, "/scenario", "/report", "/events")
-"""All that is read back."""
+"""All topics that are read back."""
 
-_MAX_EVENTS = 10_000  # a tick
+_MAX_EVENTS = 10_000  # per tick
 
 _UNREADABLE = (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError, OverflowError)
 
@@ -57,7 +57,7 @@ class Log:
     ended: str | None
     """How the run ended; None if the log has no end."""
     arithmetic: Mapping[str, str] = field(default_factory=fingerprint.table)
-    """With which it was recorded."""
+    """The arithmetic with which it was recorded."""
 
     def ticks(self) -> Iterator[Tick]:
         """Its ticks, in order; of a log without an end those that are whole. Raises FesError."""
@@ -67,7 +67,7 @@ class Log:
                 if tick.number != expected:
                     raise FesError(f"{self.path}: after tick {expected - 1} comes tick {tick.number}")
                 if expected >= self.scenario.ticks:
-                    raise FesError(f"{self.path}: it goes on after tick {expected - 1}, the last of its scenario")
+                    raise FesError(f"{self.path}: it continues after tick {expected - 1}, the last of its scenario")
                 yield tick
                 there = expected + 1
         except _UNREADABLE as error:
@@ -134,7 +134,7 @@ def _scenario(path: Path) -> dict[str, Any]:
 
 
 def _metadata(path: Path) -> dict[str, str] | None:
-    """What was written when the log was closed; None if it was not. Raises FesError unless all of it is whole."""
+    """The metadata written when the log was closed; None if it was not. Raises FesError unless the log is whole."""
     reader, found = Reader(path), None
     for block in reader:
         if isinstance(block.record, Metadata) and block.record.name == SUMMARY:
@@ -194,13 +194,13 @@ def _tick(data: bytes) -> int:
 
 
 def _contents(data: bytes, limit: int = 1) -> list[bytes]:
-    """The payloads in a message, at most one more than there may be."""
+    """The payloads in a message, at most one more than `limit`."""
     found = (value for field, value in protobuf.fields(data) if field == 2 and isinstance(value, bytes))
     return list(itertools.islice(found, limit + 1))
 
 
 def _parsed(data: bytes) -> Any:
-    """What a message in JSON says; raises ValueError."""
+    """The value of a message in JSON; raises ValueError."""
     if len(data) > MAX_JSON:
         raise ValueError(f"a text of {len(data):,} bytes, more than {MAX_JSON:,}")
     return strict_json.loads(data)

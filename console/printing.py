@@ -1,7 +1,5 @@
 """Lines, tables and frames on a terminal or in a pipe. Data is never markup, and never moves the cursor."""
 
-import sys
-
 from rich.console import Console, RenderableType
 from rich.text import Text
 
@@ -18,9 +16,9 @@ def is_screen(screen: Console) -> bool:
     return screen.file.isatty() and not screen.is_dumb_terminal
 
 
-def line(text: object, stderr: bool = False) -> None:
-    """Print one line of data: printable, not wrapped, without markup."""
-    print(printable(str(text)), file=sys.stderr if stderr else sys.stdout)
+def line(text: object) -> None:
+    """Print one line of data on standard output: printable, not wrapped, without markup."""
+    print(printable(str(text)))
 
 
 def cell(text: object, style: str = "") -> Text:
@@ -29,5 +27,5 @@ def cell(text: object, style: str = "") -> Text:
 
 
 def show(screen: Console, what: RenderableType) -> None:
-    """Print a table, or several, and cut off nothing."""
+    """Print a table, or several, without cutting anything off."""
     screen.print(what, crop=False)

@@ -10,15 +10,13 @@ from typing import Any
 
 from rich.console import Console
 
-from console import faults, keyring, launcher, observer, rundir, view
+from console import faults, keyring, launcher, observer, progress, rundir, view
 from console.doctor import machine
 from console.doctor.finding import Status
 from console.launcher import Family
 from console.printing import is_screen
-from console.progress import SPINNER
 from console.respawn import Respawn
 from console.rundir import Address, RunDirectory
-from console.screen import cursor_back
 from console.summary import BELOW
 from console.supervision import Supervisor
 from fes import bus, files, identity, keys, process, signals, strict_json
@@ -29,7 +27,7 @@ from world.scenario import Scenario
 
 RUN = keys.DEFAULT_RUN
 MAX_SUMMARY = 1 << 30
-"""Size of a summary that is read [bytes]; that of a hundred robots has 100 kB."""
+"""Largest summary that is read [bytes]; that of a hundred robots has 100 kB."""
 
 JOIN_TIMEOUT = 60.0
 """How long children look for the world [s]; a loaded machine starts ten interpreters slowly."""
@@ -48,7 +46,7 @@ class Launch:
     secure: bool = False
     """With TLS, and certificates made for this run."""
     respawn: bool = False
-    """Start agents that die again."""
+    """True if agents that die are restarted."""
 
     def groups(self, robots: int) -> list[str]:
         """The robot ids of each agent process."""
@@ -56,7 +54,7 @@ class Launch:
 
 
 def check(launch: Launch, scenario: Scenario) -> None:
-    """Raise FesError, as `fes doctor` says it, for what would keep this run from starting."""
+    """Raise FesError, in the words of `fes doctor`, for anything that would keep this run from starting."""
     for seen in (machine.loopback(), machine.files(len(launch.groups(scenario.robots.number)))):
         if seen.status is Status.FAILED:
             raise FesError(f"{seen.check}: {seen.seen}; {seen.remedy}")
@@ -68,8 +66,8 @@ def run(launch: Launch, scenario: Scenario, directory: RunDirectory, console: Co
     Every child ends with this call, however it ends. Raises FesError if the world fails, or if an agent does before
     the run begins, and Stopped after a signal.
     """
-    with contextlib.closing(Remarks(held=launch.dashboard)) as remarks:
-        process.supervise(lambda: _run(launch, scenario, directory, console, remarks))
+    with contextlib.closing(Warnings(held=launch.dashboard)) as warnings:
+        process.supervise(lambda: _run(launch, scenario, directory, console, warnings))
     summary = read_summary(directory.path)
     if summary["ticks"] < scenario.ticks:
         reached = f"{summary['ticks']} of {scenario.ticks} ticks"
@@ -77,28 +75,28 @@ def run(launch: Launch, scenario: Scenario, directory: RunDirectory, console: Co
     return summary
 
 
-class Remarks:
-    """Warnings while a run goes on: at once, or `held` until no dashboard covers them."""
+class Warnings:
+    """Warnings during a run: printed at once, or `held` until no dashboard covers them."""
 
     def __init__(self, held: bool) -> None:
         self._held = held
         self._waiting: list[str] = []
 
     def add(self, line: str) -> None:
-        """Say a line, or keep it."""
+        """Print a line, or hold it."""
         if self._held:
             self._waiting.append(line)
         else:
             process.warn("fes", line)
 
     def close(self) -> None:
-        """Say all that was held."""
+        """Print all lines that were held."""
         for line in self._waiting:
             process.warn("fes", line)
 
 
 async def _run(
-    launch: Launch, scenario: Scenario, directory: RunDirectory, console: Console, remarks: Remarks
+    launch: Launch, scenario: Scenario, directory: RunDirectory, console: Console, warnings: Warnings
 ) -> None:
     groups, path = launch.groups(scenario.robots.number), directory.path
     with keyring.of_a_run(path, groups) if launch.secure else contextlib.nullcontext() as kept:
@@ -114,11 +112,11 @@ async def _run(
             try:
                 joining = ["-e", endpoint, "--timeout", str(JOIN_TIMEOUT), *with_keys]
                 # First, to be there when the run begins.
-                async with _faults(family, launch, scenario, address, joining, resuming):
+                async with _faults(family, launch, scenario, address, resuming):
                     for ids in groups:
                         await family.start_agent(ids, joining)
                     again = Respawn() if launch.respawn else None
-                    supervisor = Supervisor(family, remarks.add, _deserted(scenario, endpoint), again)
+                    supervisor = Supervisor(family, warnings.add, _deserted(scenario, endpoint), again)
                     await _attend(supervisor, launch, address, console)
             finally:
                 rundir.withdraw(path)
@@ -126,14 +124,16 @@ async def _run(
 
 @contextlib.asynccontextmanager
 async def _family(directory: RunDirectory) -> AsyncIterator[Family]:
-    """The children of a run. A second signal, which waits for none of them, lets a world that has begun close by
-    itself, and leaves nothing of one that has not."""
+    """The children of a run. A second signal waits for none of them. It lets a world that has begun close by itself,
+    and leaves nothing of one that has not."""
     family = Family(directory.path)
 
     def abandon() -> None:
         if family.has_begun:
             rundir.withdraw(directory.path)
-            process.complain("fes", f"stopped at once: the world closes {directory.path} by itself")
+            closing = family.world is not None and family.world.runs  # else it is away: another was to resume the run
+            end = f"the world closes {directory.path} by itself" if closing else f"see {directory.path}"
+            process.complain("fes", f"stopped at once: {end}")
         else:
             family.abandon()
             directory.discard()
@@ -145,7 +145,7 @@ async def _family(directory: RunDirectory) -> AsyncIterator[Family]:
 
 @contextlib.asynccontextmanager
 async def _faults(
-    family: Family, launch: Launch, scenario: Scenario, address: Address, joining: list[str], resuming: list[str]
+    family: Family, launch: Launch, scenario: Scenario, address: Address, resuming: list[str]
 ) -> AsyncIterator[None]:
     """While the block lasts, processes die and hang as scheduled: the world's, and robots' if each has its own."""
     alone = launch.agents_per_process == 1
@@ -157,7 +157,7 @@ async def _faults(
         async with bus.opened(_visitor(address)) as opened:
             hands = faults.Hands(
                 family.kill_agent,
-                lambda ids: family.start_agent(ids, joining),
+                family.start_agent_again,
                 family.stop_agent,
                 family.continue_agent,
                 lambda seconds: family.replace_world(seconds, resuming),
@@ -174,7 +174,7 @@ async def _faults(
 
 
 def _deserted(scenario: Scenario, endpoint: str) -> str:
-    """What to say when no agent is left."""
+    """Warning for a run of which no agent is left."""
     if scenario.run.clock == "live":
         return "no agent is left: all robots stand still until the end"
     return f"no agent is left: the world at {endpoint} waits {RETURN_TIMEOUT:g} s for one, and then ends"
@@ -186,12 +186,14 @@ def _visitor(address: Address) -> Endpoints:
 
 
 def read_summary(directory: Path) -> dict[str, Any]:
-    """The summary in a run directory; raises FesError."""
+    """The summary in a run directory; raises FesError, also for a file that is not a table."""
     try:
         found = strict_json.loads(files.read(directory / "summary.json", MAX_SUMMARY))
     except (OSError, ValueError):
-        raise FesError(f"{directory} has no summary") from None
-    return found if isinstance(found, dict) else {}
+        found = None
+    if not isinstance(found, dict):
+        raise FesError(f"{directory} has no summary")
+    return found
 
 
 async def _attend(supervisor: Supervisor, launch: Launch, address: Address, console: Console) -> None:
@@ -216,10 +218,10 @@ async def _show(launch: Launch, address: Address, console: Console) -> None:
             with view.Screen(console, BELOW) as screen:
                 await view.watch(opened, RUN, JOIN_TIMEOUT, screen)
             return
-        with cursor_back(console), console.status("waiting for the robots", spinner=SPINNER) as status:
+        with progress.status(console, "waiting for the robots") as shown:
             async for report in observer.reports(opened, RUN, JOIN_TIMEOUT, view.IDLE):
                 if report is not None:
-                    status.update(
+                    shown.name(
                         f"tick {report.tick} of {report.ticks}, {report.ticks_per_s:.0f} ticks/s, "
                         f"largest separation error {report.separation_error_max:.3f} m"
                     )

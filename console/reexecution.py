@@ -28,13 +28,13 @@ from world.summary import summarize
 from world.wording import Told
 
 YEARS = 1e12
-"""No run takes so long [s; wall clock]."""
+"""Longer than any run takes [s; wall clock]."""
 
 T = TypeVar("T", Observation, Beacon, Command)
 
 
 class Mismatch(FesError):
-    """Executed again, a run came out otherwise. A note tells another processor from a log that was edited."""
+    """A run came out otherwise when executed again. A note shows whether another processor may be the cause."""
 
     def __init__(self, log: Log, found: Difference | str) -> None:
         super().__init__(found if isinstance(found, str) else found.told("in the log", "executed again"))
@@ -92,8 +92,8 @@ def world(log: Log) -> Iterator[Moment]:
 def accounted(log: Log) -> Iterator[tuple[Moment, Account]]:
     """Every tick of a log as `world` has it, and the account up to it.
 
-    Raises Mismatch where a Report comes out otherwise or, when the last tick has been gone through, the summary, and
-    FesError where a Report is missing.
+    Raises Mismatch if a Report or, after the last tick, the summary comes out otherwise, and FesError if a Report is
+    missing.
     """
     sums, elapsed, period = Account(log.scenario), 0.0, report_period(log.scenario)
     for moment in world(log):
@@ -192,7 +192,7 @@ def _check_report(log: Log, sums: Account, recorded: Report) -> None:
 
 
 def _check_summary(log: Log, found: dict[str, Any]) -> None:
-    """Raise Mismatch unless the summary in the log, if it has one, is the one that was found."""
+    """Raise Mismatch unless the summary in the log, if it has one, equals the one that was found."""
     if log.summary is None:
         return
     for key in [*log.summary, *(key for key in found if key not in log.summary)]:

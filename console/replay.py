@@ -40,7 +40,7 @@ def replay(
         with progress.bar(f"robot {robot}, executed again", _length(log)) as bar:
             ticks = alone(log, robot, bar.advance)
         _print(json_, {"robot": robot, "ticks": ticks}, f"robot {robot}, executed again", ticks)
-    elif all_ or json_ or headless or not (printing.is_screen(screen) and sys.stdin.isatty()):
+    elif all_ or json_ or headless or not (printing.is_screen(screen) and _has_keyboard()):
         what = f"the world{' and all robots' if all_ else ''}, executed again"
         with progress.bar(what, _length(log)) as bar:
             result = again(log, all_, bar.advance)
@@ -50,7 +50,8 @@ def replay(
     else:
         player.play(log, screen, speed)
     if log.ended not in (None, AT_ITS_END):
-        printing.line(f"the run ended early: {log.ended}", stderr=json_)
+        say = process.tell if json_ else printing.line
+        say(f"the run ended early: {log.ended}")
     complaint = log.complaint
     if complaint is not None:
         raise FesError(complaint)
@@ -90,6 +91,11 @@ def again(log: Log, everybody: bool = False, told: Callable[[], None] = lambda: 
             elapsed = moment.recorded.report.elapsed
         told()
     return reexecution.summary(log, found, elapsed)
+
+
+def _has_keyboard() -> bool:
+    """True if standard input is a terminal; it may also be closed."""
+    return sys.stdin is not None and sys.stdin.isatty()
 
 
 def _length(log: Log) -> float:

@@ -1,15 +1,15 @@
-"""How often, and how soon, an agent that died is started again: never in a tight loop, and not for ever."""
+"""Limits on restarts of agents that died: never in a tight loop, and not forever."""
 
 from dataclasses import dataclass, field
 
 FIRST_DELAY = 0.5
-"""Before an agent is started again for the first time [s]; each short life in a row doubles it."""
+"""Delay before the first restart of an agent [s]; each short life in a row doubles it."""
 
 SHORT = 30.0
 """An agent that lived for less than this [s] had a short life."""
 
 MOST = 5
-"""After so many short lives in a row an agent is started again; after one more it is not."""
+"""Most short lives in a row after which an agent is still restarted."""
 
 
 @dataclass
@@ -20,9 +20,9 @@ class Respawn:
     """Short lives in a row."""
 
     def delay(self, robots: str, lived: float) -> float | None:
-        """How long to wait [s] before the agent of `robots`, which `lived` so long [s], is started again.
+        """Delay [s] before the agent of `robots`, which `lived` this long [s], is restarted.
 
-        None if it is given up: it died too often.
+        None if it is given up, because it died too often.
 
         >>> agents = Respawn()
         >>> [agents.delay("3", lived=1.0) for _ in range(6)]

@@ -24,7 +24,7 @@ ENDPOINT = "endpoint.json"
 SUMMARY = "summary.json"
 SCENARIO = ("scenario.toml", ".scenario.toml")
 FILES = {*SCENARIO, SUMMARY, f".{SUMMARY}", NAME, ENDPOINT}
-"""What a run writes, beside the logs of its children."""
+"""Files that a run writes, beside the logs of its children."""
 FOLDERS = {FOLDER, leftovers.KEYS}
 
 
@@ -40,9 +40,10 @@ class Address:
     """Where the certificates are, if it can be watched only with one."""
 
     def __post_init__(self) -> None:
-        """Raise TypeError for what no run announces: anybody may have written the file."""
+        """Raise TypeError for values that no run announces: any program may have written the file."""
         texts = (self.endpoint, self.run, self.keys or "")
-        if not all(isinstance(text, str) for text in texts) or not 0 <= self.pid < 1 << 31:
+        is_pid = type(self.pid) is int and 0 <= self.pid < 1 << 31  # True is an int, and not a process
+        if not is_pid or not all(isinstance(text, str) for text in texts):
             raise TypeError("an address is an endpoint, a run, a process and a directory")
 
 
@@ -63,32 +64,36 @@ class Visitor:
 def made(scenario: str, out: Path | None) -> Iterator["RunDirectory"]:
     """A new run directory: `out`, or runs/<scenario>-<n> with runs/latest pointing at it; raises FesError.
 
-    Where a signal ends the block before anything was reached, or an error before anything was written, it is gone
-    again. A Stopped that leaves the block says where what was reached is.
+    It is removed again if a signal ends the block before a tick was reached, or an error before anything was written.
+    A Stopped that leaves the block names the directory that holds what was reached.
     """
-    directory = RunDirectory.create(scenario, out)
+    directory = None
     try:
+        with signals.blocked():  # one that comes meanwhile is delivered when there is something to discard
+            directory = RunDirectory.create(scenario, out)
         yield directory
     except Stopped as stopped:
+        if directory is None:
+            raise
         if is_kept(directory.path) or (directory.path / SUMMARY).exists():
             raise Stopped(f"{stopped}; what was reached is in {directory.path}") from None
         directory.discard()
         raise
     except (FesError, OSError):
-        if directory.is_bare:
+        if directory is not None and directory.is_bare:
             directory.discard()
         raise
 
 
 @dataclass(frozen=True)
 class RunDirectory:
-    """The directory of one run, and what it takes to leave no trace of it."""
+    """The directory of one run, which can be removed without a trace."""
 
     path: Path
     parents: tuple[Path, ...]
     """The folders that were made for it, itself included, the innermost first."""
     latest: Path | None = None
-    """What runs/latest pointed at before."""
+    """The previous target of runs/latest."""
 
     @classmethod
     def create(cls, scenario: str, out: Path | None) -> Self:
@@ -115,7 +120,7 @@ class RunDirectory:
 
     @property
     def is_bare(self) -> bool:
-        """True if there is nothing in it but its scenario."""
+        """True if it holds nothing but its scenario."""
         with contextlib.suppress(OSError):
             return all(path.name in SCENARIO for path in self.path.iterdir())
         return False
@@ -162,15 +167,8 @@ def announced(run: str) -> tuple[Path, Address] | None:
 
 
 def _address(told: dict[str, Any]) -> Address:
-    """What an endpoint.json says; raises TypeError or FesError for what `announce` cannot have written."""
+    """The address in an endpoint.json; raises TypeError or FesError for content that `announce` never writes."""
     found = Address(**told)
-    if (
-        type(found.pid) is not int
-        or found.pid < 0
-        or not isinstance(found.run, str)
-        or not isinstance(found.keys, str | None)
-    ):
-        raise TypeError
     addresses.check(found.endpoint, listening=False)
     return found
 
@@ -210,7 +208,7 @@ def reach(who: Visitor, connect: list[str] | None, config: Path | None, cfg: lis
 
 
 def _point_at(directory: Path) -> Path | None:
-    """Point runs/latest at the directory, in one step; returns what it pointed at before."""
+    """Point runs/latest at the directory, in one step; returns its previous target."""
     temporary, latest = ROOT / f".{LATEST}-{os.getpid()}", ROOT / LATEST
     before = latest.readlink() if latest.is_symlink() else None
     temporary.unlink(missing_ok=True)

@@ -1,5 +1,6 @@
-"""The whole of a terminal, for frames: the only place where rich's Live is."""
+"""Full-screen frames on a terminal: the only module that uses rich's Live."""
 
+import contextlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -13,16 +14,19 @@ CURSOR = "\x1b[?25h"
 """Show the cursor."""
 
 LEAVE = f"\x1b[?1049l{CURSOR}"
-"""Back to the ordinary screen, with a cursor."""
+"""Return to the ordinary screen, with a cursor."""
+
+ERASE = "\r\x1b[K"
+"""Return to the start of the line, and erase it."""
 
 Draw = Callable[[RenderableType], None]
 
 
 @contextmanager
 def whole(console: Console) -> Iterator[Draw]:
-    """A block in which frames are drawn on the alternate screen, which is left however the block ends.
+    """A block in which frames are drawn on the alternate screen, which closes however the block ends.
 
-    Where no frame can be drawn, nothing happens.
+    If no frame can be drawn, nothing happens.
     """
     if not is_screen(console):
         yield lambda frame: None
@@ -46,9 +50,16 @@ def whole(console: Console) -> Iterator[Draw]:
 
 @contextmanager
 def cursor_back(console: Console) -> Iterator[None]:
-    """A block that may hide the cursor: it is there again though a second signal ends the process."""
+    """A block that may hide the cursor, which returns even if a second signal ends the process."""
     with signals.if_forced(lambda: _write(console, CURSOR) if is_screen(console) else None):
         yield
+
+
+def erase_line(console: Console) -> None:
+    """Erase the line of the cursor, and return to its start; nothing if this is not a terminal."""
+    if is_screen(console):
+        with contextlib.suppress(OSError):  # the terminal may be gone
+            _write(console, ERASE)
 
 
 def _write(console: Console, codes: str) -> None:

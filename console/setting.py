@@ -47,5 +47,4 @@ def set_command(
                 printing.line(remarks.UNNOTICED)
         return process.SUCCESS
 
-    process.leave("fes", ask)
-    return process.SUCCESS
+    process.leave("fes", ask, needs_its_end=True)

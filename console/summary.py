@@ -1,4 +1,4 @@
-"""The summary as a person reads it: the numbers that matter most stand last, where a terminal still shows them."""
+"""The summary as a person reads it: the most important numbers are last, where a terminal still shows them."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -17,7 +17,7 @@ BELOW = 11
 MAX_EDGES = 30
 MAX_CONTACTS = 5
 MAX_EXPECTED = 4
-"""Lines of expectations, those first that do not hold."""
+"""Most lines of expectations; those that do not hold are first."""
 
 LONGEST_NAME = 40
 
@@ -38,7 +38,7 @@ _TRACKING = (
 
 
 def render(summary: dict[str, Any], verbose: bool = False) -> RenderableType:
-    """The summary of a run; with `verbose` after tables of its tracking, links, beacons and expectations."""
+    """The summary of a run; with `verbose`, tables of its tracking, links, beacons and expectations precede it."""
     facts = Table.grid(padding=(0, 2))
     facts.add_column(style="bold", no_wrap=True)
     facts.add_column(overflow="fold")
@@ -54,7 +54,7 @@ def _tables(summary: dict[str, Any]) -> list[RenderableType]:
 
 
 def _course(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    """What happened on the way."""
+    """Rows about the course of the run."""
     disk = "always" if summary["disk_connected_always"] else "not always"
     links = "always" if summary["links_connected_always"] else "not always"
     connectivity = summary["algebraic_connectivity"]
@@ -73,7 +73,7 @@ def _course(summary: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def _headline(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    """What came of it."""
+    """Rows about the result."""
     name = summary["scenario"]
     name = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}…"
     rate = f"{_number(summary['ticks_per_s'], 0)} ticks/s, {_number(summary['real_time_factor'], 1)}× real time"
@@ -88,7 +88,7 @@ def _headline(summary: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def _since(summary: dict[str, Any], what: str) -> str:
-    """From when on an error was below each level."""
+    """Times from which on an error was below each level."""
     told = ""
     for level, label in (("1m", "1 m"), ("0_1m", "0.1 m")):
         if f"{what}_{level}" in summary["time_to"]:
@@ -98,7 +98,7 @@ def _since(summary: dict[str, Any], what: str) -> str:
 
 
 def _expected(summary: dict[str, Any]) -> list[tuple[str, Text]]:
-    """What was expected, a line each, what does not hold first."""
+    """Rows of the expectations; those that do not hold are first."""
     verdicts = sorted(summary["expectations"], key=lambda one: bool(one["holds"]))
     told = [
         ("expected", Text.assemble(cell(f"{one['of']} {one['expected']}: {_seen(one['seen'])}, "), _verdict(one)))

@@ -1,14 +1,14 @@
-"""What the end of a child means for its run.
+"""Consequences of a child's end for its run.
 
-The run is its world's: it ends when the world ends. An agent that dies before that is an absence of its robots, as by
-schedule, and no failure of the run; unless the run has not begun, since its world waits for all robots then.
+A run ends when its world ends. If an agent dies before that, its robots are absent, as they may be by schedule, and
+the run does not fail. The exception is a run that has not begun: its world waits for all robots.
 """
 
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from console.child import Child, ended
+from console.child import Child, NotStarted, ended
 from console.launcher import DISMISSAL, Family
 from console.respawn import MOST, Respawn
 from fes.errors import FesError
@@ -28,40 +28,52 @@ class Supervisor:
 
     family: Family
     warn: Callable[[str], None]
-    """Told of each agent that dies, in one line."""
+    """Called with one line for each agent that dies."""
     deserted: str = "no agent is left"
-    """Said when none is left."""
+    """The line for a run of which no agent is left."""
     respawn: Respawn | None = None
-    """How agents that die are started again; None: they are not."""
+    """Limits on restarts of agents that die; None if they are not restarted."""
     _ended: set[Child] = field(default_factory=set)
-    """The agents of whose end this knows."""
+    """The agents whose end is known here."""
 
     async def finish(self) -> None:
         """Wait until the world has ended well, and for a moment for the agents that it dismissed.
 
-        Raises ChildFailed if the world ended badly, or if an agent ended for which it still waits to begin.
+        Raises ChildFailed if the world ended badly, if the one that was to resume its run cannot be started, or if an
+        agent ended without which it cannot begin.
         """
         while (gone := await self.family.ends.get()) is not self.family.world or self.family.successor_due:
-            if gone in self.family.agents:
+            if isinstance(gone, NotStarted):
+                await self._lose(gone.robots, gone.verdict(), lived=0.0)
+            elif gone in self.family.agents:
                 await self._miss(gone)
+        assert isinstance(gone, Child)  # it is the world
+        if self.family.not_resumed:
+            raise ChildFailed(self.family.not_resumed)
         if gone not in self.family.killed and gone.process.returncode not in (SUCCESS, UNMET):
             raise ChildFailed(gone.verdict())
         await ended(self.family.agents, DISMISSAL)
 
     async def _miss(self, agent: Child) -> None:
-        """What follows from the end of an agent while the world goes on; raises ChildFailed."""
+        """Handle the end of an agent while the world runs; raises ChildFailed."""
         self._ended.add(agent)
         if agent in self.family.killed or (agent.process.returncode == SUCCESS and agent.was_dismissed):
             return
-        plural, whom = ("s", "them") if "-" in agent.robots else ("", "it")
-        robots, why = f"robot{plural} {agent.robots}", agent.verdict()
-        lived, delay = time.monotonic() - agent.born, None
+        await self._lose(agent.robots, agent.verdict(), time.monotonic() - agent.born)
+
+    async def _lose(self, ids: str, why: str, lived: float) -> None:
+        """Restart the agent of robots `ids`, which `lived` this long [s], or say that the run continues without it.
+
+        Raises ChildFailed if the run cannot begin without it.
+        """
+        plural, whom = ("s", "them") if "-" in ids else ("", "it")
+        robots, delay = f"robot{plural} {ids}", None
         if self.respawn is not None:
-            delay = self.respawn.delay(agent.robots, lived)
+            delay = self.respawn.delay(ids, lived)
             why += "" if delay else f", {MOST + 1} times in a row: it is not started again"
         if delay is not None:
             self.warn(f"{robots}: {why}; started again in {delay:g} s")
-            self.family.restart_agent(agent.robots, delay)
+            self.family.restart_agent(ids, delay)
             return
         if not self.family.has_begun:
             await self._blame(why)
@@ -70,9 +82,9 @@ class Supervisor:
             self.warn(self.deserted)
 
     async def _blame(self, why: str) -> None:
-        """Raises ChildFailed for an agent without which the run cannot begin; or for the world, if that ended first.
+        """Raise ChildFailed for an agent without which the run cannot begin, or for the world, if that ended first.
 
-        It does not if the run begins just then.
+        Do nothing if the run begins just then.
         """
         world = self.family.world
         if world is not None and await ended([world], SETTLING) and world.process.returncode != SUCCESS:

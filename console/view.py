@@ -21,7 +21,7 @@ IDLE = 0.25
 """Without news the screen is drawn again after this time [s], for a terminal that was resized."""
 
 LEAST = 12
-"""Lines that the last frame has at least, however small the terminal and however much comes below it."""
+"""Least lines of the last frame, however small the terminal, and however much comes below it."""
 
 
 class Screen:
@@ -66,7 +66,7 @@ class Screen:
         """Print the last frame as ordinary lines, if there was one."""
         if self.history.latest is not None:
             height = max(LEAST, self._console.height - self._below - 1)  # less one, for the shell's prompt
-            with contextlib.suppress(OSError, SystemExit):  # rich's word for a reader that is gone
+            with contextlib.suppress(OSError, SystemExit):  # rich raises it when the reader is gone
                 self._console.print(render(self.history, self._console.width, height))
 
 

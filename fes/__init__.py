@@ -3,7 +3,7 @@
 arrays      type aliases for the arrays that every signature speaks of
 edges       directed pairs (robot, peer) of a crew, and sums over them in a fixed order
 geometry    wrap, separation, line of sight
-fingerprint  of the arithmetic: what another processor or library rounds otherwise
+fingerprint  fingerprint of the arithmetic, which processors and libraries round differently
 draws       random numbers as a function of (seed, stream, tick, sender, receiver)
 outage      equations (3) and (4); of the agents only agents.oracle may import it
 objective   the robots' own half of the performance index (16)
@@ -26,13 +26,13 @@ bus         a session of Zenoh: everything it declares, and its way to asyncio
 session     how it is opened
 inbox       from Zenoh's threads to the loop, one wake-up a tick
 complaints  bad messages, counted and logged once a kind
-signals     stop signals while modules are still being imported, and where a second one ends a process
+signals     stop signals during imports, and cleanups before a second signal ends a process
 output      text that leaves a process: any encoding, no control characters
 strict_json JSON without NaN and Infinity
 files       files from others, read with a bound on their size
 process     signals, exit codes, Zenoh's command-line flags
 distribution  name and version of the installed distribution, and how a clone installs it
 encoding    text from outside: files, arguments and names, in any encoding
-memory      how much of it there is
+memory      memory that is available
 errors      every error, on one page
 """

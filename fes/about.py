@@ -1,11 +1,11 @@
 """About: what a world says of itself to who asks: for `fes doctor`, and no part of a run."""
 
 import time
-from importlib.metadata import PackageNotFoundError, version
+from importlib import metadata
 from typing import NamedTuple
 
 from fes import distribution, wire
-from fes.errors import MessageError
+from fes.errors import FesError, MessageError
 
 LONGEST = 100
 """Longest version [characters]."""
@@ -29,11 +29,18 @@ def here(robots: int) -> About:
     return About(installed(distribution.NAME), installed("eclipse-zenoh"), robots, time.time())
 
 
+def version() -> str:
+    """Version of this project as it is installed, such as '0.2.0'; raises FesError if it is not installed."""
+    if absence := distribution.absence():
+        raise FesError(absence)
+    return metadata.version(distribution.NAME)
+
+
 def installed(package: str) -> str:
     """The installed version of a package, or `unknown`."""
     try:
-        return version(package)
-    except PackageNotFoundError:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
         return "unknown"
 
 

@@ -1,7 +1,7 @@
 """Addresses of endpoints: their rules, and the names of hosts.
 
-Zenoh says the same of a name that does not resolve, of a port that cannot be, and of a place where nobody listens. So
-the text of an endpoint is checked before anything waits for it, and names are resolved beside Zenoh.
+Zenoh reports the same error for an unresolved name, an impossible port, and an address where nothing listens. So the
+text of an endpoint is checked before anything waits for it, and names are resolved apart from Zenoh.
 """
 
 import ipaddress
@@ -69,13 +69,13 @@ def _check_host(host: str, endpoint: str) -> None:
             raise FesError(f"only an IPv6 address stands in brackets: {endpoint}") from None
     elif ":" in host:
         protocol, _, rest = endpoint.partition("/")
-        raise FesError(f"an IPv6 address wants brackets, {protocol}/[{host}]{rest[len(host) :]}: {endpoint}")
+        raise FesError(f"an IPv6 address needs brackets, {protocol}/[{host}]{rest[len(host) :]}: {endpoint}")
     elif len(host) > MAX_NAME or not all(map(_LABEL.fullmatch, host.removesuffix(".").split("."))):
         raise FesError(f"the name of a host is up to {MAX_NAME} letters, 1 to 63 between dots: {endpoint}")
 
 
 def place(endpoint: str) -> Place | None:
-    """Host and port of an endpoint that `check` lets pass; None if its protocol knows neither.
+    """Host and port of an endpoint that passed `check`; None if its protocol has neither.
 
     >>> place("tcp/[::1]:7447"), place("tls/lab.example:1?rel=1"), place("unixpipe/run/fes")
     (Place(host='::1', port=7447), Place(host='lab.example', port=1), None)
@@ -88,7 +88,7 @@ def place(endpoint: str) -> Place | None:
 
 
 def unresolved(endpoint: str, patience: float = PATIENCE) -> str:
-    """Why the host of an endpoint has no address, in a few words; empty if it has one, or needs none.
+    """Reason why the host of an endpoint has no address, in a few words; empty if it has one, or needs none.
 
     It takes at most `patience` [s].
     """
@@ -118,7 +118,7 @@ def unresolved(endpoint: str, patience: float = PATIENCE) -> str:
 def warn_of_names(endpoints: tuple[str, ...], timeout: float) -> None:
     """Log each endpoint whose name does not resolve, without waiting for it.
 
-    A warning, since the name of a container that starts may come to resolve while Zenoh tries, up to `timeout` [s].
+    It is only a warning: the name of a starting container may resolve while Zenoh tries, for up to `timeout` [s].
     """
 
     def warn(endpoint: str) -> None:

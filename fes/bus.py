@@ -24,7 +24,10 @@ MAILBOX = 64
 """Samples that may wait in a mailbox; peers are a tick ahead at most, and 64 of the longest are 64 MiB."""
 
 QUESTIONS = 64
-"""Questions that may wait for one handler; whoever asks beyond is refused at once, before anything is decoded."""
+"""Questions of one asker that may wait for one handler; a further one is refused at once, before it is decoded."""
+
+ASKERS = 1024
+"""Askers whose questions may wait for one handler at once."""
 
 REFUSED = b"refused: "
 """How an answer begins that turns the asker away."""
@@ -106,7 +109,7 @@ class Bus:
         return declared.put if mark is None else partial(declared.put, attachment=mark)
 
     def subscribe(self, key: str, handler: Handler, gate: Gate | None = None) -> Callable[[], None]:
-        """Hand every sample on `key` that may pass the `gate` to `handler`; returns a function that ends it."""
+        """Hand every sample on `key` that may pass the `gate` to `handler`; returns a function that unsubscribes."""
 
         def on_sample(sample: zenoh.Sample) -> None:
             name = str(sample.key_expr)
@@ -156,26 +159,34 @@ class Bus:
         return sorted(found)
 
     def serve(self, key: str, handler: Callable[[Question], None]) -> None:
-        """Call `handler` on the loop with each question asked on `key`, QUESTIONS at a time at most.
+        """Call `handler` on the loop with each question asked on `key`.
 
-        A FesError that it raises refuses the question.
+        QUESTIONS of one asker may wait. The last part of a key names the asker, so that a flood of one robot does not
+        crowd out the others. A FesError that the handler raises refuses the question.
         """
-        waiting: deque[Question] = deque()
+        waiting: dict[str, deque[Question]] = {}
 
-        def answer() -> None:
-            question = waiting.popleft()
+        def answer(asker: str, asked: deque[Question]) -> None:
+            question = asked.popleft()
+            if not asked:
+                waiting.pop(asker, None)
             try:
                 handler(question)
             except FesError as error:
                 question.refuse(str(error))
 
         def on_query(query: zenoh.Query) -> None:
-            if len(waiting) >= QUESTIONS:
-                Question(key, b"", query).refuse(CROWDED)
+            name = str(query.key_expr)
+            asker = name.rpartition("/")[2]
+            asked = waiting.get(asker)
+            if (asked is None and len(waiting) >= ASKERS) or (asked is not None and len(asked) >= QUESTIONS):
+                Question(name, b"", query).refuse(CROWDED)
                 return
+            if asked is None:
+                asked = waiting.setdefault(asker, deque())
             payload = query.payload.to_bytes() if query.payload is not None else b""
-            waiting.append(Question(str(query.key_expr), payload, query))
-            self._loop.call_soon_threadsafe(answer)
+            asked.append(Question(name, payload, query))
+            self._loop.call_soon_threadsafe(answer, asker, asked)
 
         self._held.append(self._session.declare_queryable(key, zenoh.handlers.Callback(on_query, indirect=False)))
 

@@ -37,7 +37,7 @@ class Effect(NamedTuple):
     optimal_separation: float
     """r* of the channel as it is now [m]."""
     unnoticed: bool = False
-    """True if the robots were told another channel, and do not notice."""
+    """True if the robots were told another channel, and do not notice the change."""
 
 
 def encode_change(message: Change) -> bytes:

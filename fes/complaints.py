@@ -44,9 +44,9 @@ class Complaints:
             self._logger.warning("%s (further ones of this kind are counted, not shown)", shown(line))
 
     def log_total(self, overflow: int = 0, strangers: int = 0) -> None:
-        """A line with each of the counts, if there are any.
+        """Log one line with all counts, if there are any.
 
-        `overflow` messages found no room to wait; `strangers` came from a process that was not accepted.
+        `overflow` messages met a full queue; `strangers` came from a process that was not accepted.
         """
         if overflow:
             self.counts["no room"] += overflow
@@ -59,7 +59,7 @@ class Complaints:
 
 
 def shown(line: str) -> str:
-    """Text that a sender has a part in, as one line of a log: printable, and of bounded length.
+    """Text that a sender can influence, as one line of a log: printable, and of bounded length.
 
     >>> shown("key\\nforged line: rule")
     'key\\\\nforged line: rule'

@@ -20,7 +20,7 @@ Clock = Annotated[
     Literal["lockstep", "live"],
     Field(
         description="`lockstep`: a tick waits for all robots, and simulated time for the slowest. `live`: ticks are "
-        "due at times of the wall clock, and wait for nobody."
+        "due at times of the wall clock, and wait for no robot."
     ),
 ]
 

@@ -1,4 +1,4 @@
-"""Counts that come from two settings: how often one fits into the other. No other module divides so.
+"""Counts that come from two settings: how often one fits into the other. No other module makes such a division.
 
 A ratio of two floats may be infinite, so none becomes an integer before it is bounded.
 """
@@ -6,11 +6,11 @@ A ratio of two floats may be infinite, so none becomes an integer before it is b
 import math
 
 LARGEST = 2.0**53
-"""A larger count would not be a whole number."""
+"""Largest count: beyond it a float does not hold every whole number."""
 
 
 def ratio(whole: float, part: float) -> float:
-    """How often `part` > 0 fits into `whole`; infinite beyond what a float can hold."""
+    """Number of times that `part` > 0 fits into `whole`; infinite beyond what a float can hold."""
     return whole / part if part > 0.0 else math.inf
 
 
@@ -29,7 +29,7 @@ def ticks_of(period: float, dt: float) -> int:
 
 
 def ticks_within(time: float, dt: float) -> int:
-    """The ticks after which a `time` [s] is over.
+    """Number of ticks after which a `time` [s] is over.
 
     >>> ticks_within(1.0, 0.3)
     4

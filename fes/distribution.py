@@ -3,8 +3,8 @@
 `fes` on the Python Package Index is another project. Ours is not published there, so no text may tell a user to
 install it by name: every command that installs something comes from this module and names a clone.
 
-`fes_robots.py` loads this file before it knows whether the package `fes` is ours: it imports the standard library
-only.
+`fes_robots.py` loads this file before it knows whether the package `fes` is ours. So this file imports only the
+standard library.
 """
 
 import importlib.util
@@ -25,19 +25,26 @@ HOME = Path(__file__).absolute().parent.parent
 """Folder of our packages: site-packages, or a clone."""
 
 
-def version() -> str:
-    """Version of the installed distribution, such as '0.2.0'; raises PackageNotFoundError if it is not installed."""
-    return metadata.version(NAME)
+def absence() -> str:
+    """Complaint that this project is not installed for this Python, in one line; empty if it is.
+
+    A clone that was updated but not installed again has the packages, and maybe commands, under an older name.
+    """
+    try:
+        metadata.version(NAME)
+    except metadata.PackageNotFoundError:
+        return f"{NAME} is not installed here: {install()}"
+    return ""
 
 
 def install(extra: str = "") -> str:
     """The command that installs this project, with an extra if one is named, from the folder of a clone.
 
     >>> install(), install("plot")
-    ('pip install -e . (in a clone of fes)', "pip install -e '.[plot]' (in a clone of fes)")
+    ('pip install -e .  # in a clone of fes', "pip install -e '.[plot]'  # in a clone of fes")
     """
     target = f"'.[{extra}]'" if extra else "."
-    return f"pip install -e {target} (in a clone of fes)"
+    return f"pip install -e {target}  # in a clone of fes"
 
 
 def separate() -> str:

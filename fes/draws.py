@@ -45,7 +45,7 @@ def uniform_ticks(stream_key: Ints, first: int, count: int, senders: Ints, recei
         counter[:] = (first // _PER_COUNTER, sender, receiver, 0)
         generator.state = state
         words[:, column] = generator.random_raw(count)
-    # In place, some ticks at a time: the numbers of a crowd are large, and three times as many too large.
+    # In place, some ticks at a time: the numbers of a crowd are large, and three times as many would be too large.
     words >>= np.uint64(11)
     numbers: Floats = words.view(np.float64)
     rows = max(1, _AT_ONCE // max(1, len(senders)))

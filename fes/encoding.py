@@ -1,7 +1,7 @@
 """Text from outside: files, arguments and names of files, which may be in any encoding, and of any length.
 
-Everything that a person writes passes one of these functions before a parser sees it. Where they raise ValueError, it
-has a rule in one line, and the caller knows the place.
+Everything that a person writes passes one of these functions before a parser sees it. Their
+ValueError states a rule in one line; the caller adds the place.
 """
 
 import codecs
@@ -14,13 +14,13 @@ LONGEST_FILE = 1 << 26
 """Longest text file that is read [bytes]; a scenario with 100,000 poses has a tenth of that."""
 
 LONGEST_NAME = 255
-"""Longest name of a scenario [characters], as of a file."""
+"""Longest name of a scenario [characters], the same as that of a file."""
 
 DEEPEST = 100
-"""Tables and lists within each other, at most; a scenario has five."""
+"""Most tables and lists within each other; a scenario has five."""
 
 MOST_OPEN = 1000
-"""Open brackets that a parser written in C or Rust has to bear [measured: Zenoh's ends the process at 20,000]."""
+"""Most open brackets that a parser in C or Rust is given [measured: Zenoh's ends the process at 20,000]."""
 
 _OTHERS = (
     (codecs.BOM_UTF32_LE, "UTF-32"),
@@ -32,7 +32,7 @@ _OTHERS = (
 
 
 def read(path: Path) -> str:
-    """The text of a file, as `decode` has it; raises OSError if it cannot be read, ValueError if it is no text."""
+    """The text of a file, as `decode` has it; raises OSError if it cannot be read, ValueError if it is not text."""
     with path.open("rb") as file:
         data = file.read(LONGEST_FILE + 1)
     if len(data) > LONGEST_FILE:
@@ -63,7 +63,7 @@ def decode(data: bytes) -> str:
 def check_depth(text: str) -> None:
     """Raise ValueError for text with more than MOST_OPEN brackets within each other.
 
-    For parsers that end the process on them. Brackets in strings and comments count too.
+    Some parsers end the process on them. Brackets in strings and comments count too.
     """
     depth = 0
     for letter in text:
@@ -78,8 +78,8 @@ def check_depth(text: str) -> None:
 def argument(text: str) -> str:
     """An argument or a name of a file as text in UTF-8, whatever the locale made of it.
 
-    Python has bytes that its locale cannot read as lone surrogates, which nothing that writes UTF-8 takes. Those that
-    are UTF-8 become its letters; others become U+FFFD.
+    Python turns bytes that its locale cannot read into lone surrogates, which cannot be written in UTF-8. Here bytes
+    that are UTF-8 become characters; others become U+FFFD.
 
     >>> argument("caf\\udcc3\\udca9"), argument("caf\\udce9")
     ('café', 'caf\ufffd')
@@ -88,7 +88,7 @@ def argument(text: str) -> str:
 
 
 def file_name(text: str) -> str:
-    """Valid text as the name of a file: in UTF-8 also where the locale has no letters for it.
+    """Valid text as the name of a file: in UTF-8 also where the locale cannot encode it.
 
     >>> file_name("pair")
     'pair'
@@ -97,7 +97,7 @@ def file_name(text: str) -> str:
 
 
 def as_bytes(text: str) -> bytes:
-    """An argument of a process or a name of a file in bytes: in UTF-8 where the locale has no letters for it."""
+    """An argument of a process or a name of a file in bytes: in UTF-8 where the locale cannot encode it."""
     try:
         return os.fsencode(text)
     except UnicodeEncodeError:

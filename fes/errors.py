@@ -20,10 +20,10 @@ class FesError(Exception):
 
 
 def reason(error: OSError, *, with_file: bool = True) -> str:
-    """What the system says of an error, in a line; `with_file` adds its file, if it has one.
+    """The system's text for an error, in one line; `with_file` adds its file, if it has one.
 
-    Not every error has a text of the system: one of Python's own, such as that of a pipe that is to be sought in, has
-    only that of Python.
+    Not every error has a text of the system. One of Python's own errors, such as that of a seek in a pipe, has only
+    the text of Python.
 
     >>> reason(BrokenPipeError(32, "Broken pipe"))
     'Broken pipe'
@@ -39,7 +39,7 @@ def reason(error: OSError, *, with_file: bool = True) -> str:
 
 
 def no_memory(error: MemoryError) -> str:
-    """What was asked for in vain, in a line.
+    """The allocation that failed, in one line.
 
     >>> no_memory(MemoryError("Unable to allocate 5 GiB"))
     'not enough memory: Unable to allocate 5 GiB'

@@ -17,7 +17,7 @@ _BLOCK = 1 << 20  # bytes
 
 
 def opened(path: Path) -> BinaryIO:
-    """A regular file, open for reading, not a pipe or a device, which has no end; raises FesError and OSError."""
+    """A regular file, open for reading; raises OSError, and FesError for a pipe or device, which may have no end."""
     if not stat.S_ISREG(path.stat().st_mode):  # before it is opened: a pipe without a writer would be waited for
         raise FesError(f"{path}: is not a regular file")
     return path.open("rb")

@@ -1,7 +1,7 @@
-"""Fingerprint of the arithmetic: which results this processor and these libraries round otherwise than others.
+"""Fingerprint of the arithmetic: other processors and libraries round some results differently.
 
-numpy picks its loops by the processor, the C library its functions, and the linear algebra its kernels. Two machines
-with one fingerprint and one version of numpy give the same digits, as far as a sample can show.
+numpy, the C library and the linear algebra pick their code by the processor. Two machines with one fingerprint and
+one version of numpy give the same digits, as far as a sample can show.
 """
 
 import hashlib
@@ -34,7 +34,7 @@ def table() -> dict[str, str]:
 def text(arithmetic: Arithmetic | None = None) -> str:
     """An arithmetic in a few words, this process's own unless another is given; equal texts mean equal digits.
 
-    Raises KeyError, TypeError or ValueError for what is no arithmetic.
+    Raises KeyError, TypeError or ValueError for anything that is not an arithmetic.
 
     >>> text({"fingerprint": "5c62e091b8c0", "numpy": "2.4.6", "core": "numpy"})
     'numpy 2.4.6, arithmetic 5c62e091b8c0'
@@ -67,11 +67,11 @@ def _results() -> Iterator[Floats]:
     yield from (np.exp(-x), np.expm1(-x), np.logaddexp(0.0, -x))
     yield np.arctan2(y - 1.0, x - 1.0)
     yield from (np.power(x, 3.0 * fraction), np.power(10.0, -fraction))
-    few = x[:_SCALARS].tolist()  # numbers that are no arrays go to the C library
+    few = x[:_SCALARS].tolist()  # plain numbers go to the C library
     for scalar in (math.exp, math.log, math.log1p, math.exp2):
         yield np.array([scalar(value) for value in few])
     yield np.array([value**1.5 for value in few])
-    # Sums: what is added in which order, and whether a product is rounded before it is added.
+    # Sums: the order of additions, and whether a product is rounded before it is added.
     yield from (np.add.reduce(x, keepdims=True), np.asarray(np.bincount(numbers % 7, x), dtype=np.float64))
     rows, columns = x[: 33 * 37].reshape(33, 37), y[: 37 * 29].reshape(37, 29)
     yield from (np.add.reduce(rows, axis=1), np.einsum("ij,ij->i", rows, rows))

@@ -39,8 +39,8 @@ def reason(endpoints: Endpoints, message: str) -> str:
 
 
 def first_line(message: str) -> str:
-    """The first line of an error of Zenoh, without the places in its source; of one with a picture of where in a text
-    it is, that place and the last line, which says why.
+    """The first line of a Zenoh error, without the places in its source. If the error draws its place in a text, that
+    place and the last line, which gives the reason.
 
     >>> first_line(" --> 1:2\\n  |\\n1 | {\\n  |  ^---\\n  |\\n  = expected identifier or string at /src/lib.rs:14.")
     'line 1, column 2: expected identifier or string'
@@ -72,7 +72,7 @@ def complaint(endpoint: str, security: Mapping[str, object]) -> str | None:
 
 
 def _unusable(endpoint: str) -> str:
-    """Why this machine cannot listen at `endpoint`, in a few words; empty if it can, or this cannot be tried."""
+    """Reason why this machine cannot listen at `endpoint`, in a few words; empty if it can, or if that is unknown."""
     if why := addresses.unresolved(endpoint):
         return why
     where = addresses.place(endpoint)

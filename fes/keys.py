@@ -11,7 +11,7 @@
 | fes/<run>/robot/<i>/observation | Observation              | world -> agent i                    | each tick    |
 | fes/<run>/robot/<i>/beacon      | Beacon                   | agent i -> peers in range           | each tick   |
 | fes/<run>/robot/<i>/recall      | Recall, answered by Beacon | world -> agent i -> world         | if one was lost |
-| fes/<run>/world/beacon/<i>      | Recall, answered by Beacon | agent -> world -> agent           | if one was lost |
+| fes/<run>/world/beacon/<i>/<ids> | Recall, answered by Beacon | agent ids -> world -> agent      | if one was lost |
 | fes/<run>/robot/<i>/command     | Command                  | agent i -> world                    | each tick    |
 | fes/<run>/world/report          | Report                   | world -> observers                  | 10 Hz (wall) |
 | fes/<run>/world/set             | Change, answered by Effect | person -> world -> person         | when asked   |
@@ -128,13 +128,13 @@ def beacon(run: str, robot: int | str) -> str:
 
 
 def recall(run: str, robot: int | str) -> str:
-    """Where the world asks a robot to repeat a beacon that it did not get."""
+    """Key on which the world asks a robot to repeat a beacon that the world did not get."""
     return f"fes/{run}/robot/{robot}/recall"
 
 
-def held_beacon(run: str, robot: int | str) -> str:
-    """Where a peer asks the world for its copy of a robot's beacon."""
-    return f"fes/{run}/world/beacon/{robot}"
+def held_beacon(run: str, robot: int | str, robots: str) -> str:
+    """Key on which the agent of `robots`, as `span` writes them, asks the world for its copy of a robot's beacon."""
+    return f"fes/{run}/world/beacon/{robot}/{robots}"
 
 
 def command(run: str, robot: int | str) -> str:

@@ -1,4 +1,4 @@
-"""How much memory a process of this machine can still take."""
+"""Memory that a process of this machine can still take."""
 
 import os
 import resource
@@ -24,7 +24,7 @@ def gigabytes(size: float) -> str:
 
 
 def _machine() -> int:
-    """What the kernel says it could give; all of the memory where it does not say (macOS)."""
+    """Memory that the kernel reports as available [bytes]; all of it where the kernel does not report it (macOS)."""
     try:
         lines = MEMINFO.read_text(encoding="ascii").splitlines()
         return next(1024 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable:"))
@@ -33,16 +33,26 @@ def _machine() -> int:
 
 
 def _container() -> int:
-    """What is left of the limit of this process' control group (version 2)."""
+    """The rest of the limit of this process's control group (version 2) [bytes]; cached files can be dropped."""
     try:
         limit, used = ((CGROUP / f"memory.{name}").read_text(encoding="ascii") for name in ("max", "current"))
-        return int(limit) - int(used)
+        return int(limit) - max(0, int(used) - _cached())
     except (OSError, ValueError):  # no such group, or "max": no limit
         return 2**63
 
 
+def _cached() -> int:
+    """Files that the control group caches, and that the kernel drops when memory is wanted [bytes]."""
+    try:
+        lines = (CGROUP / "memory.stat").read_text(encoding="ascii").splitlines()
+        told = {name: int(size) for name, size in (line.split() for line in lines)}
+    except (OSError, ValueError):
+        return 0
+    return told.get("inactive_file", 0) + told.get("active_file", 0)
+
+
 def _limit() -> int:
-    """What is left of the address space of this process."""
+    """The rest of the address space of this process [bytes]."""
     soft, _ = resource.getrlimit(resource.RLIMIT_AS)
     if soft == resource.RLIM_INFINITY:
         return 2**63

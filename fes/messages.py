@@ -28,11 +28,11 @@ class Join(NamedTuple):
     """A number that it has drawn, from 0 to MAX_AGENT: no other agent of these robots has the same."""
 
     arithmetic: str = ""
-    """What it computes with, as `fes.fingerprint.text` says it; empty if it does not say."""
+    """The agent's arithmetic, as `fes.fingerprint.text` describes it; empty if the agent does not tell."""
 
     @property
     def mark(self) -> bytes:
-        """What stands beside each of its Commands: another process with the same certificate does not know it."""
+        """The mark beside each of its Commands: another process with the same certificate does not know it."""
         return self.agent.to_bytes(8, "little")
 
 

@@ -16,8 +16,8 @@ from fes.config import ChannelConfig
 def exponent_scale(channel: ChannelConfig) -> float:
     """c [m^-nu] of the reception probability exp(-c r^nu), from (3): (2^delta - 1) / SNR / r0^nu.
 
-    A perfect channel has c = 0, and none more than a float can hold. Raises ValueError for a logistic one, which has
-    no c.
+    c is 0 for a perfect channel, and at most what a float can hold. Raises ValueError for a logistic channel, which
+    has no c.
     """
     if channel.model == "logistic":
         raise ValueError("a logistic channel is not of the form exp(-c r^nu)")

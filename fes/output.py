@@ -1,8 +1,13 @@
 """Text that leaves a process, on a terminal, in a pipe or in a log: any encoding, no control characters."""
 
+import contextlib
 import io
 import logging
 import sys
+from collections.abc import Callable, Iterator
+
+_erasers: list[Callable[[], None]] = []
+"""Each erases a line of progress."""
 
 
 def configure() -> None:
@@ -10,12 +15,12 @@ def configure() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
-    if logging.lastResort is not None:  # for tools that have no log
+    if logging.lastResort is not None:  # for tools that configure no log
         logging.lastResort.setFormatter(Formatter("%(message)s"))
 
 
 def printable(text: str) -> str:
-    r"""`text` as one line without control characters: each is shown by its escape.
+    r"""`text` as one line without control characters: each is shown as its escape.
 
     >>> print(printable("a\x1b[2J\nb"))
     a\x1b[2J\nb
@@ -23,6 +28,22 @@ def printable(text: str) -> str:
     if text.isprintable():
         return text
     return "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text)
+
+
+@contextlib.contextmanager
+def erased(erase: Callable[[], None]) -> Iterator[None]:
+    """A block in which `erase` removes a line of progress before a message of `fes.process.tell` is printed."""
+    _erasers.append(erase)
+    try:
+        yield
+    finally:
+        _erasers.remove(erase)
+
+
+def erase() -> None:
+    """Erase the line of progress that is shown, if there is one."""
+    for eraser in _erasers:
+        eraser()
 
 
 class Formatter(logging.Formatter):

@@ -15,7 +15,6 @@ from typing import NoReturn, TypeVar
 from fes import identity, keys, output, signals
 from fes.endpoints import Endpoints, Mode, default_endpoint
 from fes.errors import FesError, Stopped, no_memory, reason
-from fes.signals import STOP_SIGNALS
 
 SUCCESS, FAILURE, UNMET = 0, 1, 2
 """Exit codes: success; bad configuration or run-time error; the run finished, but not as its scenario expects."""
@@ -26,12 +25,15 @@ FORCED = 130
 YEAR = 3.2e7  # s
 
 SLOWEST = 1e-6
-"""Least pace [simulated seconds per second]: a tick of it can be slept through."""
+"""Slowest pace [simulated seconds per second]: a program can still sleep for one tick of it."""
 
 T = TypeVar("T")
 
+Service = Callable[[], Coroutine[None, None, int]]
+"""A main coroutine function, which returns the exit code."""
 
-def run(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_with_stdin: bool = False) -> NoReturn:
+
+def run(name: str, main: Service, *, exit_with_stdin: bool = False) -> NoReturn:
     """Run the service `main` to its exit code, and end the process.
 
     The first signal cancels `main`, the second ends the process at once. With `exit_with_stdin` the end of
@@ -43,12 +45,18 @@ def run(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_with_
     leave(name, main, exit_with_stdin=exit_with_stdin)
 
 
-def leave(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_with_stdin: bool = False) -> NoReturn:
-    """As `run`, without logging: for a person's tools."""
+def leave(name: str, main: Service, *, exit_with_stdin: bool = False, needs_its_end: bool = False) -> NoReturn:
+    """As `run`, without logging: for a person's tools.
+
+    With `needs_its_end` a signal makes `main` a failure, because its result is missing.
+    """
     try:
         code = supervise(main, exit_with_stdin=exit_with_stdin)
-    except Stopped:
+    except Stopped as stopped:
         code = SUCCESS  # a service that was told to stop, and stopped
+        if needs_its_end:
+            complain(name, str(stopped))
+            code = stopped.exit_code
     except FesError as error:
         complain(name, str(error))
         code = error.exit_code
@@ -58,9 +66,11 @@ def leave(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_wit
     except MemoryError as error:
         complain(name, no_memory(error))
         code = FAILURE
-    with contextlib.suppress(OSError):  # the terminal may be gone
-        sys.stdout.flush()
-        sys.stderr.flush()
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(
+            OSError, AttributeError
+        ):  # the terminal may be gone, or the stream closed from the start
+            stream.flush()
     # A session that Zenoh could not close would keep an ordinary exit waiting for ever.
     os._exit(code)
 
@@ -68,7 +78,7 @@ def leave(name: str, main: Callable[[], Coroutine[None, None, int]], *, exit_wit
 def supervise(main: Callable[[], Coroutine[None, None, T]], *, exit_with_stdin: bool = False) -> T:
     """The result of `main`, run to its end; a signal cancels it, lets it clean up, and raises Stopped.
 
-    Signals have the handlers of before again when this is over.
+    Afterwards signals have their previous handlers again.
     """
     with signals.restored():
         return asyncio.run(_until_stopped(main, exit_with_stdin))
@@ -86,7 +96,7 @@ def interruptible() -> Iterator[None]:
         raise Stopped(f"stopped by {signal.Signals(number).name}")
 
     with signals.restored():
-        for number in STOP_SIGNALS:
+        for number in signals.heard():
             signal.signal(number, stop)
         yield
 
@@ -101,7 +111,7 @@ async def _until_stopped(main: Callable[[], Coroutine[None, None, T]], exit_with
             signals.force(FORCED)
         task.cancel(by)  # who is cancelled can see why
 
-    for number in STOP_SIGNALS:
+    for number in signals.heard():
         loop.add_signal_handler(number, stop, number.name)
     signals.deliver()
     if exit_with_stdin:
@@ -141,14 +151,15 @@ def complain(name: str, message: str) -> None:
 
 
 def warn(name: str, message: str) -> None:
-    """Say what a person should know of a program that continues, in one line."""
+    """Print a warning of a program that continues, in one line."""
     tell(f"{name}: warning: {message}")
 
 
 def tell(message: str) -> None:
-    """Say something on standard error, in one line; nothing if that is closed."""
+    """Print a message on standard error, in one line; nothing if that is closed."""
     line = output.printable(" ".join(message.split("\n")))
     if sys.stderr is not None:  # print() would take standard output instead
+        output.erase()
         with contextlib.suppress(OSError, ValueError):  # the terminal may be gone
             print(line, file=sys.stderr, flush=True)
 

@@ -18,8 +18,8 @@ OPENING_TICKS = 2
 
 
 MAX_TOLD = 1e12
-"""Largest magnitude of a number in a Beacon, and of an estimate in a Command. Robots stay within it, and refuse what
-is not: squares and powers of larger numbers overflow in the law of a peer, which would then have no twist."""
+"""Largest magnitude of a number in a Beacon, and of an estimate in a Command. Robots stay within it, and reject
+larger ones: their squares and powers overflow in the law of a peer, which would then have no twist."""
 
 MAX_TWIST = 1e9
 """Largest magnitude of a linear [m/s] or angular [rad/s] velocity in a Command, for the same reason."""

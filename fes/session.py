@@ -25,7 +25,7 @@ LONGEST_NAMESPACE = 1000
 """Longest namespace [characters]. Zenoh puts it before every key, and panics at a key of 65,535 bytes."""
 
 LONGEST_SHOWN = 200
-"""Of a setting in a message [characters]."""
+"""Longest part of a setting that a message shows [characters]."""
 
 
 async def begin(endpoints: Endpoints) -> zenoh.Session:
@@ -112,7 +112,7 @@ def _read(path: Path) -> zenoh.Config:
 
 
 def _effective(endpoints: Endpoints, config: zenoh.Config) -> Endpoints:
-    """The endpoints as they hold: a configuration file or a setting may have given others; raises FesError."""
+    """The endpoints in effect: a configuration file or a setting may have given others; raises FesError."""
 
     def given(key: str) -> tuple[str, ...]:
         value = strict_json.loads(config.get_json(key))

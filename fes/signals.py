@@ -1,4 +1,4 @@
-"""Stop signals: while a program is still importing its modules, and where a second one ends it at once.
+"""Stop signals: during the imports of a program, and when a second signal ends it at once.
 
 Python's own answer to a SIGINT during an import is a traceback out of that module. So an entry point calls `hold`
 before it imports anything heavy, and this module imports nothing heavy either.
@@ -13,14 +13,14 @@ from types import FrameType
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 _cleanups: list[Callable[[], None]] = []
-"""To be done before a second signal ends the process, the last first."""
+"""Cleanups to run before a second signal ends the process, the last one first."""
 
 
 def hold(code: int, program: str = "") -> None:
     """From now on a stop signal ends this process at once with exit code `code`, until other handlers are set.
 
-    With a `program` its name and the signal's are one line on standard error. A stop signal that was blocked by the
-    process that started this one, so that it would not meet a half-started interpreter, is delivered now.
+    With a `program`, one line on standard error gives its name and the signal's. A stop signal that the parent
+    process blocked, so that it would not meet a half-started interpreter, is delivered now.
     """
 
     def stop(number: int, frame: FrameType | None) -> None:
@@ -29,10 +29,23 @@ def hold(code: int, program: str = "") -> None:
                 os.write(2, f"{program}: error: stopped by {signal.Signals(number).name}\n".encode())
         os._exit(code)
 
-    for number in STOP_SIGNALS:
-        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # nohup means it
-            signal.signal(number, stop)
+    for number in heard():
+        signal.signal(number, stop)
     deliver()
+
+
+def heard() -> tuple[signal.Signals, ...]:
+    """The stop signals that this process was not started to ignore.
+
+    `nohup` starts a program that ignores SIGHUP, and a script starts its background jobs so that they ignore SIGINT.
+    """
+    return tuple(number for number in STOP_SIGNALS if signal.getsignal(number) != signal.SIG_IGN)
+
+
+def ignore() -> None:
+    """From now on ignore all stop signals: the process has its result, and is about to end."""
+    for number in STOP_SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
 
 
 def deliver() -> None:
@@ -42,7 +55,7 @@ def deliver() -> None:
 
 @contextlib.contextmanager
 def restored() -> Iterator[None]:
-    """A block after which stop signals have the handlers of before."""
+    """A block after which stop signals have their previous handlers."""
     before = {number: signal.getsignal(number) for number in STOP_SIGNALS}
     try:
         yield
@@ -53,7 +66,7 @@ def restored() -> Iterator[None]:
 
 @contextlib.contextmanager
 def blocked() -> Iterator[None]:
-    """A short block that no stop signal interrupts; what comes meanwhile is delivered at its end."""
+    """A short block that no stop signal interrupts; signals that arrive meanwhile are delivered at its end."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
     try:
         yield
@@ -74,6 +87,6 @@ def if_forced(clean: Callable[[], None]) -> Iterator[None]:
 def force(code: int) -> None:
     """End this process at once, after the cleanups of `if_forced`."""
     for clean in reversed(_cleanups):
-        with contextlib.suppress(Exception):  # nothing may keep it from its end
+        with contextlib.suppress(Exception):  # no failure may prevent the end
             clean()
     os._exit(code)

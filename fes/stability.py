@@ -1,9 +1,10 @@
-"""Rules between the tick and the gains: what cannot be stable, or would be work without a bound, is refused.
+"""Rules between the tick and the gains: they reject settings that cannot be stable, or that need unbounded work.
 
-Both sides keep them: the world when it reads a scenario, a crew when it is told its settings.
+Both sides check them: the world when it reads a scenario, a crew when it is told its settings.
 
-- (6) is held over a tick (Euler): of two robots that see only each other, each goes mu e dt / 2, so that 1 - mu dt of
-  the error e is left. From mu dt = 2 on it grows. In chains of links with alternating errors it may from 1 on.
+- (6) is held over a tick (Euler): of two robots that see only each other, each moves mu e dt / 2, so that
+  1 - mu dt of the error e is left. From mu dt = 2 on it grows. In chains of links with alternating errors it may grow
+  from 1 on.
 - (7) is followed along its exact flow (`agents.formation`), and (18) is integrated with its filters exactly
   (`agents.collocation`): neither bounds mu', beta_h or kappa by itself.
 - Estimates of a measured run step by Euler: r_ij += dt [kappa (r_ji of a tick before - r_ij) - 0.3 G/H]. The
@@ -17,20 +18,20 @@ from fes import counts
 from fes.config import FormationConfig, SeekingConfig
 
 MAX_STEPS = 10_000
-"""Steps of the integration in a tick."""
+"""Most steps of the integration in a tick."""
 
 MAX_TICKS = 1e9
-"""Ticks of a run, and of one period of a physical dither."""
+"""Most ticks of a run, and of one period of a physical dither."""
 
 MAX_WASHOUT = 100.0
-"""Of the washout's cut-off times a step of the integration: at 100 its quadrature errs by 2e-9, at 200 by 1e-4."""
+"""Largest washout cut-off times a step of the integration: its quadrature errs by 2e-9 at 100, by 1e-4 at 200."""
 
 NEWTON = 0.3
 """Share of Newton's step that a measured estimate takes in a second (`agents.reception`) [1/s]."""
 
 
 def check(dt: float, seeking: SeekingConfig, formation: FormationConfig) -> None:
-    """Raise ValueError in one line, the rule and then the value, unless ticks of `dt` [s] go with these gains."""
+    """Raise ValueError in one line, the rule and then the value, unless ticks of `dt` [s] suit these gains."""
     counts.check("run.dt / seeking.sub_step", dt, seeking.sub_step, MAX_STEPS)
     _below("formation.linear_gain x run.dt", formation.linear_gain * dt, 2.0)
     if seeking.index != "oracle":

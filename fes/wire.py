@@ -19,7 +19,7 @@ from fes.arrays import Bytes, Floats, Ints
 from fes.errors import MessageError
 
 PROTOCOL = 2
-"""Raised with each change of a message, or of what must stand beside one."""
+"""Version of the messages: raise it with each change of a message, or of the mark beside one."""
 MAX_PAYLOAD = 1 << 20
 """Longest payload [bytes] that is looked at."""
 

@@ -22,7 +22,7 @@ OTHER = {"fingerprint": "0123456789ab", "numpy": "1.0.0", "core": "numpy"}
 
 
 def of(environment: dict[str, str]) -> str:
-    """The arithmetic of a process in an environment; that of this process where the process cannot run there."""
+    """The arithmetic of a process in an environment; that of this process if none can run there."""
     code = "from fes import fingerprint; print(fingerprint.text())"
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", code], env=os.environ | environment, capture_output=True, text=True

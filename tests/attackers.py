@@ -55,7 +55,7 @@ def attacked(disturb: Any) -> tuple[Server, list[Agent]]:
 
 
 def put(attacker: Bus, key: str, payload: bytes) -> None:
-    """Put a payload as the agents of the run do, marked."""
+    """Put a payload with the mark that the agents of the run use."""
     attacker._session.put(key, payload, attachment=MARK)
 
 

@@ -24,7 +24,7 @@ from world.schemas import OWN
 
 MIB = 1 << 20
 MUCH = 1 << 30
-"""That a file may not unpack to [bytes]."""
+"""Size to which no file may unpack [bytes]."""
 
 SCENARIO, OBSERVATIONS, EVENTS, FOREIGN = 1, 2, 3, 4
 TOPICS = {SCENARIO: "/scenario", OBSERVATIONS: "/observations", EVENTS: "/events", FOREIGN: "/foreign"}
@@ -49,7 +49,7 @@ def chunk(data: bytes, size: int | None = None, packed: bytes | None = None, how
 
 @cache
 def zeros(size: int, told: bool) -> bytes:
-    """That many zeros, compressed; their number is told in the frame or not."""
+    """This many zeros, compressed; the frame states their number or not."""
     out = BytesIO()
     with zstandard.ZstdCompressor().stream_writer(out, size=size if told else -1, closefd=False) as into:
         for _ in range(size // MIB):
@@ -111,7 +111,7 @@ def ticks(count: int) -> bytes:
 
 @cache
 def entries() -> bytes:
-    """As many entries of a table as one record may have."""
+    """The most entries of a table that one record may have."""
     return b"".join(b"\x07\0\0\0%07d\0\0\0\0" % number for number in range(records.SMALL // 15 - 10))
 
 

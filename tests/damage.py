@@ -1,7 +1,7 @@
 """Random damage to all that is stored of a run: `python -m tests.damage --changes 2000`.
 
-A checkpoint of a run that was killed is resumed with one of its files changed, a log is executed again, a sweep goes
-on. Each must end in one line, or as if nothing had been changed: in the same digest, summary, log and rows.
+A checkpoint of a killed run is resumed with one of its files changed, a log is executed again, a sweep is continued.
+Each must end in one line, or as if nothing had been changed: in the same digest, summary, log and rows.
 """
 
 import argparse
@@ -30,7 +30,7 @@ from world.recorder import NAME, Recorder
 from world.scenario import Scenario
 
 KEPT, FLUSHED, KILLED = 0.4, 0.6, 0.7
-"""When a checkpoint is made, a chunk of the log written, and the world killed, as parts of the run."""
+"""Times of the checkpoint, of a written chunk of the log, and of the world's death, as parts of the run."""
 
 LINE, SAME, BEHIND, SILENT, TRACEBACK = "one line", "as undisturbed", "behind its robots", "silent", "traceback"
 
@@ -65,12 +65,12 @@ def change(random: Random, whole: bytes, how: Callable[[Random, bytes], bytes]) 
 
 
 def comparable(found: dict[str, Any]) -> str:
-    """A summary without what is of the wall clock."""
+    """A summary without its wall-clock figures."""
     return json.dumps({name: value for name, value in found.items() if name not in work.WALL_CLOCK})
 
 
 class Run:
-    """A run that was killed, and what it comes to where it is not."""
+    """A run that was killed, and its results if it is not killed."""
 
     def __init__(self, where: Path, scenario: Scenario) -> None:
         self.where, self.scenario = where, scenario
@@ -104,7 +104,7 @@ class Run:
         return sorted(path for path in self.killed.rglob("*") if path.is_file())
 
     def resumed(self, name: str, changed: bytes) -> Outcome:
-        """What a resumption ends in with one of the files changed."""
+        """Outcome of a resumption with one of the files changed."""
         shutil.rmtree(self.work, ignore_errors=True)
         shutil.copytree(self.killed, self.work)
         (self.work / name).write_bytes(changed)
@@ -124,17 +124,17 @@ class Run:
             return SILENT, f"digest {reached['digest']}"
         if self._ticks_of(self.work / NAME) < len(self.ticks):
             return SILENT, "a shorter log"
-        # Robots that live repeat what they said at one tick back at most (agents.turns), and else end with a line.
+        # Living robots repeat at most their words of one tick back (agents.turns), and else end with a line.
         return (SAME, "") if first >= self.answered else (BEHIND, f"tick {first}")
 
     def _ticks_of(self, path: Path) -> int:
-        """How many ticks a log has, all of which must be as undisturbed."""
+        """Number of ticks in a log, all of which must be as undisturbed."""
         ticks = list(log.load(path).ticks())
         assert all(one.said == other.said for one, other in zip(ticks, self.ticks, strict=False)), "other messages"
         return len(ticks)
 
     def executed_again(self, name: str, changed: bytes) -> Outcome:
-        """What executing a changed log again ends in."""
+        """Outcome of executing a changed log again."""
         path = self.where / "changed.mcap"
         path.write_bytes(changed)
         found = log.load(path)
@@ -158,7 +158,7 @@ class Sweep:
         self.whole = {path.name: path.read_bytes() for path in where.iterdir()}
 
     def resumed(self, name: str, changed: bytes) -> Outcome:
-        """What going on with the sweep ends in; runs that are not there are run again."""
+        """Outcome of continuing the sweep; missing runs are run again."""
         for path, whole in self.whole.items():
             (self.where / path).write_bytes(changed if path == name else whole)
         with ledger.opened(self.where, self.planned) as book:
@@ -167,7 +167,7 @@ class Sweep:
 
 
 def outcome(what: Callable[[str, bytes], Outcome], name: str, changed: bytes) -> Outcome:
-    """How it ends, whatever happens."""
+    """Outcome of a call, whatever it raises."""
     try:
         return what(name, changed)
     except FesError as error:
@@ -177,7 +177,7 @@ def outcome(what: Callable[[str, bytes], Outcome], name: str, changed: bytes) ->
 
 
 def trials(where: Path, scenario: Scenario) -> dict[str, tuple[bytes, str, Callable[[str, bytes], Outcome]]]:
-    """For each file that is changed: its content, its name, and what is done with it then."""
+    """For each file that is changed: its content, its name, and the use of the changed file."""
     run, sweep = Run(where, scenario), Sweep(where / "sweep")
     kept = {str(path.relative_to(run.killed)): path.read_bytes() for path in run.files}
     return {
@@ -188,7 +188,7 @@ def trials(where: Path, scenario: Scenario) -> dict[str, tuple[bytes, str, Calla
 
 
 def damage(where: Path, scenario: Scenario, changes: int, seed: int) -> dict[str, Counter[tuple[str, str]]]:
-    """For each file, how often which change ended in what; what must not be is printed."""
+    """For each file, the number of each change and outcome; forbidden outcomes are printed."""
     found = dict[str, Counter[tuple[str, str]]]()
     for title, (whole, name, what) in trials(where, scenario).items():
         random, found[title] = Random(f"{seed} {title}"), Counter()

@@ -31,7 +31,7 @@ async def main():
 
 process.run("slow", main, exit_with_stdin=True)
 """
-"""A world that writes down what was reached when it is let."""
+"""A world that writes its results once it may."""
 
 
 @contextlib.asynccontextmanager

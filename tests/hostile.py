@@ -27,21 +27,21 @@ ROBOTS, HOSTILE, FIRST = 10, 4, 40
 
 Said = list[tuple[int, bytes, bytes]]
 Attack = Callable[[Mouth, int, Said], None]
-"""What a robot says at a tick from FIRST on instead of (robot, beacon, command)."""
+"""The words of a robot at a tick from FIRST on, instead of (robot, beacon, command)."""
 
 Beside = Callable[[Bus], Awaitable[None]]
-"""What another session with its certificate does meanwhile."""
+"""Actions of another session with its certificate meanwhile."""
 
 
 class Outcome(NamedTuple):
-    """What became of a run."""
+    """Outcome of a run."""
 
     directory: Path
     summary: dict[str, Any]
     notes: list[list[Any]]
     """The journal."""
     ended: list[FesError | None]
-    """How each agent ended, in id order; None if well."""
+    """Error with which each agent ended, in id order; None if it ended well."""
     server: Server
 
 
@@ -51,7 +51,7 @@ def scenario(**overrides: object) -> Scenario:
 
 
 class Turncoat(Mouth):
-    """Speaks as it should until tick FIRST, then as an `attack` has it."""
+    """Speaks correctly until tick FIRST, then as an `attack` demands."""
 
     attack: Attack
 
@@ -85,7 +85,7 @@ async def _run(where: Path, keyed: Path, attack: Attack, beside: Beside | None) 
             course = Course(what, recorder)
             keeper = Keeper(where, 1e9, "hostile", RUN)
             keeper.begin(course)
-            server = Server(opened, course, "hostile", RUN, keeper=keeper)
+            server = Server(opened, course, "hostile", RUN, keeper=keeper, guarded=True)
             agents = [
                 asyncio.ensure_future(_live(_member(keyed, endpoint, i), i, attack if i == HOSTILE else None))
                 for i in range(ROBOTS)
@@ -110,7 +110,7 @@ async def _run(where: Path, keyed: Path, attack: Attack, beside: Beside | None) 
 
 
 def run(where: Path, keyed: Path, attack: Attack, beside: Beside | None = None) -> Outcome:
-    """As `_run` does, within a bounded time."""
+    """The same as `_run`, within a bounded time."""
 
     async def bounded() -> Outcome:
         async with asyncio.timeout(120.0):

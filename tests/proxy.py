@@ -8,7 +8,7 @@ from console.launcher import free_port
 
 
 class Link:
-    """Passes bytes between whoever connects and an endpoint."""
+    """Passes bytes between its clients and an endpoint."""
 
     def __init__(self, port: int) -> None:
         self.endpoint = f"tcp/127.0.0.1:{free_port()}"

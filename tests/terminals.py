@@ -1,4 +1,4 @@
-"""Commands on a real pseudo-terminal, and what they leave on it."""
+"""Commands on a real pseudo-terminal, and their output on it."""
 
 import fcntl
 import os
@@ -19,7 +19,7 @@ ENTER, LEAVE = "\x1b[?1049h", "\x1b[?1049l"
 HIDE, SHOW = "\x1b[?25l", "\x1b[?25h"
 
 POSIX = {"LC_ALL": "POSIX", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
-"""A locale of ASCII, which Python is kept from mending."""
+"""An ASCII locale, which Python is kept from changing to UTF-8."""
 
 _CODES = re.compile(r"\x1b\[[0-9;?]*[a-zA-Z]")
 
@@ -53,12 +53,12 @@ class Terminal:
 
     @property
     def text(self) -> str:
-        """All that came so far."""
+        """All output so far."""
         return self.seen.decode(errors="replace").replace("\r\n", "\n")
 
     @property
     def left(self) -> str:
-        """What was printed since the alternate screen was left, without colors."""
+        """The output since the alternate screen was closed, without colors."""
         return _CODES.sub("", self.text.rpartition(LEAVE)[2])
 
     def wait_for(self, what: str) -> None:
@@ -87,17 +87,17 @@ class Terminal:
         return self.process.wait(PATIENCE)
 
     def _read(self) -> bool:
-        """Read what came; False if nothing more can come."""
+        """Read the available output; False if no more can come."""
         if not select.select([self._ours], [], [], 1.0)[0]:
             return True
         try:
             fresh = os.read(self._ours, 65536)
-        except OSError:  # what Linux says when the other end is closed
+        except OSError:  # Linux raises it when the other end is closed
             fresh = b""
         self.seen += fresh
         return bool(fresh)
 
 
 def is_restored(text: str) -> bool:
-    """Whether the alternate screen, if it was entered, was left, and the cursor is shown at last."""
+    """True if the alternate screen, if it was entered, was left, and the cursor is shown at last."""
     return text.rfind(LEAVE) >= text.rfind(ENTER) and text.rfind(SHOW) >= text.rfind(HIDE)

@@ -27,22 +27,25 @@ def permitted(role: str, flow: str, message: str, key: str) -> bool:
 
 def everything(message: str, flow: str, role: str) -> set[str]:
     """The keys of the table, for robots 2 to 4, that a role may use so."""
-    table = [key(RUN) for key in WORLD] + [
-        key(RUN, robot) for key in [*ROBOT, keys.held_beacon] for robot in (2, 3, 4)
-    ]
+    table = [key(RUN) for key in WORLD] + [key(RUN, robot) for key in ROBOT for robot in (2, 3, 4)]
+    table += [keys.held_beacon(RUN, robot, ids) for robot in (2, 3, 4) for ids in ("2", "3", "4", "4-5")]
     table += [keys.welcome(RUN, ids) for ids in ("2", "3", "4", "4-5")]
     return {key.removeprefix("fes/r/") for key in table if permitted(role, flow, message, key)}
 
 
 BEACONS = {f"robot/{robot}/beacon" for robot in (2, 3, 4)}
-HELD = {f"world/beacon/{robot}" for robot in (2, 3, 4)}
 TOKENS = {"world/alive", *(f"robot/{robot}/alive" for robot in (2, 3, 4))}
+
+
+def held(ids: str) -> set[str]:
+    """Where an agent asks for beacons that it missed."""
+    return {f"world/beacon/{robot}/{ids}" for robot in (2, 3, 4)}
 
 
 def test_a_robot_says_only_what_is_its_own() -> None:
     assert everything("put", "ingress", "robot-3") == {"robot/3/beacon", "robot/3/command"}
     assert everything("liveliness_token", "ingress", "robot-3") == {"robot/3/alive"}
-    assert everything("query", "ingress", "robot-3") == {"world/welcome/3", *HELD}
+    assert everything("query", "ingress", "robot-3") == {"world/welcome/3", *held("3")}
     for message in ("declare_queryable", "reply"):
         assert everything(message, "ingress", "robot-3") == {"robot/3/recall"}
 
@@ -52,13 +55,13 @@ def test_a_robot_hears_its_own_observation_beacons_and_whether_the_world_lives()
         assert everything(message, flow, "robot-3") == {"robot/3/observation", *BEACONS}
     for flow, message in (("ingress", "declare_liveliness_subscriber"), ("egress", "liveliness_token")):
         assert everything(message, flow, "robot-3") == {"world/alive"}
-    assert everything("reply", "egress", "robot-3") == {"world/welcome/3", *HELD}
+    assert everything("reply", "egress", "robot-3") == {"world/welcome/3", *held("3")}
     assert everything("query", "egress", "robot-3") == {"robot/3/recall"}
 
 
 def test_a_crew_has_the_rights_of_its_robots_and_asks_for_them_together() -> None:
     assert everything("put", "ingress", "robot-4-5") == {"robot/4/beacon", "robot/4/command"}
-    assert everything("query", "ingress", "robot-4-5") == {"world/welcome/4-5", *HELD}
+    assert everything("query", "ingress", "robot-4-5") == {"world/welcome/4-5", *held("4-5")}
 
 
 @pytest.mark.parametrize("role", ["observer", "operator"])

@@ -12,7 +12,7 @@ ROOT = Path(__file__).parent.parent
 ROOMS = ("fes", "agents", "world", "console")
 BELOW = {"fes": set[str](), "agents": {"fes"}, "world": {"fes"}, "console": {"fes", "agents", "world"}}
 FORMULA_READERS = {"world.channel", "world.reporting", "agents.oracle"}
-"""Who may know the channel's formula; `world.optimum` has it in decimals. Observers see the true outage."""
+"""Modules that may know the channel's formula; `world.optimum` has it in decimals. Observers see the true outage."""
 MAPPED = (*ROOMS, "console/doctor", "console/sweep")
 LONGEST_FILE = 260
 

@@ -34,7 +34,7 @@ def test_the_last_note_may_be_torn(tmp_path: Path) -> None:
 
 
 def test_a_flipped_bit_in_a_note_is_damage_wherever_it_stands_and_a_cut_is_not(tmp_path: Path) -> None:
-    # Were a last note with a wrong checksum dropped, what a person set, and was told of, would be lost in silence.
+    # If a last note with a wrong checksum were dropped, a confirmed change by a person would be lost silently.
     path = tmp_path / "journal"
     kept = journal.Journal(path)
     for number in range(3):
@@ -80,7 +80,7 @@ def test_notes_that_are_lost_moved_or_of_another_run_are_damage(tmp_path: Path) 
     for paths, number, begun in (([second], 1, 7), ([first], 2, 7), ([first, second], 1, 8), ([], 1, 7)):
         with pytest.raises(FesError, match=r"is damaged: notes before it are missing|^journal 1 is missing"):
             read(paths, number, begun)
-    # A world that came back dropped what was cut, and died again before it was kept: the chain tells.
+    # A resumed world dropped the cut note, and died again before its next checkpoint: the checksums show it.
     first.write_bytes(whole + b"x")
     assert len(read([first, second])) == 6
 

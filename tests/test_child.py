@@ -1,4 +1,4 @@
-"""One child of `fes run`: the signals that meet it while it starts, and what is said of its end."""
+"""One child of `fes run`: the signals that meet it while it starts, and the report of its end."""
 
 import asyncio
 import os
@@ -12,7 +12,7 @@ from tests.families import FAILURE, child, family
 
 
 def test_a_signal_that_meets_an_interpreter_that_only_just_starts_waits_for_its_handler(tmp_path: Path) -> None:
-    """Before that Python would die of it, or print a traceback out of its own start."""
+    """Before it is set, Python would die of the signal, or print a traceback of its own start."""
 
     async def main() -> Child:
         async with family(tmp_path) as kin:

@@ -57,7 +57,7 @@ def test_weights_leave_nothing_for_the_robot_itself_and_are_not_symmetric() -> N
 
 @pytest.fixture(scope="module", params=["this processor", "another one"])
 def disk(request: pytest.FixtureRequest) -> dict[str, float]:
-    """Where the disk graph ends; with an exp whose last bit is another one, as another processor's may be."""
+    """The end of the disk graph; also with an exp whose last bit differs, as that of another processor may."""
     own = oracle.index
 
     def other(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal["log", "none"]) -> oracle.Index:

@@ -130,7 +130,7 @@ def test_a_pace_that_nobody_can_sleep_through_is_refused() -> None:
 
 
 def test_every_count_is_made_by_the_one_function() -> None:
-    """No module rounds a quotient by a tick or a step by itself."""
+    """No other module rounds a quotient by a tick or a step."""
     divisors, rounding = {"dt", "_dt", "sub_step", "dither_frequency"}, {"round", "ceil", "floor", "int"}
     found = []
     for path in itertools.chain.from_iterable((ROOT / room).rglob("*.py") for room in ("fes", "agents", "world")):

@@ -1,4 +1,4 @@
-"""Files that somebody made to cost much are refused in one line, in bounded time and memory."""
+"""Files crafted to cost much are refused in one line, in bounded time and memory."""
 
 import json
 import os

@@ -91,7 +91,7 @@ def test_pairs_found_in_blocks_are_those_of_a_search_of_all_pairs(
 
 @pytest.mark.parametrize("rule", sorted(neighbors.RULES))
 def test_a_crowd_takes_memory_in_proportion_to_its_contacts(rule: str) -> None:
-    """However many they are: the triples of contacts and third robots are 80 and 160 times as many."""
+    """For any number of contacts: their triples with third robots are 80 and 160 times as many."""
     for robots in (80, 160):
         what, numbers = dense(robots, rule), 128 * 8
         tracemalloc.start()
@@ -178,6 +178,8 @@ def test_what_is_free_is_the_least_of_machine_container_and_limit(
     assert memory.available() == 5_120_000
     (tmp_path / "memory.max").write_text("4000000\n")
     assert memory.available() == 3_000_000
+    (tmp_path / "memory.stat").write_text("anon 100000\ninactive_file 500000\nactive_file 400000\n")
+    assert memory.available() == 3_900_000
     monkeypatch.setattr(memory, "_limit", lambda: -5)
     assert memory.available() == 0
 

@@ -1,4 +1,4 @@
-"""Settings beyond what can be stable: refused, or run without a warning to a summary that says what was lost."""
+"""Settings that cannot be stable: refused, or run without a warning to a summary that says what was lost."""
 
 import itertools
 import types
@@ -51,7 +51,7 @@ REQUIRED: dict[str, dict[str, Any]] = {
     "channel.bursts.": {"channel.bursts.bad_share": 0.1, "channel.bursts.mean_length": 1.0},
     "robots.": {"robots": {"count": 4}},
 }
-"""What else a table needs."""
+"""Other fields that a table needs."""
 
 
 def after(gain_per_tick: float, ticks: int) -> Floats:
@@ -111,7 +111,7 @@ def test_gains_of_a_measured_index_that_cannot_be_stable_are_refused() -> None:
 
 @pytest.mark.parametrize(("cutoff", "error"), [(stability.MAX_WASHOUT, 1e-8), (2.0 * stability.MAX_WASHOUT, 1e-3)])
 def test_the_washout_is_integrated_exactly_up_to_its_bound(cutoff: float, error: float) -> None:
-    """eta' = cutoff (1 - eta) from 0 comes to 1 - e^-cutoff after a second."""
+    """eta' = cutoff (1 - eta) from 0 reaches 1 - e^-cutoff after a second."""
     step = collocation.step(1.0, 0.5, cutoff, 0.5, 1.0)
     missed = abs(float(step.washout_input[-1].sum()) - (1.0 - np.exp(-cutoff)))
     assert error / 1e3 < missed < error

@@ -60,7 +60,7 @@ def test_a_certificate_that_the_world_refuses_stays_a_failure_while_its_run_goes
             "fes doctor --help",
         ),
         (["--keys", "none"], "--keys none: the observer needs ca.crt, and there is none", "fes doctor -e tls/"),
-        (["-e", "tcp/::1:1"], "an IPv6 address wants brackets, tcp/[::1]:1: tcp/::1:1", "fes doctor --help"),
+        (["-e", "tcp/::1:1"], "an IPv6 address needs brackets, tcp/[::1]:1: tcp/::1:1", "fes doctor --help"),
         (["--cfg", "nonsense"], "--cfg expects KEY:VALUE, got 'nonsense'", "fes doctor --help"),
     ],
     ids=lambda given: " ".join(given) if isinstance(given, list) else "",

@@ -1,4 +1,4 @@
-"""Endpoints that cannot be: each has a line of its own, before anything waits for it."""
+"""Impossible endpoints: each has an error line of its own, before anything waits for it."""
 
 import asyncio
 import json
@@ -18,7 +18,7 @@ from tests.loop import CONFIGS
 from tests.test_cli import PROGRAMS, call, complaint, vacant
 
 NAME = "no.such.host.invalid"
-"""No name server has it: `.invalid` is kept free for that."""
+"""A name that no name server has: `.invalid` is reserved for this."""
 
 BAD = {
     "bogus": "not an endpoint like tcp/127.0.0.1:7447: bogus",
@@ -38,8 +38,8 @@ BAD = {
     "tcp/127.0.0.1:http": "a port is a number from 1 to 65535: tcp/127.0.0.1:http",
     "tcp/127.0.0.1:\u0663": "a port is a number from 1 to 65535: tcp/127.0.0.1:\u0663",
     "tcp/:7447": "an endpoint names a host before its port: tcp/:7447",
-    "tcp/::1:7447": "an IPv6 address wants brackets, tcp/[::1]:7447: tcp/::1:7447",
-    "tls/fe80::1:7447?rel=1": "an IPv6 address wants brackets, tls/[fe80::1]:7447?rel=1: tls/fe80::1:7447?rel=1",
+    "tcp/::1:7447": "an IPv6 address needs brackets, tcp/[::1]:7447: tcp/::1:7447",
+    "tls/fe80::1:7447?rel=1": "an IPv6 address needs brackets, tls/[fe80::1]:7447?rel=1: tls/fe80::1:7447?rel=1",
     "tcp/[lab]:7447": "only an IPv6 address stands in brackets: tcp/[lab]:7447",
     "tcp/[127.0.0.1]:7447": "only an IPv6 address stands in brackets: tcp/[127.0.0.1]:7447",
     "tcp/a..b:7447": "the name of a host is up to 253 letters, 1 to 63 between dots: tcp/a..b:7447",
@@ -173,7 +173,7 @@ def hosts(tmp_path: Path) -> list[str]:
 
 
 def test_a_name_that_comes_to_resolve_is_joined(hosts: list[str], tmp_path: Path) -> None:
-    """A container may start before the one whose name it is given: it waits, as for a world."""
+    """A container may start before the one that it connects to by name: it waits, as for a world."""
     endpoint = vacant()
     late = endpoint.replace("127.0.0.1", "late-world.invalid")
     words = [*hosts, str(PROGRAMS / "fes-agent"), "--id", "0", "--timeout", "60", "-e", late]
@@ -203,7 +203,7 @@ def test_a_namespace_that_would_make_keys_too_long_is_refused() -> None:
 
 @pytest.mark.parametrize("nesting", ["[", "{a:"])
 def test_brackets_that_would_end_zenoh_are_refused(nesting: str, tmp_path: Path) -> None:
-    """Its parser overflows the stack: a signal, not an error."""
+    """Zenoh's parser would overflow the stack, which is a signal and not an error."""
     close = {"[": "]", "{a:": "1}"}[nesting]
     deep = nesting * 50_000 + close[:-1] + close[-1] * 50_000
     (tmp_path / "deep.json5").write_text(f'{{"metadata": {deep}}}')

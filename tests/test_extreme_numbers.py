@@ -70,7 +70,7 @@ def some(choose: np.random.Generator, count: int) -> Floats:
 
 
 def any_beacon(choose: np.random.Generator, tick: int, statistics: int) -> bytes:
-    """A beacon of the hostile robot that is valid in every field, links to itself and to nobody included."""
+    """A beacon of the hostile robot that is valid in every field, also with links to itself and to unknown robots."""
     links = np.sort(choose.choice(20, size=choose.integers(10), replace=False))
     named = choose.integers(0, 2, len(links)).astype(np.uint8)
     numbers = some(choose, len(links)), named, some(choose, choose.choice([0, statistics, 7]))
@@ -87,7 +87,7 @@ def any_command(choose: np.random.Generator, tick: int) -> bytes:
 @pytest.mark.parametrize("law", ["corrected", "log index", "measured"])
 @pytest.mark.parametrize("seed", range(8))
 def test_no_beacon_and_no_command_that_is_valid_stops_a_peer_or_the_world(law: str, seed: int) -> None:
-    """Through the messages, with everything that the world makes of them; 25 ticks of such words."""
+    """25 ticks of such messages, encoded and decoded, with everything that the world makes of them."""
     choose, (name, settings) = np.random.default_rng(seed), LAWS[law]
     what = load(name, run__duration=0.9, run__seed=seed, **settings)
     course, stack = Course(what), Assembly(np.arange(10))

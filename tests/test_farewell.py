@@ -18,9 +18,9 @@ LAST = 40
 
 
 async def end_with(fault: str, seconds: float) -> tuple[float, object]:
-    """A run whose robot 1 has a faulty link when the end is said: how long the world lingered, and how robot 1 ended.
+    """A run whose robot 1 has a faulty link at the farewell: the time of the world's lingering, and robot 1's end.
 
-    The link heals after so many seconds.
+    The link heals after `seconds`.
     """
     scenario = load("pair.toml", run__duration=LAST * 0.02)
     async with session.router() as (opened, endpoint), link(endpoint) as faulty, asyncio.timeout(PATIENCE):

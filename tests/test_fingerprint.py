@@ -11,7 +11,7 @@ import pytest
 from console import compare, inprocess, log, replay
 from console.reexecution import Mismatch
 from console.sweep import cluster, design, ledger, work
-from fes import distribution, fingerprint, messages
+from fes import about, fingerprint, messages
 from fes.errors import FesError
 from tests import arithmetics, recordings
 from tests.arithmetics import OTHER
@@ -104,7 +104,7 @@ def test_a_sweep_is_not_continued_with_another(tmp_path: Path, monkeypatch: pyte
 def test_a_worker_of_another_arithmetic_carries_out_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     planned = design.plan(Path(PAIR), [], "0:1", ["run.duration=0.1"])
     [batch] = work.batches("pair", planned.runs, 1)
-    wanted = distribution.version(), HERE
+    wanted = about.version(), HERE
     assert len(cluster._at_worker(wanted, batch)) == 1
     monkeypatch.setattr(fingerprint, "table", lambda: dict(OTHER))
     with pytest.raises(FesError) as caught:
@@ -125,13 +125,13 @@ def test_replay_and_compare_tell_another_processor_from_a_log_that_was_edited(
     with pytest.MonkeyPatch.context() as changed:
         changed.setattr(fingerprint, "table", lambda: dict(OTHER))
         recordings.record(there, pair)
-    # The digits are the same: nothing is said of the arithmetic.
+    # The digits are the same: no line about the arithmetic.
     assert log.load(there).arithmetic == OTHER
     found = replay.again(log.load(there), everybody=True)
     assert found["arithmetic"] == OTHER  # as it was recorded
     assert compare.compare(here, there) == 0
     assert capsys.readouterr().out == "every message of every tick is the same to the bit\n"
-    # Of another one, it is.
+    # With a difference, there is one.
 
     def farther(payload: bytes) -> bytes:
         found = messages.decode_command(payload)
@@ -176,7 +176,7 @@ def test_real_programs_with_another_arithmetic(tmp_path: Path, monkeypatch: pyte
     assert line.endswith(f'sweep.json has arithmetic = "{there}", and this is {HERE}')
     assert (tmp_path / "out" / ledger.LINES).read_bytes() == before
     assert complaint(resumed, "fes-world").endswith(f"was kept with {HERE}; this is {there}: the digits would differ")
-    # Whether a second of ten robots comes out otherwise depends on the switch; what is said then does not.
+    # The switch decides if a second of ten robots comes out otherwise; the line that follows is the same.
     if again.returncode == 0:
         assert again.stderr == ""
     else:

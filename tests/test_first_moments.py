@@ -1,6 +1,6 @@
-"""Stop signals in the first moments of a program: quiet, soon, true, and with nothing left behind.
+"""Stop signals in the first moments of a program: it ends quietly and soon, with a true message, and leaves nothing.
 
-Moments are waited for as what can be seen of them: a library that is being loaded, a line, a child, a file.
+Each moment is awaited by its visible sign: a library that is being loaded, a line, a child, a file.
 """
 
 import json
@@ -18,7 +18,7 @@ from tests.test_processes import PATIENCE, STARTING, alive, children, fes, start
 PAIR = str(CONFIGS / "pair.toml")
 RUN = ["-m", "console", "run", PAIR, "--headless", "--json", "--duration", "1000"]
 NUMPY = "_multiarray_umath"
-"""A file of numpy: a process that has it open is importing what it needs."""
+"""A file of numpy: a process that has it open is still importing."""
 
 Moment = Callable[[int, Path], object]
 
@@ -54,7 +54,7 @@ MOMENTS: dict[str, Moment] = {
 
 
 SECURE = ("while its world imports", "while its agents import", "when it has begun")
-"""With keys, the moments that a run without them does not stand for."""
+"""Moments of a run with keys, which a run without keys does not cover."""
 
 
 @pytest.mark.parametrize(
@@ -129,29 +129,28 @@ def test_a_second_signal_leaves_no_keys_no_endpoint_and_no_run_that_had_not_begu
             assert not list(where.iterdir())
 
 
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM], ids=lambda how: how.name)
 @pytest.mark.parametrize(
-    ("words", "code", "said"),
+    ("words", "how", "code", "said"),
     [
-        (["console", "run", PAIR], 1, "fes: error: stopped by {}\n"),
-        (["console", "--help"], 1, "fes: error: stopped by {}\n"),
-        (["world", PAIR], 0, ""),
-        (["agents", "--id", "0"], 0, ""),
+        (["console", "run", PAIR], signal.SIGINT, 1, "fes: error: stopped by SIGINT\n"),
+        (["console", "--help"], signal.SIGTERM, 1, "fes: error: stopped by SIGTERM\n"),
+        (["world", PAIR], signal.SIGINT, 0, ""),
+        (["agents", "--id", "0"], signal.SIGINT, 0, ""),
     ],
-    ids=lambda value: " ".join(value[:1]) if isinstance(value, list) else None,
+    ids=["fes run", "fes", "fes-world", "fes-agent"],
 )
 def test_a_program_that_is_stopped_while_it_imports_says_so_and_no_more(
-    words: list[str], code: int, said: str, how: signal.Signals, tmp_path: Path
+    words: list[str], how: signal.Signals, code: int, said: str, tmp_path: Path
 ) -> None:
     running = start([sys.executable, "-m", *words], tmp_path)
     until(lambda: loads(running.pid, NUMPY) or running.poll() is not None)
     running.send_signal(how)
     out, err = running.communicate(timeout=PATIENCE)
-    assert (running.returncode, out, err) == (code, "", said.format(how.name))
+    assert (running.returncode, out, err) == (code, "", said)
     assert not list(tmp_path.iterdir())
 
 
-def test_fes_run_says_what_it_starts_before_it_does_anything_else(tmp_path: Path) -> None:
+def test_fes_run_does_not_claim_a_start_where_it_starts_nothing(tmp_path: Path) -> None:
     (tmp_path / "used").touch()
     done = subprocess.run(fes("run", PAIR, "--out", "."), cwd=tmp_path, capture_output=True, text=True)
-    assert done.stderr == STARTING.format(2) + "fes: error: --out .: the directory is not empty\n"
+    assert done.stderr == "fes: error: --out .: the directory is not empty\n"

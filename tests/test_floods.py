@@ -180,7 +180,7 @@ def test_agents_that_all_ask_at_once_when_their_world_comes_ask_again(
             busy += 1
             raise
 
-    monkeypatch.setattr(bus, "QUESTIONS", 1)
+    monkeypatch.setattr(bus, "ASKERS", 1)
     monkeypatch.setattr(bus.Bus, "ask", counted)
     attacked(None)
     assert busy > 0

@@ -1,4 +1,4 @@
-"""Files of older formats: each is refused in one line that names both, and stays as it was.
+"""Files of older formats: each is refused in one line that names both formats, and stays as it was.
 
 `python -m tests.test_formats` records which tables a checkpoint of the present format holds.
 """

@@ -1,4 +1,4 @@
-"""The help, read as somebody new reads it."""
+"""The help, read as a newcomer reads it."""
 
 import os
 import shlex
@@ -52,7 +52,7 @@ def test_each_command_has_an_example_that_can_be_typed(path: str, tmp_path: Path
     assert found.short_help.endswith(".")
     program, *words = shlex.split(example.partition(" >")[0])
     assert [program, *words[: len(path.split())]] == ["fes", *path.split()]
-    found.make_context(path, words[len(path.split()) :])  # raises for an option or argument that there is not
+    found.make_context(path, words[len(path.split()) :])  # raises for an unknown option or argument
 
 
 @pytest.mark.parametrize("program", ["fes-world", "fes-agent"])

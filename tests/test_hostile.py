@@ -1,13 +1,14 @@
 """A robot with a valid certificate that does not beacon as it should is excluded alone, over TLS.
 
-What must hold: the others sense, say and do, to the bit, what they would if the schedule had removed the robot at the
-tick that the journal names.
+Pass criterion: to the bit, the others sense, say and do the same as if the schedule had removed the robot at the tick
+that the journal names.
 """
 
 import asyncio
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from agents.mouth import Mouth
@@ -80,10 +81,32 @@ def contradict_itself(mouth: Mouth, tick: int, said: Said) -> None:
 
 
 def contradict_itself_later(mouth: Mouth, tick: int, said: Said) -> None:
-    """The second beacon of a tick comes when the first was judged already, and peers have used it."""
+    """The second beacon of a tick arrives after the first was judged, and used by peers."""
     if tick > FIRST:
         mouth._beacon[HOSTILE](altered(mouth._beacons[tick - 1][HOSTILE]))
     Mouth.say(mouth, tick, said)
+
+
+def speak_ahead(mouth: Mouth, tick: int, said: Said) -> None:
+    """A beacon of a later tick comes before its time, which peers might keep for that tick."""
+    if tick == FIRST:
+        mouth._beacon[HOSTILE](said[0][1])
+        later = messages.decode_beacon(altered(said[0][1]))._replace(tick=tick + 2)
+        mouth._beacon[HOSTILE](messages.encode_beacon(later))
+        mouth._command[HOSTILE](said[0][2])
+        keep(mouth, tick, said, said[0][1])
+    else:
+        Mouth.say(mouth, tick, said)
+
+
+def name_a_stranger(mouth: Mouth, tick: int, said: Said) -> None:
+    """A beacon with a link to a robot that does not exist."""
+    beacon = messages.decode_beacon(said[0][1])
+    ids, numbers = np.array([500]), np.array([70.0])
+    other = beacon._replace(links=ids, estimates=numbers, named=np.ones(1, dtype=np.uint8))
+    keep(mouth, tick, said, messages.encode_beacon(other))
+    mouth._beacon[HOSTILE](messages.encode_beacon(other))
+    mouth._command[HOSTILE](said[0][2])
 
 
 NONE = f"robot {HOSTILE}: no readable beacon of tick {FIRST}"
@@ -93,6 +116,8 @@ ATTACKS: dict[str, tuple[Attack, int, str]] = {
     "refused recall": (refuse_the_recall, FIRST, f"{NONE}, and it refused to repeat it: robot 4 does not remember"),
     "wrong version": (speak_another_version, FIRST, f"{NONE}, and it repeated junk: Beacon: {wire.WRONG_VERSION}: 1"),
     "two beacons": (contradict_itself, FIRST, f"robot 4: it sent two different beacons for tick {FIRST}"),
+    "ahead of its time": (speak_ahead, FIRST, f"robot 4: it sent a beacon ahead of its time at tick {FIRST}"),
+    "a link to nobody": (name_a_stranger, FIRST, f"{NONE}, and it repeated junk: Beacon: has a link to a robot that"),
     "two beacons, one late": (
         contradict_itself_later,
         FIRST + 1,
@@ -110,7 +135,7 @@ def without(tick: int, where: Path) -> log.Log:
 
 
 def resumed(outcome: Outcome) -> str:
-    """The digest of the run gone through again from its first checkpoint and its journal."""
+    """The digest of the run, computed again from its first checkpoint and its journal."""
     course, keeper, _ = resume.course(outcome.directory, resume.load(outcome.directory), None, 1e9)
     keeper.close(course)
     assert HOSTILE in course.excluded
@@ -121,7 +146,7 @@ def resumed(outcome: Outcome) -> str:
 def test_a_robot_at_fault_is_excluded_and_the_others_lose_no_digit(
     attack: Attack, tick: int, reason: str, keyed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("agents.turns.QUIET", 0.2)  # its agent learns of it when it hears nothing
+    monkeypatch.setattr("agents.turns.QUIET", 0.2)  # its agent asks when it hears nothing
     outcome = hostile.run(tmp_path, keyed, attack)
     excluded = [note for note in outcome.notes if note[0] == EXCLUDE]
     assert [note[1:3] for note in excluded] == [[tick, [HOSTILE]]]
@@ -140,14 +165,42 @@ def honest(mouth: Mouth, tick: int, said: Said) -> None:
 
 
 async def accuse(second: Bus) -> None:
-    """Ask the world again and again for beacons that came, and robots for theirs, as if they had not."""
+    """Ask the world repeatedly for beacons that arrived, and robots for theirs, as if they had not arrived."""
     for tick in range(FIRST, FIRST + 20):
         for robot in sorted(OTHERS):
             try:
-                await second.ask(keys.held_beacon(RUN, robot), messages.encode_recall(tick), 0.2)
+                await second.ask(keys.held_beacon(RUN, robot, str(HOSTILE)), messages.encode_recall(tick), 0.2)
             except (Refused, Absent):
                 continue
-        second._session.get(keys.recall(RUN, 5), payload=messages.encode_recall(tick), timeout=0.1)  # not its right
+        second._session.get(keys.recall(RUN, 5), payload=messages.encode_recall(tick), timeout=0.1)  # not allowed
+
+
+def push_out(mouth: Mouth, tick: int, said: Said) -> None:
+    """Junk pushes its beacon out of every mailbox, so that all peers must ask the world; it repeats the beacon."""
+    keep(mouth, tick, said, said[0][1])
+    mouth._beacon[HOSTILE](said[0][1])
+    for _ in range(2 * bus.MAILBOX):
+        mouth._beacon[HOSTILE](b"\xc1 junk")
+    mouth._command[HOSTILE](said[0][2])
+
+
+async def crowd_the_world(second: Bus) -> None:
+    """More questions for beacons than the world answers, from one certificate."""
+    pending: set[asyncio.Future[bytes]] = set()
+    for number in range(3_000):
+        question = second.ask(keys.held_beacon(RUN, 5, str(HOSTILE)), messages.encode_recall(number), 5.0)
+        pending.add(asyncio.ensure_future(question))
+        if len(pending) > 300:
+            _, pending = await asyncio.wait(pending, return_when=asyncio.FIRST_COMPLETED)
+    await asyncio.wait(pending)
+
+
+def test_a_robot_that_crowds_the_world_with_questions_keeps_no_peer_from_its_answer(
+    keyed: Path, tmp_path: Path
+) -> None:
+    outcome = hostile.run(tmp_path, keyed, push_out, crowd_the_world)
+    assert outcome.ended == [None] * ROBOTS
+    assert outcome.summary["digest"] == inprocess.run(scenario(), "hostile")["digest"]
 
 
 async def flood(second: Bus) -> None:

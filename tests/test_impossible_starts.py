@@ -1,4 +1,4 @@
-"""What keeps `fes run` from starting, or from writing, is one line, at once, and leaves nothing half done."""
+"""A `fes run` that cannot start, or cannot write, says so in one line at once, and leaves nothing half done."""
 
 import json
 import resource

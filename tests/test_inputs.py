@@ -1,4 +1,4 @@
-"""Text of others: whatever a file, an argument or a name has in it, it is read, or refused in one line."""
+"""Text from outside: any content of a file, an argument or a name is read, or refused in one line."""
 
 import json
 import os
@@ -30,7 +30,7 @@ LONG = {"decimal": "1" * 5000, "hexadecimal": "0x" + "f" * 5000, "binary": "0b" 
 
 
 def line(run: Callable[[], object]) -> str:
-    """The one line of an error that a person can cause, empty if there is none; raises whatever else it is."""
+    """The one line of an error that a person can cause, empty if there is none; raises any other error."""
     said = ""
     try:
         run()
@@ -42,7 +42,7 @@ def line(run: Callable[[], object]) -> str:
 
 
 def load(folder: Path, content: bytes) -> str:
-    """What is said of a scenario file with this content; empty if it is taken."""
+    """The error about a scenario file with this content; empty if it is accepted."""
     path = folder / "some.toml"
     path.write_bytes(content)
     return line(lambda: scenario.load(path)).removeprefix(f"{path}: ")
@@ -198,6 +198,8 @@ def test_an_announcement_of_a_process_that_cannot_be_is_not_there(
 @pytest.mark.parametrize("text", JSON[:5])
 def test_a_summary_and_a_sweep_that_cannot_be_read_are_one_line(text: str, tmp_path: Path) -> None:
     (tmp_path / "summary.json").write_text(text)
+    assert line(lambda: processes.read_summary(tmp_path)) == f"{tmp_path} has no summary"
+    (tmp_path / "summary.json").write_text("[1]")
     assert line(lambda: processes.read_summary(tmp_path)) == f"{tmp_path} has no summary"
     out = tmp_path / "sweep"
     out.mkdir()

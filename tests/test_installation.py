@@ -1,21 +1,27 @@
-"""What is installed: a wheel in an environment of its own, and other projects' packages that have our names."""
+"""Installations: a wheel in an environment of its own, and other projects' packages that have our names."""
 
 import ast
 import base64
 import hashlib
 import json
 import os
+import shlex
 import subprocess
 import sys
 import sysconfig
 import venv
 import zipfile
+from importlib import metadata
 from pathlib import Path
 
 import pytest
 from hatchling.build import build_wheel
 
-from fes import distribution
+import fes_robots
+import world.process
+from console import claims, cli, evidence
+from fes import about, distribution, signals
+from fes.errors import FesError
 from tests.loop import CONFIGS
 from tests.test_architecture import imports
 from tests.test_cli import PROGRAMS, complaint
@@ -69,7 +75,7 @@ class Environment:
         )  # fmt: skip
 
     def names(self, where: Path) -> dict[str, str]:
-        """What its doctor says of our names."""
+        """The finding of its doctor on our names."""
         [found] = [
             one
             for one in json.loads(self.call(where, "fes", "doctor", "--json").stdout)
@@ -92,7 +98,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_an_installed_wheel_runs_a_scenario_in_one_loop_and_in_processes(wheel: Path, tmp_path: Path) -> None:
     environment = Environment(tmp_path / "venv")
     environment.install(wheel)
-    assert environment.call(tmp_path, "fes", "--version").stdout == f"{distribution.version()}\n"
+    assert environment.call(tmp_path, "fes", "--version").stdout == f"{about.version()}\n"
     assert environment.names(tmp_path)["status"] == "ok"
     assert str(environment.packages) in environment.names(tmp_path)["seen"]
     words = ["fes", "run", str(CONFIGS / "pair.toml"), "--duration", "0.5", "--headless", "--json"]
@@ -193,3 +199,48 @@ def test_what_runs_before_the_packages_are_known_needs_the_standard_library_only
 
 def test_the_readme_names_the_systems() -> None:
     assert "Linux or macOS" in (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def not_installed(monkeypatch: pytest.MonkeyPatch) -> str:
+    """As in a clone that was updated and not installed again; the complaint."""
+    true = metadata.distribution
+
+    def found(name: str) -> metadata.Distribution:
+        if name == distribution.NAME:
+            raise metadata.PackageNotFoundError(name)
+        return true(name)
+
+    monkeypatch.setattr(metadata, "distribution", found)
+    return "fes-robots is not installed here: pip install -e .  # in a clone of fes"
+
+
+def test_a_clone_that_is_not_installed_is_one_line_at_each_entrance(
+    not_installed: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(FesError) as caught:
+        about.version()
+    assert str(caught.value) == not_installed
+    assert fes_robots.trouble() == not_installed
+    entrances = {"fes": (cli.main, ["--version"]), "fes-world": (world.process.main, [str(CONFIGS / "pair.toml")])}
+    for command, (main, words) in entrances.items():
+        monkeypatch.setattr(sys, "argv", [command, *words])
+        with signals.restored(), pytest.raises(SystemExit) as ended:
+            main()
+        assert ended.value.code == 1
+        out, err = capsys.readouterr()
+        assert (out, err) == ("", f"{command}: error: {not_installed}\n")
+
+
+def test_the_command_that_installs_can_be_pasted_into_a_shell() -> None:
+    for command in (distribution.install(), distribution.install("plot"), distribution.separate().partition(": ")[2]):
+        subprocess.run(["sh", "-n", "-c", command], check=True)
+        assert "clone" not in shlex.split(command, comments=True)
+
+
+def test_claims_and_the_papers_figures_need_a_clone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(claims, "CONFIGS", tmp_path / "configs")
+    with pytest.raises(FesError, match="this needs the scenarios of a clone"):
+        evidence.show_claims(None)
+    with pytest.raises(FesError, match="this needs the scenarios of a clone"):
+        evidence.plot("paper", tmp_path)

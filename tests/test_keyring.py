@@ -133,7 +133,7 @@ def test_without_the_extra_one_line_names_it(tmp_path: Path) -> None:
         code = f"import sys; sys.modules['cryptography'] = None; from {module} import main; main()"
         done = subprocess.run([sys.executable, "-c", code, *words], cwd=tmp_path, capture_output=True, text=True)
         assert done.returncode == 1
-        remedy = "pip install -e '.[security]' (in a clone of fes)"
+        remedy = "pip install -e '.[security]'  # in a clone of fes"
         assert done.stderr.endswith(f"error: certificates need cryptography: {remedy}\n")
 
 

@@ -29,7 +29,7 @@ robots = st.integers(0, 2**31 - 1)
 
 def test_each_function_yields_one_key_of_the_table_and_the_table_has_no_other() -> None:
     yielded = [world("<run>") for world in WORLD] + [robot("<run>", "<i>") for robot in ROBOT]
-    yielded += [keys.welcome("<run>", "<ids>"), keys.held_beacon("<run>", "<i>")]
+    yielded += [keys.welcome("<run>", "<ids>"), keys.held_beacon("<run>", "<i>", "<ids>")]
     assert sorted(yielded) == sorted(TABLE)
     assert len(set(TABLE)) == 13
 
@@ -43,7 +43,7 @@ def test_the_robot_of_each_of_its_keys_is_found(run: str, robot: int) -> None:
 def test_the_worlds_keys_and_patterns_belong_to_no_robot(run: str) -> None:
     assert [keys.robot_of(key(run)) for key in WORLD] == [None] * len(WORLD)
     assert keys.robot_of(keys.welcome(run, "3")) is None
-    assert keys.robot_of(keys.held_beacon(run, 3)) is None
+    assert keys.robot_of(keys.held_beacon(run, 3, "4")) is None
     assert [keys.robot_of(key(run, "*")) for key in ROBOT] == [None] * len(ROBOT)
 
 

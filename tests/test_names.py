@@ -1,4 +1,4 @@
-"""Names of scenarios and texts of arguments: valid text from the entrance on, whatever the locale makes of them."""
+"""Names of scenarios and texts of arguments: valid text from the entry point on, in every locale."""
 
 import ast
 import contextlib
@@ -25,7 +25,7 @@ ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
 
 
 def fes(where: Path, locale: dict[str, str], *words: str | bytes) -> dict[str, Any]:
-    """What a command that ends well prints as JSON."""
+    """The JSON output of a command that ends well."""
     command = [bytes(PROGRAMS / "fes"), *words]
     done = subprocess.run(command, cwd=where, env={**os.environ, **locale}, capture_output=True, timeout=90)
     assert done.returncode == 0, done.stderr

@@ -2,6 +2,7 @@
 
 import resource
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -20,7 +21,9 @@ def limited(files: int, where: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(words, cwd=where, capture_output=True, text=True, timeout=PATIENCE)
 
 
-@pytest.mark.parametrize("files", [machine.LEAST_FILES + 2 + 8, machine.FILES_OF_A_PROCESS + 2 * 2])
+@pytest.mark.parametrize(
+    "files", [machine.LEAST_FILES + 2 * machine.FILES_PER_CHILD + 8, machine.FILES_OF_A_PROCESS + 2 * 2]
+)
 def test_a_pair_runs_with_few_files(tmp_path: Path, files: int) -> None:
     """With what the doctor takes for enough, and with what it only warns of: some to spare, as a busy machine has
     robots lose their connection and open another."""
@@ -31,7 +34,9 @@ def test_a_pair_runs_with_few_files(tmp_path: Path, files: int) -> None:
 def test_who_has_too_few_files_is_told_how_to_have_more(tmp_path: Path) -> None:
     done = limited(12, tmp_path)
     assert done.returncode == 1
-    said = "12 a process: 2 robots with a process each take 20; raise the hard limit of 12, or --agents-per-process"
+    least = 18 + 2 * machine.FILES_PER_CHILD
+    said = f"12 a process: 2 robots with a process each take {least}"
+    said += "; raise the hard limit of 12, or --agents-per-process"
     assert done.stderr == f"fes: error: open files: {said}\n"
     assert not (tmp_path / "runs").exists()
 
@@ -60,9 +65,19 @@ def test_too_few_open_files_fail_only_where_no_run_goes_and_warn_where_there_is_
     files: int, robots: int | None, status: Status, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     allow(files, monkeypatch)
+    monkeypatch.setattr(machine, "FILES_PER_CHILD", 1)  # as before Python 3.12
     found = machine.files(robots)
     assert found.status == status
     assert found.remedy.startswith(f"ulimit -n {32 + 2 * (robots or 100)}, ") == (status != Status.OK)
+
+
+def test_from_python_3_12_on_each_agent_process_takes_two_files(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert (machine.FILES_PER_CHILD == 2) == (sys.version_info >= (3, 12))
+    monkeypatch.setattr(machine, "FILES_PER_CHILD", 2)
+    for files, status in ((38, Status.WARNING), (37, Status.FAILED)):  # 18 + 2 * 10
+        allow(files, monkeypatch)
+        assert machine.files(10).status == status
+    assert "10 robots with a process each take 38" in machine.files(10).seen
 
 
 def test_who_may_not_raise_the_limit_is_not_told_to(monkeypatch: pytest.MonkeyPatch) -> None:

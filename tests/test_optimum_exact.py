@@ -20,7 +20,7 @@ SMALLEST, LARGEST = 5e-324, 1.7e308
 
 
 def anywhere(low: float = 1e-300, high: float = 1e300) -> st.SearchStrategy[float]:
-    """Numbers from `low` to `high`, every decade as likely as another."""
+    """Numbers from `low` to `high`, all decades equally likely."""
     return st.floats(math.log10(low), math.log10(high)).map(lambda power: min(max(10.0**power, low), high))
 
 

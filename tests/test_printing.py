@@ -1,4 +1,4 @@
-"""Data is text: brackets are brackets, and nothing of a file or the network moves the cursor."""
+"""Data is text: brackets are brackets, and no text from a file or the network moves the cursor."""
 
 import ast
 import io
@@ -14,7 +14,7 @@ from rich.console import Console
 from console import cli, dashboard, inprocess, log, printing, summary
 from console.doctor.command import table as findings
 from console.doctor.finding import failed
-from fes import output, process
+from fes import output, process, signals
 from fes.errors import FesError
 from tests import recordings
 from tests.frames import a_history, a_report
@@ -30,12 +30,12 @@ ODD = "a[/b]c [red]d[ [lambda=2] :smile:"
 
 
 def is_clean(text: str) -> bool:
-    """Whether nothing below 0x20 but newlines is in a text, nor any other control character."""
+    """True if a text has no control character but newlines."""
     return all(line.isprintable() for line in text.split("\n"))
 
 
 def words(text: str) -> str:
-    """A text in one line, as it was before it was folded."""
+    """A folded text as the one line that it was before."""
     return "".join(text.split())
 
 
@@ -190,3 +190,15 @@ def test_only_one_module_makes_consoles_and_one_takes_the_screen_and_lines_are_p
     assert makers["Console"] == {"console.printing", "console.view"}  # the latter on paper, for a picture
     assert makers["Live"] - {"world.server"} == {"console.screen"}  # the world's Live is a clock
     assert makers["print"] == {"console.printing", "fes.health", "fes.process"}
+
+
+def test_a_message_for_a_closed_standard_error_is_not_among_the_data(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "stderr", None)
+    for words in (["--no-such-flag"], []):  # a complaint, and the help
+        monkeypatch.setattr(sys, "argv", ["fes", *words])
+        with signals.restored(), pytest.raises(SystemExit) as ended:
+            cli.main()
+        assert ended.value.code == 1
+    assert capsys.readouterr().out == ""

@@ -23,7 +23,7 @@ from tests.loop import CONFIGS, load
 PATIENCE = 60.0  # s; how long a test waits for what must come, on a machine of any speed
 
 STARTING = "starting a world and {} robots ...\n"
-"""What fes run says first, on standard error."""
+"""The first line of fes run, on standard error."""
 
 LOOP = "running a world and {} robots in one loop ...\n"
 """The same with one loop."""

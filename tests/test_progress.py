@@ -1,13 +1,20 @@
-"""A command that takes longer than a second says how far it is: on a terminal, and nowhere else."""
+"""A command that takes longer than a second shows its progress: on a terminal, and nowhere else."""
 
+import io
 import re
 import subprocess
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
+from console import progress
+from console.screen import ERASE
 from console.sweep import design, local, work
 from console.sweep.work import Batch
+from fes import process, signals
 from tests import recordings
 from tests.loop import load
 from tests.terminals import HIDE, Terminal, is_restored
@@ -84,8 +91,46 @@ def test_a_long_command_shows_a_bar_on_a_terminal_and_nothing_in_a_pipe(
         assert piped.stdout == (tmp_path / "out").read_text()
 
 
+def test_a_replay_on_a_terminal_whose_input_is_closed_is_executed(recorded: Path, tmp_path: Path) -> None:
+    words = ["sh", "-c", 'exec "$@" <&-', "sh", *fes("replay", str(recorded))]
+    shown = Terminal(words, tmp_path)
+    assert shown.end() == 0, shown.text
+    assert "the world, executed again: 200 ticks, the same to the bit" in shown.text
+
+
 def test_a_figure_says_what_is_drawn(recorded: Path, tmp_path: Path) -> None:
     shown = Terminal(fes("plot", str(recorded), "--out", "drawn"), tmp_path, 120)
     assert shown.end() == 0, shown.text
     assert "the run again" in shown.text
     assert shown.text.rstrip().endswith("drawn/convergence.svg")
+
+
+class Screen(io.StringIO):
+    """A terminal that keeps its output."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize("kind", ["bar", "waiting", "status"])
+def test_warnings_beside_a_line_of_progress_stay_on_standard_error_unwrapped(
+    kind: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    console = Console(file=Screen(), force_terminal=True, width=40)
+    monkeypatch.setattr("console.printing.console", lambda stderr=False: console)
+    line, data = "a warning " + "x" * 300, "data " + "y" * 300
+    shown: dict[str, Callable[[], AbstractContextManager[object]]] = {
+        "bar": lambda: progress.bar("counting"),
+        "waiting": lambda: progress.waiting("counting"),
+        "status": lambda: progress.status(console, "counting"),
+    }
+    with signals.restored(), shown[kind]():
+        process.warn("fes", line)
+        print(data)
+    out, err = capsys.readouterr()
+    assert (out, err) == (f"{data}\n", f"fes: warning: {line}\n")
+    assert isinstance(console.file, Screen)
+    text = console.file.getvalue()
+    assert "counting" in text
+    assert ERASE in text
+    assert "warning" not in text

@@ -42,7 +42,7 @@ FIGURES = [
     f"its session is gone with its lease of {SESSION_LEASE:g} s",
     f"its world has {launcher.CLOSING:g} s to write it down",
     f"over TLS {audit.KINDS_OF_ONE} of each certificate",
-    f"{bus.QUESTIONS} wait for one handler",
+    f"{bus.QUESTIONS} of one asker wait for one handler",
     f"(Zenoh's ring) | {bus.MAILBOX} samples",
     f"`agents.mouth`, what was said | {mouth.REMEMBERED} ticks",
     f"cut to {complaints.LONGEST_LINE} characters",

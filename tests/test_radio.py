@@ -25,7 +25,7 @@ def heard(*rounds: tuple[int, list[bytes | None]]) -> tuple[list[list[tuple[int,
     waiting: list[bytes | None] = []
     key, complaints = keys.beacon("test", 5), Complaints(logging.getLogger("test"))
     box = SimpleNamespace(take=lambda: (key, waiting.pop(0)) if waiting else None)
-    radio = Radio(SimpleNamespace(mailbox=lambda key: box), "test", complaints)  # type: ignore[arg-type]
+    radio = Radio(SimpleNamespace(mailbox=lambda key: box), "test", "0", complaints)  # type: ignore[arg-type]
     radio.tune({5})
     found = []
     for tick, came in rounds:

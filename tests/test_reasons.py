@@ -1,4 +1,4 @@
-"""Reasons: what the system says of an error, and what is said where it says nothing."""
+"""Reasons: the system's text for an error, and the text of errors for which it has none."""
 
 import ast
 import subprocess

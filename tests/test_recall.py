@@ -1,4 +1,4 @@
-"""A beacon that did not arrive is had from the world, which judged its sender by it."""
+"""The world repeats a beacon that did not arrive: the copy by which it judged the sender."""
 
 import asyncio
 import contextlib
@@ -69,7 +69,7 @@ def test_the_world_repeats_a_beacon_as_its_peers_got_it_without_a_log_too() -> N
                     continue
                 question = messages.encode_recall(messages.decode_beacon(sample[1]).tick)
                 with contextlib.suppress(Refused):  # not judged yet, or forgotten already
-                    repeated.append(await robot.ask(keys.held_beacon(RUN, 1), question, PATIENCE) == sample[1])
+                    repeated.append(await robot.ask(keys.held_beacon(RUN, 1, "0"), question, PATIENCE) == sample[1])
 
     asyncio.run(session.run(load("pair.toml", run__duration=20.0), [[0], [1]], disturb))
     assert repeated == [True]
@@ -81,6 +81,6 @@ def test_the_world_refuses_to_repeat_what_it_does_not_hold(robot: int | str, tic
         async with client(endpoint) as opened:
             rule = f"^the world holds no beacon of robot {robot} from tick {tick}$"
             with pytest.raises(Refused, match=rule):
-                await opened.ask(keys.held_beacon(RUN, robot), messages.encode_recall(tick), PATIENCE)
+                await opened.ask(keys.held_beacon(RUN, robot, "0"), messages.encode_recall(tick), PATIENCE)
 
     asyncio.run(session.run(load("pair.toml", run__duration=0.2), [[0], [1]], disturb))

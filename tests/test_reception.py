@@ -43,6 +43,21 @@ def test_misses_are_learnt_from_the_gap_at_separations_in_between() -> None:
     assert found[4] == ([0] * 4, [64.0, 61.0, 62.0, 63.0], [True, False, False, False])
 
 
+def test_of_a_long_silence_the_latest_slots_are_counted() -> None:
+    """A peer moves from 60 to 160 m in a million ticks in which no beacon decodes."""
+    near, ids, silent = layouts.edges([0], [(0, 1)]), np.array([1]), 10**6
+    before = now = contacts.nobody(near.ids)
+    for tick, place in ((1, 60.0), (silent, 160.0)):
+        said = layouts.silent_beacons(tick - 1, ids, layouts.poses([(place, 0.0)]))
+        sensed = Observations(tick, layouts.poses([(0.0, 0.0)]), near, np.array([2], dtype=np.uint8))
+        before, now = now, contacts.update(now, sensed, layouts.poses([(0.0, 0.0)]), said, 50)
+    _, separation, decoded = counting.slots(before, now, silent, np.ones(1, dtype=np.bool_))
+    assert len(separation) == 1 + counting.MOST_MISSED
+    assert decoded.tolist() == [True] + [False] * counting.MOST_MISSED
+    step = 100.0 / (silent - 1)  # m a tick
+    assert separation[1:] == pytest.approx(160.0 - step * np.arange(counting.MOST_MISSED, 0, -1), rel=1e-12)
+
+
 def test_mixing_keeps_what_all_agree_on_and_ages_it() -> None:
     everybody = Edges(np.arange(3), np.array([0, 0, 1, 1, 2, 2]), np.array([1, 2, 0, 2, 0, 1]))
     sums = np.tile(np.arange(1.0, SUMS + 1.0), (3, 1))

@@ -1,4 +1,4 @@
-"""What is asked for is not changed or dropped without a word: durations, events, delays, channels that are told."""
+"""No part of a scenario is changed or dropped silently: durations, events, delays, channels that are told."""
 
 import json
 import subprocess
@@ -26,11 +26,11 @@ def test_the_scenarios_that_come_with_it_are_run_as_they_are_written(path: Path)
 CASES: dict[str, tuple[dict[str, Any], list[str]]] = {
     "a duration that is rounded down": (
         {"run__dt": 0.3, "run__duration": 1.0, "seeking__sub_step": 0.01},
-        ["run.duration 1 s is no multiple of run.dt 0.3 s: 3 ticks are run, 0.9 s"],
+        ["run.duration 1 s is not a multiple of run.dt 0.3 s: 3 ticks are run, 0.9 s"],
     ),
     "one of less than a tick": (
         {"run__duration": 0.001},
-        ["run.duration 0.001 s is no multiple of run.dt 0.02 s: 1 ticks are run, 0.02 s"],
+        ["run.duration 0.001 s is not a multiple of run.dt 0.02 s: 1 ticks are run, 0.02 s"],
     ),
     "an event after the end, and one at it": (
         {"run__duration": 0.4, "event": [{"at": 99.0, "kill": [0]}, {"at": 0.4, "world_away": 1.0}]},
@@ -38,18 +38,18 @@ CASES: dict[str, tuple[dict[str, Any], list[str]]] = {
     ),
     "an event between two ticks": (
         {"event": [{"at": 0.013, "kill": [0]}]},
-        ["event at 0.013 s is no multiple of run.dt 0.02 s: it acts at 0.02 s"],
+        ["event at 0.013 s is not a multiple of run.dt 0.02 s: it acts at 0.02 s"],
     ),
     "seven of them": (
         {"event": [{"at": at + 0.005, "set": {"channel.jammers": []}} for at in range(7)]},
         [
-            "event at 0.005, 1.005, 2.005, 3.005, 4.005 and 2 more s is no multiple of run.dt 0.02 s: "
+            "event at 0.005, 1.005, 2.005, 3.005, 4.005 and 2 more s is not a multiple of run.dt 0.02 s: "
             "it acts at 0, 1, 2, 3, 4 and 2 more s"
         ],
     ),
     "a delay": (
         {"event": [{"at": 1.0, "transmitter": {"robot": 0, "delay": 0.05}}]},
-        ["transmitter: delay 0.05 s is no multiple of run.dt 0.02 s: it is 0.04 s"],
+        ["transmitter: delay 0.05 s is not a multiple of run.dt 0.02 s: it is 0.04 s"],
     ),
     "a channel that the robots are told": (
         {"event": [{"at": 1.0, "set": {"channel.reference_snr": 5e6}}]},
@@ -87,7 +87,7 @@ def test_what_the_lines_say_is_what_is_run() -> None:
 def test_fes_run_says_them_with_both_backends_and_fes_world_in_its_log(tmp_path: Path) -> None:
     words = [str(CONFIGS / "pair.toml"), "--duration", "0.05", "--set", "event=[{at = 9.0, kill = [0]}]"]
     said = [
-        "run.duration 0.05 s is no multiple of run.dt 0.02 s: 2 ticks are run, 0.04 s",
+        "run.duration 0.05 s is not a multiple of run.dt 0.02 s: 2 ticks are run, 0.04 s",
         "event at 9 s is not before the end of the run at 0.04 s: it never acts",
     ]
     for backend, first in (("inprocess", LOOP), ("processes", STARTING)):
@@ -102,10 +102,10 @@ def test_fes_run_says_them_with_both_backends_and_fes_world_in_its_log(tmp_path:
 
 def test_fes_sweep_says_them_once_for_all_of_its_cells(tmp_path: Path) -> None:
     words = ["--seeds", "0:3", "--set", "run.duration=0.05", "--axis", "formation.rule=disk,two_nearest"]
-    call = fes("sweep", str(CONFIGS / "pair.toml"), *words, "--out", "/dev/null")  # where it cannot go further
+    call = fes("sweep", str(CONFIGS / "pair.toml"), *words, "--out", "/dev/null")  # it cannot go further there
     done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 1
-    line = "fes: warning: run.duration 0.05 s is no multiple of run.dt 0.02 s: 2 ticks are run, 0.04 s\n"
+    line = "fes: warning: run.duration 0.05 s is not a multiple of run.dt 0.02 s: 2 ticks are run, 0.04 s\n"
     assert done.stderr.startswith(line)
     assert done.stderr.count("\n") == 2
 

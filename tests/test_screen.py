@@ -1,4 +1,4 @@
-"""The alternate screen is left, whatever happens on it."""
+"""The alternate screen closes, whatever happens on it."""
 
 import io
 import os

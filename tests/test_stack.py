@@ -67,16 +67,17 @@ def test_a_big_team_is_not_stacked() -> None:
 
 
 def test_a_run_that_fails_takes_no_other_with_it() -> None:
-    # Estimates begin in [50, 90] m, and a single link weighs 1/2: at 8e306 /s an error of up to 20 m gives a twist
-    # that is finite, 8e307 m/s at most, and one of at least 55 m does not, 2e308 m/s.
+    # A single link weighs 1/2, and the square of half an estimate beyond 2.7e154 m is not finite. Of seed 1 both
+    # estimates begin below that (and then out of reach of each other), of seed 0 one does not.
     scenarios = [
         load(
             "pair.toml",
             run__duration=1.0,
-            formation__linear_gain=8e306,
-            robots={"poses": [[0.0, 0.0, 0.0], [separation, 0.0, 0.0]]},
+            run__seed=seed,
+            seeking__index="measured",
+            seeking__initial_estimate=[1.0, 4e154],
         )
-        for separation in (70.0, 145.0)
+        for seed in (1, 0)
     ]
     assert len({repr(stack.alike(one)) for one in scenarios}) == 1
     near, far = work.carry_out(work.Batch("pair", ("near", "far"), tuple(scenarios)))
@@ -86,7 +87,7 @@ def test_a_run_that_fails_takes_no_other_with_it() -> None:
 
 
 def test_an_error_of_a_run_is_kept_with_its_reason() -> None:
-    wild = load("pair.toml", run__duration=1.0, formation__linear_gain=1e308)
+    wild = load("pair.toml", run__duration=1.0, seeking__index_gain=1e308)
     (done,) = work.carry_out(work.Batch("pair", ("wild",), (wild,)))
     assert done.scalars == {}
     assert done.error is not None

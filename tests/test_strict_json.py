@@ -28,7 +28,7 @@ WORDS = ("NaN", "Infinity", "-Infinity", "1e999", "-1e999")
 
 
 def strictly(text: str | bytes) -> Any:
-    """What a strict reader of JSON finds."""
+    """The value that a strict reader of JSON finds."""
 
     def refuse(word: str) -> None:
         raise AssertionError(f"{word} is not JSON")

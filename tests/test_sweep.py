@@ -171,7 +171,7 @@ def test_an_interrupted_sweep_says_what_is_done_and_leaves_no_process(tmp_path: 
 
 
 def test_a_failed_run_is_in_the_table_with_its_reason_and_the_others_are_there(tmp_path: Path) -> None:
-    gains = ["--axis", "formation.linear_gain=1,1e308", "--set", "run.duration=1", "--out", "out"]
+    gains = ["--axis", "seeking.index_gain=4e4,1e308", "--set", "run.duration=1", "--out", "out"]
     done = call(tmp_path, "fes", "sweep", PAIR, "--seeds", "0:2", *gains)
     assert done.returncode == 1
     assert done.stderr.startswith("fes: error: 2 of 4 runs failed, the first 1e+308, seed 0: robot ")
@@ -225,7 +225,7 @@ def test_a_number_that_no_run_has_is_a_number_in_parquet(tmp_path: Path) -> None
 
 
 def test_a_sweep_whose_runs_all_failed_draws_nothing_and_says_how_to_repeat_them(tmp_path: Path) -> None:
-    words = ["sweep", PAIR, "--seeds", "0:2", "--set", "formation.linear_gain=1e308", "--set", "run.duration=1"]
+    words = ["sweep", PAIR, "--seeds", "0:2", "--set", "seeking.index_gain=1e308", "--set", "run.duration=1"]
     done = call(tmp_path, "fes", *words, "--out", "out", "--plot")
     assert done.returncode == 1
     assert done.stderr.startswith("fes: error: 2 of 2 runs failed, the first ")

@@ -32,7 +32,7 @@ def logs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def written_by(stream: str, monkeypatch: pytest.MonkeyPatch, encoding: str) -> io.BytesIO:
-    """What is written from now on to a standard stream of this encoding, which refuses what it does not have."""
+    """The bytes written from now on to a standard stream of this encoding, which rejects characters that it lacks."""
     kept = io.BytesIO()
     monkeypatch.setattr(sys, stream, io.TextIOWrapper(kept, encoding=encoding, errors="strict", write_through=True))
     return kept

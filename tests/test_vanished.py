@@ -48,7 +48,7 @@ def test_a_log_that_somebody_changes_is_told_of_when_the_run_is_over(tmp_path: P
                 change(path)
             team.step(course)
             if course.state.tick == 15 and chunks:
-                recorder.pause()  # were the chunk written where the file once ended, the cut would be a hole
+                recorder.pause()  # a chunk written at the old end of the file would make the cut a hole
         with pytest.raises(FesError, match=rf"^{path} {told} during the run: the log is incomplete$"):
             stack.close()
     assert course.sums.tally.digest.text() == inprocess.run(scenario, "pair")["digest"]
@@ -139,9 +139,7 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
     with pytest.MonkeyPatch.context() as broken:
         broken.setattr(Recorder, "add", lambda *words: None)
         broken.setattr("world.container.Container._again", lambda *words: None)
-        with pytest.raises(
-            FesError, match=r"cannot be gone on with: .*run\.mcap does not hold what was copied to it$"
-        ):
+        with pytest.raises(FesError, match=r"cannot be continued: .*run\.mcap does not hold what was copied to it$"):
             resume.recorder(run, kept)
     assert (run / NAME).read_bytes() == original
     assert not aside.exists()
@@ -154,7 +152,7 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
         with contextlib.suppress(FesError), again:
             raise FesError("it died")
 
-    # With a checkpoint that knows the copy, nobody needs the original.
+    # Once a checkpoint knows the copy, the original is not needed.
     kept = resume.load(run)
     recorder_ = resume.recorder(run, kept)
     assert recorder_ is not None

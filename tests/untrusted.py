@@ -35,7 +35,7 @@ def read_ledger(header: Path, lines: Path) -> None:
 
 
 def read_announcement(path: Path) -> None:
-    """It is passed over, for whatever is announced else."""
+    """A crafted announcement is skipped; another one may be found."""
     announced = path.parent.parent / "runs" / "x"
     announced.mkdir(parents=True, exist_ok=True)
     shutil.copyfile(path, announced / rundir.ENDPOINT)

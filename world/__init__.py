@@ -8,7 +8,7 @@ lockstep    the barrier: every tick waits for all commands
 live        the live clock: ticks wait for nobody
 deadlines   how robots keep its pace
 checkpoint  what a run can be gone on from
-lock        one world a run directory
+lock        one world per run directory
 snapshot    its file: a run at one tick
 journal     notes of what came from outside since
 resume      a run gone on with
@@ -28,16 +28,16 @@ views       what viewers show of it
 protobuf    how its messages are encoded
 descriptors  how its message types are described
 beacon_tap  the world's own copy of every beacon, by which it judges senders
-command_gate  which process may command a robot
-farewell    the end of a run, said until it is heard
+command_gate  the one process that may command a robot
+farewell    the end of a run, repeated until it is heard
 scenario    the typed scenario, from TOML
-robots_config  its table [robots]: where robots start
+robots_config  its table [robots]: the starts of the robots
 overrides   fields of a scenario that --set overrides
-toml        TOML of others: bounded, or one line
+toml        TOML from outside: bounded, or rejected in one line
 radio_config  its table [channel]: the formula, shadowing, bursts, jammers
 kinematics  the unicycle (5) on its exact arc
 proximity   which pairs of robots are within communication range
-crowd       what robots need that start within range of each other
+crowd       memory for robots that start within range of each other
 channel     which beacons decode
 shadowing   correlated in space, reciprocal
 bursts      losses in a row
@@ -52,7 +52,7 @@ tracking    how fast and how well the optimum is found, after the start and afte
 breathing   separations averaged over a period of the dither
 rules       a broken rule, in one line
 expect      what a scenario expects of its run
-remarks     what of a scenario is not run as it is written
+remarks     parts of a scenario that do not run as written
 events      what changes while a run goes on
 equipment   faulty transmitters, and clocks that are off
 summary     summary.json and scenario.toml of a run directory

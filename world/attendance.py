@@ -21,7 +21,7 @@ class Attendance:
     def __init__(
         self, roster: Roster, scenario: Scenario, excluded: Mapping[int, str] = MappingProxyType({})
     ) -> None:
-        """`excluded` are the robots that take no part for a fault of theirs, now and whenever it is looked at."""
+        """`excluded` maps robots at fault, which take no part, to their faults; it may change later."""
         self._roster, self._excluded = roster, excluded
         self._schedule = scenario.attendance
         self._robots = scenario.robots.number
@@ -77,7 +77,7 @@ class Attendance:
         return [robot for robot in np.flatnonzero(late).tolist() if robot not in self._excluded]
 
     def missing(self, state: State) -> str:
-        """Why the tick of `state` cannot begin at all, in words: no robot can take part that should; else nothing."""
+        """Reason why the tick of `state` cannot begin: none of the robots that should take part can; else empty."""
         there = self._able & ~self._hung
         nobody = not there.any() and self._planned(state.tick)[0].any()
         return "nobody is there any more" if nobody else ""
@@ -100,7 +100,7 @@ class Attendance:
 
     @property
     def _able(self) -> Bools:
-        """Robots whose agents live, with all that share their process, and were not excluded [n]."""
+        """Robots that are not excluded and whose agents live, as do all that share their process [n]."""
         whole = self._roster.whole
         if not self._excluded:
             return whole

@@ -1,48 +1,61 @@
 """The world's own copy of every Beacon, by which it judges the robots that sent them.
 
-A robot puts Beacon k before Command k on one first-in first-out link. So when the commands of tick k are here, a
-Beacon k that is missing or unreadable is the fault of its sender, and of nobody else: peers have no say in it.
+A robot puts Beacon k before Command k on one first-in first-out link. So when the commands of tick k have
+arrived, a missing or unreadable Beacon k is the fault of its sender alone: peers have no say in it.
 """
 
 import asyncio
+import time
 from collections.abc import Mapping
 
 import numpy as np
 
-from fes import keys, messages
+from fes import bus, keys, messages, wire
 from fes.arrays import Bools
 from fes.bus import Bus, Question
 from fes.complaints import Complaints, shown
-from fes.errors import Absent, MessageError, Refused
+from fes.errors import Absent, Busy, MessageError, Refused
 from fes.messages import Beacon
 
 RECALL_TIMEOUT = 2.0
 """A robot that does not repeat its beacon within this time [s] has none."""
+
+RETRY = 0.05
+"""A robot that cannot answer at the moment is asked again after this time [s]."""
 
 Faults = dict[int, str]
 """Robot -> what is wrong with its beacon."""
 
 
 class BeaconTap:
-    """One mailbox for each robot, and the beacons of the tick at hand."""
+    """One mailbox per robot, and the beacons of the current tick."""
 
     def __init__(
-        self, bus: Bus, run: str, robots: int, complaints: Complaints, judged: Mapping[int, list[bytes]]
+        self,
+        opened: Bus,
+        run: str,
+        robots: int,
+        complaints: Complaints,
+        judged: Mapping[int, list[bytes]],
+        guarded: bool = False,
     ) -> None:
-        """`judged` holds, now and later, the beacons of past ticks that peers may ask for: tick -> payloads."""
-        self._judged = judged
-        self._bus, self._run, self._complaints = bus, run, complaints
-        self._boxes = [bus.mailbox(keys.beacon(run, robot)) for robot in range(robots)]
+        """`judged` holds, now and later, the beacons of past ticks that peers may ask for: tick -> payloads.
+
+        `guarded`: access control lets only a robot itself put on its key, so all that comes there is its own doing.
+        """
+        self._judged, self._guarded, self._robots = judged, guarded, robots
+        self._bus, self._run, self._complaints = opened, run, complaints
+        self._boxes = [opened.mailbox(keys.beacon(run, robot)) for robot in range(robots)]
         self._held: dict[int, dict[int, bytes]] = {}
         """Tick -> robot -> the first readable payload, of three ticks at most."""
         self._faults: dict[int, Faults] = {}
-        """Tick -> robot -> how it contradicted itself."""
-        bus.serve(keys.held_beacon(run, "*"), self._on_recall)
+        """Tick -> robot -> how it broke the rules then."""
+        opened.serve(keys.held_beacon(run, "*", "*"), self._on_recall)
 
     def heard(self, tick: int, legible: Bools) -> list[bytes]:
-        """The payload of each robot's Beacon of `tick` as far as it came, in id order; a missing one is counted.
+        """The payload of each robot's Beacon of `tick` as far as it arrived, in id order; a missing one is counted.
 
-        It is empty for a robot that is not `legible` [n], and where nothing readable came.
+        The payload is empty for a robot that is not `legible` [n], and if nothing readable arrived.
         """
         found = self._collect(tick, legible)
         for robot in np.flatnonzero(legible).tolist():
@@ -67,7 +80,7 @@ class BeaconTap:
         found = self._collect(tick, legible)
         absent = [robot for robot, here in enumerate(legible.tolist()) if here and not found[robot]]
         answers = await asyncio.gather(*(self._recall(robot, tick) for robot in absent))
-        faults = dict(self._faults.pop(tick - 1, {}))  # of a beacon that came after the judgement of its tick
+        faults = dict(self._faults.pop(tick - 1, {}))  # of a beacon that arrived after the judgement of its tick
         for robot, answer in zip(absent, answers, strict=True):
             found[robot] = answer if isinstance(answer, bytes) else b""
             if isinstance(answer, str):
@@ -79,7 +92,7 @@ class BeaconTap:
 
     def _on_recall(self, question: Question) -> None:
         """Answer a robot that misses a beacon with the copy by which its sender was judged."""
-        tick, robot = messages.decode_recall(question.payload), question.key.rpartition("/")[2]
+        tick, robot = messages.decode_recall(question.payload), question.key.split("/")[-2]
         beacons = {str(sender): payload for sender, payload in enumerate(self._judged.get(tick, [])) if payload}
         if robot in beacons:
             question.answer(beacons[robot], "fes.Beacon")
@@ -87,17 +100,26 @@ class BeaconTap:
             question.refuse(f"the world holds no beacon of robot {shown(robot)} from tick {tick}")
 
     def _read(self, robot: int, tick: int) -> None:
-        """Sort all that waits in a robot's box: beacons by tick, the rest as what is wrong with this tick's."""
-        box = self._boxes[robot]
-        while (sample := box.take()) is not None:
+        """Sort the beacons in a robot's box by tick: at most a full box, as it may be filled while it is emptied."""
+        for _ in range(bus.MAILBOX):
+            sample = self._boxes[robot].take()
+            if sample is None:
+                return
             key, payload = sample
+            stamp = wire.peek(payload) if payload is not None else None
+            if stamp is not None and stamp[1] == robot and stamp[0] > tick + 1:
+                self._complaints.add("Beacon: from the future", f"{key}: a beacon of tick {stamp[0]} at tick {tick}")
+                if self._guarded:  # a peer may hold it, for the tick that it names
+                    self._faults.setdefault(tick, {})[robot] = f"it sent a beacon ahead of its time at tick {tick}"
+                continue
+            if stamp is not None and stamp[0] < tick - 1:
+                continue
             try:
-                beacon = _decoded(payload, robot)
+                beacon = self._decoded(payload, robot)
             except MessageError as error:
                 self._complaints.unread(key, error)
                 continue
-            if payload is None or not tick - 1 <= beacon.tick <= tick + 1:
-                continue
+            assert payload is not None
             first = self._held.setdefault(beacon.tick, {}).setdefault(robot, payload)
             if payload != first:
                 what = f"it sent two different beacons for tick {beacon.tick}"
@@ -106,25 +128,33 @@ class BeaconTap:
     async def _recall(self, robot: int, tick: int) -> bytes | str:
         """The beacon that a robot repeats, or why there is none."""
         key, missing = keys.recall(self._run, robot), f"no readable beacon of tick {tick}"
-        try:
-            payload = await self._bus.ask(key, messages.encode_recall(tick), RECALL_TIMEOUT)
-            beacon = _decoded(payload, robot)
-        except Refused as refused:
-            return f"{missing}, and it refused to repeat it: {refused}"
-        except Absent:
-            return f"{missing}, and it did not repeat it within {RECALL_TIMEOUT:g} s"
-        except MessageError as error:
-            return f"{missing}, and it repeated junk: {error}"
+        end = time.monotonic() + RECALL_TIMEOUT
+        while True:
+            left = end - time.monotonic()
+            if left <= 0.0:
+                return f"{missing}, and it did not repeat it within {RECALL_TIMEOUT:g} s"
+            try:
+                payload = await self._bus.ask(key, messages.encode_recall(tick), left)
+                beacon = self._decoded(payload, robot)
+                break
+            except (Busy, Absent):  # its queue may be crowded, or its session be new
+                await asyncio.sleep(RETRY)
+            except Refused as refused:
+                return f"{missing}, and it refused to repeat it: {refused}"
+            except MessageError as error:
+                return f"{missing}, and it repeated junk: {error}"
         if beacon.tick != tick:
             return f"{missing}, and it repeated that of tick {beacon.tick}"
         self._complaints.add("Beacon: recalled", f"by a full mailbox: a beacon of robot {robot}; asked for anew")
         return payload
 
-
-def _decoded(payload: bytes | None, robot: int) -> Beacon:
-    if payload is None:
-        raise MessageError("Beacon", "a deletion is not a beacon")
-    beacon = messages.decode_beacon(payload)
-    if beacon.robot != robot:
-        raise MessageError("Beacon", "came on another robot's key", str(beacon.robot))
-    return beacon
+    def _decoded(self, payload: bytes | None, robot: int) -> Beacon:
+        """The beacon of this robot in a payload; raises MessageError, also where a peer could not use it."""
+        if payload is None:
+            raise MessageError("Beacon", "a deletion is not a beacon")
+        beacon = messages.decode_beacon(payload)
+        if beacon.robot != robot:
+            raise MessageError("Beacon", "came on another robot's key", str(beacon.robot))
+        if len(beacon.links) and beacon.links[-1] >= self._robots:
+            raise MessageError("Beacon", "has a link to a robot that does not exist", str(beacon.links[-1]))
+        return beacon

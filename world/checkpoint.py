@@ -39,7 +39,7 @@ PERIOD = 10.0
 _logger = logging.getLogger("world")
 
 JOIN = "join"
-"""Kind of a note beside those of a course: [JOIN, robots, agent, arithmetic]: it hosts these from now on."""
+"""Kind of a note beside those of a course: [JOIN, robots, agent, arithmetic]; the agent hosts them from now on."""
 
 
 class Keeper:
@@ -48,7 +48,7 @@ class Keeper:
     def __init__(
         self, directory: Path, period: float, name: str, run: str, *, number: int = 0, notes: int | None = None
     ) -> None:
-        """`number` of the last checkpoint, and checksum of all `notes`, of a run that is gone on with."""
+        """`number` of the last checkpoint, and checksum of all `notes`, of a run that is resumed."""
         self._folder = directory / FOLDER
         self._period, self._name, self._run = period, name, run
         self._number = number
@@ -61,7 +61,7 @@ class Keeper:
         self._notes = secrets.randbits(32) if notes is None else notes
         self._trail: BinaryIO | None = None
         self._state: os.stat_result | None = None
-        """Of the file that was written last."""
+        """Status of the file that was written last."""
         self.hosts: dict[int, Join] = {}
         """The last Join that was accepted for each robot, as the run was when it began to be kept."""
         self.renewed: set[int] = set()
@@ -145,7 +145,7 @@ class Keeper:
             self._writing = asyncio.get_running_loop().run_in_executor(None, self._write, self._number, told, files)
 
     def losses(self, course: Course) -> list[str]:
-        """The files of the present checkpoint that were removed or cut from outside, a text for each."""
+        """One text per file of the current checkpoint that was removed or cut from outside."""
         journal, state, path = self._journal, self._state, self._folder / STATE
         if journal is None or journal.failure is not None:
             return []
@@ -233,7 +233,7 @@ def last(directory: Path, number: int) -> int:
 
 
 def log_of(directory: Path, number: int) -> Path:
-    """Where the log is as checkpoint `number` knew it."""
+    """Path of the log as checkpoint `number` knew it."""
     aside = directory / FOLDER / f"log-{number}"
     return aside if aside.exists() else directory / NAME
 

@@ -1,6 +1,6 @@
-"""Which process may command a robot: the one that was accepted for it, and no other with the same certificate."""
+"""Gate for commands: only the process accepted for a robot passes, not another one with the same certificate."""
 
-from collections.abc import Iterable
+from collections.abc import Mapping
 
 from fes import keys
 from fes.messages import Join
@@ -13,13 +13,14 @@ class CommandGate:
     the same robot neither fills a queue nor wakes the world.
     """
 
-    def __init__(self, run: str, joins: Iterable[Join]) -> None:
+    def __init__(self, run: str, hosts: Mapping[int, Join]) -> None:
+        """`hosts`: robot -> the last Join that was accepted for it."""
         self._run = run
         self._marks: dict[str, bytes] = {}
         self.rejected = 0
-        """Commands that were not admitted."""
-        for join in joins:
-            self.expect(join)
+        """Number of commands that were not admitted."""
+        for robot, join in hosts.items():  # another robot of the same Join may have a new agent
+            self._marks[keys.command(run, robot)] = join.mark
 
     def expect(self, join: Join) -> None:
         """From now on admit the commands of this agent, and of no earlier one."""
@@ -27,7 +28,7 @@ class CommandGate:
             self._marks[keys.command(self._run, robot)] = join.mark
 
     def admits(self, key: str, mark: bytes) -> bool:
-        """True if a sample on `key` with this mark is that of the agent that was accepted."""
+        """True if a sample on `key` with this mark comes from the accepted agent."""
         if self._marks.get(key) == mark:
             return True
         self.rejected += 1

@@ -14,7 +14,7 @@ from mcap.records import Message as McapMessage
 from mcap.records import Schema as McapSchema
 from mcap.writer import CompressionType, Writer
 
-from fes import distribution, strict_json
+from fes import about, strict_json
 from fes.errors import FesError, reason
 from world import hashed_file, records
 from world.descriptors import describe
@@ -32,7 +32,7 @@ CHUNK_AGE = 2.0
 """A chunk is closed when it is this old [s; wall clock], which is how much a run that is killed may lose."""
 
 LARGEST = records.LIMIT - (records.LIMIT >> 6)
-"""A chunk holds at most this much [bytes, not compressed]; a reader takes it even where nothing makes it smaller."""
+"""A chunk holds at most this much [bytes, not compressed]; so a reader takes it even if it does not compress."""
 
 _MESSAGE_HEADER = 31  # bytes
 
@@ -51,7 +51,7 @@ class Container:
         self._begun = time.monotonic()
         self._broken = False
         self.loss: str | None = None
-        """What became of the file from outside; None if it is as it was written, or not finished yet."""
+        """Loss of the file to other programs, in words; None if it is as it was written, or not finished yet."""
         with self._writing():
             self._file = HashedFile(path)
             # Chunks are closed by `settle`, between two ticks, and not by the library in the middle of one.
@@ -61,7 +61,7 @@ class Container:
                 compression=CompressionType.ZSTD,
                 enable_data_crcs=True,
             )
-            self._writer.start(PROFILE, f"fes {distribution.version()}; mcap-python {metadata.version('mcap')}")
+            self._writer.start(PROFILE, f"fes {about.version()}; mcap-python {metadata.version('mcap')}")
 
     def put(self, topic: str, schema: Schema, payload: bytes, at: int, tick: int) -> None:
         """Add a message of a topic, `at` a simulated time [ns]; nothing to a file that could not be written."""
@@ -84,7 +84,7 @@ class Container:
             self._waiting, self._begun = 0, time.monotonic()
 
     def _check_size(self) -> None:
-        """Raise FesError where the chunk that is to be closed makes the file one that a reader refuses."""
+        """Raise FesError if a reader would reject the file with the chunk that is about to be closed."""
         self._unpacked += self._waiting
         why = None
         if self._waiting > LARGEST:
@@ -107,13 +107,13 @@ class Container:
 
     @property
     def sha256(self) -> str:
-        """Of all bytes so far, in hexadecimal."""
+        """SHA-256 of all bytes so far, in hexadecimal."""
         return self._file.sha256
 
     def copy(self, path: Path, size: int) -> None:
         """Take over all messages in the first `size` bytes of another log, chunk by chunk, and read the copy back.
 
-        Raises FesError, where the other log is damaged too.
+        Raises FesError, also if the other log is damaged.
         """
         copied, written = _Contents(), _Contents()
         try:
@@ -169,7 +169,7 @@ class Container:
 
 
 class _Contents:
-    """What a log holds, as far as it was read: its messages, each with its topic and schema."""
+    """Contents of a log, as far as it was read: its messages, each with its topic and schema."""
 
     def __init__(self) -> None:
         self._channels = dict[int, McapChannel]()
@@ -198,5 +198,5 @@ class _Contents:
 
     @property
     def sha256(self) -> str:
-        """Of all messages so far."""
+        """SHA-256 of all messages so far."""
         return self._hash.hexdigest()

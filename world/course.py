@@ -32,7 +32,7 @@ ATTEND, EXCLUDE, SET, TICK = "attend", "exclude", "set", "tick"
 [TICK, tick, commands, beacons, alive, elapsed]."""
 
 HELD = 2
-"""Ticks whose beacons can be had again: a robot that misses one asks within the next tick."""
+"""Number of ticks whose beacons can be recalled: a robot that misses one asks within the next tick."""
 
 
 class _Gone(NamedTuple):
@@ -61,7 +61,7 @@ class Course:
         self.said: Telemetry = untold(self.world.ids)
         self.recorder = recorder
         self.excluded: dict[int, str] = {}
-        """Robots that were at fault, until another agent joins for them, and why."""
+        """Robots at fault and their faults, until another agent joins for them."""
         self.beacons: dict[int, list[bytes]] = {}
         """Tick -> the payload of each robot's Beacon, of the last HELD ticks; empty for a robot that took no part."""
         self.note: Note = lambda note: None
@@ -85,7 +85,7 @@ class Course:
             self.recorder.attend(self.state.tick, robots)
 
     def exclude(self, robots: list[int], reason: str) -> None:
-        """Exclude robots for a fault of theirs, until `readmit`; `attend` then says from which tick on."""
+        """Exclude robots for their fault, until `readmit`; `attend` then determines from which tick on."""
         self.note([EXCLUDE, self.state.tick, robots, reason])
         self.excluded.update(dict.fromkeys(robots, f"excluded at tick {self.state.tick}: {reason}"))
         if self.recorder is not None:
@@ -96,11 +96,14 @@ class Course:
         for robot in robots:
             self.excluded.pop(robot, None)
 
-    def change(self, path: str, value: Any) -> Effect:
-        """Set a field of the channel from this tick on; raises ScenarioError where it cannot be."""
+    def change(self, path: str, value: Any, replayed: bool = False) -> Effect:
+        """Set a field of the channel from this tick on; raises ScenarioError if it cannot be set.
+
+        A change that was accepted before is `replayed`, however much memory is free now.
+        """
         tick = self.state.tick
         channel = events.changed(self.state.channel, {path: value}, self.scenario.run.dt)
-        if channel.communication_range > self.state.channel.communication_range:
+        if not replayed and channel.communication_range > self.state.channel.communication_range:
             crowd.check_contacts(self.state.poses, channel.communication_range)
         value = events.effective(channel, path)
         scenario = with_event(self.scenario, tick, path, value)
@@ -121,7 +124,7 @@ class Course:
         """Move on to the next tick with the robots' `answers` to what was `sent`; a robot without one stands still.
 
         `beacons` are their payloads in id order; `alive` [n] are those whose token stands; `elapsed` [s; wall clock]
-        since tick 0. What came from outside is noted before anything follows from it.
+        since tick 0. Input from outside is noted before anything follows from it.
         """
         state = self.state
         commands = [answer[1] if answer else b"" for answer in answers]

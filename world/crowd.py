@@ -1,4 +1,4 @@
-"""What robots within range of each other need: memory for each contact, of which n of them have n^2."""
+"""Memory for robots within range of each other: it grows with the contacts, and n robots have n^2 of them."""
 
 from fes import memory
 from fes.arrays import Floats
@@ -7,12 +7,12 @@ from world import proximity
 from world.scenario import Scenario, initial_poses
 
 PER_CONTACT = 1_000
-"""Memory that a run in one loop needs for each contact (receiver, sender) of a large crowd, log and summary included
-[bytes]; `python -m bench.crowd` measures it. Of a small one it is more, by the radio's numbers: 128 MB at most."""
+"""Memory that a run in one loop needs per contact (receiver, sender) of a large crowd, log and summary included
+[bytes]; `python -m bench.crowd` measures it. A small crowd needs up to 128 MB more, for the radio's numbers."""
 
 
 def check(scenario: Scenario) -> None:
-    """Raise ScenarioError if the contacts at the start need more memory than there is, whatever is set later."""
+    """Raise ScenarioError if the contacts at the start need too much memory at the largest scheduled range."""
     if scenario.robots.number**2 > memory.available() // PER_CONTACT:
         fields = [settings.get("channel.communication_range") for settings in scenario.changes.values()]
         ranges = [scenario.channel.communication_range, *(field for field in fields if field is not None)]

@@ -1,7 +1,7 @@
 """The digest of a run: SHA-256 over its ticks, in the layout that the README gives.
 
-The state of a hash cannot be kept. So what went into it can be left in a file, its trail, from which a run that is
-gone on with takes it up again. Its text is kept, and tells whether the trail is still the same.
+The state of a hash cannot be kept. So its input can be left in a file, the trail, from which a resumed run computes
+the hash again. The text of the hash is kept, and shows whether the trail is still the same.
 """
 
 import hashlib
@@ -27,7 +27,7 @@ class Digest:
         self.length = 0
         """Bytes that went into it."""
         self._kept = ""
-        """Its text, where it was kept and has not been taken up yet."""
+        """Its text as it was kept, for comparison with the trail."""
 
     def add(self, tick: int, poses: Floats, twists: Floats) -> None:
         """Add a tick: poses [n, 3] and twists [n, 2]."""
@@ -48,13 +48,13 @@ class Digest:
         return self._trail
 
     def check(self, path: Path) -> None:
-        """Raise FesError unless the first `length` bytes of the trail in a file are those that went into it."""
+        """Raise FesError unless the first `length` bytes of the trail in a file are those that were hashed."""
         self._read(path)
 
     def take_up(self, path: Path) -> BinaryIO:
         """Go on with the first `length` bytes of the trail in a file, and leave the rest of it there.
 
-        Raises FesError where they are others, and OSError where they cannot be read.
+        Raises FesError if they differ, and OSError if they cannot be read.
         """
         self._hash = self._read(path)
         os.truncate(path, self.length)

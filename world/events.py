@@ -23,7 +23,7 @@ class EventConfig(Table):
     """What happens at one time."""
 
     at: Annotated[float, Field(ge=0, le=1e9)]
-    """Simulated time of the event [s]; it acts from the tick nearest to it on."""
+    """Simulated time of the event [s]; it acts from the nearest tick on."""
     settings: dict[str, Any] = Field(default={}, alias="set")
     """Field of the channel, by its dotted path -> its new value."""
     kill: list[RobotId] = Field(default=[])

@@ -1,4 +1,4 @@
-"""The end of a run, said until it is heard."""
+"""The end of a run, repeated until it is heard."""
 
 import asyncio
 import time
@@ -23,7 +23,7 @@ class Farewell:
     """Tells every robot that the run is over, also one whose link is down at that moment.
 
     An agent that hears it withdraws its tokens at once. A token that stands, or that went at another time, belongs to
-    a robot that may not know: its agent would wait for a world that never returns, and may be back in a moment.
+    a robot that may not know: its agent would wait for a world that never returns, and may reconnect in a moment.
     """
 
     def __init__(self, observe: Sequence[Callable[[bytes], None]], roster: Roster) -> None:
@@ -32,7 +32,7 @@ class Farewell:
         self._payloads: list[bytes] = []
         self._said: dict[int, float] = {}
         self._lost: dict[int, float] = {}
-        """Robot -> when its token went, where that was not on hearing the farewell [s; monotonic]."""
+        """Robot -> time at which its token went for another reason than the farewell [s; monotonic]."""
 
     def say(self, payloads: list[bytes]) -> None:
         """Put the farewell of each robot, in id order."""
@@ -41,7 +41,7 @@ class Farewell:
             self._put(robot)
 
     def on_token(self, robot: int, alive: bool) -> None:
-        """A robot's token came or went."""
+        """Handle the appearance or the loss of a robot's token."""
         now = time.monotonic()
         if alive:
             self._lost.pop(robot, None)

@@ -1,7 +1,7 @@
-"""Files that a run writes: hashed while they are written, and checked at the end: they may be removed or cut.
+"""Files that a run writes: hashed while they are written, and at the end checked for removal and cuts.
 
-They are appended to. In a file that is written at a place of one's own, what was cut would become a hole, and no size
-would tell of it.
+They are opened for appending. In a file that is written at a given offset, a cut would become a hole, and the size
+would not show it.
 """
 
 import hashlib
@@ -27,7 +27,7 @@ class HashedFile:
 
     @property
     def sha256(self) -> str:
-        """Of all that was written, in hexadecimal."""
+        """SHA-256 of all that was written, in hexadecimal."""
         return self._hash.hexdigest()
 
     def write(self, data: bytes) -> int:
@@ -37,7 +37,7 @@ class HashedFile:
         return self._file.write(data)
 
     def tell(self) -> int:
-        """The place of the next byte."""
+        """The offset of the next byte."""
         return self.size
 
     def flush(self) -> None:
@@ -59,7 +59,7 @@ def append(path: str, flags: int) -> int:
 
 
 def loss(path: Path, fileno: int, size: int) -> str | None:
-    """What became of a file to which `size` bytes were written and handed to the system; None if it is as it was.
+    """Loss of a file to which `size` bytes were written and handed to the system, in words; None if it is whole.
 
     >>> import tempfile
     >>> with tempfile.NamedTemporaryFile(buffering=0) as file:

@@ -1,11 +1,11 @@
 """Notes of a run, appended as they are made: what a checkpoint is gone on from.
 
-A note is handed to the system at once, so it outlives this process however it ends. It stands in a frame: length,
-checksum of the length, and checksum of the note. Every checksum continues the one before it, from the first note of
-the run on, through all its journals: a note that was altered, lost or moved is found, wherever it stands.
+A note is handed to the system at once, so it outlives this process however it ends. Its frame holds its length, a
+checksum of the length, and a checksum of the note. Every checksum continues the one before it, from the first note of
+the run on, through all its journals. So a note that was altered, lost or moved is found anywhere.
 
-A frame that is not complete ends a journal: power loss or a full disk may cut the last note. A complete frame whose
-checksum differs, the last one too, is damage: the system writes a file from its front to its end.
+An incomplete frame ends a journal: power loss or a full disk may cut the last note. A complete frame whose checksum
+differs is damage, even the last one: the system writes a file from front to end.
 """
 
 import os
@@ -20,7 +20,7 @@ import msgpack
 from fes.errors import FesError, reason
 from world import hashed_file
 
-_HEAD = struct.Struct("<12sIII")  # magic, number, the checksum that the notes go on from, and that of these three
+_HEAD = struct.Struct("<12sIII")  # magic, number, the checksum that the notes continue, and that of these three
 _FRAME = struct.Struct("<III")
 _MAGIC = b"fes notes 3\n"
 
@@ -34,7 +34,7 @@ class Journal:
         self.failure: FesError | None = None
         """Why there are no more notes."""
         self.checksum = checksum
-        """Of all notes so far."""
+        """Checksum of all notes so far."""
         self._size = 0
         try:
             self._file = open(path, "xb", buffering=0, opener=hashed_file.append)  # noqa: SIM115
@@ -46,7 +46,7 @@ class Journal:
     def add(self, note: list[Any]) -> None:
         """Append a note of numbers, text, bytes, and lists of them.
 
-        After a note that could not be written there are no others: reading ends at a torn one.
+        After a failed write there are no further notes: reading ends at a torn one.
         """
         if self.failure is not None:
             raise self.failure
@@ -57,7 +57,7 @@ class Journal:
         self._write(_FRAME.pack(len(packed), of_length, self.checksum) + packed)
 
     def loss(self) -> str | None:
-        """What became of the file from outside; None if it is as it was written."""
+        """Loss of the file to other programs, in words; None if it is as it was written."""
         return hashed_file.loss(self.path, self._file.fileno(), self._size)
 
     def close(self) -> None:

@@ -21,7 +21,7 @@ def alone(directory: Path) -> Iterator[None]:
             held.callback(os.close, folder)
             fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except FileNotFoundError:
-            pass  # no world can be at work where nothing is
+            pass  # no world can be at work in a missing folder
         except BlockingIOError:
             raise FesError(f"another world is at work in {directory}") from None
         except OSError as error:

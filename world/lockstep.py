@@ -50,7 +50,7 @@ class Lockstep:
     async def present(self, state: State) -> Bools:
         """The robots that take part at the tick of `state` [n]: at least one, unless none should.
 
-        Raises Absent after RETURN_TIMEOUT. A robot that its scenario brings back is waited for as long, then missed.
+        Raises Absent after RETURN_TIMEOUT. A robot that its scenario brings back is awaited as long, then missed.
         """
         end = time.monotonic() + RETURN_TIMEOUT
         while (missing := self._attendance.missing(state)) or (due := self._attendance.due(state)):
@@ -67,7 +67,7 @@ class Lockstep:
                 break
             await self._inbox.wait(1, left)
             for key, payload in self._inbox.drain():
-                self._read(state, key, payload)  # a robot that hung and speaks can take part again
+                self._read(state, key, payload)  # a hung robot that speaks again can take part again
         return self._attendance.now(state)
 
     async def collect(self, state: State, sent: list[bytes]) -> tuple[list[Answer | None], Bools]:

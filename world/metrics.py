@@ -8,7 +8,7 @@ import numpy as np
 from fes import counts, geometry
 from fes.arrays import Bools, Floats, Ints
 from fes.edges import Edges
-from fes.sensing import Telemetry
+from fes.sensing import OPENING_TICKS, Telemetry
 from world import graphs
 from world.digest import Digest
 from world.proximity import Proximity
@@ -59,7 +59,7 @@ class Tally:
     """Most ticks in a row at which the links of the robots present were not one component."""
     _gap: int = 0
     _linked: int = -1
-    """The last tick at which a link stood."""
+    """The last tick with a link."""
     _opened: bool = False
     _disk_always: bool = True
     _links_always: bool = True
@@ -110,9 +110,12 @@ class Tally:
 
     @property
     def links_lost_at(self) -> float | None:
-        """The time [s] from which on no link stood; None where one stands at the last tick, or one robot is alone."""
+        """The time [s] from which on no link stood.
+
+        None if one stands at the last tick, if one robot is alone, or if the run is over before a contact can open.
+        """
         since = self._linked + 1
-        return round(since * self.dt, 9) if since < self.ticks else None
+        return round(since * self.dt, 9) if since < self.ticks and self.ticks > OPENING_TICKS + 1 else None
 
     def times(self) -> dict[str, float | None]:
         """For each level the first time [s] from which it held for HOLD, or to the end; None if it never did."""

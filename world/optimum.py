@@ -1,7 +1,7 @@
 """The separation that maximizes the performance index (16): what the robots are to find.
 
-r* is computed in decimal arithmetic of 50 digits, whose exponents do not overflow: the nearest float to the true
-optimum, for every channel and objective, and the same one on every machine.
+r* is computed in decimal arithmetic of 40 digits, whose exponents do not overflow. So it is the float nearest to the
+true optimum, for every channel and objective, and the same one on every machine.
 """
 
 import decimal
@@ -11,11 +11,11 @@ from functools import lru_cache
 
 from fes.config import ChannelConfig, ObjectiveConfig
 
-_EXACT = decimal.Context(prec=50, Emax=decimal.MAX_EMAX, Emin=decimal.MIN_EMIN, traps=[])
-"""Rounding errors stay 30 digits below a float's. No trap: exp of what is too large even for this is infinite."""
+_EXACT = decimal.Context(prec=40, Emax=decimal.MAX_EMAX, Emin=decimal.MIN_EMIN, traps=[])
+"""Rounding errors stay 20 digits below a float's. No trap: an exp that overflows even this is infinite."""
 
-_SMALL = Decimal("1e-12")
-"""Below this, e^x - 1 is summed up as a series: the difference would lose digits."""
+_SMALL = Decimal("1e-9")
+"""Below this, e^x - 1 is summed as a series: the difference would lose digits."""
 
 
 def optimal_separation(preferred: ObjectiveConfig, channel: ChannelConfig) -> float:
@@ -26,7 +26,7 @@ def optimal_separation(preferred: ObjectiveConfig, channel: ChannelConfig) -> fl
     of the logistic channel, both factors of which rise. So J has one maximum, between the two. An optimum below the
     smallest float is given as that float.
     """
-    # Of a channel only the formula counts; what may be laid over it has no hash.
+    # Only the formula of a channel counts; its shadowing, bursts and jammers have no hash.
     formula = {name: getattr(channel, name) for name in ChannelConfig.model_fields}
     return _optimum(preferred, ChannelConfig.model_construct(**formula))
 
@@ -50,8 +50,7 @@ def _rises(r: Decimal, preferred: ObjectiveConfig, channel: ChannelConfig) -> bo
     """True if ln J rises at r [m]: the sign of r (ln J)' / s."""
     shape, log = Decimal(preferred.shape_exponent), r.ln()
     spread, reach = (
-        (shape * (log - Decimal(scale).ln())).exp()
-        for scale in (preferred.minimum_separation, preferred.maximum_separation)
+        (shape * (log - _ln(scale))).exp() for scale in (preferred.minimum_separation, preferred.maximum_separation)
     )
     return spread / _exp_less_one(spread) > reach + _loss(r, log, channel) / shape
 
@@ -65,9 +64,15 @@ def _loss(r: Decimal, log: Decimal, channel: ChannelConfig) -> Decimal:
         excess = (r - Decimal(channel.logistic_midpoint)) / width
         return r / width / (1 + (-excess).exp())
     exponent = Decimal(channel.path_loss_exponent)
-    threshold = _exp_less_one(Decimal(channel.spectral_efficiency) * Decimal(2).ln())
-    power = (exponent * (log - Decimal(channel.reference_distance).ln())).exp()
+    threshold = _exp_less_one(Decimal(channel.spectral_efficiency) * _ln(2.0))
+    power = (exponent * (log - _ln(channel.reference_distance))).exp()
     return exponent * threshold / Decimal(channel.reference_snr) * power
+
+
+@lru_cache(maxsize=256)
+def _ln(value: float) -> Decimal:
+    """ln of a setting, which every step needs again."""
+    return _EXACT.ln(Decimal(value))
 
 
 def _exp_less_one(x: Decimal) -> Decimal:

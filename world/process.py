@@ -16,7 +16,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from fes import bus, encoding, identity, keys, output, process
+from fes import about, bus, encoding, identity, keys, output, process
 from fes.errors import FesError, reason
 from world import access, audit, claim, expect, remarks, resume, summary
 from world.checkpoint import FOLDER, PERIOD, Keeper, clear, is_kept
@@ -51,7 +51,7 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
         await claim.claim(opened, run, connected=connected)
         with _recorder(flags, start) as recorder:
             course, keeper, elapsed = _course(flags, start, recorder)
-            server = Server(opened, course, start.name, run, flags.rtf, keeper, elapsed)
+            server = Server(opened, course, start.name, run, flags.rtf, keeper, elapsed, guarded=rules is not None)
             if flags.out is not None:
                 server.keep = partial(summary.write_scenario, flags.out)
                 server.keep(course.scenario)
@@ -195,6 +195,7 @@ def main() -> None:
     flags = parser.parse_args()
     with contextlib.ExitStack() as held:
         try:
+            about.version()  # needed by its log and its checkpoints: say now that it has none
             start = _start(flags, held)
         except OSError as error:
             parser.error(reason(error))

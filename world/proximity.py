@@ -1,8 +1,8 @@
 """Which pairs of robots are within communication range.
 
 Candidate pairs (a Verlet list) are found once with a margin and kept until some robot has moved half of it;
-per tick only the candidates' separations are measured. Finding them sorts robots into square cells, and looks at
-a bounded number of pairs at once: memory is a matter of the pairs in range.
+per tick only the candidates' separations are measured. The search sorts robots into square cells, and examines
+a bounded number of pairs at once: memory grows only with the pairs in range.
 """
 
 from collections.abc import Iterator
@@ -22,7 +22,7 @@ MARGIN = 0.2
 """Margin of the candidate list, as a fraction of the communication range."""
 
 BLOCK = 2**16
-"""About so many pairs of robots in near cells are looked at at once."""
+"""Approximate number of pairs of robots in near cells that are examined at once."""
 
 _FARTHEST_CELL = 2.0**61
 """Where a double's spacing is hundreds of cells, robots share a cell: only those at one place are in range."""
@@ -117,8 +117,8 @@ def count(poses: Floats, reach: float, most: int) -> int:
 
 
 def _blocks(poses: Floats, side: float) -> Iterator[tuple[Ints, Ints, int]]:
-    """Rows of the pairs of robots at most `side` [m] apart, each pair once, for some rows after the other; and for
-    how many."""
+    """The pairs of robots at most `side` [m] apart, each pair once, in blocks of rows: the two rows of each pair, and
+    the number of rows in the block."""
     n = len(poses)
     with np.errstate(over="ignore"):
         cells = np.clip(np.floor(poses[:, :2] / side), -_FARTHEST_CELL, _FARTHEST_CELL).astype(np.int64)
@@ -145,8 +145,8 @@ def _blocks(poses: Floats, side: float) -> Iterator[tuple[Ints, Ints, int]]:
 
 
 def _between(order: Ints, rows: Ints, first: Ints, last: Ints, own: bool) -> tuple[Ints, Ints]:
-    """All pairs of a robot of `rows` and one that stands in `order` from `first` to `last` [rows]; each pair of one
-    cell once."""
+    """All pairs of a robot of `rows` and one at the places `first` to `last` [rows] of `order`; pairs within their
+    `own` cell only once."""
     counts = last - first
     left = np.repeat(rows, counts)
     offset = np.arange(len(left)) - np.repeat(np.cumsum(counts) - counts, counts)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Self
 
 import tomli_w
 
-from fes import counts, distribution, fingerprint, strict_json
+from fes import about, counts, fingerprint, strict_json
 from fes.arrays import Bytes, Floats
 from fes.errors import FesError
 from fes.report import encode_report
@@ -33,7 +33,7 @@ SUMMARY = "fes.summary"
 AT_ITS_END = "at its end"
 
 MAX_JSON = records.SMALL
-"""Longest text in JSON [bytes]: a summary that is longer stands in summary.json only."""
+"""Longest JSON text [bytes]: a longer summary is only in summary.json."""
 
 _ENDED = 4096  # bytes; room beside a summary for how the run ended
 
@@ -59,7 +59,7 @@ class Unfinished:
     size: int
     """Bytes of the file that are whole."""
     sha256: str
-    """Of these bytes, in hexadecimal."""
+    """SHA-256 of these bytes, in hexadecimal."""
     tick: int
     told: tuple[int, float]
     pending: list[tuple[int, str, Any]]
@@ -146,7 +146,7 @@ class Recorder:
         self._present.setdefault(tick, []).append(robots)
 
     def exclude(self, tick: int, robots: list[int], reason: str) -> None:
-        """These robots are excluded for a fault of theirs from `tick` on, which has not been added yet."""
+        """Note that these robots are excluded for their fault from `tick` on, which has not been added yet."""
         self._excluded.setdefault(tick, []).append((robots, reason))
 
     @property
@@ -180,7 +180,7 @@ class Recorder:
             "scenario": tomli_w.dumps(tables),
             "arithmetic": fingerprint.table(),
             "versions": {
-                "fes": distribution.version(),
+                "fes": about.version(),
                 **versions,
                 "python": platform.python_version(),
                 "machine": platform.machine(),

@@ -1,7 +1,7 @@
-"""Records of an MCAP file, read in order: the one reader of logs, with bounds on what they may hold.
+"""Records of an MCAP file, read in order: the only reader of logs, with bounds on what they may hold.
 
-Every checksum is verified, one that is missing too: of each chunk, of the data, of the index at the end. mcap knows
-the records; their frames are read here, as its readers take a length for granted, and a chunk may unpack to anything.
+Every checksum must be there and right: that of each chunk, of the data, and of the index at the end. mcap parses the
+records. Their frames are read here, since mcap's readers trust every length, and a chunk may unpack to any size.
 """
 
 import struct
@@ -23,12 +23,12 @@ from fes import files
 from fes.errors import FesError, reason
 
 LIMIT = 1 << 26
-"""Largest record, and largest chunk when it is unpacked [bytes]."""
+"""Largest record, and largest unpacked chunk [bytes]."""
 
 SMALL = 1 << 24
-"""Largest record that is no chunk and is read into a table [bytes]."""
+"""Largest record, other than a chunk, that is read into a table [bytes]."""
 
-RATIO, FREE = 200, 1 << 28
+RATIO, FREE = 1000, 1 << 28
 """A file unpacks to at most RATIO times its size and FREE bytes. A run's log unpacks to 3 times its size; where
 hundreds of robots are absent, to 80 times."""
 
@@ -41,10 +41,10 @@ _TYPES: dict[int, Any] = {
     Opcode.CHUNK: Chunk,
     Opcode.METADATA: Metadata,
 }
-"""Of the records that are read here; an index is only verified."""
+"""Types of the records that are read here; an index is only verified."""
 
 _BROKEN = (McapError, zstandard.ZstdError, struct.error, ValueError, KeyError, OverflowError, MemoryError)
-"""What mcap and zstandard raise for bytes that are no record."""
+"""Errors that mcap and zstandard raise for bytes that are not a record."""
 
 
 class Damaged(FesError):
@@ -60,7 +60,7 @@ class Block:
 
     reader: "Reader"
     place: int
-    """Where it begins [byte]."""
+    """Offset at which it begins [bytes]."""
     record: McapRecord
     """The data of a chunk is unpacked."""
 
@@ -75,7 +75,7 @@ class Reader:
     """The records of one file; it can be iterated over once, and raises FesError."""
 
     def __init__(self, path: Path, size: int | None = None) -> None:
-        """With `size` only the first so many bytes are read, which must be whole records."""
+        """With a `size`, only the first `size` bytes are read, which must be whole records."""
         self.path = path
         self.has_end = False
         """True once the end of the log was read: no record can be missing."""
@@ -87,7 +87,7 @@ class Reader:
         self._channels: set[int] = set()
 
     def __iter__(self) -> Iterator[Block]:
-        """Its blocks in order, of a file that was cut those that are whole."""
+        """Its blocks in order; only the whole ones, if the file was cut."""
         try:
             with files.opened(self.path) as file:
                 if file.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
@@ -102,10 +102,10 @@ class Reader:
         while start < len(data):
             begin = start + _HEAD.size
             if begin > len(data):
-                raise Damaged(self.path, place, "its chunk ends amid a record")
+                raise Damaged(self.path, place, "its chunk ends within a record")
             opcode, length = _HEAD.unpack_from(data, start)
             if begin + length > len(data):
-                raise Damaged(self.path, place, "a record goes on beyond its chunk")
+                raise Damaged(self.path, place, "a record extends beyond its chunk")
             if opcode not in (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE):
                 raise Damaged(self.path, place, f"its chunk holds a record of kind {opcode}")
             start = begin + length
@@ -124,12 +124,12 @@ class Reader:
                 return
             if opcode != Opcode.DATA_END:
                 self._checksum = zlib.crc32(content, zlib.crc32(head, self._checksum))
-            # What stands in the index was read before.
+            # The index repeats what was read before.
             if not self._data_ended and (opcode in _TYPES or opcode == Opcode.MESSAGE):
                 yield Block(self, self._place, self._record(opcode, content, self._place))
             self._place += len(head) + len(content)
         if self._place != self._size:
-            raise Damaged(self.path, self._place, f"a record goes on beyond byte {self._size:,}")
+            raise Damaged(self.path, self._place, f"a record extends beyond byte {self._size:,}")
 
     def _next(self, file: BinaryIO) -> tuple[bytes, bytes | None]:
         """Head and content of the next record; content is None where the file was cut."""
@@ -147,7 +147,7 @@ class Reader:
         return head, None
 
     def _end(self, opcode: int, head: bytes, content: bytes) -> None:
-        """Verify the checksum of all records since the one before, and begin another one."""
+        """Verify the checksum of all records since the previous checksum, and begin another one."""
         end = len(content) - 4
         if opcode == Opcode.FOOTER:
             self._checksum = zlib.crc32(content[:end], zlib.crc32(head, self._checksum))
@@ -157,7 +157,7 @@ class Reader:
         self._checksum, self._data_ended = 0, True
 
     def _finish(self, file: BinaryIO) -> None:
-        """Read what stands behind the last record."""
+        """Read the bytes after the last record."""
         rest = file.read(len(MCAP0_MAGIC) + 1)
         if not MCAP0_MAGIC.startswith(rest):
             raise Damaged(self.path, self._place, "its end is followed by something else")
@@ -168,7 +168,7 @@ class Reader:
             if opcode == Opcode.MESSAGE:
                 channel, sequence, log_time, publish_time = _MESSAGE.unpack_from(content)
                 if channel not in self._channels:
-                    raise Damaged(self.path, place, f"a message of channel {channel}, which there is not")
+                    raise Damaged(self.path, place, f"a message of the unknown channel {channel}")
                 return Message(channel, log_time, content[_MESSAGE.size :], publish_time, sequence)
             if opcode != Opcode.CHUNK and len(content) > SMALL:
                 raise Damaged(self.path, place, f"a record of {len(content):,} bytes, more than {SMALL:,}")
@@ -190,9 +190,9 @@ class Reader:
             raise Damaged(self.path, place, f"it unpacks to more than {FREE:,} bytes and {RATIO} times its size")
         data = chunk.data
         if chunk.compression == "zstd":
-            # The length that the data themselves promise counts for the library, if they do.
+            # If the data themselves promise a length, the library uses that one.
             if zstandard.frame_content_size(data) not in (-1, size):
-                raise Damaged(self.path, place, "a chunk of another length than it says")
+                raise Damaged(self.path, place, "a chunk does not have the length that it states")
             data = zstandard.ZstdDecompressor(max_window_size=LIMIT).decompress(data, max_output_size=size)
         elif chunk.compression:
             raise Damaged(self.path, place, f"a chunk compressed as {chunk.compression[:20]!r}, not as 'zstd'")

@@ -1,7 +1,7 @@
-"""What a scenario asks for that is not run as it is written, in a line for each kind.
+"""Parts of a scenario that do not run as written: one line per kind.
 
-Nothing of it is an error: a run is a whole number of ticks, and events act at ticks. But nothing that is asked for is
-changed or dropped without a word.
+None of them is an error: a run is a whole number of ticks, and events act at ticks. But no part of a scenario is
+changed or dropped silently.
 """
 
 from collections.abc import Iterable, Iterator
@@ -12,10 +12,10 @@ from world.events import changed
 from world.scenario import Scenario
 
 TOLERANCE = 1e-6
-"""A time that is off by less than this share of a tick is a multiple of it, for decimal fractions in binary [1]."""
+"""A time this close to a multiple of a tick, as a share of the tick [1], counts as one: decimal fractions round."""
 
 MOST = 5
-"""So many times are listed in a line."""
+"""Most times that are listed in a line."""
 
 UNNOTICED = (
     "the robots of this run are told the channel (seeking.index = 'oracle') and do not notice the change; "
@@ -29,15 +29,15 @@ def of(scenario: Scenario) -> list[str]:
 
 
 def is_unnoticed(seeking: SeekingConfig, told: ChannelConfig, now: ChannelConfig) -> bool:
-    """True if robots that were `told` a formula of the channel go on with it, though it is another one `now`."""
+    """True if robots keep to the formula of the channel that they were `told`, though it is another one `now`."""
     return seeking.index == "oracle" and told != now
 
 
 def _duration(scenario: Scenario) -> Iterator[str]:
     duration, dt = scenario.run.duration, scenario.run.dt
-    if _is_moved(duration, dt):
+    if _is_moved(duration, dt) or duration < dt / 2.0:
         yield (
-            f"run.duration {duration:g} s is no multiple of run.dt {dt:g} s: "
+            f"run.duration {duration:g} s is not a multiple of run.dt {dt:g} s: "
             f"{scenario.ticks} ticks are run, {scenario.ticks * dt:.9g} s"
         )
 
@@ -55,7 +55,7 @@ def _moved(scenario: Scenario) -> Iterator[str]:
     moved = [event.at for event in scenario.event if _is_moved(event.at, dt)]
     if moved:
         ticks = _listed(round(at / dt) * dt for at in moved)
-        yield f"event at {_listed(moved)} s is no multiple of run.dt {dt:g} s: it acts at {ticks} s"
+        yield f"event at {_listed(moved)} s is not a multiple of run.dt {dt:g} s: it acts at {ticks} s"
 
 
 def _delays(scenario: Scenario) -> Iterator[str]:
@@ -64,7 +64,7 @@ def _delays(scenario: Scenario) -> Iterator[str]:
     delays = [part.delay for part in parts if isinstance(part, TransmitterConfig) and _is_moved(part.delay, dt)]
     if delays:
         ticks = _listed(round(delay / dt) * dt for delay in delays)
-        yield f"transmitter: delay {_listed(delays)} s is no multiple of run.dt {dt:g} s: it is {ticks} s"
+        yield f"transmitter: delay {_listed(delays)} s is not a multiple of run.dt {dt:g} s: it is {ticks} s"
 
 
 def _unnoticed(scenario: Scenario) -> Iterator[str]:
@@ -78,12 +78,12 @@ def _unnoticed(scenario: Scenario) -> Iterator[str]:
 
 
 def _is_moved(time: float, dt: float) -> bool:
-    """True if a time [s] is no whole number of ticks."""
+    """True if a time [s] is not a whole number of ticks."""
     return abs(time / dt - round(time / dt)) > TOLERANCE
 
 
 def _listed(times: Iterable[float]) -> str:
-    """Some times, the first few of many.
+    """A list of times, cut to the first few of many.
 
     >>> _listed([0.5]), _listed(range(7))
     ('0.5', '0, 1, 2, 3, 4 and 2 more')

@@ -19,7 +19,7 @@ from world.snapshot import Snapshot
 
 
 def load(directory: Path) -> Snapshot:
-    """The checkpoint of a run directory, if all that belongs to it is whole; raises FesError, and touches nothing."""
+    """The checkpoint of a run directory, if all its files are whole; raises FesError if not. It changes no file."""
     if not checkpoint.is_kept(directory):
         if not directory.exists():
             raise FesError(f"there is no run directory {directory}")
@@ -34,27 +34,27 @@ def load(directory: Path) -> Snapshot:
         raise FesError(f"the checkpoint of {directory} cannot be read: {reason(error)}") from None
     except FesError:
         raise
-    except Exception as error:  # valid checksums, and impossible values
+    except Exception as error:  # checksums may be valid, and values impossible
         raise FesError(f"{directory / FOLDER} is damaged: {type(error).__name__}") from None
     return kept
 
 
 def _notes(directory: Path, kept: Snapshot) -> Iterator[tuple[int, list[Any]]]:
-    """What was noted since a checkpoint, and after each note the checksum of all."""
+    """The notes since a checkpoint, each after the checksum of all notes so far."""
     return journal.chained(checkpoint.journals(directory, kept.number), kept.number, kept.notes)
 
 
 def _check_log(path: Path, log: Unfinished) -> None:
-    """Raise FesError unless a log begins as it was known, and OSError where it cannot be read."""
-    deque(records.Reader(path, log.size), maxlen=0)  # names the place
+    """Raise FesError unless a log begins as the checkpoint knew it, and OSError if it cannot be read."""
+    deque(records.Reader(path, log.size), maxlen=0)  # its errors name the place
     if files.sha256(path, log.size) != log.sha256:
         raise FesError(f"{path} is damaged: the SHA-256 of its first {log.size:,} bytes differs")
 
 
 def recorder(directory: Path, kept: Snapshot) -> Recorder | None:
-    """The log of the run, to be gone on with from the checkpoint; None if there was none. Raises FesError.
+    """The log of the run, continued from the checkpoint; None if there was none. Raises FesError.
 
-    Where it cannot be copied, it stays where it was; else until the next checkpoint of the run knows the copy.
+    If it cannot be copied, the original stays in its place; else it is kept until the next checkpoint knows the copy.
     """
     if kept.log is None:
         return None
@@ -62,13 +62,13 @@ def recorder(directory: Path, kept: Snapshot) -> Recorder | None:
     try:
         before = checkpoint.set_log_aside(directory, kept.number)
     except OSError as error:
-        raise FesError(f"the log of {directory} cannot be gone on with: {reason(error)}") from None
+        raise FesError(f"the log of {directory} cannot be continued: {reason(error)}") from None
     try:
         return Recorder(path, kept.scenario, kept.name, "processes", (before, kept.log))
     except Exception as error:
         os.replace(before, path)  # as it was before
         why = reason(error) if isinstance(error, OSError) else error if isinstance(error, FesError) else repr(error)
-        raise FesError(f"the log of {directory} cannot be gone on with: {why}") from None
+        raise FesError(f"the log of {directory} cannot be continued: {why}") from None
 
 
 def course(directory: Path, kept: Snapshot, recorder: Recorder | None, period: float) -> tuple[Course, Keeper, float]:
@@ -78,6 +78,8 @@ def course(directory: Path, kept: Snapshot, recorder: Recorder | None, period: f
     """
     try:
         run = Course(kept.scenario, recorder)
+    except ScenarioError:  # such as too little memory: no fault of the checkpoint
+        raise
     except Exception as error:
         raise FesError(f"{directory / FOLDER / STATE} is damaged: {type(error).__name__}") from None
     run.scenario, run.state, run.sums = kept.now, kept.state, kept.sums
@@ -105,9 +107,9 @@ def course(directory: Path, kept: Snapshot, recorder: Recorder | None, period: f
 
 
 def _refusal(directory: Path, error: Exception) -> FesError:
-    """Why a run cannot be gone on with, for whatever went wrong on the way."""
+    """The error of a run that cannot be resumed, for whatever `error` occurred on the way."""
     if isinstance(error, OSError):
-        return FesError(f"the checkpoint of {directory} cannot be gone on from: {reason(error)}")
+        return FesError(f"cannot resume from the checkpoint of {directory}: {reason(error)}")
     if isinstance(error, FesError) and not isinstance(error, MessageError | ScenarioError):
         return error
     why = str(error) if isinstance(error, FesError | ValueError) else f"{type(error).__name__}: {error}"
@@ -124,7 +126,8 @@ def _again(run: Course, note: list[Any], elapsed: float) -> float:
     elif kind == EXCLUDE:
         run.exclude(*rest)
     elif kind == SET:
-        run.change(*rest)
+        path, value = rest
+        run.change(path, value, replayed=True)
     elif kind == TICK:
         commands, beacons, alive, elapsed = rest
         answers = [(messages.decode_command(payload), payload) if payload else None for payload in commands]

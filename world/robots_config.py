@@ -1,4 +1,4 @@
-"""Where robots start: a scenario's table [robots], and the poses that come of it."""
+"""Starts of the robots: a scenario's table [robots], and the poses that result from it."""
 
 import math
 from typing import Annotated, Literal, Self
@@ -63,7 +63,7 @@ class RobotsConfig(Table):
 
 
 def poses(robots: RobotsConfig, seed: int) -> Floats:
-    """Poses at tick 0 [n, 3] [m, m, rad; world frame]; all of them are where floats resolve a millimeter."""
+    """Poses at tick 0 [n, 3] [m, m, rad; world frame]; floats resolve a millimeter at each of them."""
     if robots.poses is not None:
         return np.array(robots.poses, dtype=np.float64)
     n, width = robots.number, robots.width

@@ -40,7 +40,7 @@ class Roster:
         excluded: Mapping[int, str] = MappingProxyType({}),
     ) -> None:
         """`hosts` are the Joins that were accepted before this world came, by robot; `renewed` the robots that have
-        not taken part since; `excluded` those that are excluded at any time, and why.
+        not taken part since; `excluded` maps excluded robots to the reason; it may change later.
         """
         self.alive: Bytes = np.zeros(robots, dtype=np.uint8)
         self.changed = asyncio.Event()

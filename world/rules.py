@@ -10,7 +10,7 @@ from fes.config import Table
 from fes.output import printable
 
 LONGEST = 120
-"""Of a text of others in a message [characters]."""
+"""Longest text from outside that a message shows [characters]."""
 
 
 def first_rule(error: ValidationError, model: type[Table], whole: str, prefix: str = "") -> str:
@@ -36,7 +36,7 @@ def first_rule(error: ValidationError, model: type[Table], whole: str, prefix: s
 
 
 def short(text: str) -> str:
-    """A text of others as it can be printed: without control characters, and cut."""
+    """A text from outside as it can be printed: without control characters, and cut to length."""
     shown = printable(text[: LONGEST + 1])
     return shown if len(shown) <= LONGEST else shown[: LONGEST - 1] + "…"
 

@@ -31,9 +31,9 @@ from world.rules import first_rule
 class RunConfig(Table):
     """How long and how fine."""
 
-    dt: Annotated[float, Field(ge=1e-6, le=1e3)] = 0.02
+    dt: Annotated[float, Field(ge=1e-6, le=1e3, allow_inf_nan=False)] = 0.02
     """Tick length [s]."""
-    duration: Annotated[float, Field(gt=0, le=1e9)] = 60.0
+    duration: Annotated[float, Field(gt=0, le=1e9, allow_inf_nan=False)] = 60.0
     """Simulated time of the run [s]; a whole number of ticks is run."""
     seed: int = Field(default=0, ge=0, lt=2**63)
     """Seed of every random draw of the run."""

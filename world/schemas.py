@@ -7,7 +7,7 @@ meters, angles in radians; times are simulated; a number that does not exist is 
 from world.protobuf import parse
 
 VERSION = 2
-"""Of the log as a whole: a reader of another one does not understand it. Since 2 it names the arithmetic."""
+"""Version of the log as a whole: readers of another version cannot read it. Since 2 it names the arithmetic."""
 
 _TIME = parse(
     "google.protobuf",

@@ -42,8 +42,9 @@ class Server:
         rtf: float | None = None,
         keeper: Keeper | None = None,
         elapsed: float = 0.0,
+        guarded: bool = False,
     ) -> None:
-        """`elapsed` [s; wall clock] since tick 0, where the run is gone on with."""
+        """`elapsed` [s; wall clock] since tick 0, where the run is resumed; `guarded` by access control."""
         self.course, self.name = course, name
         self.logger = logging.getLogger("world")
         self.complaints = Complaints(self.logger)
@@ -51,13 +52,13 @@ class Server:
         self._keeper = keeper
         self.keep: Callable[[Scenario], None] = lambda scenario: None
         """Called with the scenario whenever a person has changed it."""
-        self._tap = BeaconTap(bus, run, len(robots), self.complaints, course.beacons)
+        self._tap = BeaconTap(bus, run, len(robots), self.complaints, course.beacons, guarded)
         self._inbox = Inbox(asyncio.get_running_loop())
         self._observe = [bus.publisher(keys.observation(run, robot), "fes.Observation") for robot in robots]
         self._report = bus.publisher(keys.report(run), "fes.Report", drop=True)
         hosts, renewed = (keeper.hosts, keeper.renewed) if keeper is not None else ({}, set[int]())
         config = agent_config(course.scenario)
-        self._gate = CommandGate(run, hosts.values())
+        self._gate = CommandGate(run, hosts)
         bus.subscribe(keys.command(run, "*"), self._inbox.put, self._gate.admits)
         self._roster = Roster(bus, run, len(robots), config, self.complaints, hosts, renewed, course.excluded)
         self._roster.on_join = self._on_join
@@ -133,7 +134,7 @@ class Server:
 
     @property
     def strangers(self) -> int:
-        """Commands that came from another process than the agent that was accepted for their robot."""
+        """Number of commands from processes other than the agent that was accepted for their robot."""
         return self._gate.rejected
 
     def dismiss(self) -> None:
@@ -211,15 +212,21 @@ class Server:
     async def _hear(self, answers: list[Answer | None], present: Bools) -> list[bytes]:
         """The beacons of this tick, in id order; a robot at fault is excluded, in `answers` and `present` [n] too.
 
-        The live clock waits for no beacon, so one that is missing is late, and its sender not at fault.
+        The live clock waits for no beacon: a missing one is only late, and its sender is not at fault.
         """
         state = self.course.state
         legible = state.legible & present
         if self.course.sums.deadlines is not None:
             return self._tap.heard(state.tick, legible)
+        hosts = dict(self._roster.hosts)
         beacons, faults = await self._tap.judge(state.tick, legible)
         for robot, reason in faults.items():
-            group = list(self._roster.group(robot))
+            group = list(hosts[robot].robots) if robot in hosts else [robot]
+            if hosts.get(robot) != self._roster.hosts.get(robot):  # its agent died: the next one is not at fault
+                answers[robot], beacons[robot], present[robot] = None, b"", False
+                continue
+            if robot in self.course.excluded:
+                continue  # with another robot of its process
             self.course.exclude(group, f"robot {robot}: {reason}")
             self.logger.warning("robots %s are excluded from tick %d on: %s", group, state.tick, reason)
             for member in group:

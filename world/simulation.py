@@ -82,7 +82,7 @@ def start(world: World) -> State:
     )
 
 
-@np.errstate(over="ignore", invalid="ignore")  # a robot may be driven anywhere: beyond all numbers none is in range
+@np.errstate(over="ignore", invalid="ignore")  # a robot may be driven anywhere: at infinity it is out of range
 def step(world: World, state: State, twists: Floats) -> State:
     """The state one tick later, the robots holding `twists` [n, 2] [m/s, rad/s]; see `held`."""
     poses = kinematics.move(state.poses, twists, world.scenario.run.dt)

@@ -4,7 +4,7 @@
     SHA-256 of all that follows
     {"fes": "0.2.0", "arithmetic": {"fingerprint": ..., "numpy": ..., "core": ...}}
 
-A state is read only where all of this fits, and nothing in it can run anything else.
+A state is read only if all of this matches. Loading it cannot execute code.
 """
 
 import hashlib
@@ -18,7 +18,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from fes import distribution, files, fingerprint, strict_json
+from fes import about, files, fingerprint, strict_json
 from fes.errors import FesError, reason
 from fes.messages import Join
 from world.account import Account
@@ -30,10 +30,10 @@ from world.simulation import State
 from world.tracking import Tracking
 
 FORMAT = 3
-"""Of a checkpoint, its journals and its trail. It is raised when one of them changes, or a table of the run."""
+"""Format of a checkpoint, its journals and its trail: raise it when one of them, or a table of the run, changes."""
 
 LARGEST = 1 << 30
-"""Size of a state that is read [bytes]; that of a hundred robots has 200 kB."""
+"""Largest state that is read [bytes]; that of a hundred robots has 200 kB."""
 
 _FIRST = re.compile(rb"fes checkpoint (\d{1,9})")
 
@@ -46,10 +46,10 @@ _OTHERS = {
     ("numpy._core.multiarray", "scalar"),
     ("numpy._core.numeric", "_frombuffer"),
 }
-"""What a checkpoint may be made of beside the world's own tables: nothing in it can run anything else."""
+"""Names that a checkpoint may hold beside the world's own tables: loading them cannot execute code."""
 
 _PLACED = {"PUT", "BINPUT", "LONG_BINPUT"}
-"""What no pickle of ours has: a few bytes would claim all memory."""
+"""Opcodes that our pickles never have: a few bytes of them would claim all memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,20 +57,20 @@ class Snapshot:
     """A run at one tick."""
 
     number: int
-    """Which checkpoint of the run it is."""
+    """Number of the checkpoint within the run."""
     name: str
-    """Of the scenario."""
+    """Name of the scenario."""
     run: str
     scenario: Scenario
-    """As the run began."""
+    """The scenario with which the run began."""
     now: Scenario
-    """With what persons have set since."""
+    """The scenario with all that persons have set since."""
     state: State
     sums: Account
     hosts: dict[int, Join]
     """The last Join that was accepted for each robot."""
     renewed: list[int]
-    """Robots whose agents have joined, and answered no tick yet."""
+    """Robots whose agents have joined, but answered no tick yet."""
     excluded: dict[int, str]
     """Robots that are excluded, and why."""
     beacons: dict[int, list[bytes]]
@@ -79,7 +79,7 @@ class Snapshot:
     elapsed: float
     """Wall-clock time since tick 0 [s]."""
     notes: int
-    """Checksum of all notes until then."""
+    """Checksum of all notes so far."""
 
 
 _KINDS: dict[str, Any] = {
@@ -95,12 +95,12 @@ _KINDS: dict[str, Any] = {
     "log": Unfinished | None,
     "elapsed": float,
 }
-"""Of its fields."""
+"""Types of its fields."""
 
 
 def pack(snapshot: Snapshot) -> bytes:
     """The content of the file of a snapshot."""
-    head = {"fes": distribution.version(), "arithmetic": fingerprint.table()}
+    head = {"fes": about.version(), "arithmetic": fingerprint.table()}
     told = strict_json.dumps(head).encode() + b"\n" + pickle.dumps(snapshot, protocol=5)
     return b"\n".join([b"fes checkpoint %d" % FORMAT, hashlib.sha256(told).hexdigest().encode(), told])
 
@@ -150,7 +150,7 @@ class _Tables(pickle.Unpickler):
 
     def find_class(self, module: str, name: str) -> Any:
         other = (module, name) in _OTHERS
-        if "." in name or not (other or module.split(".")[0] in ("fes", "world")):  # before it is imported, and runs
+        if "." in name or not (other or module.split(".")[0] in ("fes", "world")):  # before the import runs code
             raise pickle.UnpicklingError(f"{module}.{name}")
         found = super().find_class(module, name)
         ours = isinstance(found, type) and found.__module__ == module

@@ -97,7 +97,7 @@ def lines(summary: dict[str, Any]) -> list[str]:
 
 
 def links_lost(since: float) -> str:
-    """What it means that the links are lost since a time [s], in a line."""
+    """One line about links that are lost since a time [s]."""
     if since == 0.0:
         return "no robot ever had a link"
     return f"all links were lost for good at {since:g} s: no robot has had one since"

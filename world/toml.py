@@ -1,4 +1,4 @@
-"""TOML of others: tables of bounded depth and numbers of bounded length, or one line."""
+"""TOML from outside: tables of bounded depth and numbers of bounded length, or an error in one line."""
 
 import tomllib
 from typing import Any

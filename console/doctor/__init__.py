@@ -2,7 +2,7 @@
 
 command     the command, and its table
 finding     one check and what it saw
-installation  our packages, and others that have their names
+installation  our packages, and other packages that have their names
 machine     Python, packages, files, clock, the loopback interface
 network     who listens, who is alive, and what the world says of itself
 """

@@ -55,7 +55,7 @@ def doctor(
             printing.show(printing.console(), table(findings))
         return process.FAILURE if any(found.status is Status.FAILED for found in findings) else process.SUCCESS
 
-    process.leave("fes", look)
+    process.leave("fes", look, needs_its_end=True)
 
 
 async def examine(where: Endpoints | Finding, run: str, wanted: bool) -> list[Finding]:

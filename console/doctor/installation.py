@@ -23,7 +23,7 @@ def own() -> Iterator[Finding]:
         f"{', '.join(others)} has the package '{package}' too" for package, others in _sharers().items() if others
     ]
     if shared:
-        remedy = f"one of them works, and to remove one breaks the other: {distribution.separate()}"
+        remedy = f"only one of them works, and removing one breaks the other: {distribution.separate()}"
         yield warning(CHECK, "; ".join(shared), remedy)
         return
     try:
@@ -36,7 +36,7 @@ def own() -> Iterator[Finding]:
 
 
 def overwritten(files: Distribution | None = None) -> Iterator[str]:
-    """Each of our packages whose first file is not the one that was installed, and whose it may be.
+    """Each of our packages whose first file is not the one that was installed, and the likely owner of that file.
 
     An installation of a clone keeps no list of files: there is nothing to compare.
     """

@@ -21,11 +21,13 @@ from fes.errors import reason
 OLDEST_PYTHON = (3, 11)
 
 LEAST_FILES = 18
-"""With fewer open files than this, and one for each agent process, no world starts [measured: 17 and one each]."""
+"""With fewer open files than this, besides those of its agent processes, no run starts [measured: 17]."""
+
+FILES_PER_CHILD = 2 if sys.version_info >= (3, 12) else 1
+"""Files that `fes run` has open for each agent process: from Python 3.12 on also a descriptor of the process."""
 
 FILES_PER_ROBOT, FILES_OF_A_PROCESS = 2, 32
-"""With so many for each agent process, and so many besides, there is room: for certificates, for who watches, and for
-Pythons from 3.12 on, where whoever starts a run has two open for each."""
+"""With so many for each agent process, and so many besides, there is room for certificates and for observers."""
 
 USUAL_TEAM = 100
 """A team of this size should find enough open files."""
@@ -42,7 +44,7 @@ MOMENT = 0.1
 YEAR_2024 = 1_704_067_200.0  # s since 1970
 
 TOOLS = "dev"
-"""The extra of a developer, of no use to a run."""
+"""The extra for developers, of no use to a run."""
 
 _REQUIREMENT = re.compile(r"([A-Za-z0-9._-]+)(\[.*\])?\s*([^;]*)(?:;.*extra\s*==\s*['\"]([\w-]+)['\"])?")
 
@@ -132,8 +134,9 @@ def files(robots: int | None = None) -> Finding:
         return ok("open files", f"{soft} a process: {room} robots with a process each")
     within = hard == resource.RLIM_INFINITY or hard >= needed
     remedy = (f"ulimit -n {needed}" if within else f"raise the hard limit of {hard}") + ", or --agents-per-process"
-    seen = f"{soft} a process: {team} robots with a process each take {LEAST_FILES + team}"
-    if robots and soft < LEAST_FILES + team:
+    least = LEAST_FILES + FILES_PER_CHILD * team
+    seen = f"{soft} a process: {team} robots with a process each take {least}"
+    if robots and soft < least:
         return failed("open files", seen, remedy)
     return warning("open files", f"{seen}, and {needed} with room to spare", remedy)
 
@@ -162,7 +165,7 @@ def directory(root: Path) -> Finding:
 
 
 def private_keys(root: Path) -> Iterator[Finding]:
-    """The private keys that runs which were killed have left in their run directories under `root`."""
+    """The private keys that killed runs have left in their run directories under `root`."""
     if left := leftovers.found(root):
         where = " ".join(map(str, left))
         yield warning("private keys", f"left by runs that were killed: {where}", f"rm -r {where}")

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 from console.sweep import work
 from console.sweep.work import Batch, Done, Watch, Workers
 from fes import addresses, fingerprint
-from fes.distribution import install, version
+from fes.about import version
+from fes.distribution import install
 from fes.errors import FesError
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ def connected(address: str) -> Iterator[Workers]:
 
 
 def _carry_out(client: "Client", batches: Sequence[Batch], watch: Watch) -> Generator[list[Done], None, None]:
-    """What batches come to; their ticks are told of when they end."""
+    """Results of batches; their ticks are reported when they end."""
     from distributed import as_completed
 
     here, ticks = (version(), fingerprint.text()), 0

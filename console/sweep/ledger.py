@@ -1,7 +1,7 @@
 """What is done, kept through every interruption: one line a run, appended when the run has ended.
 
 A line that a kill tore off is dropped, and its run is run again; a run has one line, by its key. Each line ends with
-a checksum of what stands before it. All runs of a directory were computed with one arithmetic.
+a checksum of the text before it. All runs of a directory were computed with one arithmetic.
 """
 
 import contextlib
@@ -17,14 +17,14 @@ from typing import IO, Any
 from console.sweep.design import Design, digest, seeded
 from console.sweep.work import Done
 from fes import encoding, files, fingerprint, strict_json
-from fes.distribution import version
+from fes.about import version
 from fes.errors import FesError, reason
 
 HEADER = "sweep.json"
 LINES = "runs.jsonl"
 
 FORMAT = 2
-"""Of the two files; the first one had no number, no arithmetic and no checksums."""
+"""Format of the two files; the first format had no number, no arithmetic and no checksums."""
 
 _MAX_LINE = 1 << 24  # bytes; a run has 2 kB
 _MAX_HEADER = 1 << 26  # bytes; the axes may have a million values
@@ -149,7 +149,7 @@ def _line(one: Done) -> bytes:
 
 
 def _parse(line: bytes) -> Done | None:
-    """The run of a line; None if it is not as it was written."""
+    """The run of a line; None if the line is not as it was written."""
     try:
         told = strict_json.loads(line)
         told.pop("crc32")

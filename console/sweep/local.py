@@ -89,7 +89,7 @@ def _pool(count: int, context: SpawnContext, ticks: Ticks) -> Iterator[ProcessPo
 
 
 def _begin(leash: Connection, ticks: Ticks) -> None:
-    """In a worker: end when the other end of the leash is let go; and tell of ticks there."""
+    """In a worker: end when the other end of the leash is closed, and count its ticks in `ticks`."""
     global _ticks
     _ticks = ticks
 
@@ -109,7 +109,7 @@ def _work(at: int, batch: Batch) -> list[Done]:
             _ticks[at] = done
 
     done = work.carry_out(batch, tell)
-    tell(sum(scenario.ticks for scenario in batch.scenarios))  # one that failed was not told of to its end
+    tell(sum(scenario.ticks for scenario in batch.scenarios))  # a failed run did not count all of its ticks
     return done
 
 

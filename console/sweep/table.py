@@ -51,7 +51,7 @@ def rows(design: Design, done: dict[str, Done]) -> list[Row]:
 
 
 def write(directory: Path, name: str, table: Sequence[Row], form: Format = Format.CSV) -> Path:
-    """Write a table, complete or not at all; a number that is not finite is nothing, as one that does not exist."""
+    """Write a table, complete or not at all; a number that is not finite is empty, like a missing one."""
     table = [strict_json.finite(row) for row in table]
     path = directory / f"{name}.{form.value}"
     temporary = directory / f".{path.name}"

@@ -50,7 +50,7 @@ Watch = Callable[[int], None]
 
 
 def ignore(ticks: int) -> None:
-    """A Watch that does not look."""
+    """A Watch that does nothing."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Workers:
     count: int
     """How many batches they carry out at a time."""
     carry_out: Callable[[Sequence[Batch], Watch], Generator[list[Done], None, None]]
-    """What each batch came to, as they end; Watch is called meanwhile."""
+    """Yields the results of each batch as it ends; Watch is called meanwhile."""
 
 
 def batches(name: str, runs: Sequence[Run], workers: int) -> list[Batch]:

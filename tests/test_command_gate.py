@@ -1,0 +1,23 @@
+"""Commands pass only from the agent that was accepted for their robot."""
+
+from fes import keys
+from fes.messages import Join
+from world.command_gate import CommandGate
+
+CREW, SUCCESSOR = Join((0, 1, 2), 7), Join((1,), 8)
+
+
+def test_only_the_mark_of_the_accepted_agent_passes_and_the_rest_is_counted() -> None:
+    gate = CommandGate("r", {})
+    gate.expect(CREW)
+    assert gate.admits(keys.command("r", 1), CREW.mark)
+    assert not gate.admits(keys.command("r", 1), SUCCESSOR.mark)
+    assert not gate.admits(keys.command("r", 1), b"")
+    assert not gate.admits(keys.command("r", 5), CREW.mark)
+    assert gate.rejected == 3
+
+
+def test_a_resumed_world_expects_each_robots_last_agent_not_the_others_of_an_older_join() -> None:
+    gate = CommandGate("r", {0: CREW, 1: SUCCESSOR, 2: CREW})
+    assert [gate.admits(keys.command("r", robot), CREW.mark) for robot in range(3)] == [True, False, True]
+    assert gate.admits(keys.command("r", 1), SUCCESSOR.mark)
