@@ -10,6 +10,8 @@ from pathlib import Path
 from console import launcher
 from console.child import Child
 from console.launcher import Family
+from console.respawn import Respawn
+from console.supervision import ChildFailed, Supervisor
 
 ENDLESS = "import signal; signal.pause()"
 SUCCESS, FAILURE = "raise SystemExit(0)", "raise SystemExit(1)"
@@ -64,3 +66,27 @@ async def until(holds: Callable[[], object]) -> None:
     async with asyncio.timeout(60.0):
         while not holds():
             await asyncio.sleep(0.01)
+
+
+async def finished(kin: Family, respawn: Respawn | None = None) -> tuple[str, list[str]]:
+    """The error of a run, if it failed, and its warnings."""
+    said: list[str] = []
+    try:
+        await Supervisor(kin, said.append, "nobody is left", respawn).finish()
+    except ChildFailed as failed:
+        return str(failed), said
+    return "", said
+
+
+class Impatient(Respawn):
+    """At once, twice."""
+
+    def delay(self, robots: str, lived: float) -> float | None:
+        return 0.01 if super().delay(robots, 0.0) in (0.5, 1.0) else None
+
+
+class Tireless(Respawn):
+    """At once, for ever."""
+
+    def delay(self, robots: str, lived: float) -> float | None:
+        return 0.01

@@ -8,35 +8,21 @@ import pytest
 
 from console import launcher, supervision
 from console.child import Child
-from console.launcher import BEGUN, Family
-from console.respawn import Respawn
-from console.supervision import ChildFailed, Supervisor
-from tests.families import ENDLESS, FAILURE, SLOW, SUCCESS, agent, family, until, world
+from console.launcher import BEGUN
+from tests.families import (
+    ENDLESS,
+    FAILURE,
+    SLOW,
+    SUCCESS,
+    Impatient,
+    Tireless,
+    agent,
+    family,
+    finished,
+    until,
+    world,
+)
 from tests.test_processes import alive
-
-
-async def finished(kin: Family, respawn: Respawn | None = None) -> tuple[str, list[str]]:
-    """The error of a run, if it failed, and its warnings."""
-    said: list[str] = []
-    try:
-        await Supervisor(kin, said.append, "nobody is left", respawn).finish()
-    except ChildFailed as failed:
-        return str(failed), said
-    return "", said
-
-
-class Impatient(Respawn):
-    """At once, twice."""
-
-    def delay(self, robots: str, lived: float) -> float | None:
-        return 0.01 if super().delay(robots, 0.0) in (0.5, 1.0) else None
-
-
-class Tireless(Respawn):
-    """At once, for ever."""
-
-    def delay(self, robots: str, lived: float) -> float | None:
-        return 0.01
 
 
 def test_a_world_that_is_slow_to_write_what_was_reached_is_not_ended_as_soon_as_its_agents_are_gone(
@@ -198,71 +184,3 @@ def test_an_agent_that_is_stopped_at_the_end_is_told_to_end_and_not_killed(tmp_p
     assert stopped.process.returncode == 0
     assert not alive(stopped.process.pid)
     assert (tmp_path / "kept").exists()
-
-
-async def refused(*_: object, **__: object) -> Child:
-    raise OSError(11, "Resource temporarily unavailable")
-
-
-def test_an_agent_that_cannot_be_started_again_is_tried_a_few_times_and_each_failure_is_said(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async def main() -> list[str]:
-        async with family(tmp_path) as kin:
-            await world(kin, SLOW, f"{BEGUN.decode()}\n")
-            await kin.start_agent("0", ["--no-such-flag"])
-            monkeypatch.setattr("console.child.start", refused)
-            said: list[str] = []
-            following = asyncio.ensure_future(Supervisor(kin, said.append, "nobody is left", Impatient()).finish())
-            await until((tmp_path / "here").exists)
-            await until(lambda: len(said) == 4 or following.done())
-            (tmp_path / "go").touch()
-            assert kin.world is not None
-            kin.world.signal(signal.SIGINT)
-            await following
-            return said
-
-    dies, why = "fes-agent --id 0: unrecognized arguments: --no-such-flag", "Resource temporarily unavailable"
-    fails = f"robot 0: fes-agent --id 0 cannot be started: {why}"
-    assert asyncio.run(main()) == [
-        f"robot 0: {dies}; started again in 0.01 s",
-        f"{fails}; started again in 0.01 s",
-        f"{fails}, 6 times in a row: it is not started again; the run continues without it",
-        "nobody is left",
-    ]
-
-
-def test_a_robot_of_the_schedule_that_cannot_be_started_again_is_said(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async def main() -> list[str]:
-        async with family(tmp_path) as kin:
-            await world(kin, SLOW, f"{BEGUN.decode()}\n")
-            await kin.start_agent("0", [])
-            await kin.kill_agent("0")
-            monkeypatch.setattr("console.child.start", refused)
-            await kin.start_agent_again("0")
-            said: list[str] = []
-            following = asyncio.ensure_future(Supervisor(kin, said.append).finish())
-            await until(lambda: said or following.done())
-            following.cancel()
-            (tmp_path / "go").touch()
-            return said
-
-    why = "fes-agent --id 0 cannot be started: Resource temporarily unavailable"
-    assert asyncio.run(main())[0] == f"robot 0: {why}; the run continues without it"
-
-
-def test_a_world_that_cannot_be_started_to_resume_its_run_is_what_the_run_fails_of(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async def main() -> tuple[str, list[str]]:
-        async with family(tmp_path) as kin:
-            await world(kin, ENDLESS)
-            monkeypatch.setattr("console.child.start", refused)
-            monkeypatch.setattr(launcher, "is_kept", lambda _: True)
-            await kin.replace_world(0.0, [])
-            return await finished(kin)
-
-    why = "fes-world cannot be started: Resource temporarily unavailable"
-    assert asyncio.run(main()) == (why, [])

@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import pytest
+
 from tests.loop import CONFIGS
 from tests.test_processes import PATIENCE, STARTING, alive, children, fes, start, until
 
@@ -97,6 +99,30 @@ def test_agents_that_die_one_and_several_end_no_run_and_the_summary_counts_them(
     assert last == (
         f"fes: warning: unscheduled absences: {absent} robot-ticks; the digest is not that of an undisturbed run"
     )
+
+
+@pytest.mark.parametrize(
+    ("program", "log", "sign"),
+    [(" -m agents --id 0 ", "world", "robot 0 is not there"), (" -m world ", "agent-0", "left after tick")],
+    ids=["agent", "world"],
+)
+def test_a_process_frozen_for_longer_than_its_lease_is_counted_and_fails_an_expectation(
+    tmp_path: Path, program: str, log: str, sign: str
+) -> None:
+    """As by a debugger, a container's pause or a busy machine; it continues once its session is gone."""
+    scenario = tmp_path / "frozen.toml"
+    expected = '[[expect]]\nof = "unscheduled_absences"\nequals = 0\n'
+    scenario.write_text((CONFIGS / "pair.toml").read_text() + "\n" + expected)
+    with under_way(tmp_path, str(scenario), "--json", "--duration", "24", "--rtf", "4") as run:
+        [pid] = [pid for pid, line in children(run.running.pid).items() if program in line]
+        os.kill(pid, signal.SIGSTOP)
+        until(lambda: sign in run.log(log))
+        os.kill(pid, signal.SIGCONT)
+        code, out, said = run.end()
+    absent = json.loads(out)["unscheduled_absences"]
+    assert code == 2
+    assert absent > 0
+    assert said[-1].startswith(f"fes: warning: unscheduled absences: {absent} robot-ticks; the digest is not that of")
 
 
 def test_with_respawn_a_crew_that_dies_is_there_again_with_all_of_its_robots(tmp_path: Path) -> None:
