@@ -45,9 +45,11 @@ Counts = Counter[str]
 class Counted(Bus):
     """A bus that counts what robots put and take, by kind."""
 
-    def __init__(self, opened: Bus, counts: Counts) -> None:
+    def __init__(self, opened: Bus, counts: Counts, beacons: str = "beacon taken") -> None:
+        """`beacons` is the kind of those that are taken here: what the world hears itself crosses no link."""
         self.__dict__.update(opened.__dict__)
         self.counts = counts
+        self.beacons = beacons
 
     def publisher(
         self, key: str, schema: str, *, drop: bool = False, mark: bytes | None = None
@@ -79,7 +81,7 @@ class Counted(Bus):
         def counted() -> tuple[str, bytes | None] | None:
             sample = take()
             if sample is not None:
-                self._count("beacon taken", sample[1])
+                self._count(self.beacons, sample[1])
             return sample
 
         box.take = counted  # type: ignore[method-assign]
@@ -123,7 +125,7 @@ async def _measure(scenario: Scenario) -> Grown:
     counts: Counts = Counter()
     port, robots = free_port(), scenario.robots.number
     async with bus.opened(Endpoints("router", (), (f"tcp/127.0.0.1:{port}",))) as opened, asyncio.timeout(120.0):
-        server = Server(Counted(opened, counts), Course(scenario), "growth", RUN)
+        server = Server(Counted(opened, counts, "beacon heard"), Course(scenario), "growth", RUN)
         agents = [asyncio.ensure_future(_live(port, robot, counts)) for robot in range(robots)]
         await server.gather()
         running = asyncio.ensure_future(server.run())

@@ -6,6 +6,7 @@ changed or dropped silently.
 
 from collections.abc import Iterable, Iterator
 
+from fes import counts
 from fes.config import ChannelConfig, SeekingConfig
 from world.equipment import TransmitterConfig
 from world.events import changed
@@ -44,7 +45,7 @@ def _duration(scenario: Scenario) -> Iterator[str]:
 
 def _late(scenario: Scenario) -> Iterator[str]:
     dt = scenario.run.dt
-    late = [event.at for event in scenario.event if round(event.at / dt) >= scenario.ticks]
+    late = [event.at for event in scenario.event if counts.ticks(event.at, dt) >= scenario.ticks]
     if late:
         end = scenario.ticks * dt
         yield f"event at {_listed(late)} s is not before the end of the run at {end:.9g} s: it never acts"
@@ -54,7 +55,7 @@ def _moved(scenario: Scenario) -> Iterator[str]:
     dt = scenario.run.dt
     moved = [event.at for event in scenario.event if _is_moved(event.at, dt)]
     if moved:
-        ticks = _listed(round(at / dt) * dt for at in moved)
+        ticks = _listed(counts.ticks(at, dt) * dt for at in moved)
         yield f"event at {_listed(moved)} s is not a multiple of run.dt {dt:g} s: it acts at {ticks} s"
 
 
@@ -63,7 +64,7 @@ def _delays(scenario: Scenario) -> Iterator[str]:
     parts = [part for event in scenario.event for part in event.parts]
     delays = [part.delay for part in parts if isinstance(part, TransmitterConfig) and _is_moved(part.delay, dt)]
     if delays:
-        ticks = _listed(round(delay / dt) * dt for delay in delays)
+        ticks = _listed(counts.ticks(delay, dt) * dt for delay in delays)
         yield f"transmitter: delay {_listed(delays)} s is not a multiple of run.dt {dt:g} s: it is {ticks} s"
 
 
@@ -79,7 +80,7 @@ def _unnoticed(scenario: Scenario) -> Iterator[str]:
 
 def _is_moved(time: float, dt: float) -> bool:
     """True if a time [s] is not a whole number of ticks."""
-    return abs(time / dt - round(time / dt)) > TOLERANCE
+    return abs(counts.ratio(time, dt) - counts.ticks(time, dt)) > TOLERANCE
 
 
 def _listed(times: Iterable[float]) -> str:
