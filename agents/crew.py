@@ -138,10 +138,10 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
     pull = formation.pull(used.edges, error, links.bearing(known, used.contact))
     twists = formation.twist(pull, observations.poses[:, geometry.HEADING], config.dt, config.formation)
 
-    twists = bounded(twists, MAX_TWIST)
     if not np.isfinite(twists).all():
         robot = int(crew.ids[~np.isfinite(twists).all(axis=1)][0])
         raise FesError(f"robot {robot} computed a twist that is not finite at tick {tick}: check gains and exponents")
+    twists = bounded(twists, MAX_TWIST)
 
     # What to say, and what to seek until the next tick
     measured = state.reception
