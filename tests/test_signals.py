@@ -35,7 +35,7 @@ process.supervise(main)
 
 
 def ignoring(*numbers: signal.Signals) -> Callable[[], None]:
-    """What makes a new process ignore these, as `nohup` and a script's background job do."""
+    """Code that makes a new process ignore these signals, as `nohup` and a background job of a script do."""
 
     def ignore() -> None:
         for number in numbers:
