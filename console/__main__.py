@@ -8,7 +8,10 @@ def main() -> None:
     signals.hold(1, "fes")
     from console import cli
 
-    cli.main()
+    try:
+        cli.main()
+    finally:
+        signals.ignore()  # none may turn a run that has ended into a failure, or print a traceback
 
 
 if __name__ == "__main__":

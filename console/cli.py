@@ -221,7 +221,6 @@ def main() -> None:
     if code == INTERRUPTED:
         process.complain("fes", "stopped by SIGINT")
         code = process.FAILURE
-    signals.ignore()  # none may turn a run that has ended into a failure, or print a traceback
     sys.exit(code if isinstance(code, int) else process.SUCCESS)
 
 

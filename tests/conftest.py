@@ -4,11 +4,26 @@ Tests send stop signals, which the background job of a script ignores and its ch
 """
 
 import signal
+from collections.abc import Iterator
 
+import pytest
 from hypothesis import settings
+
+from fes.signals import STOP_SIGNALS
 
 settings.register_profile("fes", derandomize=True, deadline=None)
 settings.load_profile("fes")
 
 signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
+@pytest.fixture(autouse=True)
+def _stop_signals_are_left_alone() -> Iterator[None]:
+    """No test leaves other handlers of stop signals behind: the next one's processes would inherit ignored ones."""
+    before = {number: signal.getsignal(number) for number in STOP_SIGNALS}
+    yield
+    after = {number: signal.getsignal(number) for number in STOP_SIGNALS}
+    for number, handler in before.items():
+        signal.signal(number, handler)
+    assert after == before
