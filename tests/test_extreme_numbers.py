@@ -66,21 +66,21 @@ def test_no_number_in_a_beacon_leaves_a_peer_without_a_twist(law: str, field: st
 
 
 def some(choose: np.random.Generator, count: int) -> Floats:
-    return choose.choice([0.0, MAX_TOLD, -MAX_TOLD, 5e-324, 1.0, -70.0, 70.0], size=count)
+    return choose.choice(np.array([0.0, MAX_TOLD, -MAX_TOLD, 5e-324, 1.0, -70.0, 70.0]), size=count)
 
 
 def any_beacon(choose: np.random.Generator, tick: int, statistics: int) -> bytes:
     """A beacon of the hostile robot that is valid in every field, also with links to itself and to unknown robots."""
     links = np.sort(choose.choice(20, size=choose.integers(10), replace=False))
     named = choose.integers(0, 2, len(links)).astype(np.uint8)
-    numbers = some(choose, len(links)), named, some(choose, choose.choice([0, statistics, 7]))
+    numbers = some(choose, len(links)), named, some(choose, int(choose.choice([0, statistics, 7])))
     return messages.encode_beacon(Beacon(tick, HOSTILE, (*some(choose, 2).tolist(), 0.5), links, *numbers))
 
 
 def any_command(choose: np.random.Generator, tick: int) -> bytes:
     """A command of the hostile robot that is valid in every field."""
     links = np.sort(choose.choice(10, size=choose.integers(10), replace=False))
-    numbers = some(choose, len(links)), some(choose, choose.choice([0, 2 * len(links)]))
+    numbers = some(choose, len(links)), some(choose, int(choose.choice([0, 2 * len(links)])))
     return messages.encode_command(Command(tick, HOSTILE, (1.0, 0.5), links, *numbers))
 
 
