@@ -68,7 +68,8 @@ class Environment:
 
     def call(self, where: Path, *words: str) -> "subprocess.CompletedProcess[str]":
         """The outcome of one of its commands in the folder `where`."""
-        kept = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+        locale = "PYTHONUTF8", "PYTHONCOERCECLOCALE"  # as for the tests, which decode what it prints
+        kept = {key: value for key, value in os.environ.items() if key in locale or not key.startswith("PYTHON")}
         return subprocess.run(
             [str(self.programs / words[0]), *words[1:]],
             cwd=where, env=kept, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120,
