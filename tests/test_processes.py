@@ -1,6 +1,7 @@
 """Real processes: `fes run`, worlds and agents by hand; nothing is left behind, whoever dies."""
 
 import asyncio
+import contextlib
 import json
 import os
 import signal
@@ -44,12 +45,14 @@ def start(words: list[str], where: Path) -> "subprocess.Popen[str]":
 
 
 def children(pid: int) -> dict[int, str]:
-    """Pid and command line of every child of a process."""
+    """Pid and command line of every child of a process; one that ends meanwhile may be left out."""
     found = {}
     for task in Path(f"/proc/{pid}/task").glob("*/children"):
-        for child in task.read_text().split():
-            line = Path(f"/proc/{child}/cmdline").read_bytes().replace(b"\0", b" ").decode()
-            found[int(child)] = line
+        with contextlib.suppress(OSError):  # the thread has ended
+            for child in task.read_text().split():
+                with contextlib.suppress(OSError):  # its parent has reaped it
+                    line = Path(f"/proc/{child}/cmdline").read_bytes().replace(b"\0", b" ").decode()
+                    found[int(child)] = line
     return found
 
 

@@ -82,7 +82,9 @@ def test_a_second_signal_leaves_the_screen_too(monkeypatch: pytest.MonkeyPatch) 
 def test_a_last_frame_that_nobody_reads_is_no_error() -> None:
     code = """
 from console import printing, view
+from fes import output
 from tests.frames import a_report
+output.configure()  # as every command does
 with view.Screen(printing.console()) as shown:
     shown.show(a_report([(0.0, 0.0)]))
 print("on", file=__import__("sys").stderr)

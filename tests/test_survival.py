@@ -1,5 +1,6 @@
 """`fes run` survives its robots: if agents that it started die, it names them and continues."""
 
+import asyncio
 import json
 import os
 import re
@@ -12,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.loop import CONFIGS
-from tests.test_processes import PATIENCE, STARTING, alive, children, fes, start, until
+from tests.test_processes import PATIENCE, STARTING, alive, children, fes, first_report, start, until
 
 BEGUN = "all robots are here"
 
@@ -155,7 +156,7 @@ def test_an_agent_that_dies_before_the_run_begins_is_named_and_ends_it(tmp_path:
 
 def test_a_run_without_an_agent_says_what_it_waits_for(tmp_path: Path) -> None:
     with under_way(tmp_path, "pair.toml", "--duration", "1000", "--rtf", "1") as run:
-        until(lambda: (run.out / "checkpoint" / "state").exists())
+        asyncio.run(first_report(run.out))
         run.kill("0", "1")
         assert run.running.stderr is not None
         said = [run.running.stderr.readline() for _ in range(4)]

@@ -21,6 +21,8 @@ from tests.test_processes import PATIENCE, endless, fes, first_report, until
 __all__ = ["endless"]
 
 LOOP = ["run", PAIR, "--backend", "inprocess"]
+ARROW = os.fsdecode("→".encode())
+"""It is not in ASCII, whose locales have no other way to pass it."""
 
 
 @pytest.fixture(scope="module")
@@ -74,12 +76,15 @@ def test_every_command_prints_in_any_encoding_and_ends_as_under_utf_8(
 @pytest.mark.parametrize(
     ("words", "code"),
     [
-        (["fes", "run", PAIR, "--duration", "0.5", "--headless", "--out", "→"], 0),  # with processes, and their logs
+        (
+            ["fes", "run", PAIR, "--duration", "0.5", "--headless", "--out", ARROW],
+            0,
+        ),  # with logs of processes
         (["fes", "doctor", "-e", "tcp/127.0.0.1:9"], 1),
         (["fes", "view", "-e", "tcp/127.0.0.1:9", "--timeout", "0.2"], 1),
         (["fes", "set", "channel.reference_snr=1", "-e", "tcp/127.0.0.1:9", "--timeout", "0.2"], 1),
-        (["fes-world", "nowhere→.toml"], 1),
-        (["fes-agent", "--id", "→"], 1),
+        (["fes-world", f"nowhere{ARROW}.toml"], 1),
+        (["fes-agent", "--id", ARROW], 1),
     ],
     ids=lambda value: "-".join(value[:2]) if isinstance(value, list) else "",
 )
@@ -166,7 +171,7 @@ def test_ctrl_c_of_a_view_leaves_its_last_frame_and_its_picture(
     lines = shown.left.rstrip("\n").split("\n")
     assert lines[0].startswith("pair ")
     assert len(lines) < 24
-    assert "pair" in (tmp_path / "last.svg").read_text()
+    assert "pair" in (tmp_path / "last.svg").read_text("utf-8")
 
 
 def test_a_replay_that_is_quit_leaves_its_last_frame(logs: Path, tmp_path: Path) -> None:
