@@ -1,4 +1,7 @@
-"""The one check command, `python -m tests`: style, types, then every test. Further arguments go to pytest."""
+"""The one check command, `python -m tests`: style, types, then every test. Further arguments go to pytest.
+
+All tests run in two processes, as most of their time is waiting; tests that are chosen by arguments run in one.
+"""
 
 import subprocess
 import sys
@@ -6,11 +9,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 
+TWICE = ["-n", "2", "--dist", "loadfile"]
+
 CHECKS = (
     ["ruff", "check", "."],
     ["ruff", "format", "--check", "."],
     ["mypy"],
-    ["pytest", *sys.argv[1:]],
+    ["pytest", *(sys.argv[1:] or TWICE)],
 )
 
 
