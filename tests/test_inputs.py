@@ -174,7 +174,10 @@ def test_any_expectation_and_event_is_taken_or_refused_in_one_line(
 JSON = ["", "[" * 100_000, "{" * 10, "1" * 5000, '"', "null", "[]", '{"endpoint": 3, "run": "main"}']
 
 
-@pytest.mark.parametrize("text", [*JSON, json.dumps(vars(Address("bogus", "main", os.getpid())))])
+BOGUS = json.dumps(vars(Address("bogus", "main", os.getpid())))
+
+
+@pytest.mark.parametrize("text", [*JSON, pytest.param(BOGUS, id="of no endpoint")])
 def test_an_announcement_that_no_run_made_is_not_there(
     text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
