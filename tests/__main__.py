@@ -9,13 +9,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 
-TWICE = ["-n", "2", "--dist", "loadfile"]
+PARALLEL = ["-n", "2", "--dist", "loadfile", "--no-loadscope-reorder"]  # reordered, the longest would be the last
 
 CHECKS = (
     ["ruff", "check", "."],
     ["ruff", "format", "--check", "."],
     ["mypy"],
-    ["pytest", *(sys.argv[1:] or TWICE)],
+    ["pytest", *(sys.argv[1:] or PARALLEL)],
 )
 
 
