@@ -9,7 +9,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 
-PARALLEL = ["-n", "2", "--dist", "loadfile", "--no-loadscope-reorder"]  # reordered, the longest would be the last
+PARALLEL = ["-n", "2", "--dist", "loadfile", "--no-loadscope-reorder"]
+"""Two processes, each with whole files. Files keep their order: xdist would put the longest, of one test, last."""
 
 CHECKS = (
     ["ruff", "check", "."],

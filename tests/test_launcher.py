@@ -124,10 +124,16 @@ def test_one_that_is_started_again_may_end_before_the_run_begins(tmp_path: Path)
 def test_a_world_that_fails_is_named_before_the_agents_that_fail_with_it(tmp_path: Path) -> None:
     async def main() -> tuple[str, list[str]]:
         async with family(tmp_path) as kin:
-            failing = "import time; time.sleep(0.5); raise SystemExit(1)"
-            await world(kin, failing, "fes-world: error: the address is taken\n")
-            await agent(kin, "1", FAILURE, "fes-agent: error: gave up\n")
-            return await finished(kin)
+            fails_last = "import sys; sys.stdin.readline(); raise SystemExit(1)"
+            await world(kin, fails_last, "fes-world: error: the address is taken\n")
+            failed = await agent(kin, "1", FAILURE, "fes-agent: error: gave up\n")
+            following = asyncio.ensure_future(finished(kin))
+            await failed.process.wait()
+            await until(kin.ends.empty)  # the end of the agent has been taken up
+            assert kin.world is not None
+            assert kin.world.process.stdin is not None
+            kin.world.process.stdin.write(b"\n")
+            return await following
 
     assert asyncio.run(main()) == ("fes-world: the address is taken", [])
 

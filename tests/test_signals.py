@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from console import __main__ as entry
+from console import cli
 from fes import process, signals
 from tests.loop import CONFIGS
 from tests.test_processes import PATIENCE, alive, fes, first_report, start, started
@@ -119,6 +121,19 @@ def test_no_stop_signal_ends_a_program_that_has_its_result() -> None:
         for number in signals.STOP_SIGNALS:
             signal.raise_signal(number)
     assert set(signals.heard()) <= set(signals.STOP_SIGNALS)
+
+
+def test_the_program_fes_ignores_stop_signals_once_it_has_ended_and_a_call_of_its_main_does_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["fes", "--help"])
+    with signals.restored():
+        with pytest.raises(SystemExit):
+            cli.main()
+        assert set(signals.heard()) == set(signals.STOP_SIGNALS)
+        with pytest.raises(SystemExit):
+            entry.main()
+        assert signals.heard() == ()
 
 
 def test_a_program_whose_output_is_closed_still_has_its_exit_code() -> None:

@@ -22,7 +22,7 @@ __all__ = ["endless"]
 
 LOOP = ["run", PAIR, "--backend", "inprocess"]
 ARROW = os.fsdecode("→".encode())
-"""It is not in ASCII, whose locales have no other way to pass it."""
+"""A character that ASCII does not have, as the bytes of an argument in any locale."""
 
 
 @pytest.fixture(scope="module")
@@ -76,10 +76,8 @@ def test_every_command_prints_in_any_encoding_and_ends_as_under_utf_8(
 @pytest.mark.parametrize(
     ("words", "code"),
     [
-        (
-            ["fes", "run", PAIR, "--duration", "0.5", "--headless", "--out", ARROW],
-            0,
-        ),  # with logs of processes
+        # with processes, and their logs
+        (["fes", "run", PAIR, "--duration", "0.5", "--headless", "--out", ARROW], 0),
         (["fes", "doctor", "-e", "tcp/127.0.0.1:9"], 1),
         (["fes", "view", "-e", "tcp/127.0.0.1:9", "--timeout", "0.2"], 1),
         (["fes", "set", "channel.reference_snr=1", "-e", "tcp/127.0.0.1:9", "--timeout", "0.2"], 1),
