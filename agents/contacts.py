@@ -1,62 +1,15 @@
 """Who is heard, and where: the peers in range, each with what its last decoded beacon said."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from fes import geometry
 from fes.arrays import Bools, Floats, Ints
+from fes.contacts import NEVER, Contacts, Lookup
 from fes.edges import Edges, no_edges
 from fes.sensing import DECODED, Beacons, Observations, silence
-
-NEVER = -(2**62)
-"""Tick at which a peer was last heard that was never heard."""
-
-
-@dataclass(frozen=True, eq=False)
-class Lookup:
-    """Where each contact's beacon stands in the beacons of a tick; holds while neither set changes."""
-
-    edges: Edges
-    ids: Ints
-    links: Edges
-    sender: Ints
-    """Row of the peer's beacon [m]; 0 where it is absent."""
-    present: Bools
-    """Whether the peer's beacon is there [m]."""
-    link: Ints
-    """Position of the peer's link to this robot among all links, or -1 [m]."""
-
-    def fits(self, edges: Edges, beacons: Beacons) -> bool:
-        """Whether this lookup holds for these contacts and beacons."""
-        return self.edges is edges and self.ids is beacons.ids and self.links is beacons.links
-
-
-@dataclass(frozen=True, eq=False)
-class Contacts:
-    """The peers in range of each robot, and what was last heard of each; arrays over `edges` [m]."""
-
-    edges: Edges
-    lookup: Lookup
-    heard: Ints
-    """Tick of the last decoded beacon, or NEVER."""
-    x: Floats
-    y: Floats
-    """Position in that beacon [m; world frame]."""
-    estimates: Floats
-    """The peer's own separation estimate for the link to this robot [m]; NaN if it has no such link."""
-    names_us: Bools
-    """Whether the peer's graph rule chose this robot."""
-    heard_separation: Floats
-    """Separation at the tick of that beacon [m]."""
-    known: Bools
-    """Whether the peer was heard within the timeout."""
-    dx: Floats
-    dy: Floats
-    separation: Floats
-    """Line of sight and its length [m; world frame], from own pose of the previous tick. That is the tick of the
-    beacon too, unless it was lost: then the peer's position is the last one heard."""
 
 
 def nobody(ids: Ints) -> Contacts:

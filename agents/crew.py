@@ -11,7 +11,6 @@ import numpy as np
 
 from agents import clocks, contacts, counting, formation, links, neighbors, reception, seeking, transmitter
 from agents.clocks import Clocks
-from agents.contacts import Contacts
 from agents.links import Links
 from agents.neighbors import Witnesses
 from agents.reception import Reception
@@ -20,6 +19,7 @@ from agents.transmitter import Memory, Transmitters
 from fes import counts, geometry, objective, stability
 from fes.arrays import Bools, Floats, Ints
 from fes.config import AgentConfig
+from fes.contacts import Contacts
 from fes.edges import Edges
 from fes.errors import FesError
 from fes.sensing import MAX_TOLD, MAX_TWIST, Beacons, Observations, Telemetry, bounded

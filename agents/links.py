@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.contacts import Contacts
 from fes.arrays import Bools, Floats, Ints
+from fes.contacts import Contacts
 from fes.edges import Edges, no_edges
 
 

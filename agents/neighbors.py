@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 
-from agents.contacts import Contacts
 from fes import geometry
 from fes.arrays import Bools, Floats, Ints
+from fes.contacts import Contacts
 from fes.edges import Edges
 
 FEW = 4096

@@ -15,7 +15,8 @@ from pathlib import Path
 from agents.neighbors import RULES
 from console import inprocess
 from world import crowd, summary
-from world.recorder import NAME, Recorder
+from world.log_layout import NAME
+from world.recorder import Recorder
 from world.scenario import Scenario, load
 
 SCENARIO = Path("configs/hundred.toml")

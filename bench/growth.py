@@ -22,7 +22,8 @@ from fes.bus import Bus, Gate, Handler, Mailbox
 from fes.endpoints import Endpoints
 from world import simulation
 from world.course import Course
-from world.recorder import NAME, Recorder
+from world.log_layout import NAME
+from world.recorder import Recorder
 from world.scenario import Scenario, load
 from world.server import Server
 from world.simulation import State

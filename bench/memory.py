@@ -26,7 +26,8 @@ from fes import bus, keys
 from fes.endpoints import Endpoints
 from world import reporting
 from world.account import Account
-from world.recorder import NAME, Recorder
+from world.log_layout import NAME
+from world.recorder import Recorder
 from world.scenario import load
 
 SCENARIO = Path("configs/measured.toml")

@@ -7,7 +7,8 @@ import numpy as np
 
 from bench import lockstep
 from console import inprocess
-from world.recorder import NAME, Recorder
+from world.log_layout import NAME
+from world.recorder import Recorder
 from world.scenario import load
 
 ROUNDS = 8

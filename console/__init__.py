@@ -25,7 +25,7 @@ authority   certificates themselves
 rundir      run directories
 leftovers   private keys of runs that were killed
 replay      the command fes replay
-log         logs of runs, read back
+log         logs of runs, with their scenarios
 reexecution a log executed again, and compared to the bit
 difference  where two ticks differ
 compare     the command fes compare

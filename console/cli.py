@@ -38,7 +38,8 @@ from fes.about import version
 from fes.errors import FesError, ScenarioError, no_memory, reason
 from fes.identity import OBSERVER
 from world import crowd, expect
-from world.recorder import NAME, Recorder
+from world.log_layout import NAME
+from world.recorder import Recorder
 from world.scenario import Scenario, load, parse_override
 from world.summary import write, write_scenario
 

@@ -10,9 +10,10 @@ import typer
 from console import log as logs
 from console import printing, progress
 from console.difference import Difference, between, of_reports, of_summaries
-from console.log import Log, Tick
+from console.log import Log
 from fes import fingerprint, keys, process, strict_json
 from fes.errors import FesError
+from world.log_ticks import Tick
 
 MISSING = "nothing"
 

@@ -9,7 +9,7 @@ import numpy as np
 from fes import messages, strict_json
 from fes.errors import MessageError
 from fes.report import Report
-from world.recorder import Said
+from world.log_layout import Said
 
 _DECODERS: dict[str, Callable[[bytes], Any]] = {
     "Observation": messages.decode_observation,

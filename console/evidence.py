@@ -13,6 +13,7 @@ from console.history import History
 from console.log import Log
 from fes import fingerprint, process, strict_json
 from fes.errors import FesError, reason
+from world import log_reader
 from world.scenario import load
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ def _paper_figures(bar: progress.Bar) -> "dict[str, Figure]":
 
 def _run_figures(target: Path) -> "dict[str, Figure]":
     """The figures of a run: from its log, or from its directory if it was not recorded."""
-    path = logs.find(target) if target.exists() else None
+    path = log_reader.find(target) if target.exists() else None
     seen = _again(target) if path is None else _recorded(logs.load(path))
     return {"formation": figures.formation_figure(seen), "convergence": figures.convergence_figure(seen)}
 

@@ -14,7 +14,8 @@ from fes.report import Report
 from fes.sensing import Beacons, Telemetry, of_those, silence
 from world import reporting, simulation, summary, wording
 from world.account import Account
-from world.recorder import Recorder, Said
+from world.log_layout import Said
+from world.recorder import Recorder
 from world.scenario import Scenario, agent_config
 from world.simulation import State
 

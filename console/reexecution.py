@@ -12,7 +12,7 @@ import numpy as np
 from agents import assembly, contacts, crew, transmitter
 from agents.assembly import Assembly
 from console.difference import Difference, between, of_payloads, of_reports
-from console.log import Log, Tick
+from console.log import Log
 from fes import fingerprint, messages, strict_json
 from fes.arrays import Floats, Ints
 from fes.errors import FesError, MessageError
@@ -21,7 +21,9 @@ from fes.report import Report
 from fes.sensing import Telemetry
 from world import events, reporting, simulation, wording
 from world.account import Account
-from world.recorder import Said, report_period
+from world.log_layout import Said
+from world.log_ticks import Tick
+from world.recorder import report_period
 from world.scenario import agent_config
 from world.simulation import State
 from world.summary import summarize

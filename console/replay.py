@@ -15,7 +15,7 @@ from console.reexecution import Robots
 from fes import process, strict_json
 from fes.errors import FesError
 from world.account import Account
-from world.recorder import AT_ITS_END
+from world.log_layout import AT_ITS_END
 
 
 def replay(

@@ -14,7 +14,7 @@ from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
 from fes.errors import FesError, Stopped, reason
 from fes.identity import security
 from world.checkpoint import FOLDER, is_kept
-from world.recorder import NAME
+from world.log_layout import NAME
 
 ROOT = Path("runs")
 LATEST = "latest"

@@ -10,6 +10,7 @@ objective   the robots' own half of the performance index (16)
 config      AgentConfig: all that an agent may know
 stability   rules between the tick and the gains
 counts      how often one setting fits into another
+contacts    the peers in range, and what was last heard of each
 sensing     what a crew senses and says in one tick, as arrays
 messages    Welcome, Observation, Beacon, Command, and their encoding
 report      Report, what observers see, and its encoding

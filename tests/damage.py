@@ -26,7 +26,8 @@ from tests.test_resume import Team
 from world import resume, summary
 from world.checkpoint import Keeper
 from world.course import Course
-from world.recorder import NAME, Recorder
+from world.log_layout import NAME
+from world.recorder import Recorder
 from world.scenario import Scenario
 
 KEPT, FLUSHED, KILLED = 0.4, 0.6, 0.7

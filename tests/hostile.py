@@ -18,7 +18,8 @@ from tests.session import PATIENCE, RUN
 from world import access, journal
 from world.checkpoint import FOLDER, Keeper
 from world.course import Course
-from world.recorder import NAME, Recorder
+from world.log_layout import NAME
+from world.recorder import Recorder
 from world.scenario import Scenario
 from world.server import Server
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from agents import contacts
-from agents.contacts import Contacts
 from fes.arrays import Bools, Floats, Ints
+from fes.contacts import Contacts
 from fes.edges import Edges, no_edges
 from fes.sensing import DECODED, LOST, Beacons, Observations
 

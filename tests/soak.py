@@ -24,7 +24,7 @@ from typing import Any
 
 from console import log, replay
 from console.launcher import free_port
-from world.recorder import NAME
+from world.log_layout import NAME
 from world.scenario import load
 
 SCENARIO = Path(__file__).parent.parent / "configs" / "neighborhood.toml"

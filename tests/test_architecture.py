@@ -80,7 +80,7 @@ def test_only_the_bus_and_its_session_import_zenoh() -> None:
 
 
 def test_only_the_logs_writer_and_its_readers_import_mcap_and_one_of_them_its_reader() -> None:
-    assert importers("mcap") == {"world.container", "world.records", "console.log"}
+    assert importers("mcap") == {"world.container", "world.records", "world.log_reader", "world.log_ticks"}
     assert importers("mcap.data_stream") == {"world.records"}
     assert not importers("mcap.stream_reader") | importers("mcap.reader")  # which take a length for granted
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from agents import contacts, crew
-from agents.contacts import NEVER, Contacts
 from fes.arrays import Floats
 from fes.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
+from fes.contacts import NEVER, Contacts
 from fes.edges import Edges, no_edges
 from fes.sensing import DECODED, LOST, Beacons, Observations
 from tests import layouts

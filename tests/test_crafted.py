@@ -14,7 +14,7 @@ from fes.errors import FesError
 from tests import crafted, recordings
 from tests.loop import load
 from tests.test_processes import PATIENCE, command
-from world import container, recorder, records, snapshot
+from world import container, log_layout, recorder, records, snapshot
 from world.container import Container
 from world.recorder import Recorder
 from world.records import Reader
@@ -92,7 +92,7 @@ def test_a_summary_that_a_reader_would_refuse_stands_in_the_run_directory_only(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path, pair = tmp_path / "run.mcap", load("pair.toml", run__duration=0.2)
-    for limit, kept in ((recorder.MAX_JSON, True), (recorder._ENDED + 100, False)):
+    for limit, kept in ((log_layout.MAX_JSON, True), (recorder._ENDED + 100, False)):
         monkeypatch.setattr(recorder, "MAX_JSON", limit)
         recordings.record(path, pair)
         found = log.load(path)

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from agents import contacts, neighbors
-from agents.contacts import Contacts
 from agents.neighbors import Witnesses
 from bench.crowd import dense
 from console import cli, inprocess
 from fes import draws, memory
 from fes.arrays import Bools, Floats
+from fes.contacts import Contacts
 from fes.errors import ScenarioError
 from fes.sensing import DECODED, LOST, Observations
 from tests import layouts

@@ -21,7 +21,8 @@ from tests.test_resume import Team
 from world import resume, schemas, snapshot
 from world.checkpoint import FOLDER, JOIN, STATE, Keeper
 from world.course import Course
-from world.recorder import NAME, Recorder
+from world.log_layout import NAME
+from world.recorder import Recorder
 
 KEPT = Path(__file__).parent / "formats"
 

@@ -22,7 +22,8 @@ from tests.hostile import FIRST, HOSTILE, ROBOTS, Attack, Outcome, Said, scenari
 from tests.session import RUN
 from world import resume
 from world.course import EXCLUDE
-from world.recorder import NAME, Recorder
+from world.log_layout import NAME
+from world.recorder import Recorder
 
 OTHERS = {robot for robot in range(ROBOTS) if robot != HOSTILE}
 

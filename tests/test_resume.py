@@ -17,7 +17,8 @@ from tests.loop import load
 from world import resume, simulation, summary
 from world.checkpoint import FOLDER, Keeper
 from world.course import Answer, Course
-from world.recorder import NAME, Recorder
+from world.log_layout import NAME
+from world.recorder import Recorder
 from world.scenario import Scenario, agent_config
 
 

@@ -18,7 +18,8 @@ from tests.test_resume import Team
 from world import resume
 from world.checkpoint import FOLDER, STATE, TRAIL, Keeper
 from world.course import Course
-from world.recorder import NAME, Recorder
+from world.log_layout import NAME
+from world.recorder import Recorder
 
 
 def grow(path: Path) -> None:

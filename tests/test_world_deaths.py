@@ -21,7 +21,7 @@ from tests.test_processes import PATIENCE, command, fes, start, until
 from world import checkpoint, journal
 from world.checkpoint import FOLDER
 from world.course import ATTEND, TICK
-from world.recorder import NAME
+from world.log_layout import NAME
 from world.summary import write_scenario
 
 MACHINE = ("backend", "wall_s", "ticks_per_s", "real_time_factor")

@@ -20,6 +20,9 @@ audit       who was turned away
 reporting   the report to observers
 wording     between arrays and the messages of all robots
 recorder    the log of a run: run.mcap
+log_layout  names and bounds that its writer and reader share
+log_reader  logs, read back
+log_ticks   their ticks, from the messages of a file
 container   its file: topics, schemas, chunks
 records     the same file, read with bounds and checksums
 hashed_file  files that a run writes, hashed and checked at the end

@@ -27,7 +27,7 @@ from fes.messages import Join
 from world import hashed_file, snapshot
 from world.course import TICK, Course
 from world.journal import Journal
-from world.recorder import NAME
+from world.log_layout import NAME
 from world.snapshot import Snapshot
 
 FOLDER = "checkpoint"

@@ -16,8 +16,9 @@ from fes.messages import Command
 from fes.sensing import Telemetry, untold
 from world import crowd, events, remarks, simulation, wording
 from world.account import Account
+from world.log_layout import Said
 from world.optimum import optimal_separation
-from world.recorder import Recorder, Said
+from world.recorder import Recorder
 from world.scenario import Scenario, with_event
 from world.simulation import State
 from world.wording import Told

@@ -22,7 +22,8 @@ from world import access, audit, claim, expect, remarks, resume, summary
 from world.checkpoint import FOLDER, PERIOD, Keeper, clear, is_kept
 from world.course import Course
 from world.lock import alone
-from world.recorder import NAME, Recorder
+from world.log_layout import NAME
+from world.recorder import Recorder
 from world.scenario import Scenario, load, parse_override
 from world.server import Server
 from world.snapshot import Snapshot

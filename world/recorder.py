@@ -11,7 +11,7 @@ import platform
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import tomli_w
 
@@ -19,21 +19,12 @@ from fes import about, counts, fingerprint, strict_json
 from fes.arrays import Bytes, Floats
 from fes.errors import FesError
 from fes.report import encode_report
-from world import records, reporting, schemas, views
+from world import reporting, schemas, views
 from world.account import Account
 from world.container import Container, Schema
+from world.log_layout import AT_ITS_END, MAX_JSON, SUMMARY, Said
 from world.scenario import Scenario
 from world.schemas import FOXGLOVE, OWN
-
-NAME = "run.mcap"
-
-SUMMARY = "fes.summary"
-"""Name of the metadata at the end: the summary, and how the run ended."""
-
-AT_ITS_END = "at its end"
-
-MAX_JSON = records.SMALL
-"""Longest JSON text [bytes]: a longer summary is only in summary.json."""
 
 _ENDED = 4096  # bytes; room beside a summary for how the run ended
 
@@ -42,14 +33,6 @@ VIEW_PERIOD = 0.1
 
 MAX_VIEWED = 256
 """With more robots than this there is nothing for viewers: a topic for each link would be too many."""
-
-
-class Said(NamedTuple):
-    """The payloads of one tick, in id order; an empty one was missed."""
-
-    observations: list[bytes]
-    beacons: list[bytes]
-    commands: list[bytes]
 
 
 @dataclass(frozen=True)

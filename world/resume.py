@@ -14,7 +14,8 @@ from fes.messages import Join
 from world import checkpoint, journal, records, snapshot
 from world.checkpoint import FOLDER, JOIN, STATE, TRAIL, Keeper
 from world.course import ATTEND, EXCLUDE, SET, TICK, Course
-from world.recorder import NAME, Recorder, Unfinished
+from world.log_layout import NAME
+from world.recorder import Recorder, Unfinished
 from world.snapshot import Snapshot
 
 
