@@ -51,7 +51,8 @@ def fes_agent() -> None:
 
 def _start(command: str, module: str) -> None:
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # no traceback out of an import; `fes.signals.hold` follows
+        # no traceback out of an import; `fes.system.signals.hold` follows
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
     import importlib
 
     if why := trouble():

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fes import messages
-from fes.arrays import Floats, Ints
-from fes.edges import Stack
-from fes.messages import Beacon, Command, Observation
-from fes.sensing import Beacons, Observations, Telemetry, silence
+from fes.arrays.edges import Stack
+from fes.arrays.types import Floats, Ints
+from fes.model.sensing import Beacons, Observations, Telemetry, silence
+from fes.protocol import messages
+from fes.protocol.messages import Beacon, Command, Observation
 
 
 class Assembly:

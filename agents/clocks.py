@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 from agents import seeking
-from fes import draws
-from fes.arrays import Floats, Ints
-from fes.config import AgentConfig
-from fes.edges import Edges
+from fes.arrays import draws
+from fes.arrays.edges import Edges
+from fes.arrays.types import Floats, Ints
+from fes.model.config import AgentConfig
 
 
 @dataclass(frozen=True, eq=False)

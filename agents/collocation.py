@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fes.arrays import Floats
+from fes.arrays.types import Floats
 
 NODES = 5
 """Gauss-Legendre nodes a step; fewer than 8, so that numpy adds them in order."""

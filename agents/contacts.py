@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from fes import geometry
-from fes.arrays import Bools, Floats, Ints
-from fes.contacts import NEVER, Contacts, Lookup
-from fes.edges import Edges, no_edges
-from fes.sensing import DECODED, Beacons, Observations, silence
+from fes.arrays import geometry
+from fes.arrays.edges import Edges, no_edges
+from fes.arrays.types import Bools, Floats, Ints
+from fes.model.contacts import NEVER, Contacts, Lookup
+from fes.model.sensing import DECODED, Beacons, Observations, silence
 
 
 def nobody(ids: Ints) -> Contacts:

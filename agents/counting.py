@@ -6,10 +6,10 @@ learnt from the gap before the next one that decodes, as a receiver learns it fr
 
 import numpy as np
 
-from fes import objective
-from fes.arrays import Bools, Floats, Ints
-from fes.config import ObjectiveConfig
-from fes.contacts import Contacts
+from fes.arrays.types import Bools, Floats, Ints
+from fes.model import objective
+from fes.model.config import ObjectiveConfig
+from fes.model.contacts import Contacts
 
 MOST_MISSED = 10_000
 """Most slots that count of one silence, the latest ones: 200 s at 50 Hz, longer than a robot remembers them."""

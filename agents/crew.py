@@ -16,13 +16,14 @@ from agents.neighbors import Witnesses
 from agents.reception import Reception
 from agents.seeking import Index, Seeker
 from agents.transmitter import Memory, Transmitters
-from fes import counts, geometry, objective, stability
-from fes.arrays import Bools, Floats, Ints
-from fes.config import AgentConfig
-from fes.contacts import Contacts
-from fes.edges import Edges
+from fes.arrays import geometry
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bools, Floats, Ints
 from fes.errors import FesError
-from fes.sensing import MAX_TOLD, MAX_TWIST, Beacons, Observations, Telemetry, bounded
+from fes.model import counts, objective, stability
+from fes.model.config import AgentConfig
+from fes.model.contacts import Contacts
+from fes.model.sensing import MAX_TOLD, MAX_TWIST, Beacons, Observations, Telemetry, bounded
 
 FIRST_EXCHANGE_TICKS = 2
 """Ticks from a robot's first link until it has heard whether others chose it: its initial graph."""

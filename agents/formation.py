@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from fes import geometry
-from fes.arrays import Floats
-from fes.config import FormationConfig
-from fes.edges import Edges
+from fes.arrays import geometry
+from fes.arrays.edges import Edges
+from fes.arrays.types import Floats
+from fes.model.config import FormationConfig
 
 
 def weights(links: Edges, separation_error: Floats) -> Floats:

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fes.arrays import Bools, Floats, Ints
-from fes.contacts import Contacts
-from fes.edges import Edges, no_edges
+from fes.arrays.edges import Edges, no_edges
+from fes.arrays.types import Bools, Floats, Ints
+from fes.model.contacts import Contacts
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,11 +7,12 @@ import time
 from collections.abc import Callable
 
 from agents.presence import Presence
-from fes import fingerprint, keys, messages
-from fes.bus import Bus
 from fes.errors import Absent, Busy, MessageError, Refused
-from fes.inbox import Inbox
-from fes.messages import MAX_AGENT, Join, Welcome
+from fes.protocol import keys, messages
+from fes.protocol.messages import MAX_AGENT, Join, Welcome
+from fes.system import fingerprint
+from fes.transport.bus import Bus
+from fes.transport.inbox import Inbox
 
 ANSWER_TIMEOUT = 5.0
 """A reachable world that does not answer a join within this time [s] is asked again."""

@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 
-from fes import keys, messages
-from fes.bus import Bus, Question
-from fes.complaints import Complaints
 from fes.errors import MessageError
+from fes.protocol import keys, messages
+from fes.transport.bus import Bus, Question
+from fes.transport.drop_log import Complaints
 
 Put = Callable[[bytes], None]
 

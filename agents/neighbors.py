@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 
-from fes import geometry
-from fes.arrays import Bools, Floats, Ints
-from fes.contacts import Contacts
-from fes.edges import Edges
+from fes.arrays import geometry
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bools, Floats, Ints
+from fes.model.contacts import Contacts
 
 FEW = 4096
 """Up to this many (robot, peer, witness) all are looked at in every tick: it is cheaper than choosing among them."""

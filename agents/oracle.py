@@ -8,9 +8,9 @@ from typing import Literal
 
 import numpy as np
 
-from fes import outage
-from fes.arrays import Floats
-from fes.config import ChannelConfig, ObjectiveConfig
+from fes.arrays.types import Floats
+from fes.model import outage
+from fes.model.config import ChannelConfig, ObjectiveConfig
 
 Index = Callable[[Floats], Floats]
 
@@ -25,8 +25,8 @@ estimate thrown far off, as by a peer's estimate of 1e12 m, would meet an infini
 def index(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal["log", "none"]) -> Index:
     """J of (33), or ln J, as a function of separations [m] in an array.
 
-    J(r) = S(r) p(r) = [1 - exp(-A)] exp(-q A - c r^nu), with A = (r/r_min)^s and q = (r_min/r_x)^s: one
-    exponential less than `fes.objective` times `fes.outage`, since it is evaluated at many points a tick. Of a
+    J(r) = S(r) p(r) = [1 - exp(-A)] exp(-q A - c r^nu), with A = (r/r_min)^s and q = (r_min/r_x)^s: one exponential
+    less than `fes.model.objective` times `fes.model.outage`, since it is evaluated at many points a tick. Of a
     logistic channel ln p = -ln(1 + e^z) stands for -c r^nu.
     """
     shape, scale = objective.shape_exponent, objective.minimum_separation

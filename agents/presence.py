@@ -4,7 +4,7 @@ import asyncio
 import logging
 
 from fes.errors import Absent
-from fes.inbox import Inbox
+from fes.transport.inbox import Inbox
 
 GRACE = 5.0
 """Others may take this long [s] to find a world again that is back."""

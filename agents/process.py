@@ -18,15 +18,18 @@ from agents.membership import PATIENCE, Membership
 from agents.mouth import Mouth
 from agents.radio import Radio
 from agents.turns import Turns
-from fes import bus, identity, keys, messages, output, process
-from fes.bus import Bus
-from fes.complaints import Complaints
-from fes.endpoints import Endpoints
+from fes import process
 from fes.errors import Absent, FesError, Refused
-from fes.identity import Identity
-from fes.inbox import Inbox
-from fes.messages import Beacon, Welcome
-from fes.sensing import Observations
+from fes.model.sensing import Observations
+from fes.protocol import keys, messages
+from fes.protocol.messages import Beacon, Welcome
+from fes.system import output
+from fes.transport import bus, identity
+from fes.transport.bus import Bus
+from fes.transport.drop_log import Complaints
+from fes.transport.endpoints import Endpoints
+from fes.transport.identity import Identity
+from fes.transport.inbox import Inbox
 
 AUTO = "auto"
 """Instead of an id: the lowest robot that is free."""

@@ -3,11 +3,12 @@
 import asyncio
 from collections.abc import Collection
 
-from fes import bus, keys, messages, wire
-from fes.bus import Bus, Mailbox
-from fes.complaints import Complaints
 from fes.errors import Absent, Busy, MessageError, Refused
-from fes.messages import Beacon
+from fes.protocol import keys, messages, wire
+from fes.protocol.messages import Beacon
+from fes.transport import bus
+from fes.transport.bus import Bus, Mailbox
+from fes.transport.drop_log import Complaints
 
 RECALL_TIMEOUT = 2.0
 """A world that does not repeat a beacon within this time [s] is asked again."""
@@ -17,7 +18,7 @@ class Radio:
     """One mailbox for each peer in range."""
 
     def __init__(self, opened: Bus, run: str, robots: str, complaints: Complaints) -> None:
-        """`robots` are those of this process, as `fes.keys.span` writes them."""
+        """`robots` are those of this process, as `fes.protocol.keys.span` writes them."""
         self._bus = opened
         self._run, self._robots = run, robots
         self._complaints = complaints

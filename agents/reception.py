@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fes import objective
-from fes.arrays import Bools, Floats, Ints
-from fes.config import ObjectiveConfig
-from fes.edges import Edges
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bools, Floats, Ints
+from fes.model import objective
+from fes.model.config import ObjectiveConfig
 
 SUMS = 5
 """F0, F1, F3 (short memory: weight, weighted u, weighted working response), S11, S1z (long memory: slope)."""

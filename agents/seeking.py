@@ -16,10 +16,11 @@ import numpy as np
 
 from agents import collocation
 from agents.collocation import Step
-from fes import counts, draws
-from fes.arrays import Bools, Floats
-from fes.config import SeekingConfig
-from fes.edges import Edges
+from fes.arrays import draws
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bools, Floats
+from fes.model import counts
+from fes.model.config import SeekingConfig
 
 ESTIMATE, DRIFT, BASELINE = 0, 1, 2
 """Rows of the seeking state [3, l]: r_hat [m], xi [m/s], eta [index]."""

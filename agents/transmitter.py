@@ -10,12 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fes import draws, messages
-from fes.arrays import Bools, Floats, Ints
-from fes.config import AgentConfig
-from fes.edges import Edges
+from fes.arrays import draws
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bools, Floats, Ints
 from fes.errors import MessageError
-from fes.sensing import Beacons
+from fes.model.config import AgentConfig
+from fes.model.sensing import Beacons
+from fes.protocol import messages
 
 Spoken = tuple[int, bytes, bytes]
 """A robot, and the payloads of its beacon and its command."""

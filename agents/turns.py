@@ -5,11 +5,11 @@ from collections.abc import AsyncIterator, Callable
 
 from agents.mouth import Mouth
 from agents.presence import Presence
-from fes import keys, messages
-from fes.complaints import Complaints
 from fes.errors import Absent, MessageError
-from fes.inbox import Inbox
-from fes.messages import Observation
+from fes.protocol import keys, messages
+from fes.protocol.messages import Observation
+from fes.transport.drop_log import Complaints
+from fes.transport.inbox import Inbox
 
 SILENCE_TIMEOUT = 3600.0
 """An agent that hears nothing from a living world for this long [s] gives up."""

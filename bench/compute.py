@@ -7,7 +7,7 @@ import numpy as np
 
 from agents import crew
 from bench import robot
-from fes.sensing import silence
+from fes.model.sensing import silence
 from world import simulation
 from world.scenario import Scenario, agent_config, load
 

@@ -19,8 +19,9 @@ from bench.growth import SCENARIO, Counted, Counts
 from bench.own_router import SOURCE
 from console import observer
 from console.launcher import free_port
-from fes import bus, keys
-from fes.endpoints import Endpoints
+from fes.protocol import keys
+from fes.transport import bus
+from fes.transport.endpoints import Endpoints
 from world.course import Course
 from world.scenario import load
 from world.server import Server

@@ -17,9 +17,9 @@ from pathlib import Path
 from agents.process import Agent
 from console import inprocess
 from console.launcher import free_port
-from fes import bus
-from fes.bus import Bus, Gate, Handler, Mailbox
-from fes.endpoints import Endpoints
+from fes.transport import bus
+from fes.transport.bus import Bus, Gate, Handler, Mailbox
+from fes.transport.endpoints import Endpoints
 from world import simulation
 from world.course import Course
 from world.log_layout import NAME

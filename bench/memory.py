@@ -22,8 +22,9 @@ from rich.console import Console
 
 from console import dashboard, inprocess, observer
 from console.launcher import free_port
-from fes import bus, keys
-from fes.endpoints import Endpoints
+from fes.protocol import keys
+from fes.transport import bus
+from fes.transport.endpoints import Endpoints
 from world import reporting
 from world.account import Account
 from world.log_layout import NAME

@@ -7,7 +7,7 @@ standard input.
 SOURCE = """
 import asyncio, sys
 from fes import bus
-from fes.endpoints import Endpoints
+from fes.transport.endpoints import Endpoints
 
 async def main(listen, *connect):
     async with bus.opened(Endpoints("router", connect, (listen,))):

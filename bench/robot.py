@@ -12,9 +12,9 @@ import numpy as np
 
 from agents import assembly, crew
 from agents.assembly import Assembly
-from fes import messages
-from fes.messages import Observation
-from fes.sensing import Telemetry
+from fes.model.sensing import Telemetry
+from fes.protocol import messages
+from fes.protocol.messages import Observation
 from world import simulation
 from world.account import Account
 from world.scenario import agent_config, load

@@ -1,6 +1,6 @@
 """Entry point of fes: handles stop signals before it imports the rest."""
 
-from fes import signals
+from fes.system import signals
 
 
 def main() -> None:

@@ -12,7 +12,7 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from fes.errors import FesError
-from fes.identity import AUTHORITY, WORLD
+from fes.transport.identity import AUTHORITY, WORLD
 
 OWN_HOSTS = ("localhost", "127.0.0.1")
 """Names under which a world can always be reached."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rich.segment import Segment
 from rich.style import Style
 
-from fes.arrays import Bools, Floats, Ints
+from fes.arrays.types import Bools, Floats, Ints
 
 Line: TypeAlias = list[Segment]
 

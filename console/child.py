@@ -11,10 +11,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from fes import encoding
 from fes.errors import reason
-from fes.output import printable
-from fes.signals import STOP_SIGNALS
+from fes.system import encoding
+from fes.system.output import printable
+from fes.system.signals import STOP_SIGNALS
 
 DISMISSED = "the run is over"
 """Said in the log of an agent whose world has dismissed it."""
@@ -100,8 +100,8 @@ class NotStarted:
 async def start(name: str, module: str, arguments: list[str], log: Path, robots: str = "") -> Child:
     """A new child, which ends when this process does; it appends to its `log`. Raises OSError."""
     with log.open("ab") as stream:
-        # A child inherits the mask, so that no signal meets a half-started interpreter: `fes.signals.hold` delivers
-        # it later. Nothing may be awaited in between, since other children may be started meanwhile.
+        # A child inherits the mask, so that no signal meets a half-started interpreter: `fes.system.signals.hold`
+        # delivers it later. Nothing may be awaited in between, since other children may be started meanwhile.
         signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
         # A background job of a script ignores SIGINT. Its children must not: SIGINT ends a world.
         before = signal.getsignal(signal.SIGINT)

@@ -13,10 +13,10 @@ from agents import formation, oracle, seeking
 from agents.seeking import Seeker
 from console import inprocess
 from console.sweep import stack
-from fes.arrays import Floats
-from fes.config import ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
-from fes.edges import Edges
+from fes.arrays.edges import Edges
+from fes.arrays.types import Floats
 from fes.errors import FesError
+from fes.model.config import ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
 from world import optimum
 from world.scenario import Scenario, load
 

@@ -33,10 +33,13 @@ from console.options import SET, VERBOSE, Cfg, Config, Connect, ObserverKeys
 from console.processes import Launch
 from console.rundir import Visitor
 from console.sweep import command
-from fes import bus, encoding, keys, output, process, signals, strict_json
-from fes.about import version
+from fes import process
 from fes.errors import FesError, ScenarioError, no_memory, reason
-from fes.identity import OBSERVER
+from fes.protocol import keys
+from fes.protocol.world_info import version
+from fes.system import encoding, output, signals, strict_json
+from fes.transport import bus
+from fes.transport.identity import OBSERVER
 from world import crowd, expect
 from world.log_layout import NAME
 from world.recorder import Recorder
@@ -71,7 +74,7 @@ class Backend(StrEnum):
 
 
 class Clock(StrEnum):
-    """The values of run.clock; `fes.config.Clock` says what they mean."""
+    """The values of run.clock; `fes.model.config.Clock` says what they mean."""
 
     LOCKSTEP = "lockstep"
     LIVE = "live"

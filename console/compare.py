@@ -11,8 +11,10 @@ from console import log as logs
 from console import printing, progress
 from console.difference import Difference, between, of_reports, of_summaries
 from console.log import Log
-from fes import fingerprint, keys, process, strict_json
+from fes import process
 from fes.errors import FesError
+from fes.protocol import keys
+from fes.system import fingerprint, strict_json
 from world.log_ticks import Tick
 
 MISSING = "nothing"

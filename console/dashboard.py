@@ -13,8 +13,8 @@ from console.header import header
 from console.panels import SERIES
 from console.teammap import legend, team_map
 from console.text import styled
-from fes.arrays import Bools, Floats, Ints
-from fes.report import Report
+from fes.arrays.types import Bools, Floats, Ints
+from fes.protocol.report import Report
 
 CAPACITY = 1024
 """Bins of a history."""

@@ -6,9 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fes import messages, strict_json
 from fes.errors import MessageError
-from fes.report import Report
+from fes.protocol import messages
+from fes.protocol.report import Report
+from fes.system import strict_json
 from world.log_layout import Said
 
 _DECODERS: dict[str, Callable[[bytes], Any]] = {

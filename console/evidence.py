@@ -11,8 +11,9 @@ from console import claims, figures, history, learning, printing, processes, pro
 from console import log as logs
 from console.history import History
 from console.log import Log
-from fes import fingerprint, process, strict_json
+from fes import process
 from fes.errors import FesError, reason
+from fes.system import fingerprint, strict_json
 from world import log_reader
 from world.scenario import load
 

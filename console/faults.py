@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from console import observer
-from fes.bus import Bus
 from fes.errors import Absent
-from fes.report import Report
+from fes.protocol.report import Report
+from fes.transport.bus import Bus
 from world.events import Planned
 from world.scenario import Scenario
 

@@ -14,11 +14,11 @@ import numpy as np
 from console import history
 from console.history import History
 from console.learning import CHANGE, Learning
-from fes import objective, outage
-from fes.config import ChannelConfig, ObjectiveConfig
-from fes.distribution import install
 from fes.errors import FesError
-from fes.output import printable
+from fes.model import objective, outage
+from fes.model.config import ChannelConfig, ObjectiveConfig
+from fes.system.distribution import install
+from fes.system.output import printable
 from world.optimum import optimal_separation
 
 if TYPE_CHECKING:

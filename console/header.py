@@ -7,8 +7,8 @@ from rich.cells import cell_len
 
 from console.canvas import Line
 from console.text import count, number, styled
-from fes.output import printable
-from fes.report import Report
+from fes.protocol.report import Report
+from fes.system.output import printable
 
 _GAP = 3
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from console import inprocess, reexecution
 from console.log import Log
-from fes.arrays import Floats
-from fes.edges import Edges
-from fes.sensing import Telemetry
+from fes.arrays.edges import Edges
+from fes.arrays.types import Floats
+from fes.model.sensing import Telemetry
 from world import metrics
 from world.account import Account, dither_period
 from world.scenario import Scenario

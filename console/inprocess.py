@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from agents import assembly, crew
-from fes.arrays import Floats
+from fes.arrays.types import Floats
 from fes.errors import FesError, ScenarioError
-from fes.report import Report
-from fes.sensing import Beacons, Telemetry, of_those, silence
+from fes.model.sensing import Beacons, Telemetry, of_those, silence
+from fes.protocol.report import Report
 from world import reporting, simulation, summary, wording
 from world.account import Account
 from world.log_layout import Said

@@ -8,7 +8,7 @@ import tty
 from types import TracebackType
 from typing import Self
 
-from fes import signals
+from fes.system import signals
 
 LEFT, RIGHT, END = "left", "right", "end of input"
 

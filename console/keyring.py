@@ -13,11 +13,13 @@ import typer
 from rich.table import Table
 
 from console import guide, leftovers, printing, progress
-from fes import identity, process, signals, strict_json
-from fes.endpoints import Endpoints
+from fes import process
 from fes.errors import FesError
-from fes.identity import AUTHORITY, OBSERVER, OPERATOR, WORLD
-from fes.keys import DEFAULT_RUN, MAX_ROBOTS, check_run
+from fes.protocol.keys import DEFAULT_RUN, MAX_ROBOTS, check_run
+from fes.system import signals, strict_json
+from fes.transport import identity
+from fes.transport.endpoints import Endpoints
+from fes.transport.identity import AUTHORITY, OBSERVER, OPERATOR, WORLD
 from world import access
 
 if TYPE_CHECKING:

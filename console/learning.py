@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from console.sweep import stack
-from fes import objective, outage
-from fes.arrays import Floats
+from fes.arrays.types import Floats
+from fes.model import objective, outage
 from world.optimum import optimal_separation
 from world.scenario import Scenario, load
 

@@ -6,8 +6,8 @@ from console import reception
 from console.canvas import Line
 from console.teammap import OUTAGE_STYLES, outage_class
 from console.text import count, number, percent, styled
-from fes.arrays import Ints
-from fes.report import Report
+from fes.arrays.types import Ints
+from fes.protocol.report import Report
 
 # Heading, width, and rank when there is no room: the lowest goes first
 _TOLD = (

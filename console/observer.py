@@ -6,10 +6,10 @@ import math
 from collections import deque
 from collections.abc import AsyncIterator
 
-from fes import about, keys
-from fes.bus import Bus
 from fes.errors import Absent, MessageError
-from fes.report import Report, decode_report
+from fes.protocol import keys, world_info
+from fes.protocol.report import Report, decode_report
+from fes.transport.bus import Bus
 
 MAX_WAITING = 64
 """Reports that may wait for a slow observer; older ones are forgotten."""
@@ -64,7 +64,7 @@ async def reports(bus: Bus, run: str, timeout: float, idle: float) -> AsyncItera
             try:
                 latest = decode_report(waiting.popleft())
             except MessageError as error:
-                if about.speaks_otherwise(error):
+                if world_info.speaks_otherwise(error):
                     strange, first = strange + 1, min(first, loop.time())
                 if latest is None and strange >= STRANGE and loop.time() - first >= STRANGE_FOR:
                     raise

@@ -7,8 +7,8 @@ import numpy as np
 
 from console.canvas import Line
 from console.text import UNKNOWN, length, number, styled
-from fes.arrays import Floats, Ints
-from fes.report import Report
+from fes.arrays.types import Floats, Ints
+from fes.protocol.report import Report
 from world import graphs
 
 MAX_SPECTRUM = 250

@@ -14,7 +14,7 @@ from console.keyboard import END, LEFT, RIGHT, Keyboard
 from console.log import Log
 from fes import process
 from fes.errors import Stopped
-from fes.report import Report, decode_report, encode_report
+from fes.protocol.report import Report, decode_report, encode_report
 
 SEEK = 5.0
 """[s]"""

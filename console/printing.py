@@ -3,7 +3,7 @@
 from rich.console import Console, RenderableType
 from rich.text import Text
 
-from fes.output import printable
+from fes.system.output import printable
 
 
 def console(stderr: bool = False) -> Console:

@@ -19,9 +19,12 @@ from console.respawn import Respawn
 from console.rundir import Address, RunDirectory
 from console.summary import BELOW
 from console.supervision import Supervisor
-from fes import bus, files, identity, keys, process, signals, strict_json
-from fes.endpoints import Endpoints
+from fes import process
 from fes.errors import FesError
+from fes.protocol import keys
+from fes.system import files, signals, strict_json
+from fes.transport import bus, identity
+from fes.transport.endpoints import Endpoints
 from world.lockstep import RETURN_TIMEOUT
 from world.scenario import Scenario
 

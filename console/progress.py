@@ -16,8 +16,9 @@ from rich.progress import (
 )
 
 from console import printing, screen
-from fes import output, process
-from fes.output import printable
+from fes import process
+from fes.system import output
+from fes.system.output import printable
 
 SPINNER = "line"
 """Name of a rich spinner that every encoding can print."""

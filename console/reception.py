@@ -6,8 +6,8 @@ import numpy as np
 
 from console.canvas import DOTS_X, DOTS_Y, Canvas, Line
 from console.text import number, styled
-from fes.arrays import Bools, Floats
-from fes.report import Report
+from fes.arrays.types import Bools, Floats
+from fes.protocol.report import Report
 
 BESIDES = 3
 """Lines of the panel that are not the chart's."""

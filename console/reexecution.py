@@ -13,12 +13,13 @@ from agents import assembly, contacts, crew, transmitter
 from agents.assembly import Assembly
 from console.difference import Difference, between, of_payloads, of_reports
 from console.log import Log
-from fes import fingerprint, messages, strict_json
-from fes.arrays import Floats, Ints
+from fes.arrays.types import Floats, Ints
 from fes.errors import FesError, MessageError
-from fes.messages import Beacon, Command, Observation
-from fes.report import Report
-from fes.sensing import Telemetry
+from fes.model.sensing import Telemetry
+from fes.protocol import messages
+from fes.protocol.messages import Beacon, Command, Observation
+from fes.protocol.report import Report
+from fes.system import fingerprint, strict_json
 from world import events, reporting, simulation, wording
 from world.account import Account
 from world.log_layout import Said

@@ -12,8 +12,9 @@ from console import player, printing, progress, reexecution, summary
 from console.log import Log
 from console.options import VERBOSE
 from console.reexecution import Robots
-from fes import process, strict_json
+from fes import process
 from fes.errors import FesError
+from fes.system import strict_json
 from world.account import Account
 from world.log_layout import AT_ITS_END
 

@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Any, Self
 
 from console import leftovers
-from fes import addresses, files, keys, signals, strict_json
-from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
 from fes.errors import FesError, Stopped, reason
-from fes.identity import security
+from fes.protocol import keys
+from fes.system import files, signals, strict_json
+from fes.transport import addresses
+from fes.transport.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
+from fes.transport.identity import security
 from world.checkpoint import FOLDER, is_kept
 from world.log_layout import NAME
 

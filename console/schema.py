@@ -1,6 +1,7 @@
 """The command fes schema: every field of a scenario."""
 
-from fes import process, strict_json
+from fes import process
+from fes.system import strict_json
 from world.scenario import Scenario
 
 

@@ -8,7 +8,7 @@ from rich.console import Console, RenderableType
 from rich.live import Live
 
 from console.printing import is_screen
-from fes import signals
+from fes.system import signals
 
 CURSOR = "\x1b[?25h"
 """Show the cursor."""

@@ -7,10 +7,13 @@ import typer
 from console import printing, progress, rundir
 from console.options import Cfg, Config, Connect, OperatorKeys
 from console.rundir import Visitor
-from fes import bus, change, keys, process, strict_json
-from fes.change import Change
+from fes import process
 from fes.errors import Absent
-from fes.identity import OPERATOR
+from fes.protocol import channel_change, keys
+from fes.protocol.channel_change import Change
+from fes.system import strict_json
+from fes.transport import bus
+from fes.transport.identity import OPERATOR
 from world import remarks
 from world.scenario import parse_override
 
@@ -27,7 +30,7 @@ def set_command(
     ] = 5.0,
 ) -> int:
     """Change the channel of a run that goes on (by default the latest one started in this folder)."""
-    changes = [change.encode_change(Change(*parse_override(text))) for text in what]
+    changes = [channel_change.encode_change(Change(*parse_override(text))) for text in what]
     endpoints = rundir.reach(Visitor(OPERATOR, certificates, run, timeout), connect, config, cfg)
 
     async def ask() -> int:
@@ -38,7 +41,7 @@ def set_command(
                         answer = await opened.ask(keys.change(run), one, timeout)
                 except Absent:
                     raise Absent(f"no world of run '{run}' answers at {endpoints.shown}") from None
-                effect = change.decode_effect(answer)
+                effect = channel_change.decode_effect(answer)
                 printing.line(
                     f"{effect.path} = {strict_json.dumps(effect.value)} from tick {effect.tick} on; "
                     f"r* = {effect.optimal_separation:.3f} m"

@@ -5,8 +5,8 @@ import numpy as np
 from agents import oracle, seeking
 from agents.seeking import Seeker
 from console import history
-from fes.arrays import Floats
-from fes.config import ChannelConfig, ObjectiveConfig, SeekingConfig
+from fes.arrays.types import Floats
+from fes.model.config import ChannelConfig, ObjectiveConfig, SeekingConfig
 from world.scenario import Scenario
 
 STARTS = np.array([50.0, 60.0, 80.0, 90.0])

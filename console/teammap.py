@@ -8,9 +8,9 @@ from rich.segment import Segment
 from rich.style import Style
 
 from console.canvas import DOTS_X, DOTS_Y, Canvas, Line
-from fes.arrays import Bools, Floats, Ints
-from fes.geometry import HEADING
-from fes.report import Report
+from fes.arrays.geometry import HEADING
+from fes.arrays.types import Bools, Floats, Ints
+from fes.protocol.report import Report
 
 FAIR_OUTAGE, POOR_OUTAGE = 0.15, 0.35
 """Outage probability from which a link is drawn dashed, and dotted."""

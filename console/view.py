@@ -13,9 +13,9 @@ from rich.console import Console, RenderableType
 from console import observer, screen
 from console.dashboard import History, render
 from console.screen import Draw
-from fes.bus import Bus
 from fes.errors import FesError, reason
-from fes.report import Report
+from fes.protocol.report import Report
+from fes.transport.bus import Bus
 
 IDLE = 0.25
 """Without news the screen is drawn again after this time [s], for a terminal that was resized."""

@@ -12,9 +12,11 @@ from collections.abc import Callable, Coroutine, Iterator, Mapping
 from pathlib import Path
 from typing import NoReturn, TypeVar
 
-from fes import identity, keys, output, signals
-from fes.endpoints import Endpoints, Mode, default_endpoint
 from fes.errors import FesError, Stopped, no_memory, reason
+from fes.protocol import keys
+from fes.system import output, signals
+from fes.transport import identity
+from fes.transport.endpoints import Endpoints, Mode, default_endpoint
 
 SUCCESS, FAILURE, UNMET = 0, 1, 2
 """Exit codes: success; bad configuration or run-time error; the run finished, but not as its scenario expects."""

@@ -6,7 +6,7 @@ import sys
 from functools import cache
 from pathlib import Path
 
-from fes import fingerprint
+from fes.system import fingerprint
 
 SWITCHES = [
     {"NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL AVX512_SPR"},  # numpy's loops, where the processor has AVX-512

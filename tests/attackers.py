@@ -13,10 +13,10 @@ import numpy as np
 
 from agents.process import Agent
 from console import inprocess
-from fes import keys, messages, wire
-from fes.bus import Bus
 from fes.errors import Refused
-from fes.messages import Beacon, Command, Join, Observation
+from fes.protocol import keys, messages, wire
+from fes.protocol.messages import Beacon, Command, Join, Observation
+from fes.transport.bus import Bus
 from tests import session
 from tests.loop import load
 from tests.session import RUN

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from console import authority
 from console.authority import Authority, Issued
-from fes.identity import AUTHORITY, Identity
+from fes.transport.identity import AUTHORITY, Identity
 
 
 def write(directory: Path, role: str, issued: Issued) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import settings
 
-from fes.signals import STOP_SIGNALS
+from fes.system.signals import STOP_SIGNALS
 
 settings.register_profile("fes", derandomize=True, deadline=None)
 settings.load_profile("fes")

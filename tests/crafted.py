@@ -17,7 +17,7 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import Channel, Chunk, McapRecord, Message, Schema
 from mcap.writer import MCAP0_MAGIC
 
-from fes import fingerprint
+from fes.system import fingerprint
 from tests.loop import load
 from world import records, schemas, snapshot
 from world.schemas import OWN

@@ -12,10 +12,10 @@ from rich.segment import Segment
 
 from agents import crew
 from console.dashboard import History, render
-from fes import outage
-from fes.arrays import Floats, Ints
-from fes.report import Report
-from fes.sensing import silence
+from fes.arrays.types import Floats, Ints
+from fes.model import outage
+from fes.model.sensing import silence
+from fes.protocol.report import Report
 from world import optimum, scenario, simulation
 
 SIZES = [(80, 24), (100, 30), (160, 50), (300, 80), (71, 24), (60, 40), (40, 12)]

@@ -15,7 +15,7 @@ from random import Random
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from fes import about, change, messages, report, wire
+from fes.protocol import channel_change, messages, report, wire, world_info
 from tests.mutations import mutate
 from tests.payloads import CODECS, assert_refused_or_a_message, refusal
 
@@ -86,7 +86,7 @@ def by_coverage(arguments: list[str]) -> None:
         if data:
             attack(names[data[0] % len(names)], data[1:])
 
-    for module in (about, change, messages, report, wire):
+    for module in (world_info, channel_change, messages, report, wire):
         for function in vars(module).values():
             if inspect.isfunction(function):
                 atheris.instrument_func(function)

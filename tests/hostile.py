@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 from agents.mouth import Mouth
 from agents.process import Agent
 from console.launcher import free_port
-from fes import bus
-from fes.bus import Bus
-from fes.endpoints import Endpoints
 from fes.errors import FesError
+from fes.transport import bus
+from fes.transport.bus import Bus
+from fes.transport.endpoints import Endpoints
 from tests import certificates
 from tests.loop import load
 from tests.session import PATIENCE, RUN

@@ -6,10 +6,10 @@ from collections.abc import Iterable
 import numpy as np
 
 from agents import contacts
-from fes.arrays import Bools, Floats, Ints
-from fes.contacts import Contacts
-from fes.edges import Edges, no_edges
-from fes.sensing import DECODED, LOST, Beacons, Observations
+from fes.arrays.edges import Edges, no_edges
+from fes.arrays.types import Bools, Floats, Ints
+from fes.model.contacts import Contacts
+from fes.model.sensing import DECODED, LOST, Beacons, Observations
 
 REACH = 150.0
 """[m]"""

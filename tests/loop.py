@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from agents import crew as crews
-from fes.arrays import Floats, Ints
-from fes.edges import Edges
-from fes.sensing import Beacons, Observations, silence
+from fes.arrays.edges import Edges
+from fes.arrays.types import Floats, Ints
+from fes.model.sensing import Beacons, Observations, silence
 from world import scenario, simulation
 from world.scenario import Scenario
 

@@ -9,16 +9,16 @@ import msgpack
 import numpy as np
 from hypothesis import strategies as st
 
-from fes import about, change, messages
-from fes import report as reports
-from fes.about import About
-from fes.arrays import Floats
-from fes.change import Change, Effect
-from fes.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
+from fes.arrays.types import Floats
 from fes.errors import MessageError
-from fes.messages import Beacon, Command, Join, Observation, Welcome
-from fes.report import Report
-from fes.sensing import MAX_TOLD, MAX_TWIST
+from fes.model.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
+from fes.model.sensing import MAX_TOLD, MAX_TWIST
+from fes.protocol import channel_change, messages, world_info
+from fes.protocol import report as reports
+from fes.protocol.channel_change import Change, Effect
+from fes.protocol.messages import Beacon, Command, Join, Observation, Welcome
+from fes.protocol.report import Report
+from fes.protocol.world_info import About
 
 
 class Codec(NamedTuple):
@@ -140,9 +140,9 @@ CODECS = {
     "Join": Codec(messages.encode_join, messages.decode_join, joins, 3),
     "Report": Codec(reports.encode_report, reports.decode_report, team_reports(), 12),
     "Recall": Codec(messages.encode_recall, messages.decode_recall, ticks, 1),
-    "Change": Codec(change.encode_change, change.decode_change, changes, 2),
-    "Effect": Codec(change.encode_effect, change.decode_effect, effects, 5),
-    "About": Codec(about.encode_about, about.decode_about, abouts, 4),
+    "Change": Codec(channel_change.encode_change, channel_change.decode_change, changes, 2),
+    "Effect": Codec(channel_change.encode_effect, channel_change.decode_effect, effects, 5),
+    "About": Codec(world_info.encode_about, world_info.decode_about, abouts, 4),
 }
 scalars = st.none() | st.booleans() | st.integers(-(2**63), 2**64 - 1) | st.floats() | st.text() | st.binary()
 odd = st.builds(msgpack.ExtType, st.integers(0, 127), st.binary()) | st.just(msgpack.Timestamp(1, 5))

@@ -7,11 +7,12 @@ from typing import Any
 
 from agents.process import Agent
 from console.launcher import free_port
-from fes import bus, keys, messages
-from fes.arrays import Bools
-from fes.bus import Bus
-from fes.endpoints import Endpoints
-from fes.messages import Join
+from fes.arrays.types import Bools
+from fes.protocol import keys, messages
+from fes.protocol.messages import Join
+from fes.transport import bus
+from fes.transport.bus import Bus
+from fes.transport.endpoints import Endpoints
 from world.course import Course
 from world.recorder import Recorder
 from world.scenario import Scenario

@@ -8,9 +8,9 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 from console.launcher import free_port
-from fes import bus
-from fes.bus import Bus
-from fes.endpoints import Endpoints
+from fes.transport import bus
+from fes.transport.bus import Bus
+from fes.transport.endpoints import Endpoints
 from tests import certificates
 from tests.loop import CONFIGS
 from tests.test_processes import PATIENCE, command, start, until

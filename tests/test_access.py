@@ -6,7 +6,7 @@ from typing import Any, overload
 import pytest
 import zenoh
 
-from fes import keys
+from fes.protocol import keys
 from tests.test_keys import ROBOT, WORLD
 from world import access
 

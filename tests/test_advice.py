@@ -11,8 +11,9 @@ from console import figures
 from console.doctor import machine, network
 from console.sweep import cluster, table
 from console.sweep.table import Format
-from fes import distribution, identity
 from fes.errors import FesError
+from fes.system import distribution
+from fes.transport import identity
 
 ROOT = Path(__file__).parent.parent
 INSTALLERS = re.compile(
@@ -41,7 +42,7 @@ def offences(text: str) -> list[str]:
 def test_no_text_of_the_project_installs_it_by_name() -> None:
     paths = [path for path in tracked() if path != Path(__file__).resolve()]
     assert len(paths) > 200
-    assert {ROOT / "README.md", ROOT / "fes/identity.py"} <= set(paths)
+    assert {ROOT / "README.md", ROOT / "fes/transport/identity.py"} <= set(paths)
     found = {
         path.name: said for path in paths if (said := offences(path.read_text(encoding="utf-8", errors="replace")))
     }

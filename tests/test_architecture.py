@@ -75,8 +75,8 @@ def below_console(names: set[str]) -> set[str]:
 
 
 def test_only_the_bus_and_its_session_import_zenoh() -> None:
-    assert importers("zenoh") <= {"fes.bus", "fes.session"}
-    assert importers("fes.session") == {"fes.bus"}
+    assert importers("zenoh") <= {"fes.transport.bus", "fes.transport.session"}
+    assert importers("fes.transport.session") == {"fes.transport.bus"}
 
 
 def test_only_the_logs_writer_and_its_readers_import_mcap_and_one_of_them_its_reader() -> None:
@@ -87,7 +87,7 @@ def test_only_the_logs_writer_and_its_readers_import_mcap_and_one_of_them_its_re
 
 def test_only_the_world_and_the_oracle_know_the_channels_formula() -> None:
     # A person's figures may show the formula: nothing of the console runs in an agent or a world.
-    assert below_console(importers("fes.outage")) == FORMULA_READERS
+    assert below_console(importers("fes.model.outage")) == FORMULA_READERS
 
 
 def test_only_a_crew_imports_the_oracle_and_only_when_it_assembles_one() -> None:
@@ -103,7 +103,7 @@ def test_an_agent_starts_without_the_formula_and_without_what_it_has_no_use_for(
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     loaded = set(done.stdout.split())
     assert {module, "numpy"} <= loaded
-    unwanted = {"matplotlib", "typer", "mcap", "rich", "world", "console", "agents.oracle", "fes.outage"}
+    unwanted = {"matplotlib", "typer", "mcap", "rich", "world", "console", "agents.oracle", "fes.model.outage"}
     assert not unwanted & loaded
 
 
@@ -112,7 +112,7 @@ def test_a_crew_that_was_not_told_the_channel_never_loads_its_formula() -> None:
 import sys
 import numpy as np
 from agents import crew
-from fes.config import AgentConfig, FormationConfig, ObjectiveConfig, SeekingConfig
+from fes.model.config import AgentConfig, FormationConfig, ObjectiveConfig, SeekingConfig
 from fes.errors import FesError
 seeking = SeekingConfig()
 config = AgentConfig(
@@ -122,7 +122,7 @@ try:
     crew.assemble(config, np.arange(2))
 except FesError as error:
     print("refused:", error)
-print(*(name for name in sys.modules if name in ("agents.oracle", "fes.outage")))
+print(*(name for name in sys.modules if name in ("agents.oracle", "fes.model.outage")))
 """
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     said = done.stdout.splitlines()

@@ -7,10 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents.assembly import Assembly, payloads
-from fes import messages
-from fes.arrays import Bytes, Floats, Ints
-from fes.messages import Beacon, Observation
-from fes.sensing import MAX_TOLD, MAX_TWIST, Beacons, Telemetry, bounded
+from fes.arrays.types import Bytes, Floats, Ints
+from fes.model.sensing import MAX_TOLD, MAX_TWIST, Beacons, Telemetry, bounded
+from fes.protocol import messages
+from fes.protocol.messages import Beacon, Observation
 from tests import layouts
 
 Pairs = set[tuple[int, int]]

@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from fes import keys, messages, wire
 from fes.errors import Refused
-from fes.messages import Join
+from fes.protocol import keys, messages, wire
+from fes.protocol.messages import Join
 from tests import session
 from tests.attackers import (
     BAD_PAYLOADS,

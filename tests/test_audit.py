@@ -4,7 +4,7 @@ import logging
 
 import pytest
 
-from fes.complaints import LONGEST_LINE
+from fes.transport.drop_log import LONGEST_LINE
 from world.audit import KINDS_OF_ONE, Audit
 
 PLACE = "zenoh::net::routing::interceptor::access_control:"

@@ -7,7 +7,7 @@ from typing import Any
 import msgpack
 import pytest
 
-from fes import wire
+from fes.protocol import wire
 from tests.payloads import CODECS, refusal
 
 NAMES = list(CODECS)

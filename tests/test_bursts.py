@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fes.arrays import Floats
+from fes.arrays.types import Floats
 from fes.errors import ScenarioError
-from fes.sensing import DECODED, LOST
+from fes.model.sensing import DECODED, LOST
 from world import bursts, simulation
 from world.bursts import BAD, GOOD, UNKNOWN
 from world.radio_config import BurstConfig
@@ -22,7 +22,7 @@ MEMORY = 1.0 - 1.0 / 8.0 - 1.0 / 24.0
 
 
 def chains(chains: int, ticks: int, **config: Any) -> Floats:
-    """States of independent chains [ticks, chains]; numbers of numpy's own, not of `fes.draws`."""
+    """States of independent chains [ticks, chains]; numbers of numpy's own, not of `fes.arrays.draws`."""
     rng, law = np.random.default_rng(8), BurstConfig.model_validate({**BURSTS, **config})
     states = [np.full(chains, UNKNOWN, dtype=np.uint8)]
     for _ in range(ticks):

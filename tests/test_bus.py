@@ -6,10 +6,10 @@ from collections.abc import Awaitable, Callable
 
 import pytest
 
-from fes import bus
-from fes.bus import Question
-from fes.endpoints import Endpoints
 from fes.errors import Absent, FesError, Refused, TransportError
+from fes.transport import bus
+from fes.transport.bus import Question
+from fes.transport.endpoints import Endpoints
 from tests.session import PATIENCE, client, router
 
 

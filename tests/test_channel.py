@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from fes import draws
-from fes.arrays import Floats
-from fes.sensing import CLOSED, DECODED, LOST
+from fes.arrays import draws
+from fes.arrays.types import Floats
+from fes.model.sensing import CLOSED, DECODED, LOST
 from tests import layouts
 from world import simulation
 from world.scenario import Scenario, parse

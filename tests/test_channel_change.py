@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from fes.arrays import Floats
+from fes.arrays.types import Floats
 from tests import layouts
 from tests.radios import EVERYTHING, Pair, ledger, stand, started, team
 from world.radio_config import RadioConfig

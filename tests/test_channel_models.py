@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fes.config import ChannelConfig
 from fes.errors import ScenarioError
-from fes.sensing import CLOSED, DECODED, LOST, Telemetry
+from fes.model.config import ChannelConfig
+from fes.model.sensing import CLOSED, DECODED, LOST, Telemetry
 from tests import layouts
 from tests.radios import EVERYTHING, Pair, ledger, stand, started, team
 from world import reporting, scenario, simulation, summary

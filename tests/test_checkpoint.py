@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from fes.errors import FesError
-from fes.messages import Join
+from fes.protocol.messages import Join
 from tests.loop import load
 from world import checkpoint, journal, process, resume
 from world.checkpoint import FOLDER, Keeper

@@ -12,9 +12,10 @@ import pytest
 
 from bench.own_router import SOURCE
 from console.launcher import free_port
-from fes import bus, keys
-from fes.endpoints import Endpoints
 from fes.errors import Absent, Refused
+from fes.protocol import keys
+from fes.transport import bus
+from fes.transport.endpoints import Endpoints
 from tests.loop import CONFIGS
 from tests.session import client, router
 from tests.test_processes import PATIENCE, command, start

@@ -11,7 +11,7 @@ import pytest
 
 from agents import oracle
 from console import claims
-from fes.config import ChannelConfig, ObjectiveConfig
+from fes.model.config import ChannelConfig, ObjectiveConfig
 from tests.loop import load
 
 PAPER = (Path(__file__).parent.parent / "docs" / "paper.md").read_text(encoding="utf-8")

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fes import draws
+from fes.arrays import draws
 from tests import loop, witness
 from tests.loop import History, Pair
 from world import scenario

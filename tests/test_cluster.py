@@ -10,8 +10,8 @@ import pytest
 from distributed import LocalCluster
 
 from console.sweep import cluster, design, work
-from fes import fingerprint
 from fes.errors import FesError
+from fes.system import fingerprint
 from tests.arithmetics import OTHER
 from tests.test_cli import PAIR, PROGRAMS, call, complaint, vacant
 from tests.test_sweep import RUNS, kept, until_some_are_done

@@ -13,7 +13,7 @@ import pytest
 from agents.mouth import Mouth
 from agents.process import Agent
 from console import inprocess, log, replay
-from fes.arrays import Bools
+from fes.arrays.types import Bools
 from tests import session
 from tests.loop import load
 from tests.session import RUN

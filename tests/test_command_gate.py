@@ -1,7 +1,7 @@
 """Commands pass only from the agent that was accepted for their robot."""
 
-from fes import keys
-from fes.messages import Join
+from fes.protocol import keys
+from fes.protocol.messages import Join
 from world.command_gate import CommandGate
 
 CREW, SUCCESSOR = Join((0, 1, 2), 7), Join((1,), 8)

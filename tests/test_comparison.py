@@ -9,7 +9,7 @@ from scipy import stats
 from console.sweep import comparison, design, picture
 from console.sweep.design import Design
 from console.sweep.table import Row
-from fes.arrays import Floats
+from fes.arrays.types import Floats
 from tests.loop import CONFIGS
 
 

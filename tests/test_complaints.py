@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from console.launcher import free_port
-from fes import keys
-from fes.complaints import MAX_KINDS, Complaints
 from fes.errors import Refused
+from fes.protocol import keys
+from fes.transport.drop_log import MAX_KINDS, Complaints
 from tests import session
 from tests.loop import CONFIGS
 from tests.test_processes import PATIENCE, command, until

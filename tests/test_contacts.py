@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from agents import contacts, crew
-from fes.arrays import Floats
-from fes.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
-from fes.contacts import NEVER, Contacts
-from fes.edges import Edges, no_edges
-from fes.sensing import DECODED, LOST, Beacons, Observations
+from fes.arrays.edges import Edges, no_edges
+from fes.arrays.types import Floats
+from fes.model.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
+from fes.model.contacts import NEVER, Contacts
+from fes.model.sensing import DECODED, LOST, Beacons, Observations
 from tests import layouts
 
 IDS = np.arange(3)

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 
 from agents import crew
 from console import inprocess
-from fes import counts, stability
-from fes.config import AgentConfig, SeekingConfig
 from fes.errors import FesError, ScenarioError
+from fes.model import counts, stability
+from fes.model.config import AgentConfig, SeekingConfig
 from fes.process import real_time_factor
 from tests.loop import load
 from world import account

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from console import log, rundir
-from fes import files
-from fes.endpoints import DEFAULT_ENDPOINT
 from fes.errors import FesError
+from fes.system import files
+from fes.transport.endpoints import DEFAULT_ENDPOINT
 from tests import crafted, recordings
 from tests.loop import load
 from tests.test_processes import PATIENCE, command

@@ -10,8 +10,8 @@ import pytest
 from agents.mouth import Mouth
 from agents.process import Agent
 from console import log, replay
-from fes import keys
-from fes.bus import Bus
+from fes.protocol import keys
+from fes.transport.bus import Bus
 from tests import session
 from tests.loop import load
 from tests.test_comings import live_through, standing_still, until

@@ -14,11 +14,12 @@ from agents import contacts, neighbors
 from agents.neighbors import Witnesses
 from bench.crowd import dense
 from console import cli, inprocess
-from fes import draws, memory
-from fes.arrays import Bools, Floats
-from fes.contacts import Contacts
+from fes.arrays import draws
+from fes.arrays.types import Bools, Floats
 from fes.errors import ScenarioError
-from fes.sensing import DECODED, LOST, Observations
+from fes.model.contacts import Contacts
+from fes.model.sensing import DECODED, LOST, Observations
+from fes.system import memory
 from tests import layouts
 from tests.loop import CONFIGS
 from world import crowd, proximity, scenario, simulation

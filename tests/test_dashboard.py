@@ -11,7 +11,7 @@ from rich.cells import cell_len
 
 from console import panels
 from console.dashboard import CAPACITY, History
-from fes.report import Report
+from fes.protocol.report import Report
 from tests import frames
 from tests.frames import SIZES, TINY, a_history, a_report, a_swarm, bar_heights, frame, measured
 

@@ -12,11 +12,11 @@ from agents.mouth import Mouth
 from agents.presence import Presence
 from agents.turns import Turns
 from console import header, inprocess
-from fes import keys, messages
-from fes.complaints import Complaints
-from fes.inbox import Inbox
-from fes.messages import Command, Observation
-from fes.report import decode_report, encode_report
+from fes.protocol import keys, messages
+from fes.protocol.messages import Command, Observation
+from fes.protocol.report import decode_report, encode_report
+from fes.transport.drop_log import Complaints
+from fes.transport.inbox import Inbox
 from tests.clocks import Clock
 from tests.frames import a_report
 from tests.loop import load

@@ -7,7 +7,7 @@ import subprocess
 from pathlib import Path
 
 from console import inprocess
-from fes.identity import Identity
+from fes.transport.identity import Identity
 from tests import loop
 from tests.test_cli import PROGRAMS
 from world import expect, summary

@@ -11,11 +11,12 @@ from rich.console import Console
 
 from agents import collocation, formation, reception
 from console import inprocess, summary
-from fes import geometry, stability
-from fes.arrays import Floats
-from fes.config import FormationConfig, Table
-from fes.edges import Edges
+from fes.arrays import geometry
+from fes.arrays.edges import Edges
+from fes.arrays.types import Floats
 from fes.errors import FesError, ScenarioError
+from fes.model import stability
+from fes.model.config import FormationConfig, Table
 from tests.loop import load
 from world import kinematics
 from world import summary as summaries

@@ -19,10 +19,10 @@ from console import inprocess
 from console.doctor import command, network
 from console.doctor.finding import Finding, Status
 from console.doctor.network import Answer
-from fes import about, keys
-from fes.about import About
-from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
 from fes.errors import MessageError
+from fes.protocol import keys, world_info
+from fes.protocol.world_info import About
+from fes.transport.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
 from tests import session
 from tests.loop import load
 from tests.session import RUN, client
@@ -97,7 +97,7 @@ def test_a_run_without_one_world_has_failed(
 def test_a_world_of_another_version_is_a_finding_with_both_versions() -> None:
     newer = msgpack.packb([1, "9.0", "3.0", 5, 1.0, "a field more"])
     with pytest.raises(MessageError) as caught:
-        about.decode_about(newer)
+        world_info.decode_about(newer)
     [found] = network.said_by(caught.value)
     assert (found.status, found.seen) == (Status.FAILED, "About: speaks protocol 2, got version: 1")
     package, *_ = network.said_by(Answer(0.0, 0.0, About("0.0.1", "1.0", 3, 0.0)))
@@ -117,7 +117,7 @@ def test_a_world_of_another_version_is_a_finding_with_both_versions() -> None:
 def test_the_skew_of_a_clock_is_measured_from_the_middle_of_the_question(
     offset: float, took: float, status: Status
 ) -> None:
-    own = about.here(1)
+    own = world_info.here(1)
     *_, found = network.said_by(Answer(100.0, 100.0 + took, own._replace(clock=100.0 + took / 2 + offset)))
     assert found.status == status
     assert f"{1e3 * offset:+.1f} ms from ours, known to {500 * took:.1f} ms" in found.seen

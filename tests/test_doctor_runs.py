@@ -14,8 +14,9 @@ from console import rundir
 from console.doctor import command, network
 from console.doctor.finding import Status, failed
 from console.rundir import Address
-from fes import handshake, keys
-from fes.endpoints import Endpoints
+from fes.protocol import keys
+from fes.transport import connection_diagnosis
+from fes.transport.endpoints import Endpoints
 from tests.test_cli import call, vacant
 
 
@@ -88,7 +89,7 @@ def test_nobody_is_told_to_start_another_world_where_one_may_be_suspended(protoc
     """A socket that takes connections and says nothing is what is left of a process that is stopped."""
     with socket.create_server(("127.0.0.1", 0)) as mute:
         endpoint = f"{protocol}/127.0.0.1:{mute.getsockname()[1]}"
-        said = handshake.complaint(endpoint, {})
+        said = connection_diagnosis.complaint(endpoint, {})
         assert said is not None
         assert said.endswith("or it is suspended or overloaded")
         looked = Endpoints("client", (endpoint,), timeout=0.5)

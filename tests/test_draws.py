@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fes import draws
-from fes.arrays import Floats, Ints
+from fes.arrays import draws
+from fes.arrays.types import Floats, Ints
 from tests import witness
 
 KEY = draws.key(7, "channel")

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fes.edges import Edges, Stack, no_edges
+from fes.arrays.edges import Edges, Stack, no_edges
 from tests.layouts import edges
 
 Pairs = list[tuple[int, int]]

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from fes import addresses, bus, handshake
-from fes.endpoints import Endpoints
 from fes.errors import FesError, TransportError
+from fes.transport import addresses, bus, connection_diagnosis
+from fes.transport.endpoints import Endpoints
 from tests.loop import CONFIGS
 from tests.test_cli import PROGRAMS, call, complaint, vacant
 
@@ -155,9 +155,9 @@ def test_a_network_that_cannot_be_reached_is_named(
         raise TimeoutError("timed out")
 
     monkeypatch.setattr(socket, "create_connection", unreachable)
-    assert handshake.complaint("tcp/192.0.2.1:1", {}) == "it cannot be reached: Network is unreachable"
+    assert connection_diagnosis.complaint("tcp/192.0.2.1:1", {}) == "it cannot be reached: Network is unreachable"
     monkeypatch.setattr(socket, "create_connection", silent)
-    assert handshake.complaint("tcp/192.0.2.1:1", {}) == "nothing answers there within 2 s"
+    assert connection_diagnosis.complaint("tcp/192.0.2.1:1", {}) == "nothing answers there within 2 s"
 
 
 @pytest.fixture

@@ -9,9 +9,10 @@ import pytest
 from agents import assembly, clocks, transmitter
 from console import inprocess
 from console.inprocess import Tick
-from fes import config, messages
 from fes.errors import MessageError, ScenarioError
-from fes.sensing import DECODED, LOST
+from fes.model import config
+from fes.model.sensing import DECODED, LOST
+from fes.protocol import messages
 from tests.loop import load
 from world import scenario as scenarios
 from world.radio_config import RadioConfig

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from console import inprocess
-from fes import change, keys, wire
-from fes.change import Change
 from fes.errors import MessageError, Refused, ScenarioError
+from fes.protocol import channel_change, keys, wire
+from fes.protocol.channel_change import Change
 from tests import session
 from tests.loop import load
 from world import events, simulation
@@ -103,8 +103,10 @@ def test_a_person_changes_a_running_world_and_the_run_can_be_run_again_with_what
             begin.set()
 
             async def ask(path: str, value: Any) -> Any:
-                question = change.encode_change(Change(path, value))
-                return change.decode_effect(await terminal.ask(keys.change(session.RUN), question, session.PATIENCE))
+                question = channel_change.encode_change(Change(path, value))
+                return channel_change.decode_effect(
+                    await terminal.ask(keys.change(session.RUN), question, session.PATIENCE)
+                )
 
             answers.append(await ask("channel.reference_snr", 5e6))
             with pytest.raises(Refused, match="must be greater than 0, got -5"):
@@ -139,7 +141,7 @@ def test_what_an_event_that_is_scheduled_would_make_impossible_is_refused_and_th
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with session.client(endpoint) as terminal:
             with pytest.raises(Refused, match=r"^channel\.bursts\.mean_length, with what is scheduled: event: set"):
-                await terminal.ask(keys.change(session.RUN), change.encode_change(short), session.PATIENCE)
+                await terminal.ask(keys.change(session.RUN), channel_change.encode_change(short), session.PATIENCE)
 
     summary, server, _ = asyncio.run(session.run(scenario, [[0], [1]], disturb))
     assert summary["ticks"] == scenario.ticks
@@ -148,7 +150,7 @@ def test_what_an_event_that_is_scheduled_would_make_impossible_is_refused_and_th
 
 def test_a_value_that_no_message_can_carry_is_one_line() -> None:
     with pytest.raises(MessageError, match="expects finite numbers, words, lists or tables"):
-        change.encode_change(Change("channel.reference_snr", datetime.date(2020, 1, 1)))
+        channel_change.encode_change(Change("channel.reference_snr", datetime.date(2020, 1, 1)))
 
 
 def test_an_event_that_changes_nothing_begins_nothing() -> None:
@@ -159,4 +161,4 @@ def test_an_event_that_changes_nothing_begins_nothing() -> None:
 @pytest.mark.parametrize("payload", [b"", b"\xc0", wire.pack("a", "{"), wire.pack("", "1")])
 def test_a_change_that_is_none_is_a_message_error(payload: bytes) -> None:
     with pytest.raises(MessageError):
-        change.decode_change(payload)
+        channel_change.decode_change(payload)

@@ -7,7 +7,7 @@ import pytest
 
 from agents import seeking
 from agents.seeking import DRIFT, ESTIMATE
-from fes.arrays import Floats
+from fes.arrays.types import Floats
 from tests import witness
 from tests.test_seeking import DT, equation_18, seeker
 

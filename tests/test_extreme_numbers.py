@@ -8,12 +8,12 @@ import pytest
 
 from agents import assembly, crew
 from agents.assembly import Assembly
-from fes import keys, messages
-from fes.arrays import Floats
+from fes.arrays.types import Floats
 from fes.errors import MessageError
-from fes.messages import Beacon, Command
-from fes.report import decode_report, encode_report
-from fes.sensing import MAX_TOLD, MAX_TWIST, Beacons, bounded, silence
+from fes.model.sensing import MAX_TOLD, MAX_TWIST, Beacons, bounded, silence
+from fes.protocol import keys, messages
+from fes.protocol.messages import Beacon, Command
+from fes.protocol.report import decode_report, encode_report
 from tests.loop import load
 from world import reporting, simulation, summary, wording
 from world.account import Account

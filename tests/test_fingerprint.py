@@ -11,8 +11,9 @@ import pytest
 from console import compare, inprocess, log, replay
 from console.reexecution import Mismatch
 from console.sweep import cluster, design, ledger, work
-from fes import about, fingerprint, messages
 from fes.errors import FesError
+from fes.protocol import messages, world_info
+from fes.system import fingerprint
 from tests import arithmetics, recordings
 from tests.arithmetics import OTHER
 from tests.loop import CONFIGS, load
@@ -104,7 +105,7 @@ def test_a_sweep_is_not_continued_with_another(tmp_path: Path, monkeypatch: pyte
 def test_a_worker_of_another_arithmetic_carries_out_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     planned = design.plan(Path(PAIR), [], "0:1", ["run.duration=0.1"])
     [batch] = work.batches("pair", planned.runs, 1)
-    wanted = about.version(), HERE
+    wanted = world_info.version(), HERE
     assert len(cluster._at_worker(wanted, batch)) == 1
     monkeypatch.setattr(fingerprint, "table", lambda: dict(OTHER))
     with pytest.raises(FesError) as caught:

@@ -7,9 +7,10 @@ import pytest
 import zenoh
 
 from console import observer
-from fes import bus, change, keys, messages, wire
 from fes.errors import Absent, Busy, FesError, Refused
-from fes.messages import Join
+from fes.protocol import channel_change, keys, messages, wire
+from fes.protocol.messages import Join
+from fes.transport import bus
 from tests import session
 from tests.attackers import (
     FLOOD,
@@ -117,7 +118,7 @@ def test_a_flood_of_questions_is_refused_and_changes_no_digit() -> None:
             (keys.welcome(RUN, "2-3"), messages.encode_join(Join((2, 3), 7))),
             (keys.welcome(RUN, "2-3"), b"\xc1 junk"),
             (keys.welcome(RUN, "2-3"), reversioned(messages.encode_join(Join((2, 3), 7)))),
-            (keys.change(RUN), change.encode_change(change.Change("channel.no_such", 1.0))),
+            (keys.change(RUN), channel_change.encode_change(channel_change.Change("channel.no_such", 1.0))),
             (keys.change(RUN), wire.pack("channel.reference_snr", "NaN")),
             (keys.change(RUN), wire.pack("channel" + ".a" * 1500, "1")),
             (keys.recall(RUN, 4), wire.pack("tick")),

@@ -10,10 +10,10 @@ import pytest
 import zenoh
 
 from console import authority, inprocess
-from fes import keys, messages
-from fes.bus import Bus
-from fes.messages import Beacon, Command, Observation
-from fes.sensing import DECODED
+from fes.model.sensing import DECODED
+from fes.protocol import keys, messages
+from fes.protocol.messages import Beacon, Command, Observation
+from fes.transport.bus import Bus
 from tests import certificates
 from tests.loop import load
 from tests.stage import ROLES, RUN, SECONDS, stage

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents import formation
-from fes.arrays import Floats
-from fes.config import FormationConfig
-from fes.edges import Edges
+from fes.arrays.edges import Edges
+from fes.arrays.types import Floats
+from fes.model.config import FormationConfig
 from tests import layouts, witness
 
 CONFIG = FormationConfig()  # mu = 1, mu' = 10

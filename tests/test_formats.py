@@ -14,7 +14,7 @@ import pytest
 from console import log
 from console.sweep import design, ledger
 from fes.errors import FesError
-from fes.messages import Join
+from fes.protocol.messages import Join
 from tests.loop import load
 from tests.test_cli import PAIR, call, complaint
 from tests.test_resume import Team

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fes import wire
-from fes.change import Effect, encode_effect
 from fes.errors import FesError
+from fes.protocol import wire
+from fes.protocol.channel_change import Effect, encode_effect
 from tests.fuzz import attack, corpus
 from tests.mutations import LENGTHS, MUTATIONS, mutate
 from tests.payloads import CODECS, refusal

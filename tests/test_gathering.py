@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fes import keys
-from fes.arrays import Bools
+from fes.arrays.types import Bools
 from fes.errors import FesError, Refused
+from fes.protocol import keys
 from tests import session
 from tests.loop import load
 from tests.session import RUN

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fes.arrays import Ints
+from fes.arrays.types import Ints
 from tests import witness
 from world import graphs
 

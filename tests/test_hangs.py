@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from console import faults, inprocess
-from fes.report import Report
+from fes.protocol.report import Report
 from tests.frames import a_report
 from tests.loop import load
 from tests.test_processes import PATIENCE, STARTING, alive, children, fes, start, until

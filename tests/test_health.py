@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from fes import health
+from fes.transport import health
 
 ROOT = Path(__file__).parent.parent
 
 
 def check(*words: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "fes.health", *map(str, words)]
+    command = [sys.executable, "-m", "fes.transport.health", *map(str, words)]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60)
 
 
@@ -51,5 +51,5 @@ def test_the_command_says_yes_or_no_by_its_exit_code() -> None:
 def test_what_cannot_be_checked_is_not_healthy(words: list[str]) -> None:
     done = check(*words)
     assert done.returncode == 1
-    assert done.stderr.startswith("fes.health: error: expects listens PORT or connected PORT")
+    assert done.stderr.startswith("fes.transport.health: error: expects listens PORT or connected PORT")
     assert done.stderr.count("\n") == 1

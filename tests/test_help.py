@@ -10,8 +10,8 @@ import pytest
 import typer
 
 from console import cli, guide
-from fes import strict_json
-from fes.config import Clock
+from fes.model.config import Clock
+from fes.system import strict_json
 from tests.test_cli import PROGRAMS, call
 from world import rules
 from world.scenario import Scenario

@@ -13,9 +13,10 @@ import pytest
 
 from agents.mouth import Mouth
 from console import authority, compare, inprocess, log, replay
-from fes import bus, keys, messages, wire
-from fes.bus import Bus
 from fes.errors import Absent, Refused
+from fes.protocol import keys, messages, wire
+from fes.transport import bus
+from fes.transport.bus import Bus
 from tests import certificates, hostile
 from tests.attackers import command, reversioned
 from tests.hostile import FIRST, HOSTILE, ROBOTS, Attack, Outcome, Said, scenario

@@ -29,7 +29,7 @@ WATCH = """
 import asyncio, sys
 from console import observer
 from fes import bus
-from fes.endpoints import Endpoints
+from fes.transport.endpoints import Endpoints
 
 async def main(endpoint, tick):
     async with bus.opened(Endpoints("client", (endpoint,))) as opened:

@@ -10,10 +10,10 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from console import authority
-from fes import identity
-from fes.endpoints import Endpoints, exposed, warn_if_exposed
 from fes.errors import FesError
-from fes.identity import Identity
+from fes.transport import identity
+from fes.transport.endpoints import Endpoints, exposed, warn_if_exposed
+from fes.transport.identity import Identity
 from tests import certificates
 
 

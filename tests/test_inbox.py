@@ -7,9 +7,9 @@ from typing import TypeVar
 
 import pytest
 
-from fes import inbox as inboxes
 from fes.errors import Absent
-from fes.inbox import Inbox
+from fes.transport import inbox as inboxes
+from fes.transport.inbox import Inbox
 
 T = TypeVar("T")
 LONG = 240.0

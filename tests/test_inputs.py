@@ -13,8 +13,10 @@ from hypothesis import strategies as st
 from console import processes, rundir
 from console.rundir import Address
 from console.sweep import design
-from fes import change, encoding, identity
 from fes.errors import FesError
+from fes.protocol import channel_change
+from fes.system import encoding
+from fes.transport import identity
 from tests.loop import CONFIGS
 from tests.test_cli import call, complaint
 from world import scenario
@@ -148,7 +150,7 @@ def test_any_override_axis_seeds_and_change_is_taken_or_refused_in_one_line(text
     def set_() -> None:
         path, value = parse_override(text)
         scenario.load(CONFIGS / "pair.toml", {path: value})
-        change.encode_change(change.Change(path, value))
+        channel_change.encode_change(channel_change.Change(path, value))
 
     line(set_)
     line(lambda: design.parse_axis(text))

@@ -20,8 +20,9 @@ from hatchling.build import build_wheel
 import fes_robots
 import world.process
 from console import claims, cli, evidence
-from fes import about, distribution, signals
 from fes.errors import FesError
+from fes.protocol import world_info
+from fes.system import distribution, signals
 from tests.loop import CONFIGS
 from tests.test_architecture import imports
 from tests.test_cli import PROGRAMS, complaint
@@ -32,14 +33,14 @@ COMMANDS = {"fes": ["doctor"], "fes-world": [str(CONFIGS / "pair.toml")], "fes-a
 
 def wheel_of_another_project(folder: Path) -> Path:
     """The wheel of a project `robot-agents` 1.0, whose one package is called `agents`."""
-    about = "robot_agents-1.0.dist-info"
+    world_info = "robot_agents-1.0.dist-info"
     files = {
         "agents/__init__.py": "SOMEBODY_ELSES = True\n",
-        f"{about}/METADATA": "Metadata-Version: 2.1\nName: robot-agents\nVersion: 1.0\n",
-        f"{about}/WHEEL": "Wheel-Version: 1.0\nGenerator: test\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
+        f"{world_info}/METADATA": "Metadata-Version: 2.1\nName: robot-agents\nVersion: 1.0\n",
+        f"{world_info}/WHEEL": "Wheel-Version: 1.0\nGenerator: test\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
     }
     lines = [f"{name},sha256={_digest(text)},{len(text)}\n" for name, text in files.items()]
-    files[f"{about}/RECORD"] = "".join([*lines, f"{about}/RECORD,,\n"])
+    files[f"{world_info}/RECORD"] = "".join([*lines, f"{world_info}/RECORD,,\n"])
     path = folder / "robot_agents-1.0-py3-none-any.whl"
     with zipfile.ZipFile(path, "w") as archive:
         for name, text in files.items():
@@ -99,7 +100,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_an_installed_wheel_runs_a_scenario_in_one_loop_and_in_processes(wheel: Path, tmp_path: Path) -> None:
     environment = Environment(tmp_path / "venv")
     environment.install(wheel)
-    assert environment.call(tmp_path, "fes", "--version").stdout == f"{about.version()}\n"
+    assert environment.call(tmp_path, "fes", "--version").stdout == f"{world_info.version()}\n"
     assert environment.names(tmp_path)["status"] == "ok"
     assert str(environment.packages) in environment.names(tmp_path)["seen"]
     words = ["fes", "run", str(CONFIGS / "pair.toml"), "--duration", "0.5", "--headless", "--json"]
@@ -110,8 +111,8 @@ def test_an_installed_wheel_runs_a_scenario_in_one_loop_and_in_processes(wheel: 
 
 def test_a_wheel_says_on_which_systems_it_runs_and_that_it_is_typed(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
-        [about] = [name for name in archive.namelist() if name.endswith("/METADATA")]
-        text = archive.read(about).decode()
+        [world_info] = [name for name in archive.namelist() if name.endswith("/METADATA")]
+        text = archive.read(world_info).decode()
         assert {f"{package}/py.typed" for package in distribution.PACKAGES} <= set(archive.namelist())
     for system in ("MacOS", "POSIX :: Linux"):
         assert f"Classifier: Operating System :: {system}\n" in text
@@ -139,9 +140,9 @@ def test_another_project_over_which_ours_was_installed_is_a_warning(wheel: Path,
 
 
 def test_a_distribution_called_fes_is_a_warning(tmp_path: Path) -> None:
-    about = tmp_path / "fes-1.0.62.dist-info"
-    about.mkdir()
-    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: fes\nVersion: 1.0.62\n")
+    world_info = tmp_path / "fes-1.0.62.dist-info"
+    world_info.mkdir()
+    (world_info / "METADATA").write_text("Metadata-Version: 2.1\nName: fes\nVersion: 1.0.62\n")
     said = with_path(tmp_path, tmp_path, "fes", "doctor", "--json").stdout
     [found] = [one for one in json.loads(said) if one["check"] == "our names"]
     assert (found["status"], found["seen"]) == ("warning", "'fes' 1.0.62 is installed; this project is 'fes-robots'")
@@ -192,7 +193,7 @@ fes_robots.{command.replace("-", "_")}()
     )
 
 
-@pytest.mark.parametrize("path", ["fes_robots.py", "fes/distribution.py"])
+@pytest.mark.parametrize("path", ["fes_robots.py", "fes/system/distribution.py"])
 def test_what_runs_before_the_packages_are_known_needs_the_standard_library_only(path: str) -> None:
     wanted = set(imports(ast.parse((ROOT / path).read_text(encoding="utf-8"))))
     assert {name.partition(".")[0] for name in wanted} <= sys.stdlib_module_names
@@ -220,7 +221,7 @@ def test_a_clone_that_is_not_installed_is_one_line_at_each_entrance(
     not_installed: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(FesError) as caught:
-        about.version()
+        world_info.version()
     assert str(caught.value) == not_installed
     assert fes_robots.trouble() == not_installed
     entrances = {"fes": (cli.main, ["--version"]), "fes-world": (world.process.main, [str(CONFIGS / "pair.toml")])}

@@ -12,7 +12,7 @@ from pathlib import Path
 from console import authority, inprocess
 from console.launcher import free_port
 from fes import process
-from fes.identity import Identity
+from fes.transport.identity import Identity
 from tests import certificates
 from tests.loop import CONFIGS, load
 from tests.test_cli import PAIR, call, complaint

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fes import keys
 from fes.errors import FesError
-from fes.session import LONGEST_NAMESPACE
+from fes.protocol import keys
+from fes.transport.session import LONGEST_NAMESPACE
 from tests.loop import CONFIGS
 from tests.test_cli import call
 

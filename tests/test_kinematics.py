@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fes import geometry
+from fes.arrays import geometry
 from tests import witness
 from world import kinematics
 

@@ -7,8 +7,8 @@ import threading
 from pathlib import Path
 
 from agents.radio import Radio
-from fes import keys
-from fes.complaints import Complaints
+from fes.protocol import keys
+from fes.transport.drop_log import Complaints
 from tests.session import PATIENCE, RUN, client, router
 
 TURNS = 10_000

@@ -11,8 +11,8 @@ import pytest
 from rich.console import Console
 
 from console import inprocess, summary
-from fes.arrays import Floats
-from fes.report import Report
+from fes.arrays.types import Floats
+from fes.protocol.report import Report
 from tests import loop
 from tests.frames import a_history, a_report, a_swarm, dots, frame, measured
 

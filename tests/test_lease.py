@@ -11,10 +11,10 @@ import pytest
 
 from agents import process
 from console import inprocess
-from fes import keys, messages
-from fes.complaints import Complaints
 from fes.errors import Absent, Refused
-from fes.messages import Join
+from fes.protocol import keys, messages
+from fes.protocol.messages import Join
+from fes.transport.drop_log import Complaints
 from tests import session
 from tests.loop import load
 from tests.session import RUN, client

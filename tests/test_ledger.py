@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from fes.sensing import CLOSED, DECODED, LOST
+from fes.model.sensing import CLOSED, DECODED, LOST
 from tests import layouts
 from tests.radios import EVERYTHING, Pair, ledger, stand, started, team
 from world import simulation

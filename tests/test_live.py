@@ -15,9 +15,9 @@ from agents.mouth import Mouth
 from agents.radio import Radio
 from console import log, replay
 from console.launcher import free_port
-from fes import keys
 from fes.errors import FesError
-from fes.report import decode_report
+from fes.protocol import keys
+from fes.protocol.report import decode_report
 from tests import session
 from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, fes, start

@@ -9,9 +9,9 @@ import pytest
 
 from agents.process import Agent
 from console import inprocess
-from fes import keys, messages
 from fes.errors import Absent, Refused
-from fes.messages import Command, Join
+from fes.protocol import keys, messages
+from fes.protocol.messages import Command, Join
 from tests import attackers, session
 from tests.attackers import arrived
 from tests.loop import load

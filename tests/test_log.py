@@ -13,8 +13,8 @@ from mcap.records import Message
 from mcap.stream_reader import StreamReader
 
 from console import inprocess, log
-from fes import messages
 from fes.errors import FesError
+from fes.protocol import messages
 from tests import recordings
 from tests.loop import load
 from world import protobuf

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents import oracle
-from fes import objective, outage
-from fes.config import ChannelConfig, ObjectiveConfig
-from fes.sensing import DECODED
+from fes.model import objective, outage
+from fes.model.config import ChannelConfig, ObjectiveConfig
+from fes.model.sensing import DECODED
 from tests import witness
 from world import optimum, simulation
 from world.scenario import parse

@@ -6,9 +6,9 @@ from collections import Counter
 import pytest
 
 from console.doctor import network
-from fes import keys
-from fes.bus import Question
-from fes.endpoints import Endpoints
+from fes.protocol import keys
+from fes.transport.bus import Question
+from fes.transport.endpoints import Endpoints
 from tests import session
 from tests.loop import load
 from tests.session import PATIENCE, RUN

@@ -132,6 +132,6 @@ def test_agent_processes_of_a_measured_run_never_load_the_formula_nor_the_oracle
         loaded[name] = [{line.rpartition("|")[2].strip() for line in log.read_text().splitlines()} for log in logs]
     for modules in loaded["measured"]:
         assert "agents.reception" in modules
-        assert not {"agents.oracle", "fes.outage"} & modules
+        assert not {"agents.oracle", "fes.model.outage"} & modules
     for modules in loaded["paper"]:
-        assert {"agents.oracle", "fes.outage"} <= modules
+        assert {"agents.oracle", "fes.model.outage"} <= modules

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fes import wire
+from fes.protocol import wire
 from tests.payloads import CODECS, assert_refused_or_a_message, bits, refusal, values
 
 NAMES = list(CODECS)

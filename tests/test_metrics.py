@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from console import inprocess
-from fes.arrays import Floats
-from fes.edges import Edges
-from fes.sensing import Telemetry
+from fes.arrays.edges import Edges
+from fes.arrays.types import Floats
+from fes.model.sensing import Telemetry
 from tests import layouts, loop
 from world import metrics, proximity, simulation
 from world.metrics import Tally

@@ -7,8 +7,8 @@ import pytest
 
 from console import authority
 from console.doctor import network
-from fes import keys
-from fes.endpoints import Endpoints
+from fes.protocol import keys
+from fes.transport.endpoints import Endpoints
 from tests import certificates
 from tests.stage import ROLES, RUN, Stage, stage
 from tests.test_processes import PATIENCE, command, start

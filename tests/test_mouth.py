@@ -6,8 +6,8 @@ from types import SimpleNamespace
 from typing import Any
 
 from agents.mouth import Mouth
-from fes import keys, messages
-from fes.complaints import Complaints
+from fes.protocol import keys, messages
+from fes.transport.drop_log import Complaints
 
 Desk = Callable[[Any], None]
 

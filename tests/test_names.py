@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from console.sweep import design
-from fes import encoding
+from fes.system import encoding
 from tests.loop import CONFIGS
 from tests.test_cli import PROGRAMS, call, complaint
 

@@ -6,7 +6,7 @@ import pytest
 from agents import neighbors
 from agents.neighbors import Witnesses
 from console import inprocess
-from fes.arrays import Bools, Floats
+from fes.arrays.types import Bools, Floats
 from tests import layouts, witness
 from tests.layouts import REACH, distance
 from tests.loop import load

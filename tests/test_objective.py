@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fes import objective
-from fes.config import ObjectiveConfig
+from fes.model import objective
+from fes.model.config import ObjectiveConfig
 from tests import witness
 
 objectives = st.builds(

@@ -9,7 +9,7 @@ import pytest
 
 from console import faults, observer
 from fes.errors import Absent, MessageError
-from fes.report import Report, encode_report
+from fes.protocol.report import Report, encode_report
 from tests import jumps
 from tests.frames import a_report
 from tests.loop import load

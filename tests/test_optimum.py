@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents import oracle
-from fes import objective, outage
-from fes.arrays import Floats
-from fes.config import ChannelConfig, ObjectiveConfig
+from fes.arrays.types import Floats
+from fes.model import objective, outage
+from fes.model.config import ChannelConfig, ObjectiveConfig
 from tests import witness
 from world import optimum
 

@@ -10,8 +10,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from console import inprocess
-from fes.config import ChannelConfig, ObjectiveConfig
-from fes.report import Report
+from fes.model.config import ChannelConfig, ObjectiveConfig
+from fes.protocol.report import Report
 from tests.loop import load
 from world.course import Course
 from world.optimum import optimal_separation

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fes import outage
-from fes.config import ChannelConfig
+from fes.model import outage
+from fes.model.config import ChannelConfig
 from tests import witness
 
 PAPER = ChannelConfig()

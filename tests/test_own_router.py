@@ -12,9 +12,10 @@ import zenoh
 from agents.process import Agent
 from console import authority, inprocess
 from console.launcher import free_port
-from fes import bus, keys
-from fes.bus import Bus
-from fes.endpoints import Endpoints
+from fes.protocol import keys
+from fes.transport import bus
+from fes.transport.bus import Bus
+from fes.transport.endpoints import Endpoints
 from tests import certificates
 from tests.loop import load
 from tests.session import PATIENCE

@@ -8,9 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fes import keys
-from fes.complaints import Complaints
-from fes.inbox import Inbox
+from fes.protocol import keys
+from fes.transport.drop_log import Complaints
+from fes.transport.inbox import Inbox
 from tests.attackers import command
 from tests.clocks import Clock
 from tests.loop import load

@@ -8,7 +8,7 @@ import pytest
 from agents import crew as crews
 from console import inprocess
 from fes.errors import ScenarioError
-from fes.sensing import CLOSED, DECODED, LOST, silence
+from fes.model.sensing import CLOSED, DECODED, LOST, silence
 from tests import loop
 from tests.loop import load
 from tests.test_metrics import contract_digest

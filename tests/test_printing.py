@@ -14,8 +14,9 @@ from rich.console import Console
 from console import cli, dashboard, inprocess, log, printing, summary
 from console.doctor.command import table as findings
 from console.doctor.finding import failed
-from fes import output, process, signals
+from fes import process
 from fes.errors import FesError
+from fes.system import output, signals
 from tests import recordings
 from tests.frames import a_history, a_report
 from tests.loop import load
@@ -189,7 +190,7 @@ def test_only_one_module_makes_consoles_and_one_takes_the_screen_and_lines_are_p
                 makers[node.func.id].add(name)
     assert makers["Console"] == {"console.printing", "console.view"}  # the latter on paper, for a picture
     assert makers["Live"] - {"world.server"} == {"console.screen"}  # the world's Live is a clock
-    assert makers["print"] == {"console.printing", "fes.health", "fes.process"}
+    assert makers["print"] == {"console.printing", "fes.transport.health", "fes.process"}
 
 
 def test_a_message_for_a_closed_standard_error_is_not_among_the_data(

@@ -17,8 +17,8 @@ import pytest
 from console import inprocess, observer
 from console.launcher import free_port
 from console.rundir import Address
-from fes import bus
-from fes.endpoints import Endpoints
+from fes.transport import bus
+from fes.transport.endpoints import Endpoints
 from tests.loop import CONFIGS, load
 
 PATIENCE = 60.0  # s; how long a test waits for what must come, on a machine of any speed
@@ -232,4 +232,4 @@ def test_an_agent_loads_no_more_than_it_needs(tmp_path: Path) -> None:
     modules = set(loaded.stdout.split())
     forbidden = {"matplotlib", "typer", "rich", "mcap", "tomllib", "world", "console", "scipy"}
     assert not forbidden & {name.partition(".")[0] for name in modules}
-    assert not {"agents.oracle", "fes.outage"} & modules
+    assert not {"agents.oracle", "fes.model.outage"} & modules

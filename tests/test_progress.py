@@ -14,7 +14,8 @@ from console import progress
 from console.screen import ERASE
 from console.sweep import design, local, work
 from console.sweep.work import Batch
-from fes import process, signals
+from fes import process
+from fes.system import signals
 from tests import recordings
 from tests.loop import load
 from tests.terminals import HIDE, Terminal, is_restored

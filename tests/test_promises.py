@@ -8,8 +8,8 @@ import pytest
 
 from agents import mouth
 from console import launcher, observer
-from fes import bus, complaints, inbox
-from fes.endpoints import Endpoints
+from fes.transport import bus, drop_log, inbox
+from fes.transport.endpoints import Endpoints
 from world import audit, checkpoint, deadlines, live, lockstep, roster
 
 ROOT = Path(__file__).parent.parent
@@ -45,8 +45,8 @@ FIGURES = [
     f"{bus.QUESTIONS} of one asker wait for one handler",
     f"(Zenoh's ring) | {bus.MAILBOX} samples",
     f"`agents.mouth`, what was said | {mouth.REMEMBERED} ticks",
-    f"cut to {complaints.LONGEST_LINE} characters",
-    f"at most {complaints.MAX_KINDS} kinds are told apart",
+    f"cut to {drop_log.LONGEST_LINE} characters",
+    f"at most {drop_log.MAX_KINDS} kinds are told apart",
     f"{inbox.LIMIT:,} messages, {inbox.LIMIT_BYTES >> 20} MiB",
     f"`console.observer`, reports | {observer.MAX_WAITING} |",
 ]

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 
 from agents import neighbors, oracle
 from agents.neighbors import Witnesses
-from fes import outage
-from fes.arrays import Floats
-from fes.config import ChannelConfig, ObjectiveConfig
+from fes.arrays.types import Floats
+from fes.model import outage
+from fes.model.config import ChannelConfig, ObjectiveConfig
 from tests import layouts
 from tests.layouts import REACH, distance
 from world.optimum import optimal_separation

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fes.arrays import Floats
+from fes.arrays.types import Floats
 from tests import layouts
 from world import proximity
 from world.proximity import Proximity

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 
 from agents.radio import Radio
-from fes import keys, messages
-from fes.complaints import Complaints
-from fes.messages import Beacon
+from fes.protocol import keys, messages
+from fes.protocol.messages import Beacon
+from fes.transport.drop_log import Complaints
 
 NOTHING = np.zeros(0)
 NOBODY = np.zeros(0, dtype=np.int64)

@@ -7,9 +7,9 @@ import pytest
 
 from agents.radio import Radio
 from console import inprocess
-from fes import keys, messages
 from fes.errors import Absent, Refused
-from fes.messages import Beacon
+from fes.protocol import keys, messages
+from fes.protocol.messages import Beacon
 from tests import session
 from tests.loop import load
 from tests.session import PATIENCE, RUN, client

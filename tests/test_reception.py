@@ -6,10 +6,10 @@ import pytest
 from agents import contacts, counting, reception, seeking
 from agents.reception import ALONE, POOLED, SUMS, Reception
 from agents.seeking import Seeker
-from fes import objective
-from fes.config import ObjectiveConfig, SeekingConfig
-from fes.edges import Edges
-from fes.sensing import Observations
+from fes.arrays.edges import Edges
+from fes.model import objective
+from fes.model.config import ObjectiveConfig, SeekingConfig
+from fes.model.sensing import Observations
 from tests import layouts
 
 

@@ -6,8 +6,8 @@ import pytest
 from agents import oracle, seeking
 from agents.seeking import Seeker
 from console import inprocess
-from fes.arrays import Floats
-from fes.config import ChannelConfig, ObjectiveConfig, SeekingConfig
+from fes.arrays.types import Floats
+from fes.model.config import ChannelConfig, ObjectiveConfig, SeekingConfig
 from tests.loop import load
 
 SEEDS = range(20)

@@ -5,8 +5,8 @@ import pytest
 
 from agents import seeking
 from agents.seeking import BASELINE, DRIFT, ESTIMATE, Seeker
-from fes.config import SeekingConfig
-from fes.edges import Edges
+from fes.arrays.edges import Edges
+from fes.model.config import SeekingConfig
 from tests.layouts import edges
 
 SEED = 11

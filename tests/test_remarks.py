@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from console import inprocess
-from fes.change import Effect, decode_effect, encode_effect
+from fes.protocol.channel_change import Effect, decode_effect, encode_effect
 from tests.loop import CONFIGS, load
 from tests.test_processes import LOOP, PATIENCE, STARTING, fes
 from world import remarks

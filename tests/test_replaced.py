@@ -11,9 +11,9 @@ import pytest
 
 from agents.process import Agent
 from console.launcher import free_port
-from fes import messages
 from fes.errors import Busy, Refused
-from fes.messages import Welcome
+from fes.protocol import messages
+from fes.protocol.messages import Welcome
 from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, command, start, until
 from world.scenario import agent_config

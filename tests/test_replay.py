@@ -16,9 +16,10 @@ from mcap.reader import NonSeekingReader
 
 from console import compare, evidence, history, inprocess, log, replay
 from console.reexecution import Mismatch
-from fes import change, fingerprint, keys, messages
-from fes.change import Change
 from fes.errors import FesError
+from fes.protocol import channel_change, keys, messages
+from fes.protocol.channel_change import Change
+from fes.system import fingerprint
 from tests import recordings, session
 from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, alive, children, fes, start, until
@@ -94,7 +95,7 @@ def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with session.client(endpoint) as person:
             begin.set()
-            wish = change.encode_change(Change("channel.reference_snr", 2e6))
+            wish = channel_change.encode_change(Change("channel.reference_snr", 2e6))
             await person.ask(keys.change(session.RUN), wish, PATIENCE)
 
     async def run() -> tuple[dict[str, Any], Server]:

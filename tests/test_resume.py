@@ -10,9 +10,9 @@ from mcap.reader import make_reader
 
 from agents import assembly, crew
 from console import log, replay
-from fes import messages
 from fes.errors import FesError
-from fes.sensing import silence
+from fes.model.sensing import silence
+from fes.protocol import messages
 from tests.loop import load
 from world import resume, simulation, summary
 from world.checkpoint import FOLDER, Keeper

@@ -10,9 +10,9 @@ import pytest
 from agents.process import Agent
 from console import inprocess
 from console.launcher import free_port
-from fes import bus
-from fes.arrays import Bools
-from fes.endpoints import Endpoints
+from fes.arrays.types import Bools
+from fes.transport import bus
+from fes.transport.endpoints import Endpoints
 from tests import session
 from tests.loop import load
 from tests.session import PATIENCE, RUN

@@ -12,7 +12,7 @@ from rich.console import Console
 
 from console import screen, view
 from console.view import Screen
-from fes import signals
+from fes.system import signals
 from tests.frames import a_report
 from tests.terminals import ENTER, LEAVE, SHOW, is_restored
 

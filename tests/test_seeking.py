@@ -8,8 +8,8 @@ import pytest
 
 from agents import oracle, seeking
 from agents.seeking import BASELINE, DRIFT, ESTIMATE, Seeker
-from fes.arrays import Floats
-from fes.config import ChannelConfig, ObjectiveConfig, SeekingConfig
+from fes.arrays.types import Floats
+from fes.model.config import ChannelConfig, ObjectiveConfig, SeekingConfig
 from tests import witness
 
 AMPLITUDE, FREQUENCY, KAPPA, LOW_PASS, WASHOUT = 0.2, 100.0, 4.0, 4.0, 25.0

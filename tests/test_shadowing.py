@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from fes.arrays import Floats
+from fes.arrays.types import Floats
 from tests import witness
 from world import channel, proximity, shadowing
 from world.radio_config import RadioConfig, ShadowingConfig

@@ -12,7 +12,8 @@ import pytest
 
 from console import __main__ as entry
 from console import cli
-from fes import process, signals
+from fes import process
+from fes.system import signals
 from tests.loop import CONFIGS
 from tests.test_processes import PATIENCE, alive, fes, first_report, start, started
 

@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from console import inprocess
-from fes.arrays import Floats
-from fes.config import AgentConfig
+from fes.arrays.types import Floats
 from fes.errors import ScenarioError
+from fes.model.config import AgentConfig
 from tests.loop import CONFIGS
 from world import scenario
 

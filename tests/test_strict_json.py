@@ -14,9 +14,10 @@ from console import inprocess, log, processes
 from console import summary as shown
 from console.sweep import ledger, table, work
 from console.sweep.table import Format
-from fes import change, strict_json, wire
-from fes.change import Change
 from fes.errors import FesError, MessageError
+from fes.protocol import channel_change, wire
+from fes.protocol.channel_change import Change
+from fes.system import strict_json
 from tests import recordings
 from tests.loop import load
 from tests.test_architecture import ROOMS, modules
@@ -53,7 +54,7 @@ def test_only_one_module_of_the_product_touches_the_json_library() -> None:
             if isinstance(node, ast.ImportFrom):
                 imported = [node.module or ""]
             users |= {name} if {"json", "simplejson", "orjson", "ujson"} & set(imported) else set()
-    assert users == {"fes.strict_json"}
+    assert users == {"fes.system.strict_json"}
 
 
 @pytest.mark.parametrize("bad", BAD)
@@ -72,7 +73,7 @@ def test_no_reader_takes_a_number_that_is_not_finite(word: str, tmp_path: Path) 
     with pytest.raises(FesError, match="has no summary"):
         processes.read_summary(tmp_path)
     with pytest.raises(MessageError, match="expects a value as JSON"):
-        change.decode_change(wire.pack("channel.reference_snr", word))
+        channel_change.decode_change(wire.pack("channel.reference_snr", word))
     (tmp_path / ledger.LINES).write_text(f'{{"key": "k", "scalars": {{"a": {word}}}, "error": null}}\n')
     with (tmp_path / ledger.LINES).open("a+b") as file, pytest.raises(FesError, match="line 1 is not a run"):
         ledger._read(file, tmp_path / ledger.LINES)
@@ -90,7 +91,7 @@ def test_a_log_whose_summary_is_no_json_is_refused_in_one_line(tmp_path: Path) -
 @pytest.mark.parametrize("bad", BAD)
 def test_a_value_that_is_not_finite_cannot_be_asked_for(bad: float) -> None:
     with pytest.raises(MessageError, match="expects finite numbers"):
-        change.encode_change(Change("channel.reference_snr", bad))
+        channel_change.encode_change(Change("channel.reference_snr", bad))
 
 
 @pytest.mark.parametrize("bad", BAD)

@@ -16,8 +16,8 @@ from pyarrow import parquet
 from console import figures, inprocess
 from console.sweep import cluster, ledger, table, work
 from console.sweep.table import Format
-from fes.distribution import install
 from fes.errors import FesError
+from fes.system.distribution import install
 from tests.loop import load
 from tests.test_cli import PAIR, PROGRAMS, call, complaint, vacant
 from tests.test_processes import PATIENCE

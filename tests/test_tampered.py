@@ -11,9 +11,9 @@ import pytest
 from console import compare, evidence, log, replay
 from console.log import Log
 from console.player import Player
-from fes import messages
 from fes.errors import FesError
-from fes.report import decode_report, encode_report
+from fes.protocol import messages
+from fes.protocol.report import decode_report, encode_report
 from tests import recordings
 from tests.loop import load
 from tests.recordings import Edit

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from console.canvas import Canvas
-from fes.report import Report
+from fes.protocol.report import Report
 from tests import frames
 from tests.frames import SIZES, a_history, a_report, a_swarm, dots, find, frame, pieces, team_map
 

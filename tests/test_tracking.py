@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fes.edges import Edges
+from fes.arrays.edges import Edges
 from tests import layouts
 from world.breathing import Breathing
 from world.tracking import Tracking

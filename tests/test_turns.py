@@ -9,11 +9,11 @@ import pytest
 
 from agents.presence import Presence
 from agents.turns import Turns
-from fes import keys, messages
-from fes.complaints import Complaints
 from fes.errors import Absent
-from fes.inbox import Inbox
-from fes.messages import Observation
+from fes.protocol import keys, messages
+from fes.protocol.messages import Observation
+from fes.transport.drop_log import Complaints
+from fes.transport.inbox import Inbox
 
 NOTHING = np.zeros(0, dtype=np.int64)
 ODD = "Observation: is not for this tick"

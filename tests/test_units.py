@@ -14,8 +14,9 @@ import pytest
 
 from console import authority, inprocess, observer
 from console.launcher import free_port
-from fes import bus, keys
-from fes.endpoints import Endpoints
+from fes.protocol import keys
+from fes.transport import bus
+from fes.transport.endpoints import Endpoints
 from tests import certificates
 from tests.loop import CONFIGS, load
 from tests.test_cli import PROGRAMS

@@ -14,7 +14,7 @@ import pytest
 
 from console import inprocess, log, replay
 from console.launcher import free_port
-from fes import keys
+from fes.protocol import keys
 from tests import session
 from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, command, fes, start, until

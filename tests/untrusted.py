@@ -10,8 +10,8 @@ from pathlib import Path
 
 from console import log, rundir
 from console.sweep import design, ledger
-from fes.endpoints import DEFAULT_ENDPOINT
 from fes.errors import FesError
+from fes.transport.endpoints import DEFAULT_ENDPOINT
 from tests.crafted import MIB
 from tests.loop import CONFIGS
 from world import snapshot

@@ -14,8 +14,8 @@ process, the world is one more role, which may do all.
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from fes import keys
-from fes.identity import OBSERVER, OPERATOR, WORLD, robot_role
+from fes.protocol import keys
+from fes.transport.identity import OBSERVER, OPERATOR, WORLD, robot_role
 
 Rule = dict[str, object]
 

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from fes import counts, objective
-from fes.arrays import Floats, Ints
-from fes.edges import Edges
-from fes.sensing import Telemetry
+from fes.arrays.edges import Edges
+from fes.arrays.types import Floats, Ints
+from fes.model import counts, objective
+from fes.model.sensing import Telemetry
 from world import deadlines, events, metrics
 from world.breathing import Breathing
 from world.channel import Radio

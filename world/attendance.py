@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from fes.arrays import Bools
+from fes.arrays.types import Bools
 from world import events
 from world.roster import Roster
 from world.scenario import Scenario

@@ -16,8 +16,8 @@ import time
 from collections import Counter
 from collections.abc import AsyncIterator, Iterable
 
-from fes import bus
-from fes.complaints import Complaints
+from fes.transport import bus
+from fes.transport.drop_log import Complaints
 
 LEVELS = "off,zenoh::net::routing::interceptor::access_control=trace,zenoh_link_tls=warn"
 PIPE = 1 << 20

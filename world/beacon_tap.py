@@ -10,12 +10,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from fes import bus, keys, messages, wire
-from fes.arrays import Bools
-from fes.bus import Bus, Question
-from fes.complaints import Complaints, shown
+from fes.arrays.types import Bools
 from fes.errors import Absent, Busy, MessageError, Refused
-from fes.messages import Beacon
+from fes.protocol import keys, messages, wire
+from fes.protocol.messages import Beacon
+from fes.transport import bus
+from fes.transport.bus import Bus, Question
+from fes.transport.drop_log import Complaints, shown
 
 RECALL_TIMEOUT = 2.0
 """A robot that does not repeat its beacon within this time [s] has none."""

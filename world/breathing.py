@@ -8,8 +8,8 @@ from collections import deque
 
 import numpy as np
 
-from fes.arrays import Floats, Ints
-from fes.edges import Edges, no_edges
+from fes.arrays.edges import Edges, no_edges
+from fes.arrays.types import Floats, Ints
 
 MOST_BLOCKS = 20
 """A period is summed up in at most so many blocks, so that its average is renewed as often."""

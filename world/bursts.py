@@ -6,7 +6,7 @@ functions of (seed, tick, sender, receiver).
 
 import numpy as np
 
-from fes.arrays import Bytes, Floats
+from fes.arrays.types import Bytes, Floats
 from world.radio_config import BurstConfig
 
 GOOD, BAD, UNKNOWN = 0, 1, 2

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from fes import draws
-from fes.arrays import Floats, Ints
-from fes.edges import Edges
+from fes.arrays import draws
+from fes.arrays.edges import Edges
+from fes.arrays.types import Floats, Ints
 
 _BLOCK = 128  # ticks of numbers drawn at a time: drawing costs per pair, not per number
 _MOST = 1 << 24  # numbers held at most

@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fes import draws, geometry, outage
-from fes.arrays import Bools, Bytes, Floats, Ints
-from fes.edges import Edges
-from fes.sensing import CLOSED, OPENING_TICKS
+from fes.arrays import draws, geometry
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bools, Bytes, Floats, Ints
+from fes.model import outage
+from fes.model.sensing import CLOSED, OPENING_TICKS
 from world import bursts, shadowing
 from world.chance import Draws
 from world.proximity import Proximity

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from fes.errors import FesError, reason
-from fes.messages import Join
+from fes.protocol.messages import Join
 from world import hashed_file, snapshot
 from world.course import TICK, Course
 from world.journal import Journal

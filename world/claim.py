@@ -8,9 +8,9 @@ both see each other, and neither starts: a person starts one again, where two wo
 import asyncio
 import uuid
 
-from fes import keys
-from fes.bus import Bus
 from fes.errors import Refused
+from fes.protocol import keys
+from fes.transport.bus import Bus
 
 TIMEOUT = 10.0
 """How long a look may take [s]: who cannot look does not start."""

@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
-from fes import keys
-from fes.messages import Join
+from fes.protocol import keys
+from fes.protocol.messages import Join
 
 
 class CommandGate:

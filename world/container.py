@@ -14,8 +14,9 @@ from mcap.records import Message as McapMessage
 from mcap.records import Schema as McapSchema
 from mcap.writer import CompressionType, Writer
 
-from fes import about, strict_json
 from fes.errors import FesError, reason
+from fes.protocol import world_info
+from fes.system import strict_json
 from world import hashed_file, records
 from world.descriptors import describe
 from world.hashed_file import HashedFile
@@ -61,7 +62,7 @@ class Container:
                 compression=CompressionType.ZSTD,
                 enable_data_crcs=True,
             )
-            self._writer.start(PROFILE, f"fes {about.version()}; mcap-python {metadata.version('mcap')}")
+            self._writer.start(PROFILE, f"fes {world_info.version()}; mcap-python {metadata.version('mcap')}")
 
     def put(self, topic: str, schema: Schema, payload: bytes, at: int, tick: int) -> None:
         """Add a message of a topic, `at` a simulated time [ns]; nothing to a file that could not be written."""

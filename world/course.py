@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fes.arrays import Bools, Bytes, Floats, Ints
-from fes.change import Effect
-from fes.messages import Command
-from fes.sensing import Telemetry, untold
+from fes.arrays.types import Bools, Bytes, Floats, Ints
+from fes.model.sensing import Telemetry, untold
+from fes.protocol.channel_change import Effect
+from fes.protocol.messages import Command
 from world import crowd, events, remarks, simulation, wording
 from world.account import Account
 from world.log_layout import Said

@@ -1,8 +1,8 @@
 """Memory for robots within range of each other: it grows with the contacts, and n robots have n^2 of them."""
 
-from fes import memory
-from fes.arrays import Floats
+from fes.arrays.types import Floats
 from fes.errors import ScenarioError
+from fes.system import memory
 from world import proximity
 from world.scenario import Scenario, initial_poses
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fes.arrays import Bools, Ints
+from fes.arrays.types import Bools, Ints
 
 COMMAND_TIMEOUT = 0.25
 """A robot without a command younger than this [s] stops."""

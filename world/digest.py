@@ -11,7 +11,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from fes.arrays import Floats
+from fes.arrays.types import Floats
 from fes.errors import FesError
 from world import hashed_file
 

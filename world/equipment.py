@@ -6,10 +6,10 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from fes import counts
-from fes.arrays import Bools, Floats
-from fes.config import MAX_DELAY, MAX_SKEW, EquipmentConfig, Table
+from fes.arrays.types import Bools, Floats
 from fes.errors import ScenarioError
+from fes.model import counts
+from fes.model.config import MAX_DELAY, MAX_SKEW, EquipmentConfig, Table
 
 RobotId = Annotated[int, Field(ge=0)]
 

@@ -6,10 +6,10 @@ from typing import Annotated, Any, NamedTuple, Self
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
-from fes import counts
-from fes.arrays import Bools
-from fes.config import Table
+from fes.arrays.types import Bools
 from fes.errors import ScenarioError
+from fes.model import counts
+from fes.model.config import Table
 from world import equipment
 from world.equipment import ClockConfig, Part, RobotId, TransmitterConfig
 from world.radio_config import RadioConfig

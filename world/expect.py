@@ -8,7 +8,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from fes.config import Table
+from fes.model.config import Table
 
 NUMBER, FLAG, TEXT = "a number", "true or false", "a text"
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from fes.arrays import Bools
+from fes.arrays.types import Bools
 from world.roster import Roster
 
 LINGER = 5.0

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fes.arrays import Floats, Ints
+from fes.arrays.types import Floats, Ints
 
 MAX_DENSE = 1500
 """Up to this many robots the algebraic connectivity is computed, from the dense Laplacian."""

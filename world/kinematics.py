@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from fes import geometry
-from fes.arrays import Floats
+from fes.arrays import geometry
+from fes.arrays.types import Floats
 
 
 def move(poses: Floats, twists: Floats, dt: float) -> Floats:

@@ -9,10 +9,10 @@ import time
 
 import numpy as np
 
-from fes.arrays import Bools
-from fes.complaints import Complaints
+from fes.arrays.types import Bools
 from fes.errors import MessageError
-from fes.inbox import Inbox
+from fes.transport.drop_log import Complaints
+from fes.transport.inbox import Inbox
 from world import wording
 from world.attendance import Attendance
 from world.course import Answer

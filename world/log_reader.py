@@ -12,8 +12,8 @@ from typing import Any, Generic, Protocol, TypeVar
 
 from mcap.records import Metadata
 
-from fes import fingerprint, strict_json
 from fes.errors import FesError
+from fes.system import fingerprint, strict_json
 from world import log_ticks, schemas
 from world.log_layout import AT_ITS_END, NAME, SUMMARY
 from world.log_ticks import Tick

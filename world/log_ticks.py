@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 from mcap.records import Channel, Message
 
-from fes import strict_json
 from fes.errors import FesError, MessageError
-from fes.report import Report, decode_report
+from fes.protocol.report import Report, decode_report
+from fes.system import strict_json
 from world import protobuf
 from world.log_layout import MAX_JSON, Said
 from world.records import Reader

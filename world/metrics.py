@@ -5,10 +5,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fes import counts, geometry
-from fes.arrays import Bools, Floats, Ints
-from fes.edges import Edges
-from fes.sensing import OPENING_TICKS, Telemetry
+from fes.arrays import geometry
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bools, Floats, Ints
+from fes.model import counts
+from fes.model.sensing import OPENING_TICKS, Telemetry
 from world import graphs
 from world.digest import Digest
 from world.proximity import Proximity

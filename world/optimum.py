@@ -9,7 +9,7 @@ import struct
 from decimal import Decimal
 from functools import lru_cache
 
-from fes.config import ChannelConfig, ObjectiveConfig
+from fes.model.config import ChannelConfig, ObjectiveConfig
 
 _EXACT = decimal.Context(prec=40, Emax=decimal.MAX_EMAX, Emin=decimal.MIN_EMIN, traps=[])
 """Rounding errors stay 20 digits below a float's. No trap: an exp that overflows even this is infinite."""

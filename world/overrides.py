@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from fes import encoding
 from fes.errors import ScenarioError
+from fes.system import encoding
 from world import toml
 from world.rules import short
 

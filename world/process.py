@@ -16,8 +16,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from fes import about, bus, encoding, identity, keys, output, process
+from fes import process
 from fes.errors import FesError, reason
+from fes.protocol import keys, world_info
+from fes.system import encoding, output
+from fes.transport import bus, identity
 from world import access, audit, claim, expect, remarks, resume, summary
 from world.checkpoint import FOLDER, PERIOD, Keeper, clear, is_kept
 from world.course import Course
@@ -196,7 +199,7 @@ def main() -> None:
     flags = parser.parse_args()
     with contextlib.ExitStack() as held:
         try:
-            about.version()  # needed by its log and its checkpoints: say now that it has none
+            world_info.version()  # needed by its log and its checkpoints: say now that it has none
             start = _start(flags, held)
         except OSError as error:
             parser.error(reason(error))

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from fes.arrays import Floats
+from fes.arrays.types import Floats
 
 SCALARS = {
     "double": 1,

@@ -11,9 +11,9 @@ from functools import cached_property
 
 import numpy as np
 
-from fes import geometry
-from fes.arrays import Bools, Floats, Ints
-from fes.edges import Edges
+from fes.arrays import geometry
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bools, Floats, Ints
 
 SMALL = 64
 """Up to this many robots every pair is a candidate for ever: it is cheaper than looking after a list."""

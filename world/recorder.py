@@ -15,10 +15,12 @@ from typing import Any, Self
 
 import tomli_w
 
-from fes import about, counts, fingerprint, strict_json
-from fes.arrays import Bytes, Floats
+from fes.arrays.types import Bytes, Floats
 from fes.errors import FesError
-from fes.report import encode_report
+from fes.model import counts
+from fes.protocol import world_info
+from fes.protocol.report import encode_report
+from fes.system import fingerprint, strict_json
 from world import reporting, schemas, views
 from world.account import Account
 from world.container import Container, Schema
@@ -163,7 +165,7 @@ class Recorder:
             "scenario": tomli_w.dumps(tables),
             "arithmetic": fingerprint.table(),
             "versions": {
-                "fes": about.version(),
+                "fes": world_info.version(),
                 **versions,
                 "python": platform.python_version(),
                 "machine": platform.machine(),

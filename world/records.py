@@ -19,8 +19,8 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, McapRecord, Message, Metadata, Schema
 from mcap.writer import MCAP0_MAGIC
 
-from fes import files
 from fes.errors import FesError, reason
+from fes.system import files
 
 LIMIT = 1 << 26
 """Largest record, and largest unpacked chunk [bytes]."""

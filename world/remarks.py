@@ -6,8 +6,8 @@ changed or dropped silently.
 
 from collections.abc import Iterable, Iterator
 
-from fes import counts
-from fes.config import ChannelConfig, SeekingConfig
+from fes.model import counts
+from fes.model.config import ChannelConfig, SeekingConfig
 from world.equipment import TransmitterConfig
 from world.events import changed
 from world.scenario import Scenario

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from fes import outage
-from fes.arrays import Bytes, Floats, Ints
-from fes.edges import Edges
-from fes.report import Report
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bytes, Floats, Ints
+from fes.model import outage
+from fes.protocol.report import Report
 from world import bursts, metrics
 from world.account import Account
 from world.radio_config import RadioConfig

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from fes import files, messages
 from fes.errors import FesError, MessageError, ScenarioError, reason
-from fes.messages import Join
+from fes.protocol import messages
+from fes.protocol.messages import Join
+from fes.system import files
 from world import checkpoint, journal, records, snapshot
 from world.checkpoint import FOLDER, JOIN, STATE, TRAIL, Keeper
 from world.course import ATTEND, EXCLUDE, SET, TICK, Course

@@ -6,10 +6,10 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from fes import draws
-from fes.arrays import Floats
-from fes.config import NonNegative, Positive, Table
-from fes.keys import MAX_ROBOTS
+from fes.arrays import draws
+from fes.arrays.types import Floats
+from fes.model.config import NonNegative, Positive, Table
+from fes.protocol.keys import MAX_ROBOTS
 
 FARTHEST = 1e12
 """Farthest coordinate of a start [m]: there a double still resolves 0.12 mm."""

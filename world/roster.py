@@ -8,14 +8,14 @@ from types import MappingProxyType
 
 import numpy as np
 
-from fes import keys, messages
-from fes.about import encode_about, here
-from fes.arrays import Bools, Bytes
-from fes.bus import Bus, Question
-from fes.complaints import Complaints
-from fes.config import AgentConfig, own
+from fes.arrays.types import Bools, Bytes
 from fes.errors import FesError, MessageError
-from fes.messages import Join, Welcome
+from fes.model.config import AgentConfig, own
+from fes.protocol import keys, messages
+from fes.protocol.messages import Join, Welcome
+from fes.protocol.world_info import encode_about, here
+from fes.transport.bus import Bus, Question
+from fes.transport.drop_log import Complaints
 
 RESUME_TIMEOUT = 10.0
 """A world that goes on with a run expects its robots for this long [s], and leases them to nobody; they try to find

@@ -6,8 +6,8 @@ from typing import get_args
 
 from pydantic import ValidationError
 
-from fes.config import Table
-from fes.output import printable
+from fes.model.config import Table
+from fes.system.output import printable
 
 LONGEST = 120
 """Longest text from outside that a message shows [characters]."""

@@ -5,9 +5,11 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, ValidationError, model_validator
 
-from fes import counts, draws, encoding, stability
-from fes.arrays import Floats
-from fes.config import (
+from fes.arrays import draws
+from fes.arrays.types import Floats
+from fes.errors import ScenarioError, reason
+from fes.model import counts, stability
+from fes.model.config import (
     AgentConfig,
     Clock,
     EquipmentConfig,
@@ -16,7 +18,7 @@ from fes.config import (
     SeekingConfig,
     Table,
 )
-from fes.errors import ScenarioError, reason
+from fes.system import encoding
 from world import equipment, events, robots_config, toml
 from world.equipment import Transmission
 from world.events import EventConfig, Planned, attendance, changed, schedule

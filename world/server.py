@@ -8,15 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from fes import fingerprint, keys, wire
-from fes.arrays import Bools
-from fes.bus import Bus, Question
-from fes.change import decode_change, encode_effect
-from fes.complaints import Complaints
+from fes.arrays.types import Bools
 from fes.errors import MessageError, ScenarioError
-from fes.inbox import Inbox
-from fes.messages import Join
-from fes.report import encode_report
+from fes.protocol import keys, wire
+from fes.protocol.channel_change import decode_change, encode_effect
+from fes.protocol.messages import Join
+from fes.protocol.report import encode_report
+from fes.system import fingerprint
+from fes.transport.bus import Bus, Question
+from fes.transport.drop_log import Complaints
+from fes.transport.inbox import Inbox
 from world import reporting, summary, wording
 from world.attendance import Attendance
 from world.beacon_tap import BeaconTap

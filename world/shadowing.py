@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fes import draws, geometry
-from fes.arrays import Floats, Ints
+from fes.arrays import draws, geometry
+from fes.arrays.types import Floats, Ints
 from world.radio_config import ShadowingConfig
 
 MODES = 256

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from fes.arrays import Bools, Floats, Ints
-from fes.sensing import DECODED, Observations
+from fes.arrays.types import Bools, Floats, Ints
+from fes.model.sensing import DECODED, Observations
 from world import channel, crowd, events, kinematics, proximity
 from world.channel import Medium, Radio
 from world.equipment import Transmission

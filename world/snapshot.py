@@ -18,9 +18,10 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from fes import about, files, fingerprint, strict_json
 from fes.errors import FesError, reason
-from fes.messages import Join
+from fes.protocol import world_info
+from fes.protocol.messages import Join
+from fes.system import files, fingerprint, strict_json
 from world.account import Account
 from world.breathing import Breathing
 from world.digest import Digest
@@ -100,7 +101,7 @@ _KINDS: dict[str, Any] = {
 
 def pack(snapshot: Snapshot) -> bytes:
     """The content of the file of a snapshot."""
-    head = {"fes": about.version(), "arithmetic": fingerprint.table()}
+    head = {"fes": world_info.version(), "arithmetic": fingerprint.table()}
     told = strict_json.dumps(head).encode() + b"\n" + pickle.dumps(snapshot, protocol=5)
     return b"\n".join([b"fes checkpoint %d" % FORMAT, hashlib.sha256(told).hexdigest().encode(), told])
 

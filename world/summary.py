@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from fes import fingerprint, strict_json
-from fes.arrays import Floats
-from fes.edges import Edges
+from fes.arrays.edges import Edges
+from fes.arrays.types import Floats
 from fes.errors import FesError, reason
+from fes.system import fingerprint, strict_json
 from world import expect, graphs, metrics
 from world.account import Account
 from world.channel import Radio

@@ -3,7 +3,7 @@
 import tomllib
 from typing import Any
 
-from fes.encoding import DEEPEST
+from fes.system.encoding import DEEPEST
 
 LARGEST = 2**64
 """No whole number reaches it: TOML promises 64 bits, and longer ones cannot even be printed."""

@@ -9,9 +9,9 @@ from functools import cache
 
 import numpy as np
 
-from fes.arrays import Floats
-from fes.report import Report
-from fes.sensing import Telemetry
+from fes.arrays.types import Floats
+from fes.model.sensing import Telemetry
+from fes.protocol.report import Report
 from world.schemas import FOXGLOVE, OWN, TIMESTAMP
 
 MAP = "map"

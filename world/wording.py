@@ -4,12 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fes import keys, messages
-from fes.arrays import Bools, Floats, Ints
-from fes.edges import Stack
+from fes.arrays.edges import Stack
+from fes.arrays.types import Bools, Floats, Ints
 from fes.errors import MessageError
-from fes.messages import Command, Observation
-from fes.sensing import Observations, Telemetry
+from fes.model.sensing import Observations, Telemetry
+from fes.protocol import keys, messages
+from fes.protocol.messages import Command, Observation
 
 
 def observations(sensed: Observations, present: Bools, since: Ints) -> list[bytes]:

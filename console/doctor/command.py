@@ -14,10 +14,12 @@ from console.doctor.finding import Finding, Status, warning
 from console.options import Cfg, Config, Connect, ObserverKeys
 from console.printing import cell
 from console.rundir import Address, Visitor
-from fes import keys, process, strict_json
-from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
+from fes import process
 from fes.errors import FesError
-from fes.identity import OBSERVER
+from fes.protocol import keys
+from fes.system import strict_json
+from fes.transport.endpoints import DEFAULT_ENDPOINT, Endpoints
+from fes.transport.identity import OBSERVER
 
 STYLES = {Status.OK: "green", Status.WARNING: "yellow", Status.FAILED: "bold red"}
 

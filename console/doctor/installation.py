@@ -8,7 +8,7 @@ from importlib.metadata import Distribution
 from pathlib import Path
 
 from console.doctor.finding import Finding, failed, ok, warning
-from fes import distribution
+from fes.system import distribution
 
 CHECK = "our names"
 

@@ -14,9 +14,9 @@ from pathlib import Path
 
 from console import leftovers
 from console.doctor.finding import Finding, failed, ok, warning
-from fes import distribution
-from fes.about import installed
 from fes.errors import reason
+from fes.protocol.world_info import installed
+from fes.system import distribution
 
 OLDEST_PYTHON = (3, 11)
 

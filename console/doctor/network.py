@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 from console.doctor.finding import Finding, failed, ok, warning
-from fes import about, bus, health, keys
-from fes.about import About
-from fes.bus import Bus
-from fes.endpoints import DEFAULT_ENDPOINT, Endpoints
 from fes.errors import Absent, FesError, MessageError, Refused, TransportError, reason
-from fes.handshake import SLOW
-from fes.wire import PROTOCOL
+from fes.protocol import keys, world_info
+from fes.protocol.wire import PROTOCOL
+from fes.protocol.world_info import About
+from fes.transport import bus, health
+from fes.transport.bus import Bus
+from fes.transport.connection_diagnosis import SLOW
+from fes.transport.endpoints import DEFAULT_ENDPOINT, Endpoints
 
 PATIENCE = 2.0
 """How long each question may take [s]."""
@@ -75,7 +76,7 @@ class Answer(NamedTuple):
 
     asked: float
     heard: float
-    about: About
+    world_info: About
 
 
 Silence = MessageError | Absent | Refused
@@ -101,7 +102,7 @@ async def examine(endpoints: Endpoints, run: str, wanted: bool) -> tuple[list[Fi
         return [warning("endpoint", said, remedy(said))], None
     except FesError as error:
         return [refused(error)], None
-    robots = answer.about.robots if isinstance(answer, Answer) else None
+    robots = answer.world_info.robots if isinstance(answer, Answer) else None
     found = [ok("endpoint", f"{endpoints.shown} answers"), alive(run, standing, others, robots, wanted)]
     return found + (list(said_by(answer)) if answer is not None else []), robots
 
@@ -145,7 +146,7 @@ async def _ask(opened: Bus, run: str) -> Answer | Silence:
     asked = time.time()
     try:
         payload = await opened.ask(keys.about(run), b"", PATIENCE)
-        return Answer(asked, time.time(), about.decode_about(payload))
+        return Answer(asked, time.time(), world_info.decode_about(payload))
     except (MessageError, Absent, Refused) as error:
         return error
 
@@ -174,13 +175,13 @@ def alive(run: str, standing: list[str], others: list[str], robots: int | None, 
 def said_by(answer: Answer | Silence) -> Iterator[Finding]:
     """Versions and clock of a world, beside our own."""
     same = "install the same version of fes here and there"
-    if isinstance(answer, MessageError) and about.speaks_otherwise(answer):
+    if isinstance(answer, MessageError) and world_info.speaks_otherwise(answer):
         yield failed("version", str(answer), same)
         return
     if not isinstance(answer, Answer):
         yield warning("version", f"the world does not say its version ({answer})", same)
         return
-    own, other = about.here(1), answer.about
+    own, other = world_info.here(1), answer.world_info
     seen = f"protocol {PROTOCOL}, fes {other.package}, zenoh {other.zenoh}"
     if (own.package, own.zenoh) != (other.package, other.zenoh):
         yield warning("version", f"{seen} there; fes {own.package}, zenoh {own.zenoh} here", same)

@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING
 
 from console.sweep import work
 from console.sweep.work import Batch, Done, Watch, Workers
-from fes import addresses, fingerprint
-from fes.about import version
-from fes.distribution import install
 from fes.errors import FesError
+from fes.protocol.world_info import version
+from fes.system import fingerprint
+from fes.system.distribution import install
+from fes.transport import addresses
 
 if TYPE_CHECKING:
     from distributed import Client

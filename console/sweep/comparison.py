@@ -14,7 +14,7 @@ import numpy as np
 
 from console.sweep.design import Design
 from console.sweep.table import ERROR, SEED, Row
-from fes.arrays import Floats
+from fes.arrays.types import Floats
 
 CONFIDENCE = 0.95
 

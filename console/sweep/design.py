@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from console import inprocess
-from fes import encoding, strict_json
 from fes.errors import ScenarioError
+from fes.system import encoding, strict_json
 from world import crowd
 from world.rules import short
 from world.scenario import Scenario, load, parse_override

@@ -16,9 +16,9 @@ from typing import IO, Any
 
 from console.sweep.design import Design, digest, seeded
 from console.sweep.work import Done
-from fes import encoding, files, fingerprint, strict_json
-from fes.about import version
 from fes.errors import FesError, reason
+from fes.protocol.world_info import version
+from fes.system import encoding, files, fingerprint, strict_json
 
 HEADER = "sweep.json"
 LINES = "runs.jsonl"

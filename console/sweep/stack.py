@@ -1,9 +1,9 @@
 """Several runs as one array program: one crew steps the robots of all of them, each run has a world of its own.
 
 Robots of different runs are never in range of each other, so they share nothing but the arrays. A robot's digits do
-not depend on who else shares its process (`fes.edges`), and its seed and its id within its run are looked up where
-numbers are drawn. So every run has the digest that it has alone. What it saves is numpy's cost a call, which for ten
-robots is most of the time.
+not depend on who else shares its process (`fes.arrays.edges`), and its seed and its id within its run are looked up
+where numbers are drawn. So every run has the digest that it has alone. What it saves is numpy's cost a call, which
+for ten robots is most of the time.
 """
 
 import time
@@ -17,10 +17,10 @@ from agents import clocks, crew, seeking
 from agents.crew import Crew
 from console import inprocess
 from console.inprocess import Tick
-from fes.arrays import Floats, Ints
-from fes.config import AgentConfig
-from fes.edges import Edges
-from fes.sensing import Beacons, Observations, Telemetry, silence
+from fes.arrays.edges import Edges
+from fes.arrays.types import Floats, Ints
+from fes.model.config import AgentConfig
+from fes.model.sensing import Beacons, Observations, Telemetry, silence
 from world import simulation, summary
 from world.account import Account
 from world.scenario import Scenario, agent_config

@@ -13,9 +13,9 @@ from typing import IO, Any
 
 from console.sweep.design import Design, Value
 from console.sweep.work import Done
-from fes import strict_json
-from fes.distribution import install
 from fes.errors import FesError
+from fes.system import strict_json
+from fes.system.distribution import install
 
 SEED, ERROR = "seed", "error"
 

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from fes import addresses, encoding
 from fes.errors import FesError
-from fes.wire import MAX_PAYLOAD
+from fes.protocol.wire import MAX_PAYLOAD
+from fes.system import encoding
+from fes.transport import addresses
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 SECURE_ENDPOINT = "tls/127.0.0.1:7447"

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from fes.arrays import Floats
+from fes.arrays.types import Floats
 
 X, Y, HEADING = 0, 1, 2
 """Columns of an array of poses [n, 3]: Pose(x, y, heading) [m, m, rad; world frame], after ROS REP 103."""

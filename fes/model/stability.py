@@ -14,8 +14,8 @@ Both sides check them: the world when it reads a scenario, a crew when it is tol
 
 import math
 
-from fes import counts
-from fes.config import FormationConfig, SeekingConfig
+from fes.model import counts
+from fes.model.config import FormationConfig, SeekingConfig
 
 MAX_STEPS = 10_000
 """Most steps of the integration in a tick."""

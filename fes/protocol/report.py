@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from fes import wire
-from fes.arrays import Bytes, Floats, Ints
+from fes.arrays.types import Bytes, Floats, Ints
+from fes.protocol import wire
 
 _LINK_ARRAYS = (
     "separation",

@@ -17,9 +17,11 @@ os.environ.setdefault(
 
 import zenoh
 
-from fes import addresses, encoding, errors, handshake, strict_json
-from fes.endpoints import DEFAULT_ENDPOINT, Endpoints, warn_if_exposed
+from fes import errors
 from fes.errors import FesError, TransportError
+from fes.system import encoding, strict_json
+from fes.transport import addresses, connection_diagnosis
+from fes.transport.endpoints import DEFAULT_ENDPOINT, Endpoints, warn_if_exposed
 
 LONGEST_NAMESPACE = 1000
 """Longest namespace [characters]. Zenoh puts it before every key, and panics at a key of 65,535 bytes."""
@@ -36,7 +38,7 @@ async def begin(endpoints: Endpoints) -> zenoh.Session:
     try:
         return await _open(config)
     except zenoh.ZError as error:
-        raise TransportError(await asyncio.to_thread(handshake.reason, endpoints, str(error))) from None
+        raise TransportError(await asyncio.to_thread(connection_diagnosis.reason, endpoints, str(error))) from None
 
 
 async def _open(config: zenoh.Config) -> zenoh.Session:
@@ -105,7 +107,7 @@ def _read(path: Path) -> zenoh.Config:
     except OSError as error:
         said = errors.reason(error, with_file=False)
     except zenoh.ZError as error:
-        said = handshake.first_line(str(error))
+        said = connection_diagnosis.first_line(str(error))
     except ValueError as error:
         said = str(error)
     raise TransportError(f"cannot read the Zenoh configuration {path}: {said}")

@@ -6,8 +6,9 @@ import ssl
 from collections.abc import Mapping
 from typing import Any
 
-from fes import addresses, errors
-from fes.endpoints import Endpoints
+from fes import errors
+from fes.transport import addresses
+from fes.transport.endpoints import Endpoints
 
 PATIENCE = 2.0
 """How long to wait for an answer [s]."""

@@ -1,8 +1,8 @@
 """Whether a port is listened at, or a connection to one stands: a container's health check.
 
-`python -m fes.health listens 7447` and `python -m fes.health connected 7447` end with 0 if so, else with 1. They read
-the kernel's table of sockets in their own network namespace, which is the container's, so that a check every other
-second costs a run nothing and sends nothing. They need Linux.
+`python -m fes.transport.health listens 7447` and `python -m fes.transport.health connected 7447` end with 0 if so,
+else with 1. They read the kernel's table of sockets in their own network namespace, which is the container's, so that
+a check every other second costs a run nothing and sends nothing. They need Linux.
 """
 
 import sys
@@ -59,7 +59,7 @@ def main() -> None:
         how, port = sys.argv[1:]
         well = healthy(how, int(port))
     except (ValueError, OSError) as error:
-        sys.exit(f"fes.health: error: expects listens PORT or connected PORT, on Linux: {error}")
+        sys.exit(f"fes.transport.health: error: expects listens PORT or connected PORT, on Linux: {error}")
     print(f"{how} {port}: {'yes' if well else 'no'}")
     sys.exit(0 if well else 1)
 

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from fes import keys
-from fes.distribution import install
 from fes.errors import FesError
+from fes.protocol import keys
+from fes.system.distribution import install
 
 WORLD, OBSERVER, OPERATOR = "world", "observer", "operator"
 AUTHORITY = "ca"

@@ -16,9 +16,9 @@ from typing import Any
 import zenoh
 import zenoh.handlers
 
-from fes import session
-from fes.endpoints import Endpoints
 from fes.errors import Absent, Busy, FesError, Refused
+from fes.transport import session
+from fes.transport.endpoints import Endpoints
 
 MAILBOX = 64
 """Samples that may wait in a mailbox; peers are a tick ahead at most, and 64 of the longest are 64 MiB."""

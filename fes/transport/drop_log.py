@@ -4,7 +4,7 @@ import logging
 from collections import Counter
 
 from fes.errors import MessageError
-from fes.output import printable
+from fes.system.output import printable
 
 MAX_KINDS = 100
 """Kinds that are told apart, unless told otherwise."""

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from fes.arrays import Bools, Floats, Ints
-from fes.edges import Edges
-from fes.sensing import Beacons
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bools, Floats, Ints
+from fes.model.sensing import Beacons
 
 NEVER = -(2**62)
 """Tick at which a peer was last heard that was never heard."""

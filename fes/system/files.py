@@ -6,8 +6,8 @@ import stat
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from fes import strict_json
 from fes.errors import FesError, reason
+from fes.system import strict_json
 
 MAX_TABLE = 1 << 20
 """Size of a file that holds a table as JSON [bytes]."""

@@ -9,8 +9,8 @@ import sys
 
 import numpy as np
 
-from fes.arrays import Floats
-from fes.config import ChannelConfig
+from fes.arrays.types import Floats
+from fes.model.config import ChannelConfig
 
 
 def exponent_scale(channel: ChannelConfig) -> float:

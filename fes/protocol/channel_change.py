@@ -2,8 +2,9 @@
 
 from typing import Any, NamedTuple
 
-from fes import strict_json, wire
 from fes.errors import MessageError
+from fes.protocol import wire
+from fes.system import strict_json
 
 LONGEST = 4096
 """Longest value that can be asked for [characters of JSON]; with defaults filled in it grows."""

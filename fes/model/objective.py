@@ -7,8 +7,8 @@ and for the path loss inside p; only two exponents, 4 and 3, give its Fig. 3, so
 
 import numpy as np
 
-from fes.arrays import Floats
-from fes.config import ObjectiveConfig
+from fes.arrays.types import Floats
+from fes.model.config import ObjectiveConfig
 
 
 def preference(separation: Floats, objective: ObjectiveConfig) -> Floats:

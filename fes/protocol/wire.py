@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 import msgpack
 import numpy as np
 
-from fes.arrays import Bytes, Floats, Ints
+from fes.arrays.types import Bytes, Floats, Ints
 from fes.errors import MessageError
 
 PROTOCOL = 2

@@ -4,8 +4,9 @@ import time
 from importlib import metadata
 from typing import NamedTuple
 
-from fes import distribution, wire
 from fes.errors import FesError, MessageError
+from fes.protocol import wire
+from fes.system import distribution
 
 LONGEST = 100
 """Longest version [characters]."""

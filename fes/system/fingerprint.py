@@ -11,7 +11,7 @@ from functools import cache
 
 import numpy as np
 
-from fes.arrays import Floats
+from fes.arrays.types import Floats
 
 CORE = "numpy"
 """The implementation that computes a run."""

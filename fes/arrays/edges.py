@@ -13,7 +13,7 @@ from operator import is_ as _is
 
 import numpy as np
 
-from fes.arrays import Bools, Floats, Ints
+from fes.arrays.types import Bools, Floats, Ints
 
 _SHIFT = 32  # a pair's key is robot * 2**32 + peer: unique, and sorted as the pairs are
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fes.arrays import Bools, Bytes, Floats, Ints
-from fes.edges import Edges, no_edges
+from fes.arrays.edges import Edges, no_edges
+from fes.arrays.types import Bools, Bytes, Floats, Ints
 
 CLOSED, LOST, DECODED = 0, 1, 2
 """Reception of a peer's last beacon: its radio contact is not open yet; it was lost on the air; it decoded."""

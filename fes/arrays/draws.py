@@ -9,7 +9,7 @@ import hashlib
 
 import numpy as np
 
-from fes.arrays import Floats, Ints
+from fes.arrays.types import Floats, Ints
 
 _PER_COUNTER = 4  # Philox 4x64 gives four words at each counter value
 _TO_UNIT = 2.0**-53

@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 from pydantic import ValidationError
 
-from fes import wire
-from fes.arrays import Bytes, Floats, Ints
-from fes.config import AgentConfig
+from fes.arrays.types import Bytes, Floats, Ints
 from fes.errors import MessageError
-from fes.sensing import DECODED, MAX_TOLD, MAX_TWIST
+from fes.model.config import AgentConfig
+from fes.model.sensing import DECODED, MAX_TOLD, MAX_TWIST
+from fes.protocol import wire
 
 MAX_STATISTICS = 64
 MAX_AGENT = 2**62
@@ -28,7 +28,7 @@ class Join(NamedTuple):
     """A number that it has drawn, from 0 to MAX_AGENT: no other agent of these robots has the same."""
 
     arithmetic: str = ""
-    """The agent's arithmetic, as `fes.fingerprint.text` describes it; empty if the agent does not tell."""
+    """The agent's arithmetic, as `fes.system.fingerprint.text` describes it; empty if the agent does not tell."""
 
     @property
     def mark(self) -> bytes:

@@ -1,0 +1,7 @@
+"""Arrays and the arithmetic that both sides share.
+
+types     type aliases for the arrays of every signature
+edges     directed pairs (robot, peer) of a crew, and sums over them in a fixed order
+geometry  angle wrapping, separation, line of sight
+draws     random numbers as a function of (seed, stream, tick, sender, receiver)
+"""

@@ -1,0 +1,9 @@
+"""Messages, their encoding and their keys.
+
+keys            every key expression, in one table
+wire            fields of a payload, packed and checked
+messages        Welcome, Observation, Beacon and Command
+report          Report: what observers see
+world_info      the world's description of itself
+channel_change  a request to change the channel, and its result
+"""

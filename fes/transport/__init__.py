@@ -1,0 +1,12 @@
+"""Zenoh: one session per process, and its way to asyncio.
+
+bus                   everything that a session declares
+session               how a session is opened
+inbox                 from Zenoh's threads to the loop, one wake-up per tick
+endpoints             how a process takes part in the network
+addresses             rules of an endpoint's address, and names that do not resolve
+identity              certificates: the role of a process
+connection_diagnosis  why a session did not open
+drop_log              rejected and missing messages: counted, and logged once per kind
+health                health checks: whether a port listens, or a connection stands
+"""
