@@ -12,12 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
-from agents import assembly, contacts, crew, transmitter
-from agents.assembly import Assembly
-from agents.membership import PATIENCE, Membership
-from agents.mouth import Mouth
-from agents.radio import Radio
-from agents.turns import Turns
+from agents.control import contacts, crew, transmitter
+from agents.runtime import marshalling
+from agents.runtime.beacon_subscriptions import Radio
+from agents.runtime.marshalling import Assembly
+from agents.runtime.membership import PATIENCE, Membership
+from agents.runtime.outbox import Mouth
+from agents.runtime.tick_source import Turns
 from fes import process
 from fes.errors import Absent, FesError, Refused
 from fes.model.sensing import Observations
@@ -85,7 +86,7 @@ class Agent:
             if observations.in_range is not tuned:
                 tuned = observations.in_range
                 self.radio.tune(set(tuned.peers.tolist()))
-            spoken = list(assembly.payloads(said, twists, crew.telemetry(robots, state)))
+            spoken = list(marshalling.payloads(said, twists, crew.telemetry(robots, state)))
             self._mouth.say(observations.tick, transmitter.on_air(robots.transmitters, observations.tick, spoken))
         self.membership.close()
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from agents import crew
+from agents.control import crew
 from bench import robot
 from fes.model.sensing import silence
 from world import simulation

@@ -12,7 +12,7 @@ import time
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from agents.neighbors import RULES
+from agents.laws.neighbor_rules import RULES
 from console import inprocess
 from world import crowd, summary
 from world.log_layout import NAME

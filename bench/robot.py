@@ -10,8 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from agents import assembly, crew
-from agents.assembly import Assembly
+from agents.control import crew
+from agents.runtime import marshalling
+from agents.runtime.marshalling import Assembly
 from fes.model.sensing import Telemetry
 from fes.protocol import messages
 from fes.protocol.messages import Observation
@@ -85,7 +86,7 @@ def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
             minds[robot], said, twists = crew.step(crews[robot], minds[robot], seen, heard)
             stepped = clock()
             told = crew.telemetry(crews[robot], minds[robot])
-            [(_, beacon, command)] = assembly.payloads(said, twists, told)
+            [(_, beacon, command)] = marshalling.payloads(said, twists, told)
             costs.say.append(clock() - stepped)
             costs.step.append(stepped - read)
             costs.read.append(read - begun)

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from agents import formation, oracle, seeking
-from agents.seeking import Seeker
+from agents.laws import formation, oracle, perturbation
+from agents.laws.perturbation import Seeker
 from console import inprocess
 from console.sweep import stack
 from fes.arrays.edges import Edges
@@ -35,14 +35,16 @@ def printed_law() -> Numbers:
     """(18) as printed: beta_l r_hat + xi is conserved, and the disagreement freezes at 2/(2 + beta_l)."""
     config = SeekingConfig(law="paper", index_transform="none", index_gain=1.0)
     start, end = _pair(config, 10.0)
-    kept = config.low_pass_cutoff * end[seeking.ESTIMATE] + end[seeking.DRIFT]
+    kept = config.low_pass_cutoff * end[perturbation.ESTIMATE] + end[perturbation.DRIFT]
     _, with_gain = _pair(config.model_copy(update={"index_gain": 44460.0}), 10.0)
     return {
         "disagreement at the start [m]": 20.0,
-        "disagreement after 10 s [m]": float(np.ptp(end[seeking.ESTIMATE])),
+        "disagreement after 10 s [m]": float(np.ptp(end[perturbation.ESTIMATE])),
         "2/(2 + beta_l) of the start [m]": 20.0 * 2.0 / (2.0 + config.low_pass_cutoff),
-        "disagreement after 10 s with an index gain of 44460 [m]": float(np.ptp(with_gain[seeking.ESTIMATE])),
-        "change of beta_l r_hat + xi": float(np.abs(kept - config.low_pass_cutoff * start[seeking.ESTIMATE]).max()),
+        "disagreement after 10 s with an index gain of 44460 [m]": float(np.ptp(with_gain[perturbation.ESTIMATE])),
+        "change of beta_l r_hat + xi": float(
+            np.abs(kept - config.low_pass_cutoff * start[perturbation.ESTIMATE]).max()
+        ),
     }
 
 
@@ -55,7 +57,7 @@ def corrected_law() -> Numbers:
     values = np.linalg.eigvals(np.array([[-2.0 * kappa, 1.0], [-2.0 * kappa * low, -low]]))
     printed = np.linalg.eigvals(np.array([[-2.0 * kappa, 1.0], [2.0 * kappa * low, -low]]))
     return {
-        "disagreement after 4 s [m]": float(np.ptp(end[seeking.ESTIMATE])),
+        "disagreement after 4 s [m]": float(np.ptp(end[perturbation.ESTIMATE])),
         "eigenvalues, real part [1/s]": float(values.real.max()),
         "eigenvalues, imaginary part [rad/s]": float(values.imag.max()),
         "printed law, largest eigenvalue [1/s]": float(printed.real.max()),
@@ -163,10 +165,10 @@ def _pair(config: SeekingConfig, duration: float) -> tuple[Floats, Floats]:
     """State [3, 2] of the two ends of one link at the start and after `duration` [s]."""
     index = oracle.index(ObjectiveConfig(), ChannelConfig(), config.index_transform)
     seeker = Seeker(config, index, 0.02)
-    start = state = seeking.begin(seeker, 0, PAIR)
+    start = state = perturbation.begin(seeker, 0, PAIR)
     for tick in range(math.ceil(duration / seeker.dt)):
-        heard = seeking.extrapolate(seeker, state, state[seeking.ESTIMATE, ::-1], np.zeros(2))
-        state = seeking.advance(seeker, tick, state, heard)
+        heard = perturbation.extrapolate(seeker, state, state[perturbation.ESTIMATE, ::-1], np.zeros(2))
+        state = perturbation.advance(seeker, tick, state, heard)
     return start, state
 
 

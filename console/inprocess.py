@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from agents import assembly, crew
+from agents.control import crew
+from agents.runtime import marshalling
 from fes.arrays.types import Floats
 from fes.errors import FesError, ScenarioError
 from fes.model.sensing import Beacons, Telemetry, of_those, silence
@@ -68,7 +69,7 @@ def tick(state: State, said: Beacons, twists: Floats, told: Telemetry) -> Tick:
 def said(tick: Tick) -> Said:
     """What would have crossed the bus at a tick, to the byte."""
     present, legible = tick.state.present, tick.state.legible
-    spoken = list(assembly.payloads(tick.said, tick.twists, tick.telemetry))
+    spoken = list(marshalling.payloads(tick.said, tick.twists, tick.telemetry))
     sensed = wording.observations(simulation.observe(tick.state), present, tick.state.since)
     beacons = [beacon if whole else b"" for (_, beacon, _), whole in zip(spoken, legible.tolist(), strict=True)]
     commands = [command if here else b"" for (_, _, command), here in zip(spoken, present.tolist(), strict=True)]

@@ -9,8 +9,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from agents import assembly, contacts, crew, transmitter
-from agents.assembly import Assembly
+from agents.control import contacts, crew, transmitter
+from agents.runtime import marshalling
+from agents.runtime.marshalling import Assembly
 from console.difference import Difference, between, of_payloads, of_reports
 from console.log import Log
 from fes.arrays.types import Floats, Ints
@@ -163,7 +164,7 @@ class Robots:
             raise FesError(f"tick {tick.number - 1}: a Beacon that was decoded is not in the log")
         told = crew.telemetry(self._crew, self._state)
         broken = transmitter.damaging(self._crew.transmitters, tick.number)
-        for robot, whole, command in assembly.payloads(said, twists, told):
+        for robot, whole, command in marshalling.payloads(said, twists, told):
             if robot not in sensed:
                 continue
             beacon = b"" if robot in broken else whole

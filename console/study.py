@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from agents import oracle, seeking
-from agents.seeking import Seeker
+from agents.laws import oracle, perturbation
+from agents.laws.perturbation import Seeker
 from console import history
 from fes.arrays.types import Floats
 from fes.model.config import ChannelConfig, ObjectiveConfig, SeekingConfig
@@ -51,10 +51,10 @@ def _path(sub_step: float, transform: str, starts: Floats) -> Floats:
     config = SeekingConfig(index_transform=transform, index_gain=gain, sub_step=sub_step)  # type: ignore[arg-type]
     index = oracle.index(ObjectiveConfig(), ChannelConfig(), config.index_transform)
     seeker = Seeker(config, index, 0.02)
-    state, path = seeking.begin(seeker, 0, starts), []
+    state, path = perturbation.begin(seeker, 0, starts), []
     for tick in range(round(SPAN / seeker.dt)):
-        state = seeking.advance(seeker, tick, state, np.full(len(starts), np.nan))
-        path.append(state[seeking.ESTIMATE])
+        state = perturbation.advance(seeker, tick, state, np.full(len(starts), np.nan))
+        path.append(state[perturbation.ESTIMATE])
     return np.array(path)
 
 

@@ -46,7 +46,7 @@ def attacked(disturb: Any) -> tuple[Server, list[Agent]]:
     async def bounded() -> Any:
         async with asyncio.timeout(60.0):
             scenario = load("paper.toml", run__duration=2.0)
-            with mock.patch("agents.membership.secrets.randbelow", return_value=AGENT):
+            with mock.patch("agents.runtime.membership.secrets.randbelow", return_value=AGENT):
                 return await session.run(scenario, [[robot] for robot in range(ROBOTS)], disturb)
 
     summary, server, agents = asyncio.run(bounded())

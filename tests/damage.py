@@ -125,7 +125,8 @@ class Run:
             return SILENT, f"digest {reached['digest']}"
         if self._ticks_of(self.work / NAME) < len(self.ticks):
             return SILENT, "a shorter log"
-        # Living robots repeat at most their words of one tick back (agents.turns), and else end with a line.
+        # Living robots repeat at most their words of one tick back (agents.runtime.tick_source), and else end with a
+        # line.
         return (SAME, "") if first >= self.answered else (BEHIND, f"tick {first}")
 
     def _ticks_of(self, path: Path) -> int:

@@ -10,7 +10,7 @@ import numpy as np
 from rich.console import Console
 from rich.segment import Segment
 
-from agents import crew
+from agents.control import crew
 from console.dashboard import History, render
 from fes.arrays.types import Floats, Ints
 from fes.model import outage

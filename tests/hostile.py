@@ -5,8 +5,8 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from agents.mouth import Mouth
 from agents.process import Agent
+from agents.runtime.outbox import Mouth
 from console.launcher import free_port
 from fes.errors import FesError
 from fes.transport import bus

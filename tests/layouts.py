@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from agents import contacts
+from agents.control import contacts
 from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Bools, Floats, Ints
 from fes.model.contacts import Contacts

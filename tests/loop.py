@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from agents import crew as crews
+from agents.control import crew as crews
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
 from fes.model.sensing import Beacons, Observations, silence

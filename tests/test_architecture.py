@@ -11,7 +11,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 ROOMS = ("fes", "agents", "world", "console")
 BELOW = {"fes": set[str](), "agents": {"fes"}, "world": {"fes"}, "console": {"fes", "agents", "world"}}
-FORMULA_READERS = {"world.channel", "world.reporting", "agents.oracle"}
+FORMULA_READERS = {"world.channel", "world.reporting", "agents.laws.oracle"}
 """Modules that may know the channel's formula; `world.optimum` has it in decimals. Observers see the true outage."""
 MAPPED = (*ROOMS, "console/doctor", "console/sweep")
 LONGEST_FILE = 260
@@ -91,19 +91,19 @@ def test_only_the_world_and_the_oracle_know_the_channels_formula() -> None:
 
 
 def test_only_a_crew_imports_the_oracle_and_only_when_it_assembles_one() -> None:
-    assert below_console(importers("agents.oracle")) == {"agents.crew"}
-    for statement in at_import(modules("agents")["agents.crew"]):
+    assert below_console(importers("agents.laws.oracle")) == {"agents.control.crew"}
+    for statement in at_import(modules("agents")["agents.control.crew"]):
         if isinstance(statement, ast.Import | ast.ImportFrom):
-            assert "agents.oracle" not in set(imports(statement))
+            assert "agents.laws.oracle" not in set(imports(statement))
 
 
-@pytest.mark.parametrize("module", ["agents.crew", "agents.process"])
+@pytest.mark.parametrize("module", ["agents.control.crew", "agents.process"])
 def test_an_agent_starts_without_the_formula_and_without_what_it_has_no_use_for(module: str) -> None:
     code = f"import sys, {module}; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     loaded = set(done.stdout.split())
     assert {module, "numpy"} <= loaded
-    unwanted = {"matplotlib", "typer", "mcap", "rich", "world", "console", "agents.oracle", "fes.model.outage"}
+    unwanted = {"matplotlib", "typer", "mcap", "rich", "world", "console", "agents.laws.oracle", "fes.model.outage"}
     assert not unwanted & loaded
 
 
@@ -122,7 +122,7 @@ try:
     crew.assemble(config, np.arange(2))
 except FesError as error:
     print("refused:", error)
-print(*(name for name in sys.modules if name in ("agents.oracle", "fes.model.outage")))
+print(*(name for name in sys.modules if name in ("agents.laws.oracle", "fes.model.outage")))
 """
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     said = done.stdout.splitlines()

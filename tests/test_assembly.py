@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.assembly import Assembly, payloads
+from agents.runtime.marshalling import Assembly, payloads
 from fes.arrays.types import Bytes, Floats, Ints
 from fes.model.sensing import MAX_TOLD, MAX_TWIST, Beacons, Telemetry, bounded
 from fes.protocol import messages

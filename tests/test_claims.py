@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from agents import oracle
+from agents.laws import oracle
 from console import claims
 from fes.model.config import ChannelConfig, ObjectiveConfig
 from tests.loop import load

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from agents.mouth import Mouth
 from agents.process import Agent
+from agents.runtime.outbox import Mouth
 from console import inprocess, log, replay
 from fes.arrays.types import Bools
 from tests import session

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from agents import contacts, crew
+from agents.control import contacts, crew
 from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Floats
 from fes.model.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents import crew
+from agents.control import crew
 from console import inprocess
 from fes.errors import FesError, ScenarioError
 from fes.model import counts, stability

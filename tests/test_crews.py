@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from agents.mouth import Mouth
 from agents.process import Agent
+from agents.runtime.outbox import Mouth
 from console import log, replay
 from fes.protocol import keys
 from fes.transport.bus import Bus

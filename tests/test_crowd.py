@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from agents import contacts, neighbors
-from agents.neighbors import Witnesses
+from agents.control import contacts
+from agents.laws import neighbor_rules
+from agents.laws.neighbor_rules import Witnesses
 from bench.crowd import dense
 from console import cli, inprocess
 from fes.arrays import draws
@@ -61,15 +62,15 @@ def test_links_found_in_blocks_are_those_of_all_triples_at_once(
     monkeypatch: pytest.MonkeyPatch, layout: str, block: int, nearest: int
 ) -> None:
     """To the bit, and while robots move, are not heard, and witnesses are remembered."""
-    monkeypatch.setattr(neighbors, "FEW", 0)
-    monkeypatch.setattr(neighbors, "BLOCK", block)
-    monkeypatch.setattr(neighbors, "NEAREST", nearest)
+    monkeypatch.setattr(neighbor_rules, "FEW", 0)
+    monkeypatch.setattr(neighbor_rules, "BLOCK", block)
+    monkeypatch.setattr(neighbor_rules, "NEAREST", nearest)
     rng = np.random.default_rng(5)
     where = LAYOUTS[layout](rng, 60)
     known = layouts.hear(where, range(60))
     witnesses = Witnesses(known.edges)
     for tick in range(2, 8):
-        found = neighbors.relative_neighborhood(known, witnesses)
+        found = neighbor_rules.relative_neighborhood(known, witnesses)
         assert found.tolist() == all_triples(known).tolist()
         where = where + np.column_stack([rng.normal(0.0, 2.0, (60, 2)), np.zeros(60)])
         known = heard_again(known, where, rng.random(len(known.edges)) < 0.7, tick)
@@ -90,7 +91,7 @@ def test_pairs_found_in_blocks_are_those_of_a_search_of_all_pairs(
     assert proximity.count(where, 100.0, 10**6) == len(expected)
 
 
-@pytest.mark.parametrize("rule", sorted(neighbors.RULES))
+@pytest.mark.parametrize("rule", sorted(neighbor_rules.RULES))
 def test_a_crowd_takes_memory_in_proportion_to_its_contacts(rule: str) -> None:
     """For any number of contacts: their triples with third robots are 80 and 160 times as many."""
     for robots in (80, 160):
@@ -103,7 +104,7 @@ def test_a_crowd_takes_memory_in_proportion_to_its_contacts(rule: str) -> None:
             tracemalloc.stop()
         assert pairs == [robots * (robots - 1)] * len(pairs)
         # 128 of the radio's numbers, 140 arrays over contacts and links, and some buffers of a fixed size
-        assert peak < pairs[0] * (numbers + 140 * 8) + 10 * 8 * neighbors.BLOCK
+        assert peak < pairs[0] * (numbers + 140 * 8) + 10 * 8 * neighbor_rules.BLOCK
 
 
 def test_the_radios_numbers_are_drawn_in_the_memory_that_they_stay_in() -> None:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from agents.mouth import Mouth
-from agents.presence import Presence
-from agents.turns import Turns
+from agents.runtime.outbox import Mouth
+from agents.runtime.tick_source import Turns
+from agents.runtime.world_liveliness import Presence
 from console import header, inprocess
 from fes.protocol import keys, messages
 from fes.protocol.messages import Command, Observation

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from agents import collocation, formation, reception
+from agents.laws import collocation, formation, packet_counting
 from console import inprocess, summary
 from fes.arrays import geometry
 from fes.arrays.edges import Edges
@@ -107,7 +107,7 @@ def test_gains_of_a_measured_index_that_cannot_be_stable_are_refused() -> None:
     with pytest.raises(ScenarioError, match=r"0\.3 /s x run\.dt of a measured index must be below 2, got 2\.1"):
         load("measured.toml", run__dt=7.0, seeking__consensus_gain=0.0, formation__linear_gain=0.1)
     load("measured.toml", run__dt=0.24)
-    assert max(method.gain for method in (reception.POOLED, reception.ALONE)) == stability.NEWTON
+    assert max(method.gain for method in (packet_counting.POOLED, packet_counting.ALONE)) == stability.NEWTON
 
 
 @pytest.mark.parametrize(("cutoff", "error"), [(stability.MAX_WASHOUT, 1e-8), (2.0 * stability.MAX_WASHOUT, 1e-3)])

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from agents import assembly, crew
-from agents.assembly import Assembly
+from agents.control import crew
+from agents.runtime import marshalling
+from agents.runtime.marshalling import Assembly
 from fes.arrays.types import Floats
 from fes.errors import MessageError
 from fes.model.sensing import MAX_TOLD, MAX_TWIST, Beacons, bounded, silence
@@ -97,7 +98,7 @@ def test_no_beacon_and_no_command_that_is_valid_stops_a_peer_or_the_world(law: s
         tick, sent = course.state.tick, course.observations(course.state.present)
         minds, said, twists = crew.step(robots, minds, simulation.observe(course.state), heard)
         spoken = [
-            [beacon, order] for _, beacon, order in assembly.payloads(said, twists, crew.telemetry(robots, minds))
+            [beacon, order] for _, beacon, order in marshalling.payloads(said, twists, crew.telemetry(robots, minds))
         ]
         if tick >= 20:
             spoken[HOSTILE] = [any_beacon(choose, tick, robots.statistics), any_command(choose, tick)]

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents import formation
+from agents.laws import formation
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
 from fes.model.config import FormationConfig

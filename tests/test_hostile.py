@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from agents.mouth import Mouth
+from agents.runtime.outbox import Mouth
 from console import authority, compare, inprocess, log, replay
 from fes.errors import Absent, Refused
 from fes.protocol import keys, messages, wire
@@ -148,7 +148,7 @@ def resumed(outcome: Outcome) -> str:
 def test_a_robot_at_fault_is_excluded_and_the_others_lose_no_digit(
     attack: Attack, tick: int, reason: str, keyed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("agents.turns.QUIET", 0.2)  # its agent asks when it hears nothing
+    monkeypatch.setattr("agents.runtime.tick_source.QUIET", 0.2)  # its agent asks when it hears nothing
     outcome = hostile.run(tmp_path, keyed, attack)
     excluded = [note for note in outcome.notes if note[0] == EXCLUDE]
     assert [note[1:3] for note in excluded] == [[tick, [HOSTILE]]]

@@ -6,7 +6,7 @@ import os
 import threading
 from pathlib import Path
 
-from agents.radio import Radio
+from agents.runtime.beacon_subscriptions import Radio
 from fes.protocol import keys
 from fes.transport.drop_log import Complaints
 from tests.session import PATIENCE, RUN, client, router

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from agents.mouth import Mouth
-from agents.radio import Radio
+from agents.runtime.beacon_subscriptions import Radio
+from agents.runtime.outbox import Mouth
 from console import log, replay
 from console.launcher import free_port
 from fes.errors import FesError

@@ -104,7 +104,7 @@ def test_an_agent_drops_its_subscription_when_a_peer_leaves() -> None:
 def test_garbage_on_any_key_is_counted_and_changes_nothing(
     paper: Scenario, expected: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("agents.membership.secrets.randbelow", lambda most: attackers.AGENT)
+    monkeypatch.setattr("agents.runtime.membership.secrets.randbelow", lambda most: attackers.AGENT)
     nothing = np.zeros(0, dtype=np.int64)
     forged = messages.encode_command(Command(10**9, 3, (1.0, 1.0), nothing, np.zeros(0), np.zeros(0)))
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents import oracle
+from agents.laws import oracle
 from fes.model import objective, outage
 from fes.model.config import ChannelConfig, ObjectiveConfig
 from fes.model.sensing import DECODED

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from agents import clocks
+from agents.control import clocks
 from console import inprocess
 from console.sweep import stack
 from tests.loop import CONFIGS, load
@@ -131,7 +131,7 @@ def test_agent_processes_of_a_measured_run_never_load_the_formula_nor_the_oracle
         assert len(logs) == 10
         loaded[name] = [{line.rpartition("|")[2].strip() for line in log.read_text().splitlines()} for log in logs]
     for modules in loaded["measured"]:
-        assert "agents.reception" in modules
-        assert not {"agents.oracle", "fes.model.outage"} & modules
+        assert "agents.laws.packet_counting" in modules
+        assert not {"agents.laws.oracle", "fes.model.outage"} & modules
     for modules in loaded["paper"]:
-        assert {"agents.oracle", "fes.model.outage"} <= modules
+        assert {"agents.laws.oracle", "fes.model.outage"} <= modules

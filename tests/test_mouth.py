@@ -5,7 +5,7 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
-from agents.mouth import Mouth
+from agents.runtime.outbox import Mouth
 from fes.protocol import keys, messages
 from fes.transport.drop_log import Complaints
 

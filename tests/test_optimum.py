@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agents import oracle
+from agents.laws import oracle
 from fes.arrays.types import Floats
 from fes.model import objective, outage
 from fes.model.config import ChannelConfig, ObjectiveConfig

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from agents import crew as crews
+from agents.control import crew as crews
 from console import inprocess
 from fes.errors import ScenarioError
 from fes.model.sensing import CLOSED, DECODED, LOST, silence

@@ -227,9 +227,9 @@ def test_a_taken_port_is_one_line(tmp_path: Path) -> None:
 
 def test_an_agent_loads_no_more_than_it_needs(tmp_path: Path) -> None:
     """No plotting, no command-line framework, no terminal library, no scenario; and not the channel's formula."""
-    code = "import sys, agents.process, agents.crew; print(*sorted(sys.modules))"
+    code = "import sys, agents.process, agents.control.crew; print(*sorted(sys.modules))"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=PATIENCE)
     modules = set(loaded.stdout.split())
     forbidden = {"matplotlib", "typer", "rich", "mcap", "tomllib", "world", "console", "scipy"}
     assert not forbidden & {name.partition(".")[0] for name in modules}
-    assert not {"agents.oracle", "fes.model.outage"} & modules
+    assert not {"agents.laws.oracle", "fes.model.outage"} & modules

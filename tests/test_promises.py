@@ -6,7 +6,7 @@ from re import findall
 
 import pytest
 
-from agents import mouth
+from agents.runtime import outbox
 from console import launcher, observer
 from fes.transport import bus, drop_log, inbox
 from fes.transport.endpoints import Endpoints
@@ -44,7 +44,7 @@ FIGURES = [
     f"over TLS {audit.KINDS_OF_ONE} of each certificate",
     f"{bus.QUESTIONS} of one asker wait for one handler",
     f"(Zenoh's ring) | {bus.MAILBOX} samples",
-    f"`agents.mouth`, what was said | {mouth.REMEMBERED} ticks",
+    f"`agents.runtime.outbox`, what was said | {outbox.REMEMBERED} ticks",
     f"cut to {drop_log.LONGEST_LINE} characters",
     f"at most {drop_log.MAX_KINDS} kinds are told apart",
     f"{inbox.LIMIT:,} messages, {inbox.LIMIT_BYTES >> 20} MiB",

@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from agents import neighbors, oracle
-from agents.neighbors import Witnesses
+from agents.laws import neighbor_rules, oracle
+from agents.laws.neighbor_rules import Witnesses
 from fes.arrays.types import Floats
 from fes.model import outage
 from fes.model.config import ChannelConfig, ObjectiveConfig
@@ -33,7 +33,7 @@ teams = st.lists(st.tuples(st.integers(0, 400), st.integers(0, 400)), min_size=2
 
 def edges_of(where: Floats) -> set[tuple[int, int]]:
     known = layouts.hear(where, range(len(where)))
-    return layouts.pairs_of(known.edges, neighbors.relative_neighborhood(known, Witnesses(known.edges)))
+    return layouts.pairs_of(known.edges, neighbor_rules.relative_neighborhood(known, Witnesses(known.edges)))
 
 
 def joined(n: int, edges: set[tuple[int, int]]) -> bool:
@@ -103,7 +103,7 @@ def test_two_nearest_does_not_depend_on_the_ids_but_for_ties(team: list[tuple[in
 
     def chosen(poses: Floats) -> set[tuple[int, int]]:
         known = layouts.hear(poses, range(len(poses)))
-        return layouts.pairs_of(known.edges, neighbors.two_nearest(known, Witnesses(known.edges)))
+        return layouts.pairs_of(known.edges, neighbor_rules.two_nearest(known, Witnesses(known.edges)))
 
     assert {(order[i], order[j]) for i, j in chosen(where[np.array(order)])} == chosen(where)
 

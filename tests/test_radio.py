@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from agents.radio import Radio
+from agents.runtime.beacon_subscriptions import Radio
 from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon
 from fes.transport.drop_log import Complaints

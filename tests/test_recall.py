@@ -5,7 +5,7 @@ import contextlib
 
 import pytest
 
-from agents.radio import Radio
+from agents.runtime.beacon_subscriptions import Radio
 from console import inprocess
 from fes.errors import Absent, Refused
 from fes.protocol import keys, messages

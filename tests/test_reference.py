@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from agents import oracle, seeking
-from agents.seeking import Seeker
+from agents.laws import oracle, perturbation
+from agents.laws.perturbation import Seeker
 from console import inprocess
 from fes.arrays.types import Floats
 from fes.model.config import ChannelConfig, ObjectiveConfig, SeekingConfig
@@ -81,8 +81,8 @@ def test_the_plain_index_needs_another_gain_for_another_objective() -> None:
 
 def _last_time_beyond(seeker: Seeker, starts: Floats, optimal: float) -> Floats:
     """For links alone from `starts` the last time [s] 0.1 m or more from the optimum, within 40 s."""
-    state, last = seeking.begin(seeker, 0, starts), np.zeros(len(starts))
+    state, last = perturbation.begin(seeker, 0, starts), np.zeros(len(starts))
     for tick in range(round(40.0 / seeker.dt)):
-        last[np.abs(state[seeking.ESTIMATE] - optimal) >= 0.1] = (tick + 1) * seeker.dt
-        state = seeking.advance(seeker, tick, state, np.full(len(starts), np.nan))
+        last[np.abs(state[perturbation.ESTIMATE] - optimal) >= 0.1] = (tick + 1) * seeker.dt
+        state = perturbation.advance(seeker, tick, state, np.full(len(starts), np.nan))
     return last

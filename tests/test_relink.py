@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from agents import seeking
-from agents.seeking import BASELINE, DRIFT, ESTIMATE, Seeker
+from agents.laws import perturbation
+from agents.laws.perturbation import BASELINE, DRIFT, ESTIMATE, Seeker
 from fes.arrays.edges import Edges
 from fes.model.config import SeekingConfig
 from tests.layouts import edges
@@ -39,14 +39,14 @@ def test_a_link_that_stands_keeps_its_state() -> None:
     old = edges([0, 1], [(0, 2), (0, 3), (1, 2)])
     state = state_of(60.0, 70.0, 80.0)
     new = edges([0, 1], [(0, 3), (1, 2)])
-    found = seeking.relink(SEEKER, SEED, 5, old, state, new, NOBODY_FRESH, untold(new))
+    found = perturbation.relink(SEEKER, SEED, 5, old, state, new, NOBODY_FRESH, untold(new))
     assert found.tolist() == state[:, 1:].tolist()
 
 
 def test_a_new_link_begins_at_its_robots_own_mean() -> None:
     old = edges([0, 1], [(0, 2), (0, 3), (1, 2)])
     new = edges([0, 1], [(0, 2), (0, 4), (1, 2), (1, 5)])
-    found = seeking.relink(SEEKER, SEED, 5, old, state_of(60.0, 70.0, 80.0), new, NOBODY_FRESH, untold(new))
+    found = perturbation.relink(SEEKER, SEED, 5, old, state_of(60.0, 70.0, 80.0), new, NOBODY_FRESH, untold(new))
     assert found[ESTIMATE].tolist() == [60.0, 65.0, 80.0, 80.0]  # (60 + 70)/2, though link 0-3 is gone
     assert found[DRIFT, 1] == found[DRIFT, 3] == 0.0
     assert found[BASELINE, 1] == found[BASELINE, 3] == 5.0  # the first sample: gain 10 times 0.5
@@ -55,7 +55,7 @@ def test_a_new_link_begins_at_its_robots_own_mean() -> None:
 def test_the_first_links_of_a_robot_are_drawn_from_the_interval() -> None:
     n = 400
     old, new = edges(range(n), []), edges(range(n), [(i, (i + 1) % n) for i in range(n)])
-    found = seeking.relink(SEEKER, SEED, 2, old, np.zeros((3, 0)), new, np.zeros(n, dtype=np.bool_), untold(new))
+    found = perturbation.relink(SEEKER, SEED, 2, old, np.zeros((3, 0)), new, np.zeros(n, dtype=np.bool_), untold(new))
     drawn = found[ESTIMATE]
     assert drawn.min() >= 50.0
     assert drawn.max() < 90.0
@@ -67,8 +67,8 @@ def test_the_first_links_of_a_robot_are_drawn_from_the_interval() -> None:
 def test_a_fresh_robots_further_links_are_drawn_too() -> None:
     old, new = edges([0, 1], [(0, 2), (1, 2)]), edges([0, 1], [(0, 2), (0, 3), (1, 2), (1, 3)])
     state = state_of(60.0, 80.0)
-    found = seeking.relink(SEEKER, SEED, 2, old, state, new, np.array([True, False]), untold(new))[ESTIMATE]
-    from_nothing = seeking.relink(
+    found = perturbation.relink(SEEKER, SEED, 2, old, state, new, np.array([True, False]), untold(new))[ESTIMATE]
+    from_nothing = perturbation.relink(
         SEEKER, SEED, 2, edges([0, 1], []), np.zeros((3, 0)), new, NOBODY_FRESH, untold(new)
     )[ESTIMATE]
     assert found.tolist() == [60.0, from_nothing[1], 80.0, 80.0]
@@ -76,22 +76,24 @@ def test_a_fresh_robots_further_links_are_drawn_too() -> None:
 
 
 def test_a_first_estimate_depends_on_seed_robot_and_peer_only() -> None:
-    crew = seeking.first_estimates(SEEKER, SEED, edges([0, 3, 4], [(0, 3), (3, 0), (3, 4), (4, 3)]))
-    single = seeking.first_estimates(SEEKER, SEED, edges([3], [(3, 0), (3, 4), (3, 9)]))
+    crew = perturbation.first_estimates(SEEKER, SEED, edges([0, 3, 4], [(0, 3), (3, 0), (3, 4), (4, 3)]))
+    single = perturbation.first_estimates(SEEKER, SEED, edges([3], [(3, 0), (3, 4), (3, 9)]))
     assert crew[1:3].tolist() == single[:2].tolist()
     assert crew[0] != crew[1]  # the two ends of a link draw each their own
-    other = seeking.first_estimates(SEEKER, SEED + 1, edges([3], [(3, 0)]))
+    other = perturbation.first_estimates(SEEKER, SEED + 1, edges([3], [(3, 0)]))
     assert other[0] != single[0]
 
 
 def test_an_interval_of_one_point_is_that_point() -> None:
     exact = Seeker(SeekingConfig(initial_estimate=(77.0, 77.0)), constant, 0.02)
-    assert seeking.first_estimates(exact, SEED, edges([0], [(0, 1), (0, 2)])).tolist() == [77.0, 77.0]
+    assert perturbation.first_estimates(exact, SEED, edges([0], [(0, 1), (0, 2)])).tolist() == [77.0, 77.0]
 
 
 def test_a_robot_that_comes_late_begins_with_what_its_neighbors_tell_it() -> None:
     old, new = edges([0, 1], []), edges([0, 1], [(0, 2), (0, 3), (1, 2)])
     told = np.array([71.5, np.nan])
-    found = seeking.relink(SEEKER, SEED, 900, old, np.zeros((3, 0)), new, np.ones(2, dtype=np.bool_), told)[ESTIMATE]
-    drawn = seeking.first_estimates(SEEKER, SEED, new)
+    found = perturbation.relink(SEEKER, SEED, 900, old, np.zeros((3, 0)), new, np.ones(2, dtype=np.bool_), told)[
+        ESTIMATE
+    ]
+    drawn = perturbation.first_estimates(SEEKER, SEED, new)
     assert found.tolist() == [71.5, 71.5, drawn[2]]

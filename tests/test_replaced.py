@@ -97,7 +97,7 @@ class Crowded:
 
 
 def test_where_all_ask_at_once_whether_they_are_welcome_still_nobody_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("agents.membership.PATIENCE", 0.0)
+    monkeypatch.setattr("agents.runtime.membership.PATIENCE", 0.0)
 
     async def main() -> Crowded:
         crowded = Crowded()

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from agents import assembly, crew
+from agents.control import crew
+from agents.runtime import marshalling
 from console import log, replay
 from fes.errors import FesError
 from fes.model.sensing import silence
@@ -37,7 +38,7 @@ class Team:
         sent = course.observations(course.state.present)
         self.minds, self.said, twists = crew.step(self.crew, self.minds, simulation.observe(course.state), self.said)
         told = crew.telemetry(self.crew, self.minds)
-        spoken = [payload for _, *payload in assembly.payloads(self.said, twists, told)]
+        spoken = [payload for _, *payload in marshalling.payloads(self.said, twists, told)]
         legible = course.state.legible.tolist()
         beacons = [beacon if good else b"" for (beacon, _), good in zip(spoken, legible, strict=True)]
         answers: list[Answer | None] = [(messages.decode_command(command), command) for _, command in spoken]

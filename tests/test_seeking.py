@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents import oracle, seeking
-from agents.seeking import BASELINE, DRIFT, ESTIMATE, Seeker
+from agents.laws import oracle, perturbation
+from agents.laws.perturbation import BASELINE, DRIFT, ESTIMATE, Seeker
 from fes.arrays.types import Floats
 from fes.model.config import ChannelConfig, ObjectiveConfig, SeekingConfig
 from tests import witness
@@ -48,7 +48,7 @@ def coast(one: Seeker, state: Floats, ticks: int, peer: Floats) -> list[Floats]:
     states = [state]
     for tick in range(ticks):
         heard = np.where(peer >= 0, states[-1][ESTIMATE][peer.astype(int)], np.nan)
-        states.append(seeking.advance(one, tick, states[-1], heard))
+        states.append(perturbation.advance(one, tick, states[-1], heard))
     return states
 
 
@@ -60,11 +60,11 @@ ALONE = np.array([-1.0])
 @pytest.mark.parametrize("heard", [80.0, 61.0, UNHEARD])
 def test_the_law_is_equation_18(law: str, heard: float) -> None:
     one = seeker(law, sub_step=2e-4)
-    state = seeking.begin(one, 3, np.array([60.0, 85.0]))
+    state = perturbation.begin(one, 3, np.array([60.0, 85.0]))
     state[DRIFT] = [0.5, -2.0]
     expected = state.copy()
     for tick in range(3, 18):
-        state = seeking.advance(one, tick, state, np.full(2, heard))
+        state = perturbation.advance(one, tick, state, np.full(2, heard))
         for link in range(2):
             rate = equation_18(law, 44460.0, heard)
             expected[:, link] = witness.flow(rate, expected[:, link].tolist(), tick * DT, (tick + 1) * DT)
@@ -77,7 +77,7 @@ def test_the_law_is_equation_18(law: str, heard: float) -> None:
 def integration_error(start: list[float], peer: Floats, sub_step: float = 0.01) -> float:
     """Largest error of the estimates in 6 s, as a fraction of the longest travel."""
     one = seeker(sub_step=sub_step)
-    states = coast(one, seeking.begin(one, 0, np.array(start)), 300, peer)
+    states = coast(one, perturbation.begin(one, 0, np.array(start)), 300, peer)
     exact = states[0].copy()
     error = 0.0
     for tick in range(300):
@@ -105,7 +105,7 @@ def test_even_an_unheard_estimate_errs_by_less_than_a_thousandth_of_its_travel()
 
 def test_the_settled_estimate_is_off_the_optimum_by_the_bias_of_the_dither() -> None:
     one = seeker(sub_step=2e-3)
-    begin = seeking.begin(one, 0, np.array([witness.OPTIMUM_50 + 0.01]))
+    begin = perturbation.begin(one, 0, np.array([witness.OPTIMUM_50 + 0.01]))
     states = coast(one, begin, 1064, ALONE)
     # A tick is 2 rad of dither, so 22 ticks are 7 periods (to 0.02 rad): ripple averages out. After 15
     # time constants of 1 s, 0.01 m is 3e-9 m.
@@ -118,7 +118,7 @@ def test_the_settled_estimate_is_off_the_optimum_by_the_bias_of_the_dither() -> 
 
 def test_the_printed_law_conserves_the_low_passed_estimate_plus_drift_of_each_link() -> None:
     one = seeker("paper", NO_INDEX)
-    begin = seeking.begin(one, 0, np.array([80.0, 60.0, 55.0]))
+    begin = perturbation.begin(one, 0, np.array([80.0, 60.0, 55.0]))
     states = coast(one, begin, 500, np.array([1.0, 0.0, -1.0]))
     kept = [LOW_PASS * state[ESTIMATE] + state[DRIFT] for state in states]
     np.testing.assert_allclose(kept, np.tile(LOW_PASS * begin[ESTIMATE], (501, 1)), rtol=1e-12)  # rounding
@@ -127,7 +127,7 @@ def test_the_printed_law_conserves_the_low_passed_estimate_plus_drift_of_each_li
 
 def test_under_the_printed_law_a_disagreement_freezes_at_a_third() -> None:
     one = seeker("paper", NO_INDEX)
-    states = coast(one, seeking.begin(one, 0, np.array([80.0, 60.0])), 500, TWO)
+    states = coast(one, perturbation.begin(one, 0, np.array([80.0, 60.0])), 500, TWO)
     difference = [float(state[ESTIMATE, 0] - state[ESTIMATE, 1]) for state in states]
     # 2/(2 + beta_l) of 20 m; e^{-12 t} of the rest is left: nothing after 5 s, and it stays so
     assert difference[250:] == pytest.approx([20.0 * 2.0 / (2.0 + LOW_PASS)] * 251, abs=1e-9)
@@ -146,7 +146,7 @@ def test_a_disagreement_follows_the_matrix_exponential_of_its_law(law: str, eige
     np.testing.assert_allclose(ordered, eigenvalues, atol=5e-5)  # half of the last digit
     dt = 1e-3
     one = seeker(law, NO_INDEX, dt=dt)
-    states = coast(one, seeking.begin(one, 0, np.array([80.0, 60.0])), 600, TWO)
+    states = coast(one, perturbation.begin(one, 0, np.array([80.0, 60.0])), 600, TWO)
     found = np.array([state[:2, 0] - state[:2, 1] for state in states[::100]])
     expected = [witness.exponential(matrix * 0.1 * k) @ [20.0, 0.0] for k in range(7)]
     # a value held over a tick is half a tick late: kappa dt/2 = 0.2 % of 20 m, and of e <= 4 * 2 * 20 m/s
@@ -156,7 +156,7 @@ def test_a_disagreement_follows_the_matrix_exponential_of_its_law(law: str, eige
 
 def test_under_the_consensus_law_a_disagreement_vanishes() -> None:
     one = seeker("consensus", NO_INDEX)
-    states = coast(one, seeking.begin(one, 0, np.array([80.0, 60.0])), 250, TWO)
+    states = coast(one, perturbation.begin(one, 0, np.array([80.0, 60.0])), 250, TWO)
     final = states[-1][ESTIMATE]
     # e^{-6 * 5 s} of 20 m = 2e-12 m; hearing one tick late makes it no slower than e^{-5 t}: 3e-10 m
     assert abs(final[0] - final[1]) < 1e-9
@@ -164,7 +164,7 @@ def test_under_the_consensus_law_a_disagreement_vanishes() -> None:
 
 
 def test_a_link_begins_with_its_first_sample_as_baseline_and_without_drift() -> None:
-    state = seeking.begin(seeker(), 7, np.array([55.0, 88.0]))
+    state = perturbation.begin(seeker(), 7, np.array([55.0, 88.0]))
     probe = AMPLITUDE * math.sin(FREQUENCY * 7 * DT)
     assert abs(probe) > 0.1
     assert state[ESTIMATE].tolist() == [55.0, 88.0]
@@ -175,9 +175,9 @@ def test_a_link_begins_with_its_first_sample_as_baseline_and_without_drift() -> 
 
 def test_advancing_leaves_the_state_before_alone() -> None:
     one = seeker()
-    state = seeking.begin(one, 0, np.array([70.0]))
+    state = perturbation.begin(one, 0, np.array([70.0]))
     kept = state.copy()
-    after = seeking.advance(one, 0, state, np.array([60.0]))
+    after = perturbation.advance(one, 0, state, np.array([60.0]))
     assert np.array_equal(state, kept)
     assert not np.array_equal(after, kept)
 

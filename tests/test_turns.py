@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from agents.presence import Presence
-from agents.turns import Turns
+from agents.runtime.tick_source import Turns
+from agents.runtime.world_liveliness import Presence
 from fes.errors import Absent
 from fes.protocol import keys, messages
 from fes.protocol.messages import Observation

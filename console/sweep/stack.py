@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from agents import clocks, crew, seeking
-from agents.crew import Crew
+from agents.control import clocks, crew
+from agents.control.crew import Crew
+from agents.laws import perturbation
 from console import inprocess
 from console.inprocess import Tick
 from fes.arrays.edges import Edges
@@ -91,7 +92,7 @@ def _assemble(scenarios: Sequence[Scenario], places: _Places) -> Crew:
 
     def numbers(_: int, stream: str, links: Edges) -> Floats:
         runs = zip(seeds, _parts(links, places), strict=True)
-        return np.concatenate([seeking.pair_numbers(seed, stream, part) for seed, part in runs])
+        return np.concatenate([perturbation.pair_numbers(seed, stream, part) for seed, part in runs])
 
     config = agent_config(scenarios[0])
     faults = [

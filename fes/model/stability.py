@@ -5,8 +5,8 @@ Both sides check them: the world when it reads a scenario, a crew when it is tol
 - (6) is held over a tick (Euler): of two robots that see only each other, each moves mu e dt / 2, so that
   1 - mu dt of the error e is left. From mu dt = 2 on it grows. In chains of links with alternating errors it may grow
   from 1 on.
-- (7) is followed along its exact flow (`agents.formation`), and (18) is integrated with its filters exactly
-  (`agents.collocation`): neither bounds mu', beta_h or kappa by itself.
+- (7) is followed along its exact flow (`agents.laws.formation`), and (18) is integrated with its filters exactly
+  (`agents.laws.collocation`): neither bounds mu', beta_h or kappa by itself.
 - Estimates of a measured run step by Euler: r_ij += dt [kappa (r_ji of a tick before - r_ij) - 0.3 G/H]. The
   disagreement follows d(k+1) = (1 - (kappa + g) dt) d(k) - kappa dt d(k-1), g <= 0.3 /s; by Jury's criterion it dies
   out iff kappa dt < 1 and g dt < 2.
@@ -27,7 +27,7 @@ MAX_WASHOUT = 100.0
 """Largest washout cut-off times a step of the integration: its quadrature errs by 2e-9 at 100, by 1e-4 at 200."""
 
 NEWTON = 0.3
-"""Share of Newton's step that a measured estimate takes in a second (`agents.reception`) [1/s]."""
+"""Share of Newton's step that a measured estimate takes in a second (`agents.laws.packet_counting`) [1/s]."""
 
 
 def check(dt: float, seeking: SeekingConfig, formation: FormationConfig) -> None:

@@ -6,7 +6,7 @@ import secrets
 import time
 from collections.abc import Callable
 
-from agents.presence import Presence
+from agents.runtime.world_liveliness import Presence
 from fes.errors import Absent, Busy, MessageError, Refused
 from fes.protocol import keys, messages
 from fes.protocol.messages import MAX_AGENT, Join, Welcome

@@ -3,8 +3,8 @@
 import time
 from collections.abc import AsyncIterator, Callable
 
-from agents.mouth import Mouth
-from agents.presence import Presence
+from agents.runtime.outbox import Mouth
+from agents.runtime.world_liveliness import Presence
 from fes.errors import Absent, MessageError
 from fes.protocol import keys, messages
 from fes.protocol.messages import Observation

@@ -9,13 +9,14 @@ from functools import partial
 
 import numpy as np
 
-from agents import clocks, contacts, counting, formation, links, neighbors, reception, seeking, transmitter
-from agents.clocks import Clocks
-from agents.links import Links
-from agents.neighbors import Witnesses
-from agents.reception import Reception
-from agents.seeking import Index, Seeker
-from agents.transmitter import Memory, Transmitters
+from agents.control import beacon_counting, clocks, contacts, links, transmitter
+from agents.control.clocks import Clocks
+from agents.control.links import Links
+from agents.control.transmitter import Memory, Transmitters
+from agents.laws import formation, neighbor_rules, packet_counting, perturbation
+from agents.laws.neighbor_rules import Witnesses
+from agents.laws.packet_counting import Reception
+from agents.laws.perturbation import Index, Seeker
 from fes.arrays import geometry
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats, Ints
@@ -70,7 +71,8 @@ def assemble(config: AgentConfig, ids: Ints) -> Crew:
     except ValueError as error:
         raise FesError(f"the run's settings: {error}") from None
     seeker = Seeker(config.seeking, _index(config), config.dt)
-    statistics = reception.SUMS if config.seeking.index == "measured" and config.seeking.pooling == "network" else 0
+    pooled = config.seeking.index == "measured" and config.seeking.pooling == "network"
+    statistics = packet_counting.SUMS if pooled else 0
     timeout = counts.ticks_within(config.formation.contact_timeout, config.dt)
     return Crew(config, ids, seeker, timeout, statistics, clocks.of(config, ids), transmitter.of(config, ids))
 
@@ -79,9 +81,9 @@ def start(crew: Crew) -> State:
     """The state of a crew that has sensed and heard nothing yet."""
     nobody = contacts.nobody(crew.ids)
     never = np.full(len(crew.ids), np.iinfo(np.int64).max // 2)
-    known = reception.nothing(reception.POOLED, len(crew.ids))
+    known = packet_counting.nothing(packet_counting.POOLED, len(crew.ids))
     if not _pooled(crew):
-        known = reception.nothing(reception.ALONE, 0)
+        known = packet_counting.nothing(packet_counting.ALONE, 0)
     none = links.none(nobody)
     return State(np.zeros((len(crew.ids), 3)), nobody, Witnesses(nobody.edges), none, known, never, never, {})
 
@@ -90,9 +92,9 @@ def forget(crew: Crew, state: State, who: Bools) -> State:
     """The state in which the robots `who` [n] know nothing, as if their process had just been started."""
     blank = start(crew)
     used = links.forget(state.links, who)
-    measured = reception.forget(state.reception, who if _pooled(crew) else who[state.links.edges.rows])
+    measured = packet_counting.forget(state.reception, who if _pooled(crew) else who[state.links.edges.rows])
     if not _pooled(crew):
-        measured = reception.carry(measured, state.links.edges, used.edges)
+        measured = packet_counting.carry(measured, state.links.edges, used.edges)
     return State(
         np.where(who[:, None], blank.poses, state.poses),
         contacts.forget(state.contacts, who),
@@ -131,7 +133,7 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
         witnesses = Witnesses(known.edges, witnesses)
 
     # Who is a neighbor
-    named = neighbors.RULES[config.formation.rule](known, witnesses)
+    named = neighbor_rules.RULES[config.formation.rule](known, witnesses)
     used, since = _relink(crew, state, tick, known, named | (known.names_us & known.known), begun, heard)
 
     # Where to go
@@ -148,7 +150,7 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
     measured = state.reception
     if config.seeking.index == "measured":
         measured = _measure(crew, state, tick, known, used, heard)
-    said, statistics = bounded(used.state[seeking.ESTIMATE], MAX_TOLD), np.zeros((len(crew.ids), 0))
+    said, statistics = bounded(used.state[perturbation.ESTIMATE], MAX_TOLD), np.zeros((len(crew.ids), 0))
     if crew.statistics:
         statistics = bounded(measured.sums, MAX_TOLD)
     named = named.take(used.contact)
@@ -160,13 +162,13 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
 
 def _desired(crew: Crew, tick: int, links: Links) -> Floats:
     """The separations that the robots drive their links to [l] [m]: a physical dither makes them breathe."""
-    estimates: Floats = links.state[seeking.ESTIMATE]
+    estimates: Floats = links.state[perturbation.ESTIMATE]
     if crew.config.seeking.index == "oracle":
         return estimates
     time = tick * crew.config.dt + clocks.skew(crew.clocks, tick, links.edges)
     if crew.config.seeking.index == "measured" and crew.config.seeking.pooling == "none":
-        time = time + seeking.stagger(crew.seeker, crew.config.seed, links.edges)
-    return estimates + seeking.dither(crew.seeker, time)
+        time = time + perturbation.stagger(crew.seeker, crew.config.seed, links.edges)
+    return estimates + perturbation.dither(crew.seeker, time)
 
 
 def _pooled(crew: Crew) -> bool:
@@ -182,37 +184,37 @@ def _learners(crew: Crew, edges: Edges) -> Ints:
 def _measure(crew: Crew, state: State, tick: int, known: Contacts, links: Links, heard: Beacons) -> Reception:
     """What the robots know of the channel after the beacons of the last tick."""
     config, before = crew.config.seeking, state.reception
-    at, separation, decoded = counting.slots(state.contacts, known, tick, links.among)
+    at, separation, decoded = beacon_counting.slots(state.contacts, known, tick, links.among)
     if config.pooling == "network":
-        theirs = np.zeros((len(known.edges), reception.SUMS))
-        if heard.statistics.shape[1] == reception.SUMS:
+        theirs = np.zeros((len(known.edges), packet_counting.SUMS))
+        if heard.statistics.shape[1] == packet_counting.SUMS:
             theirs = heard.statistics.take(known.lookup.sender, axis=0)
-        before = reception.mix(before, known.edges, known.heard == tick - 1, theirs)
+        before = packet_counting.mix(before, known.edges, known.heard == tick - 1, theirs)
         learners = known.edges.rows[at]
     else:
-        before = reception.carry(before, state.links.edges, links.edges)
+        before = packet_counting.carry(before, state.links.edges, links.edges)
         learners = np.searchsorted(links.contact, at)
-    before = reception.fade(before, crew.config.dt)
-    return reception.learn(before, learners, separation, decoded, config.reference_separation)
+    before = packet_counting.fade(before, crew.config.dt)
+    return packet_counting.learn(before, learners, separation, decoded, config.reference_separation)
 
 
 def _seek(crew: Crew, tick: int, known: Contacts, links: Links, measured: Reception) -> Floats:
     """The seeking state [3, l] one tick later."""
     config, seen = crew.config, known.estimates.take(links.contact)
     if config.seeking.index == "measured":
-        scale, estimates = config.seeking.reference_separation, links.state[seeking.ESTIMATE]
-        speed = reception.drift(measured, _learners(crew, links.edges), estimates, config.objective, scale)
+        scale, estimates = config.seeking.reference_separation, links.state[perturbation.ESTIMATE]
+        speed = packet_counting.drift(measured, _learners(crew, links.edges), estimates, config.objective, scale)
         speed += config.seeking.consensus_gain * np.where(np.isfinite(seen), seen - estimates, 0.0)
         sought = links.state.copy()
-        sought[seeking.ESTIMATE] = reception.bounded(estimates + config.dt * speed, config.objective)
+        sought[perturbation.ESTIMATE] = packet_counting.bounded(estimates + config.dt * speed, config.objective)
         return sought
     age = config.dt * (tick - known.heard.take(links.contact)).astype(np.float64)
-    theirs = seeking.extrapolate(crew.seeker, links.state, seen, age)
+    theirs = perturbation.extrapolate(crew.seeker, links.state, seen, age)
     index = None
     if config.seeking.index == "sampled":
-        index = _held(counting.sample(known, tick, links.contact, config.objective))
+        index = _held(beacon_counting.sample(known, tick, links.contact, config.objective))
     skew = clocks.skew(crew.clocks, tick, links.edges)
-    return seeking.advance(crew.seeker, tick, links.state, theirs, skew, index)
+    return perturbation.advance(crew.seeker, tick, links.state, theirs, skew, index)
 
 
 def _held(sample: Floats) -> Index:
@@ -232,8 +234,8 @@ def _relink(
     fresh = tick - since < FIRST_EXCHANGE_TICKS
     late = fresh & (begun > 0)  # at the start of a run everybody is new
     told = np.where(late, contacts.mean_estimates(known, heard), np.nan) if late.any() else np.full(len(late), np.nan)
-    sought = seeking.relink(crew.seeker, crew.config.seed, tick, old.edges, old.state, edges, fresh, told)
-    return Links(among, np.flatnonzero(among), edges, sought, sought[seeking.ESTIMATE]), since
+    sought = perturbation.relink(crew.seeker, crew.config.seed, tick, old.edges, old.state, edges, fresh, told)
+    return Links(among, np.flatnonzero(among), edges, sought, sought[perturbation.ESTIMATE]), since
 
 
 def _index(config: AgentConfig) -> Index:
@@ -244,6 +246,6 @@ def _index(config: AgentConfig) -> Index:
     if config.channel is None:
         raise FesError("seeking.index = 'oracle' needs the channel, and this agent was not told it")
     # Only here, so that a process of a run with another index never loads the channel's formula.
-    from agents import oracle
+    from agents.laws import oracle
 
     return oracle.index(config.objective, config.channel, config.seeking.index_transform)

@@ -19,7 +19,7 @@ class Links:
     """Position of each link among the contacts [l]."""
     edges: Edges
     state: Floats
-    """Seeking state [3, l]; rows as in `agents.seeking`."""
+    """Seeking state [3, l]; rows as in `agents.laws.perturbation`."""
     said: Floats
     """Estimates as in the last beacon [l] [m]."""
 

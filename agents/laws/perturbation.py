@@ -14,8 +14,8 @@ from functools import cached_property
 
 import numpy as np
 
-from agents import collocation
-from agents.collocation import Step
+from agents.laws import collocation
+from agents.laws.collocation import Step
 from fes.arrays import draws
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats
@@ -180,7 +180,7 @@ def advance(
 
 
 def _integrate(seeker: Seeker, begin: Floats, state: Floats, peer: Floats, linear: Step, index: Index) -> Floats:
-    """State [3, l] one tick later, by collocation; see `agents.collocation`."""
+    """State [3, l] one tick later, by collocation; see `agents.laws.collocation`."""
     n = collocation.NODES
     start = np.empty((3, len(peer)))
     start[2] = peer

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from agents import seeking
+from agents.laws import perturbation
 from fes.arrays import draws
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
@@ -39,7 +39,7 @@ def drawn(config: AgentConfig, ids: Ints) -> Floats:
 def skew(clocks: Clocks, tick: int, edges: Edges) -> Floats:
     """How far the clock of each link's robot is ahead at a tick [l] [s], or [1] if all are right."""
     if clocks.right:
-        return seeking.ON_TIME
+        return perturbation.ON_TIME
     ahead = clocks.drawn
     if clocks.changes:
         ahead = ahead.copy()
