@@ -8,8 +8,8 @@ import numpy as np
 from agents.control import crew
 from bench import robot
 from fes.model.sensing import silence
-from world import simulation
-from world.scenario import Scenario, agent_config, load
+from world.config.scenario import Scenario, agent_config, load
+from world.simulation import truth
 
 CONFIGS = Path("configs")
 SIZES = (10, 100, 1_000, 10_000)
@@ -18,16 +18,16 @@ SPACING = 78.0
 
 def rate(scenario: Scenario, ticks: int, skip: int) -> float:
     """In-process ticks per second over `ticks` ticks, after `skip`."""
-    world = simulation.create(scenario)
-    state = simulation.start(world)
+    world = truth.create(scenario)
+    state = truth.start(world)
     robots = crew.assemble(agent_config(scenario), world.ids)
     minds, said = crew.start(robots), silence()
     begun = 0.0
     for tick in range(skip + ticks):
         if tick == skip:
             begun = time.perf_counter()
-        minds, said, twists = crew.step(robots, minds, simulation.observe(state), said)
-        state = simulation.step(world, state, twists)
+        minds, said, twists = crew.step(robots, minds, truth.observe(state), said)
+        state = truth.step(world, state, twists)
     return ticks / (time.perf_counter() - begun)
 
 

@@ -22,9 +22,9 @@ from console.launcher import free_port
 from fes.protocol import keys
 from fes.transport import bus
 from fes.transport.endpoints import Endpoints
-from world.course import Course
-from world.scenario import load
-from world.server import Server
+from world.config.scenario import load
+from world.execution.run import Course
+from world.server.server import Server
 
 FIRST, LAST = 30, 130
 """The window that is looked at [ticks]."""

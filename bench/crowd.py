@@ -1,7 +1,8 @@
 """Robots that all start within radio range of each other: python -m bench.crowd [ROBOTS ...] [--rule RULE].
 
 Each number of robots runs three ticks in one loop, log and summary included, in a process of its own. A line gives
-its wall-clock time, its peak resident memory, and that memory per contact beside what `world.crowd` assumes.
+its wall-clock time, its peak resident memory, and that memory per contact beside what `world.simulation.crowd`
+assumes.
 """
 
 import argparse
@@ -14,10 +15,11 @@ from pathlib import Path
 
 from agents.laws.neighbor_rules import RULES
 from console import inprocess
-from world import crowd, summary
-from world.log_layout import NAME
-from world.recorder import Recorder
-from world.scenario import Scenario, load
+from fes.recording.layout import NAME
+from world.config.scenario import Scenario, load
+from world.execution.recorder import Recorder
+from world.metrics import summary
+from world.simulation import crowd
 
 SCENARIO = Path("configs/hundred.toml")
 SIZES = (300, 1_000, 3_000)

@@ -17,16 +17,16 @@ from pathlib import Path
 from agents.process import Agent
 from console import inprocess
 from console.launcher import free_port
+from fes.recording.layout import NAME
 from fes.transport import bus
 from fes.transport.bus import Bus, Gate, Handler, Mailbox
 from fes.transport.endpoints import Endpoints
-from world import simulation
-from world.course import Course
-from world.log_layout import NAME
-from world.recorder import Recorder
-from world.scenario import Scenario, load
-from world.server import Server
-from world.simulation import State
+from world.config.scenario import Scenario, load
+from world.execution.recorder import Recorder
+from world.execution.run import Course
+from world.server.server import Server
+from world.simulation import truth
+from world.simulation.truth import State
 
 RUN = "growth"
 SCENARIO = Path("configs/hundred.toml")
@@ -161,7 +161,7 @@ async def _snapshot(server: Server, tick: int, port: int, counts: Counts) -> Cou
 
 
 def _contacts(state: State) -> float:
-    near = simulation.observe(state).in_range
+    near = truth.observe(state).in_range
     return len(near.peers) / len(near.ids)
 
 

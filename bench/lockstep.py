@@ -11,8 +11,8 @@ import numpy as np
 
 from bench import robot
 from console.launcher import free_port
-from world import simulation
-from world.scenario import load
+from world.config.scenario import load
+from world.simulation import truth
 
 ROUNDS = 3
 PAYLOAD = 110  # bytes; a beacon of a robot with three links has 104, an observation with six peers 75
@@ -58,7 +58,7 @@ def fes(scenario: Path, duration: float, *more: str) -> float:
 
 def in_range(scenario: Path) -> list[list[int]]:
     """Who is in range of whom at the scenario's start: the subscriptions that its robots hold."""
-    state = simulation.start(simulation.create(load(scenario)))
+    state = truth.start(truth.create(load(scenario)))
     edges = state.proximity.edges
     return [edges.peers[span].tolist() for span in edges.spans]
 

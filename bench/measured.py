@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from console.sweep import stack
-from world.scenario import load
+from world.config.scenario import load
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 

@@ -23,13 +23,13 @@ from rich.console import Console
 from console import dashboard, inprocess, observer
 from console.launcher import free_port
 from fes.protocol import keys
+from fes.recording.layout import NAME
 from fes.transport import bus
 from fes.transport.endpoints import Endpoints
-from world import reporting
-from world.account import Account
-from world.log_layout import NAME
-from world.recorder import Recorder
-from world.scenario import load
+from world.config.scenario import load
+from world.execution.recorder import Recorder
+from world.metrics import report_builder
+from world.metrics.collector import Account
 
 SCENARIO = Path("configs/measured.toml")
 READINGS = 20
@@ -62,7 +62,7 @@ def in_one_loop(ticks: int, recorded: bool) -> None:
             if recorder is not None:
                 recorder.add(sums, tick.twists, inprocess.said(tick), alive, 0.0)
             if done % 50 == 0:
-                shown.add(reporting.build(sums, "memory", alive, 0.02 * done, 50.0))
+                shown.add(report_builder.build(sums, "memory", alive, 0.02 * done, 50.0))
                 paper.print(dashboard.render(shown, 120, 40))
                 paper.file = io.StringIO()
             if done % (ticks // READINGS) == 0:

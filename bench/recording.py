@@ -7,9 +7,9 @@ import numpy as np
 
 from bench import lockstep
 from console import inprocess
-from world.log_layout import NAME
-from world.recorder import Recorder
-from world.scenario import load
+from fes.recording.layout import NAME
+from world.config.scenario import load
+from world.execution.recorder import Recorder
 
 ROUNDS = 8
 DURATION = 10.0

@@ -16,9 +16,9 @@ from agents.runtime.marshalling import Assembly
 from fes.model.sensing import Telemetry
 from fes.protocol import messages
 from fes.protocol.messages import Observation
-from world import simulation
-from world.account import Account
-from world.scenario import agent_config, load
+from world.config.scenario import agent_config, load
+from world.metrics.collector import Account
+from world.simulation import truth
 
 
 @dataclass
@@ -44,8 +44,8 @@ class Costs:
 def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
     """The costs of a scenario's robots, over `ticks` ticks after `skip`."""
     scenario = load(path)
-    world = simulation.create(scenario)
-    state = simulation.start(world)
+    world = truth.create(scenario)
+    state = truth.start(world)
     config, ids = agent_config(scenario), world.ids.tolist()
     crews = [crew.assemble(config, np.array([robot])) for robot in ids]
     minds = [crew.start(one) for one in crews]
@@ -58,7 +58,7 @@ def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
         if tick == skip:
             costs = Costs()
         begun = clock()
-        observations = simulation.observe(state)
+        observations = truth.observe(state)
         rows = zip(ids, observations.poses.tolist(), observations.in_range.spans, strict=True)
         sensed = [
             messages.encode_observation(
@@ -98,7 +98,7 @@ def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
         links = everybody._links.edges(world.ids, [command.links for command in received])
         estimates = np.concatenate([command.estimates for command in received])
         turned = np.array([command.twist for command in received])
-        before, state = state, simulation.step(world, state, turned)
+        before, state = state, truth.step(world, state, turned)
         sums.add(before, turned, Telemetry(links, estimates, np.zeros((2, 0))))
         costs.world.append(world_time + clock() - begun)
     return costs

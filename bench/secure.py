@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from world.scenario import load
+from world.config.scenario import load
 
 KINDS: dict[str, list[str]] = {"plain": [], "secure": ["--secure"], "secure, no audit": ["--secure"]}
 """What is run; without its log Zenoh spares the world the audit."""

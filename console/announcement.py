@@ -3,8 +3,8 @@
 from console import leftovers, rundir
 from console.processes import Launch
 from fes import process
-from world import remarks
-from world.scenario import Scenario
+from world.config import remarks
+from world.config.scenario import Scenario
 
 
 def say(scenario: Scenario, in_process: bool, launch: Launch) -> None:

@@ -17,8 +17,8 @@ from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
 from fes.errors import FesError
 from fes.model.config import ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
-from world import optimum
-from world.scenario import Scenario, load
+from world.config.scenario import Scenario, load
+from world.metrics import optimum
 
 CONFIGS = Path(__file__).parent.parent / "configs"
 

@@ -37,14 +37,15 @@ from fes import process
 from fes.errors import FesError, ScenarioError, no_memory, reason
 from fes.protocol import keys
 from fes.protocol.world_info import version
+from fes.recording.layout import NAME
 from fes.system import encoding, output, signals, strict_json
 from fes.transport import bus
 from fes.transport.identity import OBSERVER
-from world import crowd, expect
-from world.log_layout import NAME
-from world.recorder import Recorder
-from world.scenario import Scenario, load, parse_override
-from world.summary import write, write_scenario
+from world.config import expectations
+from world.config.scenario import Scenario, load, parse_override
+from world.execution.recorder import Recorder
+from world.metrics.summary import write, write_scenario
+from world.simulation import crowd
 
 INTERRUPTED = 130
 """What Typer makes of a KeyboardInterrupt."""
@@ -156,7 +157,7 @@ def run(
             else:
                 printing.show(screen, summary.render(result, verbose))
                 printing.line(f"run directory: {directory.path}")
-    return process.UNMET if expect.unmet(result) else process.SUCCESS
+    return process.UNMET if expectations.unmet(result) else process.SUCCESS
 
 
 @guide.command(app, "view")

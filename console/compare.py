@@ -14,8 +14,8 @@ from console.log import Log
 from fes import process
 from fes.errors import FesError
 from fes.protocol import keys
+from fes.recording.ticks import Tick
 from fes.system import fingerprint, strict_json
-from world.log_ticks import Tick
 
 MISSING = "nothing"
 

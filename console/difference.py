@@ -9,8 +9,8 @@ import numpy as np
 from fes.errors import MessageError
 from fes.protocol import messages
 from fes.protocol.report import Report
+from fes.recording.layout import Said
 from fes.system import strict_json
-from world.log_layout import Said
 
 _DECODERS: dict[str, Callable[[bytes], Any]] = {
     "Observation": messages.decode_observation,

@@ -13,9 +13,9 @@ from console.history import History
 from console.log import Log
 from fes import process
 from fes.errors import FesError, reason
+from fes.recording import reader
 from fes.system import fingerprint, strict_json
-from world import log_reader
-from world.scenario import load
+from world.config.scenario import load
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -99,7 +99,7 @@ def _paper_figures(bar: progress.Bar) -> "dict[str, Figure]":
 
 def _run_figures(target: Path) -> "dict[str, Figure]":
     """The figures of a run: from its log, or from its directory if it was not recorded."""
-    path = log_reader.find(target) if target.exists() else None
+    path = reader.find(target) if target.exists() else None
     seen = _again(target) if path is None else _recorded(logs.load(path))
     return {"formation": figures.formation_figure(seen), "convergence": figures.convergence_figure(seen)}
 

@@ -15,8 +15,8 @@ from console import observer
 from fes.errors import Absent
 from fes.protocol.report import Report
 from fes.transport.bus import Bus
-from world.events import Planned
-from world.scenario import Scenario
+from world.config.events import Planned
+from world.config.scenario import Scenario
 
 AHEAD = 1.0
 """So long [s; wall clock] before its tick a process is continued: one that was stopped for longer than its lease has

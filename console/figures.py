@@ -19,7 +19,7 @@ from fes.model import objective, outage
 from fes.model.config import ChannelConfig, ObjectiveConfig
 from fes.system.distribution import install
 from fes.system.output import printable
-from world.optimum import optimal_separation
+from world.metrics.optimum import optimal_separation
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

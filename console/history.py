@@ -11,10 +11,10 @@ from console.log import Log
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
 from fes.model.sensing import Telemetry
-from world import metrics
-from world.account import Account, dither_period
-from world.scenario import Scenario
-from world.simulation import State
+from world.config.scenario import Scenario
+from world.metrics import link_errors
+from world.metrics.collector import Account, dither_period
+from world.simulation.truth import State
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +102,6 @@ def gather(scenario: Scenario, moments: Iterable[tuple[Moment, Account]]) -> His
 
 def ends_at(history: History, tick: int) -> Floats:
     """Both ends of each link in use at a tick [l, 2, 2] [m; world frame]."""
-    a, b = metrics.ends(history.links[tick])
+    a, b = link_errors.ends(history.links[tick])
     positions = history.poses[tick, :, :2]
     return np.stack([positions[a], positions[b]], axis=1)

@@ -8,17 +8,19 @@ from typing import Any
 import numpy as np
 
 from agents.control import crew
-from agents.runtime import marshalling
+from agents.runtime import marshalling as agent_marshalling
 from fes.arrays.types import Floats
 from fes.errors import FesError, ScenarioError
 from fes.model.sensing import Beacons, Telemetry, of_those, silence
 from fes.protocol.report import Report
-from world import reporting, simulation, summary, wording
-from world.account import Account
-from world.log_layout import Said
-from world.recorder import Recorder
-from world.scenario import Scenario, agent_config
-from world.simulation import State
+from fes.recording.layout import Said
+from world.config.scenario import Scenario, agent_config
+from world.execution import marshalling as world_marshalling
+from world.execution.recorder import Recorder
+from world.metrics import report_builder, summary
+from world.metrics.collector import Account
+from world.simulation import truth
+from world.simulation.truth import State
 
 Watch = Callable[[Report], None]
 Keep = Callable[[dict[str, Any]], None]
@@ -44,8 +46,8 @@ def check(scenario: Scenario) -> None:
 
 def ticks(scenario: Scenario) -> Iterator[Tick]:
     """All ticks of a scenario, in order."""
-    world = simulation.create(scenario)
-    state = simulation.start(world)
+    world = truth.create(scenario)
+    state = truth.start(world)
     robots = crew.assemble(agent_config(scenario), world.ids)
     minds, said = crew.start(robots), silence()
     present = state.present
@@ -53,24 +55,24 @@ def ticks(scenario: Scenario) -> Iterator[Tick]:
         if state.present is not present:
             minds = crew.forget(robots, minds, state.present & ~present)
             present = state.present
-        minds, said, twists = crew.step(robots, minds, simulation.observe(state), said)
+        minds, said, twists = crew.step(robots, minds, truth.observe(state), said)
         now = tick(state, said, twists, crew.telemetry(robots, minds))
         yield now
-        state = simulation.step(world, state, now.twists)
+        state = truth.step(world, state, now.twists)
 
 
 def tick(state: State, said: Beacons, twists: Floats, told: Telemetry) -> Tick:
     """A tick, of what a crew said and did, absent robots included."""
     present = state.present
     shown = told if present.all() else of_those(told, present)
-    return Tick(state, said, simulation.held(state, twists), shown)
+    return Tick(state, said, truth.held(state, twists), shown)
 
 
 def said(tick: Tick) -> Said:
     """What would have crossed the bus at a tick, to the byte."""
     present, legible = tick.state.present, tick.state.legible
-    spoken = list(marshalling.payloads(tick.said, tick.twists, tick.telemetry))
-    sensed = wording.observations(simulation.observe(tick.state), present, tick.state.since)
+    spoken = list(agent_marshalling.payloads(tick.said, tick.twists, tick.telemetry))
+    sensed = world_marshalling.observations(truth.observe(tick.state), present, tick.state.since)
     beacons = [beacon if whole else b"" for (_, beacon, _), whole in zip(spoken, legible.tolist(), strict=True)]
     commands = [command if here else b"" for (_, _, command), here in zip(spoken, present.tolist(), strict=True)]
     return Said(sensed, beacons, commands)
@@ -104,8 +106,8 @@ def run(
             now = time.perf_counter()
             if recorder is not None:
                 recorder.add(sums, tick.twists, said(tick), alive, now - begun)
-            if watch is not None and (now - told_at >= reporting.PERIOD or done == scenario.ticks):
-                watch(reporting.build(sums, name, alive, now - begun, (done - told) / (now - told_at)))
+            if watch is not None and (now - told_at >= report_builder.PERIOD or done == scenario.ticks):
+                watch(report_builder.build(sums, name, alive, now - begun, (done - told) / (now - told_at)))
                 told_at, told = now, done
             if rtf is not None:
                 time.sleep(max(0.0, begun + done * scenario.run.dt / rtf - time.perf_counter()))

@@ -20,7 +20,7 @@ from fes.system import signals, strict_json
 from fes.transport import identity
 from fes.transport.endpoints import Endpoints
 from fes.transport.identity import AUTHORITY, OBSERVER, OPERATOR, WORLD
-from world import access
+from world.server import access
 
 if TYPE_CHECKING:
     from console.authority import Authority, Issued

@@ -12,7 +12,7 @@ from pathlib import Path
 from console import child
 from console.child import Child, NotStarted, ended
 from fes.errors import reason
-from world.checkpoint import is_kept
+from world.execution.checkpoint import is_kept
 
 DISMISSAL = 2.0
 """Time [s] in which dismissed agents must end by themselves after their world has left; then they are told to."""

@@ -10,8 +10,8 @@ import numpy as np
 from console.sweep import stack
 from fes.arrays.types import Floats
 from fes.model import objective, outage
-from world.optimum import optimal_separation
-from world.scenario import Scenario, load
+from world.config.scenario import Scenario, load
+from world.metrics.optimum import optimal_separation
 
 CHANGE = 60.0
 """When the signal-to-noise ratio halves [s]."""

@@ -2,12 +2,13 @@
 
 from pathlib import Path
 
-from world import log_reader, scenario
-from world.scenario import Scenario
+from fes.recording import reader
+from world.config import scenario
+from world.config.scenario import Scenario
 
-Log = log_reader.Log[Scenario]
+Log = reader.Log[Scenario]
 
 
 def load(target: Path) -> Log:
     """A log with a tick at least: a file, or that of a run directory; raises FesError in one line."""
-    return log_reader.load(target, scenario.parse)
+    return reader.load(target, scenario.parse)

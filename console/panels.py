@@ -9,7 +9,7 @@ from console.canvas import Line
 from console.text import UNKNOWN, length, number, styled
 from fes.arrays.types import Floats, Ints
 from fes.protocol.report import Report
-from world import graphs
+from world.metrics import graphs
 
 MAX_SPECTRUM = 250
 """Up to this many robots the algebraic connectivity is computed: for more it would hold up the display."""

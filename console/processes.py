@@ -25,8 +25,8 @@ from fes.protocol import keys
 from fes.system import files, signals, strict_json
 from fes.transport import bus, identity
 from fes.transport.endpoints import Endpoints
-from world.lockstep import RETURN_TIMEOUT
-from world.scenario import Scenario
+from world.config.scenario import Scenario
+from world.server.lockstep import RETURN_TIMEOUT
 
 RUN = keys.DEFAULT_RUN
 MAX_SUMMARY = 1 << 30

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from agents.control import contacts, crew, transmitter
-from agents.runtime import marshalling
+from agents.runtime import marshalling as agent_marshalling
 from agents.runtime.marshalling import Assembly
 from console.difference import Difference, between, of_payloads, of_reports
 from console.log import Log
@@ -20,16 +20,19 @@ from fes.model.sensing import Telemetry
 from fes.protocol import messages
 from fes.protocol.messages import Beacon, Command, Observation
 from fes.protocol.report import Report
+from fes.recording.layout import Said
+from fes.recording.ticks import Tick
 from fes.system import fingerprint, strict_json
-from world import events, reporting, simulation, wording
-from world.account import Account
-from world.log_layout import Said
-from world.log_ticks import Tick
-from world.recorder import report_period
-from world.scenario import agent_config
-from world.simulation import State
-from world.summary import summarize
-from world.wording import Told
+from world.config import events
+from world.config.scenario import agent_config
+from world.execution import marshalling as world_marshalling
+from world.execution.marshalling import Told
+from world.execution.recorder import report_period
+from world.metrics import report_builder
+from world.metrics.collector import Account
+from world.metrics.summary import summarize
+from world.simulation import truth
+from world.simulation.truth import State
 
 YEARS = 1e12
 """Longer than any run takes [s; wall clock]."""
@@ -63,13 +66,13 @@ def world(log: Log) -> Iterator[Moment]:
 
     Raises Mismatch where an Observation comes out otherwise, and FesError where the log is damaged.
     """
-    again = simulation.create(log.scenario)
-    state, told = simulation.start(again), Told(again.ids)
+    again = truth.create(log.scenario)
+    state, told = truth.start(again), Told(again.ids)
     before: Moment | None = None
     live = log.scenario.run.clock == "live"
     for tick in log.ticks():
         if before is not None:  # only now: after the last recorded tick nobody knows what would have come
-            state = simulation.step(again, before.state, before.twists)
+            state = truth.step(again, before.state, before.twists)
         _check_schedule(log, tick)
         channel = state.channel
         for path, value in tick.changes:
@@ -77,8 +80,8 @@ def world(log: Log) -> Iterator[Moment]:
         if channel is not state.channel:
             state = replace(state, channel=channel)
         for robots in tick.attended:
-            state = simulation.attend(state, np.isin(again.ids, robots))
-        sensed = wording.observations(simulation.observe(state), state.present, state.since)
+            state = truth.attend(state, np.isin(again.ids, robots))
+        sensed = world_marshalling.observations(truth.observe(state), state.present, state.since)
         _compare(log, tick, tick.said._replace(observations=sensed))
         commands: list[Command | None] = [None] * len(again.ids)
         here = np.flatnonzero(state.present).tolist()
@@ -164,7 +167,7 @@ class Robots:
             raise FesError(f"tick {tick.number - 1}: a Beacon that was decoded is not in the log")
         told = crew.telemetry(self._crew, self._state)
         broken = transmitter.damaging(self._crew.transmitters, tick.number)
-        for robot, whole, command in marshalling.payloads(said, twists, told):
+        for robot, whole, command in agent_marshalling.payloads(said, twists, told):
             if robot not in sensed:
                 continue
             beacon = b"" if robot in broken else whole
@@ -185,7 +188,7 @@ def report(sums: Account, like: Report) -> Report:
     """The Report of the last tick of `sums`, with what is of the machine taken from `like`."""
     if sums.deadlines is not None and len(like.late):
         sums.deadlines.late = like.late
-    return reporting.build(sums, like.scenario, like.alive, like.elapsed, like.ticks_per_s)
+    return report_builder.build(sums, like.scenario, like.alive, like.elapsed, like.ticks_per_s)
 
 
 def _check_report(log: Log, sums: Account, recorded: Report) -> None:

@@ -14,9 +14,9 @@ from console.options import VERBOSE
 from console.reexecution import Robots
 from fes import process
 from fes.errors import FesError
+from fes.recording.layout import AT_ITS_END
 from fes.system import strict_json
-from world.account import Account
-from world.log_layout import AT_ITS_END
+from world.metrics.collector import Account
 
 
 def replay(

@@ -11,12 +11,12 @@ from typing import Any, Self
 from console import leftovers
 from fes.errors import FesError, Stopped, reason
 from fes.protocol import keys
+from fes.recording.layout import NAME
 from fes.system import files, signals, strict_json
 from fes.transport import addresses
 from fes.transport.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
 from fes.transport.identity import security
-from world.checkpoint import FOLDER, is_kept
-from world.log_layout import NAME
+from world.execution.checkpoint import FOLDER, is_kept
 
 ROOT = Path("runs")
 LATEST = "latest"

@@ -2,7 +2,7 @@
 
 from fes import process
 from fes.system import strict_json
-from world.scenario import Scenario
+from world.config.scenario import Scenario
 
 
 def schema() -> int:

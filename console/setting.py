@@ -14,8 +14,8 @@ from fes.protocol.channel_change import Change
 from fes.system import strict_json
 from fes.transport import bus
 from fes.transport.identity import OPERATOR
-from world import remarks
-from world.scenario import parse_override
+from world.config import remarks
+from world.config.scenario import parse_override
 
 
 def set_command(

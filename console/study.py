@@ -7,7 +7,7 @@ from agents.laws.perturbation import Seeker
 from console import history
 from fes.arrays.types import Floats
 from fes.model.config import ChannelConfig, ObjectiveConfig, SeekingConfig
-from world.scenario import Scenario
+from world.config.scenario import Scenario
 
 STARTS = np.array([50.0, 60.0, 80.0, 90.0])
 """Starts of the seeking study [m]: where the paper's scenario starts."""

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from console.printing import cell
 from console.text import UNKNOWN, percent
-from world.summary import links_lost
+from world.metrics.summary import links_lost
 
 BELOW = 11
 """Lines on a terminal of 80 columns, the run directory included, of a summary without deadlines and expectations."""

@@ -4,6 +4,7 @@ arrays     arrays, edges, geometry, keyed random draws
 model      settings, sensing, contacts, the objective and the outage formula
 protocol   key expressions, messages and their encoding
 transport  a Zenoh session, and how samples reach asyncio
+recording  the log of a run: format, writer and reader
 system     files, signals, output and memory of the machine
 process    exit codes, and Zenoh's command-line flags
 errors     every error, on one page

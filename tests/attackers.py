@@ -20,7 +20,7 @@ from fes.transport.bus import Bus
 from tests import session
 from tests.loop import load
 from tests.session import RUN
-from world.server import Server
+from world.server.server import Server
 
 ROBOTS = 10
 FLOOD = 10_000

@@ -17,10 +17,11 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import Channel, Chunk, McapRecord, Message, Schema
 from mcap.writer import MCAP0_MAGIC
 
+from fes.recording import records, schemas
+from fes.recording.schemas import OWN
 from fes.system import fingerprint
 from tests.loop import load
-from world import records, schemas, snapshot
-from world.schemas import OWN
+from world.execution import snapshot
 
 MIB = 1 << 20
 MUCH = 1 << 30

@@ -21,14 +21,15 @@ from console import log, replay
 from console.sweep import design, ledger, work
 from console.sweep.work import Done
 from fes.errors import FesError
+from fes.recording.layout import NAME
 from tests.loop import CONFIGS, load
 from tests.test_resume import Team
-from world import resume, summary
-from world.checkpoint import Keeper
-from world.course import Course
-from world.log_layout import NAME
-from world.recorder import Recorder
-from world.scenario import Scenario
+from world.config.scenario import Scenario
+from world.execution import resume
+from world.execution.checkpoint import Keeper
+from world.execution.recorder import Recorder
+from world.execution.run import Course
+from world.metrics import summary
 
 KEPT, FLUSHED, KILLED = 0.4, 0.6, 0.7
 """Times of the checkpoint, of a written chunk of the log, and of the world's death, as parts of the run."""

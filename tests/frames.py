@@ -16,7 +16,9 @@ from fes.arrays.types import Floats, Ints
 from fes.model import outage
 from fes.model.sensing import silence
 from fes.protocol.report import Report
-from world import optimum, scenario, simulation
+from world.config import scenario
+from world.metrics import optimum
+from world.simulation import truth
 
 SIZES = [(80, 24), (100, 30), (160, 50), (300, 80), (71, 24), (60, 40), (40, 12)]
 TINY = [(160, 8), (200, 3), (80, 1), (20, 30), (20, 5), (3, 2), (1, 1)]
@@ -141,13 +143,13 @@ def bar_heights(rows: list[str]) -> list[int]:
 def play() -> list[Report]:
     """Reports of the first 3 s of the paper's ten robots."""
     setup = scenario.load(PAPER, {})
-    world = simulation.create(setup)
+    world = truth.create(setup)
     team = crew.assemble(scenario.agent_config(setup), world.ids)
-    state, robots, said = simulation.start(world), crew.start(team), silence()
+    state, robots, said = truth.start(world), crew.start(team), silence()
     best = optimum.optimal_separation(setup.objective, setup.channel)
     reports = []
     for tick in range(151):
-        robots, said, twists = crew.step(team, robots, simulation.observe(state), said)
+        robots, said, twists = crew.step(team, robots, truth.observe(state), said)
         if tick % 10 == 0:
             edges, at = said.links, said.links.mutual
             a, b, ab, ba = (
@@ -162,5 +164,5 @@ def play() -> list[Report]:
             wrong = float(np.abs(np.concatenate([ab, ba]) - best).max(initial=0.0))
             summed = float(np.abs(ab - ba).sum())
             reports.append(replace(report, tick=tick, outage=lost, disagreement=summed, estimate_error_max=wrong))
-        state = simulation.step(world, state, twists)
+        state = truth.step(world, state, twists)
     return reports

@@ -9,19 +9,20 @@ from agents.process import Agent
 from agents.runtime.outbox import Mouth
 from console.launcher import free_port
 from fes.errors import FesError
+from fes.recording.layout import NAME
 from fes.transport import bus
 from fes.transport.bus import Bus
 from fes.transport.endpoints import Endpoints
 from tests import certificates
 from tests.loop import load
 from tests.session import PATIENCE, RUN
-from world import access, journal
-from world.checkpoint import FOLDER, Keeper
-from world.course import Course
-from world.log_layout import NAME
-from world.recorder import Recorder
-from world.scenario import Scenario
-from world.server import Server
+from world.config.scenario import Scenario
+from world.execution import journal
+from world.execution.checkpoint import FOLDER, Keeper
+from world.execution.recorder import Recorder
+from world.execution.run import Course
+from world.server import access
+from world.server.server import Server
 
 ROBOTS, HOSTILE, FIRST = 10, 4, 40
 """Robot 4 stands in the middle of the ten, and is hostile from tick 40 on."""

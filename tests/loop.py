@@ -10,8 +10,9 @@ from agents.control import crew as crews
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
 from fes.model.sensing import Beacons, Observations, silence
-from world import scenario, simulation
-from world.scenario import Scenario
+from world.config import scenario
+from world.config.scenario import Scenario
+from world.simulation import truth
 
 CONFIGS = Path(__file__).parent.parent / "configs"
 
@@ -50,8 +51,8 @@ def load(name: str, **overrides: Any) -> Scenario:
 
 def run(what: Scenario, ticks: int | None = None, split: list[list[int]] | None = None) -> History:
     """Run a scenario as one crew, or `split` into several that exchange beacons."""
-    world = simulation.create(what)
-    state = simulation.start(world)
+    world = truth.create(what)
+    state = truth.start(world)
     config = scenario.agent_config(what)
     everybody = world.ids.tolist()
     parts = [crews.assemble(config, np.array(ids)) for ids in (split or [everybody])]
@@ -59,7 +60,7 @@ def run(what: Scenario, ticks: int | None = None, split: list[list[int]] | None 
     said = [silence()] * len(parts)
     history = History(what.run.dt, [], [])
     for _ in range(ticks or what.ticks):
-        sensed = simulation.observe(state)
+        sensed = truth.observe(state)
         twists = np.full((len(everybody), 2), np.nan)
         heard = said[0] if split is None else _together(said)
         for at, part in enumerate(parts):
@@ -68,7 +69,7 @@ def run(what: Scenario, ticks: int | None = None, split: list[list[int]] | None 
             minds[at], said[at], twists[part.ids] = crews.step(part, minds[at], own, audible)
         history.poses.append(state.poses)
         history.estimates.append({pair: value for beacons in said for pair, value in _estimates(beacons)})
-        state = simulation.step(world, state, twists)
+        state = truth.step(world, state, twists)
     return history
 
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from world import simulation
-from world.scenario import Scenario, parse
-from world.simulation import State, World
+from world.config.scenario import Scenario, parse
+from world.simulation import truth
+from world.simulation.truth import State, World
 
 Pair = tuple[int, int]
 EVERYTHING: dict[str, Any] = {
@@ -28,13 +28,13 @@ def team(positions: Iterable[tuple[float, float]], **channel: Any) -> Scenario:
 
 
 def started(what: Scenario) -> tuple[World, State]:
-    world = simulation.create(what)
-    return world, simulation.start(world)
+    world = truth.create(what)
+    return world, truth.start(world)
 
 
 def stand(world: World, state: State, ticks: int = 1) -> State:
     for _ in range(ticks):
-        state = simulation.step(world, state, np.zeros((len(state.poses), 2)))
+        state = truth.step(world, state, np.zeros((len(state.poses), 2)))
     return state
 
 

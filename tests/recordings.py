@@ -9,10 +9,10 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 
 from console import inprocess
-from world import protobuf
-from world.recorder import Recorder
-from world.scenario import Scenario
-from world.schemas import OWN
+from fes.recording import protobuf
+from fes.recording.schemas import OWN
+from world.config.scenario import Scenario
+from world.execution.recorder import Recorder
 
 Edit = Callable[[str, int, bytes], bytes | None]
 """Topic, tick and payload of a message -> its new payload, or None to leave it out."""

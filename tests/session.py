@@ -13,11 +13,11 @@ from fes.protocol.messages import Join
 from fes.transport import bus
 from fes.transport.bus import Bus
 from fes.transport.endpoints import Endpoints
-from world.course import Course
-from world.recorder import Recorder
-from world.scenario import Scenario
-from world.server import Server
-from world.simulation import State
+from world.config.scenario import Scenario
+from world.execution.recorder import Recorder
+from world.execution.run import Course
+from world.server.server import Server
+from world.simulation.truth import State
 
 RUN = "test"
 

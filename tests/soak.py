@@ -24,8 +24,8 @@ from typing import Any
 
 from console import log, replay
 from console.launcher import free_port
-from world.log_layout import NAME
-from world.scenario import load
+from fes.recording.layout import NAME
+from world.config.scenario import load
 
 SCENARIO = Path(__file__).parent.parent / "configs" / "neighborhood.toml"
 

@@ -8,7 +8,7 @@ import zenoh
 
 from fes.protocol import keys
 from tests.test_keys import ROBOT, WORLD
-from world import access
+from world.server import access
 
 RUN = "r"
 CONTROL: Any = access.control(RUN, 6, [range(4, 6), range(4, 9)])["access_control"]

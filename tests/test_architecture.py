@@ -11,8 +11,9 @@ import pytest
 ROOT = Path(__file__).parent.parent
 ROOMS = ("fes", "agents", "world", "console")
 BELOW = {"fes": set[str](), "agents": {"fes"}, "world": {"fes"}, "console": {"fes", "agents", "world"}}
-FORMULA_READERS = {"world.channel", "world.reporting", "agents.laws.oracle"}
-"""Modules that may know the channel's formula; `world.optimum` has it in decimals. Observers see the true outage."""
+FORMULA_READERS = {"world.simulation.channel", "world.metrics.report_builder", "agents.laws.oracle"}
+"""Modules that may know the channel's formula; `world.metrics.optimum` has it in decimals. Observers see the true
+outage."""
 MAPPED = (*ROOMS, "console/doctor", "console/sweep")
 LONGEST_FILE = 260
 
@@ -80,8 +81,13 @@ def test_only_the_bus_and_its_session_import_zenoh() -> None:
 
 
 def test_only_the_logs_writer_and_its_readers_import_mcap_and_one_of_them_its_reader() -> None:
-    assert importers("mcap") == {"world.container", "world.records", "world.log_reader", "world.log_ticks"}
-    assert importers("mcap.data_stream") == {"world.records"}
+    assert importers("mcap") == {
+        "fes.recording.mcap_file",
+        "fes.recording.records",
+        "fes.recording.reader",
+        "fes.recording.ticks",
+    }
+    assert importers("mcap.data_stream") == {"fes.recording.records"}
     assert not importers("mcap.stream_reader") | importers("mcap.reader")  # which take a length for granted
 
 

@@ -5,7 +5,7 @@ import logging
 import pytest
 
 from fes.transport.drop_log import LONGEST_LINE
-from world.audit import KINDS_OF_ONE, Audit
+from world.server.audit import KINDS_OF_ONE, Audit
 
 PLACE = "zenoh::net::routing::interceptor::access_control:"
 TRACE = f"2026-11-22T04:02:14.951301Z TRACE app-1 ThreadId(03) {PLACE}"

@@ -9,11 +9,11 @@ import pytest
 from fes.arrays.types import Floats
 from fes.errors import ScenarioError
 from fes.model.sensing import DECODED, LOST
-from world import bursts, simulation
-from world.bursts import BAD, GOOD, UNKNOWN
-from world.radio_config import BurstConfig
-from world.scenario import Scenario, parse
-from world.simulation import State
+from world.config.radio import BurstConfig
+from world.config.scenario import Scenario, parse
+from world.simulation import bursts, truth
+from world.simulation.bursts import BAD, GOOD, UNKNOWN
+from world.simulation.truth import State
 
 DT = 0.02
 BURSTS = {"bad_share": 0.25, "mean_length": 0.16}  # 8 ticks: leaves with 1/8, enters with 1/24
@@ -73,13 +73,13 @@ def cluster(n: int, seed: int = 3, **channel: Any) -> Scenario:
 
 def play(what: Scenario, ticks: int, velocity: Floats | None = None) -> list[State]:
     """The states of a run; robots stand still, or go along +x with `velocity` [n]."""
-    world = simulation.create(what)
+    world = truth.create(what)
     twists = np.zeros((what.robots.number, 2))
     if velocity is not None:
         twists[:, 0] = velocity
-    states = [simulation.start(world)]
+    states = [truth.start(world)]
     for _ in range(ticks):
-        states.append(simulation.step(world, states[-1], twists))
+        states.append(truth.step(world, states[-1], twists))
     return states
 
 

@@ -9,9 +9,9 @@ from fes.arrays import draws
 from fes.arrays.types import Floats
 from fes.model.sensing import CLOSED, DECODED, LOST
 from tests import layouts
-from world import simulation
-from world.scenario import Scenario, parse
-from world.simulation import State
+from world.config.scenario import Scenario, parse
+from world.simulation import truth
+from world.simulation.truth import State
 
 Codes = dict[tuple[int, int], list[int]]
 """For each (receiver, sender) what became of its beacons, tick by tick; -1 out of range."""
@@ -25,14 +25,14 @@ def team(positions: list[tuple[float, float]], model: str = "rayleigh", seed: in
 
 def listen(what: Scenario, speeds: list[Floats]) -> tuple[Codes, list[State]]:
     """The radio's verdicts at each tick, the robots moving along +x with `speeds` [n] of each tick."""
-    world = simulation.create(what)
-    states = [simulation.start(world)]
+    world = truth.create(what)
+    states = [truth.start(world)]
     for speed in speeds:
-        states.append(simulation.step(world, states[-1], np.column_stack([speed, np.zeros_like(speed)])))
+        states.append(truth.step(world, states[-1], np.column_stack([speed, np.zeros_like(speed)])))
     n = what.robots.number
     codes: Codes = {(i, j): [-1] * len(states) for i in range(n) for j in range(n) if i != j}
     for tick, state in enumerate(states):
-        sensed = simulation.observe(state)
+        sensed = truth.observe(state)
         near = sensed.in_range
         for robot, peer, code in zip(
             near.ids[near.rows].tolist(), near.peers.tolist(), sensed.reception, strict=True

@@ -8,7 +8,7 @@ import pytest
 from fes.arrays.types import Floats
 from tests import layouts
 from tests.radios import EVERYTHING, Pair, ledger, stand, started, team
-from world.radio_config import RadioConfig
+from world.config.radio import RadioConfig
 
 
 def pairs_within(poses: Floats, reach: float) -> set[Pair]:

@@ -12,11 +12,13 @@ from fes.model.config import ChannelConfig
 from fes.model.sensing import CLOSED, DECODED, LOST, Telemetry
 from tests import layouts
 from tests.radios import EVERYTHING, Pair, ledger, stand, started, team
-from world import reporting, scenario, simulation, summary
-from world.account import Account
-from world.radio_config import RadioConfig
-from world.scenario import Scenario
-from world.simulation import State
+from world.config import scenario
+from world.config.radio import RadioConfig
+from world.config.scenario import Scenario
+from world.metrics import report_builder, summary
+from world.metrics.collector import Account
+from world.simulation import truth
+from world.simulation.truth import State
 
 
 def test_receivers_in_a_jammed_disc_hear_nobody_and_are_heard_outside() -> None:
@@ -53,7 +55,7 @@ def test_a_robot_is_jammed_where_it_is_at_the_tick_of_the_beacon() -> None:
     world, state = started(team([(-5, 0), (0, 60)], model="perfect", jammers=[jam]))
     said = []
     for _ in range(12):
-        state = simulation.step(world, state, np.array([[50.0, 0.0], [0.0, 0.0]]))
+        state = truth.step(world, state, np.array([[50.0, 0.0], [0.0, 0.0]]))
         said.append(ledger(state, "reception")[0, 1])
     # what tick + 1 reports was sent at tick, so LOST is reported at ticks 4 to 8
     assert said == [CLOSED, DECODED, DECODED, *[LOST] * 5, *[DECODED] * 4]
@@ -64,7 +66,7 @@ def report_outage(state: State, what: Scenario, pairs: list[Pair]) -> list[float
     links = layouts.edges(range(len(state.poses)), [*pairs, *((b, a) for a, b in pairs)])
     sums, said = Account(what), Telemetry(links, np.full(len(links), 70.0), np.zeros((2, 0)))
     sums.add(state, np.zeros((len(state.poses), 2)), said)
-    report = reporting.build(sums, "test", np.ones(len(state.poses), dtype=np.uint8), 1.0, 1.0)
+    report = report_builder.build(sums, "test", np.ones(len(state.poses), dtype=np.uint8), 1.0, 1.0)
     assert list(zip(report.a.tolist(), report.b.tolist(), strict=True)) == pairs
     return [float(outage) for outage in report.outage]
 

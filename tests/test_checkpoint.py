@@ -12,9 +12,10 @@ import pytest
 from fes.errors import FesError
 from fes.protocol.messages import Join
 from tests.loop import load
-from world import checkpoint, journal, process, resume
-from world.checkpoint import FOLDER, Keeper
-from world.course import Course
+from world import process
+from world.execution import checkpoint, journal, resume
+from world.execution.checkpoint import FOLDER, Keeper
+from world.execution.run import Course
 from world.process import main
 
 

@@ -19,7 +19,7 @@ from fes.transport.endpoints import Endpoints
 from tests.loop import CONFIGS
 from tests.session import client, router
 from tests.test_processes import PATIENCE, command, start
-from world import claim
+from world.server import claim
 
 RUN = "test"
 REFUSAL = "another world of run 'test' is here, or starts just now (--run gives this one another name)"

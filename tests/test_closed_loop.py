@@ -8,7 +8,7 @@ import pytest
 from fes.arrays import draws
 from tests import loop, witness
 from tests.loop import History, Pair
-from world import scenario
+from world.config import scenario
 
 
 @cache

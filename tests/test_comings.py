@@ -18,12 +18,12 @@ from tests import session
 from tests.loop import load
 from tests.session import RUN
 from tests.test_processes import PATIENCE, STARTING, fes
-from world.course import Course
-from world.recorder import Recorder
-from world.scenario import Scenario
-from world.server import Server
-from world.simulation import State
-from world.summary import write_scenario
+from world.config.scenario import Scenario
+from world.execution.recorder import Recorder
+from world.execution.run import Course
+from world.metrics.summary import write_scenario
+from world.server.server import Server
+from world.simulation.truth import State
 
 DEADS: list[dict[str, Any]] = [{"at": 0.6, "kill": [4, 6]}, {"at": 1.2, "restart": [4]}, {"at": 1.6, "restart": [6]}]
 Story = Callable[[Server, list["asyncio.Task[Agent]"], str], Awaitable[None]]
@@ -85,7 +85,7 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for patience in ("ANSWER_TIMEOUT", "ASK_AGAIN"):  # its token alone tells the barrier
-        monkeypatch.setattr(f"world.lockstep.{patience}", 1e6)
+        monkeypatch.setattr(f"world.server.lockstep.{patience}", 1e6)
     dying, say, unsaid = asyncio.Event(), Mouth.say, list[int]()
     monkeypatch.setattr(
         Mouth, "say", lambda *what: unsaid.append(what[1]) if dying.is_set() and what[2][0][0] == 4 else say(*what)
@@ -146,7 +146,7 @@ def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_wh
         await until(server, lambda state: state.tick >= 20)
         asleep.set()
         with monkeypatch.context() as impatient:
-            impatient.setattr("world.lockstep.ANSWER_TIMEOUT", 1.0)
+            impatient.setattr("world.server.lockstep.ANSWER_TIMEOUT", 1.0)
             seen.append(await until(server, lambda state: not state.present[1]))
         await until(server, lambda state: state.tick >= seen[0] + 40)
         async with standing_still(server):
@@ -242,7 +242,7 @@ def test_a_team_that_hangs_as_one_is_taken_in_again_when_it_speaks(
         await until(server, lambda state: state.tick >= 20)
         asleep.set()
         with monkeypatch.context() as impatient:
-            impatient.setattr("world.lockstep.ANSWER_TIMEOUT", 0.3)
+            impatient.setattr("world.server.lockstep.ANSWER_TIMEOUT", 0.3)
             await until(server, lambda state: not state.present.any())
         asleep.clear()
         for late in delayed:

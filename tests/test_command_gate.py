@@ -2,7 +2,7 @@
 
 from fes.protocol import keys
 from fes.protocol.messages import Join
-from world.command_gate import CommandGate
+from world.server.command_gate import CommandGate
 
 CREW, SUCCESSOR = Join((0, 1, 2), 7), Join((1,), 8)
 

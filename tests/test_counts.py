@@ -19,8 +19,8 @@ from fes.model import counts, stability
 from fes.model.config import AgentConfig, SeekingConfig
 from fes.process import real_time_factor
 from tests.loop import load
-from world import account
-from world.scenario import Scenario, agent_config
+from world.config.scenario import Scenario, agent_config
+from world.metrics import collector
 
 ROOT = Path(__file__).parent.parent
 SMALLEST, LARGEST = 5e-324, 1.7e308
@@ -69,7 +69,7 @@ def test_extremes_of_two_settings_are_refused_in_one_line_or_run_in_bounded_work
         if what is None:
             continue
         assert 1 <= what.ticks <= stability.MAX_TICKS
-        assert 1 <= account.dither_period(what) <= stability.MAX_TICKS
+        assert 1 <= collector.dither_period(what) <= stability.MAX_TICKS
         robots = crew.assemble(agent_config(what), np.arange(2))
         assert robots.seeker.sub_steps <= stability.MAX_STEPS
         assert robots.contact_timeout <= counts.LARGEST

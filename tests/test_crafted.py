@@ -9,16 +9,17 @@ import pytest
 
 from console import log, rundir
 from fes.errors import FesError
+from fes.recording import layout, mcap_file, records
+from fes.recording.mcap_file import Container
+from fes.recording.records import Reader
+from fes.recording.schemas import OWN
 from fes.system import files
 from fes.transport.endpoints import DEFAULT_ENDPOINT
 from tests import crafted, recordings
 from tests.loop import load
 from tests.test_processes import PATIENCE, command
-from world import container, log_layout, recorder, records, snapshot
-from world.container import Container
-from world.recorder import Recorder
-from world.records import Reader
-from world.schemas import OWN
+from world.execution import recorder, snapshot
+from world.execution.recorder import Recorder
 
 MOST = 512.0
 """Memory that a reader of any of them may take [MiB]; a chunk unpacks to 64, and the interpreter takes 80."""
@@ -62,8 +63,8 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path: Path) -> None:
 
 
 def test_nothing_is_written_that_a_reader_would_refuse(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert records.LIMIT * 63 // 64 >= container.LARGEST > 10 * container.CHUNK
-    monkeypatch.setattr(container, "LARGEST", 1000)
+    assert records.LIMIT * 63 // 64 >= mcap_file.LARGEST > 10 * mcap_file.CHUNK
+    monkeypatch.setattr(mcap_file, "LARGEST", 1000)
     file = Container(tmp_path / "run.mcap")
     file.put("/x", OWN["Report"], bytes(1001), 0, 0)
     with pytest.raises(
@@ -92,7 +93,7 @@ def test_a_summary_that_a_reader_would_refuse_stands_in_the_run_directory_only(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path, pair = tmp_path / "run.mcap", load("pair.toml", run__duration=0.2)
-    for limit, kept in ((log_layout.MAX_JSON, True), (recorder._ENDED + 100, False)):
+    for limit, kept in ((layout.MAX_JSON, True), (recorder._ENDED + 100, False)):
         monkeypatch.setattr(recorder, "MAX_JSON", limit)
         recordings.record(path, pair)
         found = log.load(path)

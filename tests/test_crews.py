@@ -15,8 +15,8 @@ from fes.transport.bus import Bus
 from tests import session
 from tests.loop import load
 from tests.test_comings import live_through, standing_still, until
-from world.scenario import Scenario
-from world.server import Server
+from world.config.scenario import Scenario
+from world.server.server import Server
 
 GROUPS = [[0, 1], [2]]
 """A crew of two, and somebody who goes on."""
@@ -99,7 +99,7 @@ def test_a_crew_of_which_one_robot_is_mute_is_left_out_and_taken_in_when_that_on
         await until(server, lambda state: state.tick >= 20)
         mute.set()
         with monkeypatch.context() as impatient:
-            impatient.setattr("world.lockstep.ANSWER_TIMEOUT", 1.0)
+            impatient.setattr("world.server.lockstep.ANSWER_TIMEOUT", 1.0)
             gone = await until(server, lambda state: not state.present[1])
         await until(server, lambda state: state.tick >= gone + 20)
         assert server.course.state.present.tolist() == [False, False, True]

@@ -23,8 +23,9 @@ from fes.model.sensing import DECODED, LOST, Observations
 from fes.system import memory
 from tests import layouts
 from tests.loop import CONFIGS
-from world import crowd, proximity, scenario, simulation
-from world.course import Course
+from world.config import scenario
+from world.execution.run import Course
+from world.simulation import crowd, neighbor_list, truth
 
 LAYOUTS: dict[str, Callable[[np.random.Generator, int], Floats]] = {
     "scattered": lambda rng, n: layouts.scatter(rng, n, 120.0),
@@ -81,14 +82,14 @@ def test_links_found_in_blocks_are_those_of_all_triples_at_once(
 def test_pairs_found_in_blocks_are_those_of_a_search_of_all_pairs(
     monkeypatch: pytest.MonkeyPatch, layout: str, block: int
 ) -> None:
-    monkeypatch.setattr(proximity, "SMALL", 1)
-    monkeypatch.setattr(proximity, "BLOCK", block)
+    monkeypatch.setattr(neighbor_list, "SMALL", 1)
+    monkeypatch.setattr(neighbor_list, "BLOCK", block)
     where = LAYOUTS[layout](np.random.default_rng(6), 70) - np.array([60.0, 60.0, 0.0])
-    edges = proximity.measure(np.arange(70), where, 100.0, None).edges
+    edges = neighbor_list.measure(np.arange(70), where, 100.0, None).edges
     expected = layouts.pairs_of(layouts.in_range(where, range(70), 100.0))
     assert layouts.pairs_of(edges) == expected
     assert len(edges) == len(expected)
-    assert proximity.count(where, 100.0, 10**6) == len(expected)
+    assert neighbor_list.count(where, 100.0, 10**6) == len(expected)
 
 
 @pytest.mark.parametrize("rule", sorted(neighbor_rules.RULES))
@@ -126,7 +127,7 @@ def test_a_crowd_that_does_not_fit_into_memory_is_refused_in_one_line(monkeypatc
         "got 9.0 GB: take fewer robots, farther apart"
     )
     with pytest.raises(ScenarioError) as refused:
-        simulation.start(simulation.create(dense(3000, "disk")))
+        truth.start(truth.create(dense(3000, "disk")))
     assert str(refused.value) == expected
 
 

@@ -20,12 +20,14 @@ from fes.transport.inbox import Inbox
 from tests.clocks import Clock
 from tests.frames import a_report
 from tests.loop import load
-from world import live, reporting, simulation
-from world.account import Account
-from world.deadlines import COMMAND_TIMEOUT, Deadlines, none
-from world.live import WARM_UP, Live
-from world.lockstep import Lockstep
-from world.simulation import State
+from world.metrics import report_builder
+from world.metrics.collector import Account
+from world.metrics.deadlines import COMMAND_TIMEOUT, Deadlines, none
+from world.server import live
+from world.server.live import WARM_UP, Live
+from world.server.lockstep import Lockstep
+from world.simulation import truth
+from world.simulation.truth import State
 
 NOTHING = np.zeros(0, dtype=np.int64)
 TICK = 0.02  # s
@@ -51,8 +53,8 @@ class Everybody:
 
 
 def world_of_two() -> tuple[State, Deadlines, Everybody]:
-    world = simulation.create(load("pair.toml", run__clock="live"))
-    return simulation.start(world), none(2), Everybody()
+    world = truth.create(load("pair.toml", run__clock="live"))
+    return truth.start(world), none(2), Everybody()
 
 
 def warm(everybody: Any, deadlines: Deadlines) -> tuple[Inbox, Live]:
@@ -212,7 +214,7 @@ def test_a_mouth_that_skips_ticks_forgets_as_much() -> None:
 
 def test_a_world_that_is_late_slips_and_gives_every_robot_a_whole_tick(monkeypatch: pytest.MonkeyPatch) -> None:
     _, deadlines, everybody = world_of_two()
-    wall = Clock(monkeypatch, "world.live", lambda sleep: 0.5 if sleep == 2 else 0.001)
+    wall = Clock(monkeypatch, "world.server.live", lambda sleep: 0.5 if sleep == 2 else 0.001)
 
     async def main() -> None:
         _, clock = warm(everybody, deadlines)
@@ -230,7 +232,7 @@ def test_a_report_tells_of_what_was_missed_and_came_late_until_its_tick() -> Non
         sums.add(tick.state, tick.twists, tick.telemetry, np.array([tick.state.tick, 1]))
     assert sums.deadlines is not None
     sums.deadlines.late[1] = 2
-    report = reporting.build(sums, "test", np.ones(2, dtype=np.uint8), 0.0, 0.0)
+    report = report_builder.build(sums, "test", np.ones(2, dtype=np.uint8), 0.0, 0.0)
     told = decode_report(encode_report(report))
     assert told.missed.tolist() == [0, 3]  # from tick 2 to 4
     assert told.late.tolist() == [0, 2]

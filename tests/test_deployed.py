@@ -10,15 +10,16 @@ from console import inprocess
 from fes.transport.identity import Identity
 from tests import loop
 from tests.test_cli import PROGRAMS
-from world import expect, summary
+from world.config import expectations
+from world.metrics import summary
 
 ROOT = Path(__file__).parent.parent
 
 
 def test_the_scenario_of_compose_reaches_its_formation_and_says_so() -> None:
     found = inprocess.run(loop.load("compose.toml"), "compose")
-    assert not expect.unmet(found)
-    assert expect.unmet(inprocess.run(loop.load("compose.toml", run__duration=5.0), "compose"))
+    assert not expectations.unmet(found)
+    assert expectations.unmet(inprocess.run(loop.load("compose.toml", run__duration=5.0), "compose"))
 
 
 def test_the_lines_of_a_log_have_the_numbers_of_the_summary() -> None:

@@ -18,10 +18,10 @@ from fes.errors import FesError, ScenarioError
 from fes.model import stability
 from fes.model.config import FormationConfig, Table
 from tests.loop import load
-from world import kinematics
-from world import summary as summaries
-from world.account import Account
-from world.scenario import Scenario
+from world.config.scenario import Scenario
+from world.metrics import summary as summaries
+from world.metrics.collector import Account
+from world.simulation import unicycle
 
 SMALLEST, LARGEST = 5e-324, 1.7e308
 PAIR = Edges(np.array([0, 1]), np.array([0, 1]), np.array([1, 0]))
@@ -65,7 +65,7 @@ def after(gain_per_tick: float, ticks: int) -> Floats:
         errors.append(apart - wanted)
         bearing = np.array([[1.0, -1.0], [0.0, 0.0]])
         pull = formation.pull(PAIR, np.full(2, apart - wanted), bearing)
-        poses = kinematics.move(poses, formation.twist(pull, poses[:, geometry.HEADING], dt, config), dt)
+        poses = unicycle.move(poses, formation.twist(pull, poses[:, geometry.HEADING], dt, config), dt)
     return np.array(errors)
 
 

@@ -15,10 +15,10 @@ from fes.model import config
 from fes.model.sensing import DECODED, LOST
 from fes.protocol import messages
 from tests.loop import load
-from world import scenario as scenarios
-from world.radio_config import RadioConfig
-from world.scenario import Scenario, agent_config
-from world.summary import write_scenario
+from world.config import scenario as scenarios
+from world.config.radio import RadioConfig
+from world.config.scenario import Scenario, agent_config
+from world.metrics.summary import write_scenario
 
 Event = dict[str, Any]
 PERFECT: dict[str, Any] = {"channel__model": "perfect"}

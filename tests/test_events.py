@@ -12,9 +12,10 @@ from fes.protocol import channel_change, keys, wire
 from fes.protocol.channel_change import Change
 from tests import session
 from tests.loop import load
-from world import events, simulation
-from world.events import EventConfig
-from world.radio_config import RadioConfig
+from world.config import events
+from world.config.events import EventConfig
+from world.config.radio import RadioConfig
+from world.simulation import truth
 
 HALVED = {"at": 0.2, "set": {"channel.reference_snr": 5e6}}
 
@@ -32,8 +33,8 @@ def test_an_event_acts_from_its_tick_on_and_the_optimum_moves_with_it() -> None:
 def test_an_event_at_the_start_is_the_same_as_a_scenario_that_begins_so() -> None:
     begun = load("pair.toml", run__duration=1, channel__reference_snr=5e6)
     changed = load("pair.toml", run__duration=1, event=[{**HALVED, "at": 0.0}])
-    world = simulation.create(changed)
-    assert simulation.start(world).channel == begun.channel
+    world = truth.create(changed)
+    assert truth.start(world).channel == begun.channel
 
 
 def test_of_two_events_of_one_tick_the_later_in_the_file_wins_and_others_come_in_order_of_time() -> None:

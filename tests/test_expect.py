@@ -12,8 +12,9 @@ from console import inprocess
 from fes.errors import ScenarioError
 from tests.loop import CONFIGS, load
 from tests.test_processes import LOOP, PATIENCE, STARTING, fes
-from world import deadlines, expect
-from world.expect import ExpectConfig
+from world.config import expectations
+from world.config.expectations import ExpectConfig
+from world.metrics import deadlines
 
 SUMMARY: dict[str, Any] = {
     "separation_error_rms": 0.4,
@@ -46,7 +47,7 @@ SUMMARY: dict[str, Any] = {
     ],
 )
 def test_an_expectation_holds_if_all_its_bounds_do(table: dict[str, Any], holds: bool) -> None:
-    [verdict] = expect.verdicts([ExpectConfig.model_validate(table)], SUMMARY)
+    [verdict] = expectations.verdicts([ExpectConfig.model_validate(table)], SUMMARY)
     assert verdict["holds"] is holds
 
 
@@ -97,7 +98,7 @@ def test_what_no_summary_can_meet_is_refused_at_the_start_in_one_line(table: dic
     assert str(caught.value).isprintable()
 
 
-def kinds(shape: expect.Shape, value: Any) -> bool:
+def kinds(shape: expectations.Shape, value: Any) -> bool:
     """Whether a part of a summary is of the shape that can be expected of it."""
     if isinstance(shape, dict):
         return set(shape) == set(value) and all(kinds(shape[key], value[key]) for key in shape)
@@ -105,7 +106,7 @@ def kinds(shape: expect.Shape, value: Any) -> bool:
         return all(kinds(shape[0], one) for one in value)
     if isinstance(shape, tuple):
         return all(kinds(*both) for both in zip(shape, value, strict=True))
-    of = {expect.NUMBER: (int, float, type(None)), expect.FLAG: (bool,), expect.TEXT: (str,)}
+    of = {expectations.NUMBER: (int, float, type(None)), expectations.FLAG: (bool,), expectations.TEXT: (str,)}
     return type(value) in of[shape]
 
 
@@ -116,7 +117,7 @@ def test_a_summary_has_what_can_be_expected_and_nothing_else() -> None:
     assert found["radio"]
     assert found.pop("deadlines") is None  # of a live clock
     found["deadlines"] = deadlines.none(10).table()
-    assert kinds(expect.SUMMARY, found)
+    assert kinds(expectations.SUMMARY, found)
 
 
 def test_the_summary_counts_how_long_links_were_apart() -> None:
@@ -128,7 +129,7 @@ def test_the_summary_counts_how_long_links_were_apart() -> None:
     assert found["expectations"] == [
         {"of": "links_gap_longest", "expected": "below 3.0", "seen": found["links_gap_longest"], "holds": True}
     ]
-    assert not expect.unmet(found)
+    assert not expectations.unmet(found)
 
 
 @pytest.mark.parametrize("backend", ["inprocess", "processes"])

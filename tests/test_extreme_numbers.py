@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from agents.control import crew
-from agents.runtime import marshalling
+from agents.runtime import marshalling as agent_marshalling
 from agents.runtime.marshalling import Assembly
 from fes.arrays.types import Floats
 from fes.errors import MessageError
@@ -16,10 +16,12 @@ from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon, Command
 from fes.protocol.report import decode_report, encode_report
 from tests.loop import load
-from world import reporting, simulation, summary, wording
-from world.account import Account
-from world.course import Answer, Course
-from world.scenario import agent_config
+from world.config.scenario import agent_config
+from world.execution import marshalling as world_marshalling
+from world.execution.run import Answer, Course
+from world.metrics import report_builder, summary
+from world.metrics.collector import Account
+from world.simulation import truth
 
 HOSTILE, FIRST, TICKS = 4, 40, 90
 ALIVE = np.ones(10, dtype=np.uint8)
@@ -55,15 +57,15 @@ def test_no_number_in_a_beacon_leaves_a_peer_without_a_twist(law: str, field: st
     """crew.step raises where a twist is not finite, and numpy's warnings are errors here."""
     name, settings = LAWS[law]
     what = load(name, **settings)
-    world = simulation.create(what)
-    state, robots = simulation.start(world), crew.assemble(agent_config(what), world.ids)
+    world = truth.create(what)
+    state, robots = truth.start(world), crew.assemble(agent_config(what), world.ids)
     minds, said = crew.start(robots), silence()
     for tick in range(TICKS):
-        minds, said, twists = crew.step(robots, minds, simulation.observe(state), said)
+        minds, said, twists = crew.step(robots, minds, truth.observe(state), said)
         assert np.abs(twists).max() <= MAX_TWIST
         if tick >= FIRST:
             said = falsified(said, field, value)
-        state = simulation.step(world, state, twists)
+        state = truth.step(world, state, twists)
 
 
 def some(choose: np.random.Generator, count: int) -> Floats:
@@ -96,36 +98,37 @@ def test_no_beacon_and_no_command_that_is_valid_stops_a_peer_or_the_world(law: s
     minds, heard = crew.start(robots), silence()
     while not course.is_over:
         tick, sent = course.state.tick, course.observations(course.state.present)
-        minds, said, twists = crew.step(robots, minds, simulation.observe(course.state), heard)
+        minds, said, twists = crew.step(robots, minds, truth.observe(course.state), heard)
         spoken = [
-            [beacon, order] for _, beacon, order in marshalling.payloads(said, twists, crew.telemetry(robots, minds))
+            [beacon, order]
+            for _, beacon, order in agent_marshalling.payloads(said, twists, crew.telemetry(robots, minds))
         ]
         if tick >= 20:
             spoken[HOSTILE] = [any_beacon(choose, tick, robots.statistics), any_command(choose, tick)]
         heard = stack.beacons(tick, [messages.decode_beacon(beacon) for beacon, _ in spoken])
         answers: list[Answer | None] = [
-            (wording.command(keys.command("r", i), order, 10), order) for i, (_, order) in enumerate(spoken)
+            (world_marshalling.command(keys.command("r", i), order, 10), order) for i, (_, order) in enumerate(spoken)
         ]
         course.take(sent, answers, [beacon for beacon, _ in spoken], ALIVE, 0.1)
         course.account()
-        decode_report(encode_report(reporting.build(course.sums, "test", ALIVE, 0.0, 0.0)))
+        decode_report(encode_report(report_builder.build(course.sums, "test", ALIVE, 0.0, 0.0)))
     assert summary.summarize(course.sums, "test", "test", 1.0)["ticks"] == what.ticks
 
 
 @pytest.mark.parametrize("twist", [[MAX_TWIST, 0.0], [-MAX_TWIST, MAX_TWIST], [0.0, -MAX_TWIST]])
 def test_no_command_makes_a_pose_or_a_report_that_is_not_finite(twist: list[float]) -> None:
     what = load("measured.toml", run__duration=4.0)
-    world, sums = simulation.create(what), Account(what)
-    state, robots = simulation.start(world), crew.assemble(agent_config(what), world.ids)
+    world, sums = truth.create(what), Account(what)
+    state, robots = truth.start(world), crew.assemble(agent_config(what), world.ids)
     minds, said = crew.start(robots), silence()
     for tick in range(what.ticks):
-        minds, said, twists = crew.step(robots, minds, simulation.observe(state), said)
+        minds, said, twists = crew.step(robots, minds, truth.observe(state), said)
         if tick >= FIRST:
             twists[HOSTILE] = twist
         sums.add(state, twists, crew.telemetry(robots, minds))
-        state = simulation.step(world, state, twists)
+        state = truth.step(world, state, twists)
     assert np.isfinite(state.poses).all()
-    report = reporting.build(sums, "test", ALIVE, 0.0, 0.0)
+    report = report_builder.build(sums, "test", ALIVE, 0.0, 0.0)
     assert np.array_equal(decode_report(encode_report(report)).poses, report.poses)
 
 

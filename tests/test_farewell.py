@@ -10,9 +10,9 @@ from tests import session
 from tests.loop import load
 from tests.proxy import Link, link
 from tests.session import PATIENCE, RUN
-from world import farewell
-from world.course import Course
-from world.server import Server
+from world.execution.run import Course
+from world.server import farewell
+from world.server.server import Server
 
 LAST = 40
 

@@ -11,8 +11,8 @@ from console.sweep import stack
 from tests import recordings, session
 from tests.loop import load
 from tests.test_stack import alone, without_wall_clock
-from world.recorder import Recorder
-from world.scenario import Scenario
+from world.config.scenario import Scenario
+from world.execution.recorder import Recorder
 
 HALVES = [[0, 1, 2, 3, 4], [5, 6, 7, 8, 9]]
 FAULTS: dict[str, list[dict[str, Any]]] = {

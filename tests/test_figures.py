@@ -10,7 +10,7 @@ from console import evidence, figures, history, inprocess, study
 from console.history import History
 from fes.errors import FesError
 from tests.loop import load
-from world import summary
+from world.metrics import summary
 
 
 @pytest.fixture(scope="module")

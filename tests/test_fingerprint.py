@@ -20,7 +20,7 @@ from tests.loop import CONFIGS, load
 from tests.test_checkpoint import begun
 from tests.test_cli import PAIR, call, complaint
 from tests.test_summary import written
-from world import resume
+from world.execution import resume
 
 PAPER = str(CONFIGS / "paper.toml")
 HERE, THERE = fingerprint.text(), fingerprint.text(OTHER)

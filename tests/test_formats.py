@@ -15,14 +15,15 @@ from console import log
 from console.sweep import design, ledger
 from fes.errors import FesError
 from fes.protocol.messages import Join
+from fes.recording import schemas
+from fes.recording.layout import NAME
 from tests.loop import load
 from tests.test_cli import PAIR, call, complaint
 from tests.test_resume import Team
-from world import resume, schemas, snapshot
-from world.checkpoint import FOLDER, JOIN, STATE, Keeper
-from world.course import Course
-from world.log_layout import NAME
-from world.recorder import Recorder
+from world.execution import resume, snapshot
+from world.execution.checkpoint import FOLDER, JOIN, STATE, Keeper
+from world.execution.recorder import Recorder
+from world.execution.run import Course
 
 KEPT = Path(__file__).parent / "formats"
 
@@ -105,7 +106,7 @@ LAYOUT = KEPT / f"checkpoint-{snapshot.FORMAT}.txt"
 
 def test_no_table_of_a_checkpoint_changes_without_another_format(tmp_path: Path) -> None:
     # A checkpoint names its format and not the version of the package: with other tables it would end amid the run.
-    wanted = "other tables in a checkpoint: raise world.snapshot.FORMAT, then python -m tests.test_formats"
+    wanted = "other tables in a checkpoint: raise world.execution.snapshot.FORMAT, then python -m tests.test_formats"
     assert layout(tmp_path) == LAYOUT.read_text(encoding="utf-8"), wanted
 
 

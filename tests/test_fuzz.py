@@ -14,8 +14,8 @@ from tests.fuzz import attack, corpus
 from tests.mutations import LENGTHS, MUTATIONS, mutate
 from tests.payloads import CODECS, refusal
 from tests.test_bad_payloads import PLAIN
-from world import events
-from world.radio_config import RadioConfig
+from world.config import events
+from world.config.radio import RadioConfig
 
 NAMES = list(CODECS)
 OTHERS = [payloads[0] for payloads in corpus(1).values()]

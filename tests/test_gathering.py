@@ -14,9 +14,9 @@ from fes.protocol import keys
 from tests import session
 from tests.loop import load
 from tests.session import RUN
-from world.checkpoint import Keeper
-from world.course import Course
-from world.server import Server
+from world.execution.checkpoint import Keeper
+from world.execution.run import Course
+from world.server.server import Server
 
 
 def test_a_world_does_not_start_with_robots_whose_agents_it_has_not_accepted() -> None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from fes.arrays.types import Ints
 from tests import witness
-from world import graphs
+from world.metrics import graphs
 
 Pairs = list[tuple[int, int]]
 

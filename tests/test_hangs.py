@@ -16,8 +16,8 @@ from fes.protocol.report import Report
 from tests.frames import a_report
 from tests.loop import load
 from tests.test_processes import PATIENCE, STARTING, alive, children, fes, start, until
-from world.scenario import Scenario
-from world.summary import write_scenario
+from world.config.scenario import Scenario
+from world.metrics.summary import write_scenario
 
 HANG = {"at": 2.0, "hang": [4, 6]}
 LATER = {"at": 6.0, "hang": [4, 6]}

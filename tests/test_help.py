@@ -13,8 +13,8 @@ from console import cli, guide
 from fes.model.config import Clock
 from fes.system import strict_json
 from tests.test_cli import PROGRAMS, call
-from world import rules
-from world.scenario import Scenario
+from world.config import validation
+from world.config.scenario import Scenario
 
 COMMANDS = {path: line for path, line in guide.EXAMPLES.items() if path != "keys"}
 
@@ -82,5 +82,5 @@ def test_the_schema_describes_every_field_of_a_scenario(tmp_path: Path) -> None:
     bare = [place for place, field in fields.items() if len(field.get("description", "").split()) < 2]
     assert bare == []
     names = {name for _, name in fields}
-    assert names == {path.split(".")[-1] for path in rules._fields(Scenario, "")}
+    assert names == {path.split(".")[-1] for path in validation._fields(Scenario, "")}
     assert len(fields) > 70

@@ -15,16 +15,16 @@ from agents.runtime.outbox import Mouth
 from console import authority, compare, inprocess, log, replay
 from fes.errors import Absent, Refused
 from fes.protocol import keys, messages, wire
+from fes.recording.layout import NAME
 from fes.transport import bus
 from fes.transport.bus import Bus
 from tests import certificates, hostile
 from tests.attackers import command, reversioned
 from tests.hostile import FIRST, HOSTILE, ROBOTS, Attack, Outcome, Said, scenario
 from tests.session import RUN
-from world import resume
-from world.course import EXCLUDE
-from world.log_layout import NAME
-from world.recorder import Recorder
+from world.execution import resume
+from world.execution.recorder import Recorder
+from world.execution.run import EXCLUDE
 
 OTHERS = {robot for robot in range(ROBOTS) if robot != HOSTILE}
 

@@ -38,7 +38,7 @@ WRITE = """
 import resource, sys
 from pathlib import Path
 from world import summary
-from world.scenario import load
+from world.config.scenario import load
 resource.setrlimit(resource.RLIMIT_FSIZE, (64, 64))
 for write, what in ((summary.write, {"a": "b" * 100}), (summary.write_scenario, load(Path(sys.argv[1])))):
     try:

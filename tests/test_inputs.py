@@ -19,8 +19,8 @@ from fes.system import encoding
 from fes.transport import identity
 from tests.loop import CONFIGS
 from tests.test_cli import call, complaint
-from world import scenario
-from world.scenario import parse_override
+from world.config import scenario
+from world.config.scenario import parse_override
 
 ROOT = Path(__file__).parent.parent
 PAIR = (CONFIGS / "pair.toml").read_text(encoding="utf-8")

@@ -18,10 +18,10 @@ from fes.transport.drop_log import Complaints
 from tests import session
 from tests.loop import load
 from tests.session import RUN, client
-from world.course import Course
-from world.roster import LEASE, Roster
-from world.scenario import agent_config
-from world.server import Server
+from world.config.scenario import agent_config
+from world.execution.run import Course
+from world.server.registry import LEASE, Roster
+from world.server.server import Server
 
 
 @pytest.fixture
@@ -86,7 +86,7 @@ def test_a_robot_is_free_again_when_its_agent_is_gone_and_until_then_nobody_gets
 @pytest.mark.usefixtures("at_length")
 def test_who_is_promised_a_robot_and_does_not_come_loses_it_again(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [1000.0]
-    monkeypatch.setattr("world.roster.time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr("world.server.registry.time", SimpleNamespace(monotonic=lambda: now[0]))
 
     async def main() -> None:
         async with session.router() as (opened, endpoint), client(endpoint) as asker:

@@ -9,8 +9,8 @@ import pytest
 from fes.model.sensing import CLOSED, DECODED, LOST
 from tests import layouts
 from tests.radios import EVERYTHING, Pair, ledger, stand, started, team
-from world import simulation
-from world.radio_config import JammerConfig
+from world.config.radio import JammerConfig
+from world.simulation import truth
 
 
 def test_the_ledger_of_a_short_history_is_that_counted_by_hand() -> None:
@@ -47,7 +47,7 @@ def test_the_ledger_is_a_recount_of_the_verdicts_while_contacts_come_and_go() ->
     seen = set()
     for _ in range(320):
         poses = state.poses
-        state = simulation.step(world, state, twists)
+        state = truth.step(world, state, twists)
         verdicts = ledger(state, "reception")
         recount = {
             pair: recount.get(pair, dict.fromkeys(("sent", "decoded", "gap", "longest_gap", "outage_sum"), 0))

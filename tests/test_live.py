@@ -22,11 +22,11 @@ from tests import session
 from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, fes, start
 from tests.test_processes import command as command_line
-from world.course import Course
-from world.live import WARM_UP
-from world.recorder import Recorder
-from world.scenario import Scenario
-from world.server import Server
+from world.config.scenario import Scenario
+from world.execution.recorder import Recorder
+from world.execution.run import Course
+from world.server.live import WARM_UP
+from world.server.server import Server
 
 TICK = 0.02  # s
 
@@ -103,7 +103,7 @@ def test_a_run_takes_as_long_as_it_simulates_and_its_world_can_be_executed_again
 def test_nobody_waits_for_a_robot_that_says_nothing_and_it_stops(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("world.live.HANG_TIMEOUT", 1.0)
+    monkeypatch.setattr("world.server.live.HANG_TIMEOUT", 1.0)
     mute, say = asyncio.Event(), Mouth.say
     unsaid: list[tuple[Mouth, int, Any]] = []
     monkeypatch.setattr(

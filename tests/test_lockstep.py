@@ -16,9 +16,9 @@ from tests import attackers, session
 from tests.attackers import arrived
 from tests.loop import load
 from tests.session import PATIENCE, RUN, client
-from world.course import Course
-from world.scenario import Scenario
-from world.server import Server
+from world.config.scenario import Scenario
+from world.execution.run import Course
+from world.server.server import Server
 
 SHORT = {"run__duration": 3.0}
 
@@ -153,7 +153,7 @@ def test_who_asks_for_a_taken_or_unknown_robot_is_refused_and_the_run_goes_on(
 
 
 def test_a_world_that_everybody_left_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("world.lockstep.RETURN_TIMEOUT", 1.0)
+    monkeypatch.setattr("world.server.lockstep.RETURN_TIMEOUT", 1.0)
     endless = load("pair.toml", run__duration=1000.0)
 
     async def main() -> None:
@@ -174,8 +174,8 @@ def test_a_world_that_everybody_left_says_so(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_junk_does_not_keep_a_hung_robot_alive(monkeypatch: pytest.MonkeyPatch) -> None:
     """The barrier's deadline holds although messages keep coming."""
-    monkeypatch.setattr("world.lockstep.ANSWER_TIMEOUT", 1.0)
-    monkeypatch.setattr("world.lockstep.RETURN_TIMEOUT", 1.0)
+    monkeypatch.setattr("world.server.lockstep.ANSWER_TIMEOUT", 1.0)
+    monkeypatch.setattr("world.server.lockstep.RETURN_TIMEOUT", 1.0)
     endless = load("pair.toml", run__duration=1000.0)
 
     async def main() -> None:

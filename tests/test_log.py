@@ -15,12 +15,12 @@ from mcap.stream_reader import StreamReader
 from console import inprocess, log
 from fes.errors import FesError
 from fes.protocol import messages
+from fes.recording import protobuf
+from fes.recording.mcap_file import Container
+from fes.recording.schemas import OWN
 from tests import recordings
 from tests.loop import load
-from world import protobuf
-from world.container import Container
-from world.scenario import Scenario
-from world.schemas import OWN
+from world.config.scenario import Scenario
 
 DURATION = 20.0  # s
 MAX_BYTES = 200.0  # a robot-tick

@@ -12,8 +12,9 @@ from fes.model import objective, outage
 from fes.model.config import ChannelConfig, ObjectiveConfig
 from fes.model.sensing import DECODED
 from tests import witness
-from world import optimum, simulation
-from world.scenario import parse
+from world.config.scenario import parse
+from world.metrics import optimum
+from world.simulation import truth
 
 LOGISTIC = ChannelConfig(model="logistic")
 NEAR, FAR = ObjectiveConfig(minimum_separation=50.0), ObjectiveConfig(minimum_separation=100.0)
@@ -114,12 +115,12 @@ def test_a_logistic_channel_has_no_scale_of_equation_3() -> None:
 
 def test_beacons_decode_as_often_as_the_logistic_channel_says() -> None:
     poses = [[0.0, 0.0, 0.0], [90.0, 0.0, 0.0], [0.0, 110.0, 0.0]]  # the third pair, 142 m, decodes 3 %
-    world = simulation.create(parse({"schema": 1, "robots": {"poses": poses}, "channel": {"model": "logistic"}}, ""))
-    state, ticks = simulation.start(world), 4000
+    world = truth.create(parse({"schema": 1, "robots": {"poses": poses}, "channel": {"model": "logistic"}}, ""))
+    state, ticks = truth.start(world), 4000
     heard = np.zeros(6)
     for _ in range(ticks):
-        state = simulation.step(world, state, np.zeros((3, 2)))
-        heard += simulation.observe(state).reception == DECODED
+        state = truth.step(world, state, np.zeros((3, 2)))
+        heard += truth.observe(state).reception == DECODED
     edges = state.radio.edges
     where = np.array(poses)
     separation = np.hypot(*(where[edges.rows, :2] - where[edges.peers, :2]).T)

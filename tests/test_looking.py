@@ -12,8 +12,8 @@ from fes.transport.endpoints import Endpoints
 from tests import session
 from tests.loop import load
 from tests.session import PATIENCE, RUN
-from world.course import Course
-from world.server import Server
+from world.execution.run import Course
+from world.server.server import Server
 
 
 def test_the_doctor_asks_a_world_once_and_nobody_else(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,7 +14,7 @@ from agents.control import clocks
 from console import inprocess
 from console.sweep import stack
 from tests.loop import CONFIGS, load
-from world.scenario import agent_config
+from world.config.scenario import agent_config
 
 SAMPLED = {
     "seeking__index": "sampled",

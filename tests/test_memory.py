@@ -9,8 +9,8 @@ from rich.console import Console
 from bench.memory import resident
 from console import dashboard, inprocess
 from tests.loop import load
-from world import reporting
-from world.account import Account
+from world.metrics import report_builder
+from world.metrics.collector import Account
 
 TICKS, WARM_UP = 40_000, 10_000
 
@@ -22,7 +22,7 @@ def test_world_robots_account_and_dashboard_of_a_long_run_keep_their_size() -> N
     for done, tick in enumerate(inprocess.ticks(scenario), 1):
         sums.add(tick.state, tick.twists, tick.telemetry)
         if done % 50 == 0:
-            shown.add(reporting.build(sums, "memory", alive, 0.02 * done, 50.0))
+            shown.add(report_builder.build(sums, "memory", alive, 0.02 * done, 50.0))
             paper.print(dashboard.render(shown, 80, 24))
             paper.file = io.StringIO()
         if done == WARM_UP:

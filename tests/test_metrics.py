@@ -16,9 +16,10 @@ from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
 from fes.model.sensing import Telemetry
 from tests import layouts, loop
-from world import metrics, proximity, simulation
-from world.metrics import Tally
-from world.simulation import State, World
+from world.metrics import link_errors
+from world.metrics.link_errors import Tally
+from world.simulation import neighbor_list, truth
+from world.simulation.truth import State, World
 
 OPTIMUM = 68.0  # m
 DT = 0.5  # s: ten seconds are twenty ticks
@@ -47,10 +48,10 @@ def add(
     open_contacts: bool = True,
 ) -> None:
     """One tick of the tally, all robots' ids being 0 to n - 1."""
-    near = proximity.measure(np.arange(len(where)), where, layouts.REACH, None)
+    near = neighbor_list.measure(np.arange(len(where)), where, layouts.REACH, None)
     held = np.zeros((len(where), 2)) if twists is None else twists
     said = Telemetry(links, np.array(estimates), np.zeros((2, 0)))
-    separation = metrics.separations(where, *metrics.ends(links))
+    separation = link_errors.separations(where, *link_errors.ends(links))
     everybody = np.ones(len(where), dtype=np.bool_)
     tally.add(where, held, near, everybody, open_contacts, said, separation, OPTIMUM)
 
@@ -83,13 +84,13 @@ def test_the_digest_is_the_contracts_sum_over_ticks_and_robots() -> None:
 
 def test_the_digest_of_a_run_is_that_of_its_true_poses_and_twists(monkeypatch: pytest.MonkeyPatch) -> None:
     ticks: list[Tick] = []
-    step = simulation.step
+    step = truth.step
 
     def kept(world: World, state: State, twists: Floats) -> State:
         ticks.append((state.poses.copy(), twists.copy()))
         return step(world, state, twists)
 
-    monkeypatch.setattr(simulation, "step", kept)
+    monkeypatch.setattr(truth, "step", kept)
     result = inprocess.run(loop.load("paper.toml", run__duration=1), "paper")
     assert len(ticks) == 50
     assert result["digest"] == contract_digest(ticks)
@@ -155,7 +156,7 @@ def test_without_links_there_is_no_error_and_no_level_is_reached() -> None:
         add(tally, layouts.poses([(0.0, 0.0), (OPTIMUM, 0.0)]), layouts.edges([0, 1], []), [])
     assert all(math.isnan(error) for error in tally.errors.values())
     assert set(tally.times().values()) == {None}
-    assert sorted(tally.times()) == sorted(metrics.LEVELS)
+    assert sorted(tally.times()) == sorted(link_errors.LEVELS)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from fes.arrays.types import Floats
 from fes.model import objective, outage
 from fes.model.config import ChannelConfig, ObjectiveConfig
 from tests import witness
-from world import optimum
+from world.metrics import optimum
 
 PAPER = ChannelConfig()
 NEAR = ObjectiveConfig(minimum_separation=50.0)

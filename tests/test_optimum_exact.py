@@ -13,8 +13,8 @@ from console import inprocess
 from fes.model.config import ChannelConfig, ObjectiveConfig
 from fes.protocol.report import Report
 from tests.loop import load
-from world.course import Course
-from world.optimum import optimal_separation
+from world.execution.run import Course
+from world.metrics.optimum import optimal_separation
 
 SMALLEST, LARGEST = 5e-324, 1.7e308
 

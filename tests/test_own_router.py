@@ -20,8 +20,8 @@ from tests import certificates
 from tests.loop import load
 from tests.session import PATIENCE
 from tests.test_cli import call
-from world.course import Course
-from world.server import Server
+from world.execution.run import Course
+from world.server.server import Server
 
 RUN = "lab"
 FORGED = [keys.command(RUN, 0), keys.beacon(RUN, 0), keys.report(RUN), keys.observation(RUN, 0)]

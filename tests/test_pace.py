@@ -14,21 +14,21 @@ from fes.transport.inbox import Inbox
 from tests.attackers import command
 from tests.clocks import Clock
 from tests.loop import load
-from world import simulation
-from world.lockstep import Lockstep
-from world.simulation import State
+from world.server.lockstep import Lockstep
+from world.simulation import truth
+from world.simulation.truth import State
 
 
 def of_nobody(pace: float | None) -> tuple[Lockstep, State]:
     """A lockstep, and a world whose two robots do not take part."""
     inbox, complaints = Inbox(asyncio.get_running_loop()), Complaints(logging.getLogger("test"))
     clock = Lockstep(inbox, None, complaints, lambda robot, payload: None, pace)  # type: ignore[arg-type]
-    state = simulation.start(simulation.create(load("pair.toml")))
+    state = truth.start(truth.create(load("pair.toml")))
     return clock, replace(state, present=np.zeros(2, dtype=np.bool_))
 
 
 def test_a_lockstep_with_a_pace_ends_each_tick_when_it_is_due_and_catches_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    wall = Clock(monkeypatch, "world.lockstep", lambda sleep: 0.03 if sleep == 2 else 0.0)
+    wall = Clock(monkeypatch, "world.server.lockstep", lambda sleep: 0.03 if sleep == 2 else 0.0)
 
     async def main() -> None:
         clock, state = of_nobody(0.02)
@@ -56,13 +56,13 @@ def test_second_answers_of_a_robot_that_is_asked_again_in_one_tick_after_the_oth
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """It stops for a moment between its answers: the second one comes when it was asked again for the next tick."""
-    monkeypatch.setattr("world.lockstep.ASK_AGAIN", 0.01)
+    monkeypatch.setattr("world.server.lockstep.ASK_AGAIN", 0.01)
     asked: list[int] = []
 
     async def main() -> Complaints:
         inbox, complaints = Inbox(asyncio.get_running_loop()), Complaints(logging.getLogger("test"))
         everybody = SimpleNamespace(there=np.ones(2, dtype=np.bool_), woke=lambda robot: False)
-        state = simulation.start(simulation.create(load("pair.toml")))
+        state = truth.start(truth.create(load("pair.toml")))
 
         def answer(tick: int, robot: int) -> None:
             inbox.put(keys.command("test", robot), command(tick, robot))

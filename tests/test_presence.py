@@ -12,9 +12,10 @@ from fes.model.sensing import CLOSED, DECODED, LOST, silence
 from tests import loop
 from tests.loop import load
 from tests.test_metrics import contract_digest
-from world import reporting, simulation
-from world.account import Account
-from world.scenario import Scenario, agent_config
+from world.config.scenario import Scenario, agent_config
+from world.metrics import report_builder
+from world.metrics.collector import Account
+from world.simulation import truth
 
 GONE: list[dict[str, Any]] = [{"at": 1.0, "kill": [4, 6]}, {"at": 2.4, "restart": [4]}, {"at": 2.6, "restart": [6]}]
 BRIEF = {"run__duration": 4, "formation__contact_timeout": 0.5}
@@ -22,8 +23,8 @@ BRIEF = {"run__duration": 4, "formation__contact_timeout": 0.5}
 
 def with_new_processes(what: Scenario) -> str:
     """The digest of a run whose robots are a crew each, and begin anew when they come back."""
-    world = simulation.create(what)
-    state = simulation.start(world)
+    world = truth.create(what)
+    state = truth.start(world)
     config, ids = agent_config(what), world.ids.tolist()
     parts = [crews.assemble(config, np.array([robot])) for robot in ids]
     minds, said = [crews.start(part) for part in parts], [silence()] * len(ids)
@@ -31,7 +32,7 @@ def with_new_processes(what: Scenario) -> str:
     for _ in range(what.ticks):
         for robot in np.flatnonzero(state.present & ~present).tolist():
             minds[robot] = crews.start(parts[robot])
-        present, sensed = state.present, simulation.observe(state)
+        present, sensed = state.present, truth.observe(state)
         heard = loop._together(said) if said[0].tick >= 0 else said[0]
         twists, told = np.zeros((len(ids), 2)), list(said)
         for robot in np.flatnonzero(present).tolist():
@@ -40,7 +41,7 @@ def with_new_processes(what: Scenario) -> str:
             minds[robot], told[robot], twists[robot] = crews.step(parts[robot], minds[robot], own, near)
         said = [part if part.tick == state.tick else _again(part, state.tick) for part in told]
         ticks.append((state.poses, twists))
-        state = simulation.step(world, state, twists)
+        state = truth.step(world, state, twists)
     return contract_digest(ticks)
 
 
@@ -123,5 +124,5 @@ def test_a_report_shows_as_alive_who_takes_part_and_not_whose_agent_only_stands_
     sums, shown = Account(scenario), []
     for tick in inprocess.ticks(scenario):
         sums.add(tick.state, tick.twists, tick.telemetry)
-        shown.append(reporting.build(sums, "test", np.ones(2, dtype=np.uint8), 0.0, 0.0).alive.tolist())
+        shown.append(report_builder.build(sums, "test", np.ones(2, dtype=np.uint8), 0.0, 0.0).alive.tolist())
     assert shown == [[1, 1]] * 10 + [[1, 0]] * 10

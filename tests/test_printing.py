@@ -22,7 +22,7 @@ from tests.frames import a_history, a_report
 from tests.loop import load
 from tests.test_architecture import ROOMS, modules
 from tests.test_cli import PAIR
-from world.recorder import Recorder
+from world.execution.recorder import Recorder
 
 EVIL = "\x1b]0;PWNED\x07\x1b[2J[bold red]x[/] :smile: [/b]\r\n\x9b2J\u202e"
 SHOWN = r"\x1b]0;PWNED\x07\x1b[2J[bold red]x[/] :smile: [/b]\r\n\x9b2J\u202e"
@@ -189,7 +189,7 @@ def test_only_one_module_makes_consoles_and_one_takes_the_screen_and_lines_are_p
             if node.func.id != "print" or not what.startswith("strict_json.dumps("):
                 makers[node.func.id].add(name)
     assert makers["Console"] == {"console.printing", "console.view"}  # the latter on paper, for a picture
-    assert makers["Live"] - {"world.server"} == {"console.screen"}  # the world's Live is a clock
+    assert makers["Live"] - {"world.server.server"} == {"console.screen"}  # the world's Live is a clock
     assert makers["print"] == {"console.printing", "fes.transport.health", "fes.process"}
 
 

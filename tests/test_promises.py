@@ -10,7 +10,9 @@ from agents.runtime import outbox
 from console import launcher, observer
 from fes.transport import bus, drop_log, inbox
 from fes.transport.endpoints import Endpoints
-from world import audit, checkpoint, deadlines, live, lockstep, roster
+from world.execution import checkpoint
+from world.metrics import deadlines
+from world.server import audit, live, lockstep, registry
 
 ROOT = Path(__file__).parent.parent
 TEXT = " ".join((ROOT / "docs" / "reliability.md").read_text(encoding="utf-8").split())
@@ -33,8 +35,8 @@ FIGURES = [
     f"the world waits up to {lockstep.RETURN_TIMEOUT:g} s for a robot that is due",
     f"in lockstep it waits {lockstep.RETURN_TIMEOUT:g} s, then ends with one line",
     f"the world asks again after {lockstep.ASK_AGAIN:g} s, {2 * lockstep.ASK_AGAIN:g} s, ...",
-    f"is leased the lowest free robot, for {roster.LEASE:g} s",
-    f"a robot that died meanwhile is waited for {roster.RESUME_TIMEOUT:g} s",
+    f"is leased the lowest free robot, for {registry.LEASE:g} s",
+    f"a robot that died meanwhile is waited for {registry.RESUME_TIMEOUT:g} s",
     f"the next checkpoint, {checkpoint.PERIOD:g} s of wall clock later",
     f"older than {deadlines.COMMAND_TIMEOUT:g} s, and the robot stops",
     f"A robot that is silent for {live.HANG_TIMEOUT:g} s is left out",

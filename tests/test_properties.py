@@ -13,7 +13,7 @@ from fes.model import outage
 from fes.model.config import ChannelConfig, ObjectiveConfig
 from tests import layouts
 from tests.layouts import REACH, distance
-from world.optimum import optimal_separation
+from world.metrics.optimum import optimal_separation
 
 channels = st.builds(
     ChannelConfig,

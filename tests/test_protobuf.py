@@ -7,11 +7,11 @@ from typing import Any
 import pytest
 from mcap.reader import make_reader
 
+from fes.recording import protobuf, schemas
+from fes.recording.descriptors import describe
+from fes.recording.protobuf import Message
 from tests import recordings
 from tests.loop import load
-from world import protobuf, schemas
-from world.descriptors import describe
-from world.protobuf import Message
 
 READ = [
     *(schemas.FOXGLOVE[name] for name in ("FrameTransforms", "SceneUpdate", "Log")),

@@ -7,8 +7,8 @@ import pytest
 
 from fes.arrays.types import Floats
 from tests import layouts
-from world import proximity
-from world.proximity import Proximity
+from world.simulation import neighbor_list
+from world.simulation.neighbor_list import Proximity
 
 REACH = 100.0
 
@@ -29,7 +29,7 @@ def walk(n: int, width: float, speed: float, ticks: int, seed: int) -> list[tupl
     velocity = rng.uniform(-speed, speed, (n, 2))
     measured: list[tuple[Floats, Proximity]] = []
     for _ in range(ticks):
-        near = proximity.measure(np.arange(n), where, REACH, measured[-1][1] if measured else None)
+        near = neighbor_list.measure(np.arange(n), where, REACH, measured[-1][1] if measured else None)
         measured.append((where, near))
         velocity = np.clip(velocity + rng.normal(0.0, 0.2 * speed, (n, 2)), -speed, speed)
         where = where + np.column_stack([velocity, np.zeros(n)])
@@ -63,11 +63,11 @@ def test_the_candidate_list_is_made_anew_only_now_and_then() -> None:
 
 def test_a_list_that_still_holds_is_kept_however_far_the_robots_went_together() -> None:
     where = layouts.scatter(np.random.default_rng(2), 100, 900.0)
-    first = proximity.measure(np.arange(100), where, REACH, None)
+    first = neighbor_list.measure(np.arange(100), where, REACH, None)
     inside = where + np.array([6.0, 7.9, 0.0])  # 9.92 m of 10 m
-    kept = proximity.measure(np.arange(100), inside, REACH, first)
+    kept = neighbor_list.measure(np.arange(100), inside, REACH, first)
     assert kept.candidates is first.candidates
-    moved = proximity.measure(np.arange(100), where + np.array([6.0, 8.1, 0.0]), REACH, first)  # 10.08 m
+    moved = neighbor_list.measure(np.arange(100), where + np.array([6.0, 8.1, 0.0]), REACH, first)  # 10.08 m
     assert moved.candidates is not first.candidates
 
 
@@ -89,7 +89,7 @@ def test_the_edges_are_the_same_object_while_the_pairs_in_range_stay_the_same(n:
 
 def test_range_is_inclusive() -> None:
     at, beyond = (
-        proximity.measure(np.arange(2), layouts.poses([(0, 0), (x, 0)]), REACH, None) for x in (100.0, 100.1)
+        neighbor_list.measure(np.arange(2), layouts.poses([(0, 0), (x, 0)]), REACH, None) for x in (100.0, 100.1)
     )
     assert layouts.pairs_of(at.edges) == {(0, 1), (1, 0)}
     assert len(beyond.edges) == 0
@@ -98,6 +98,6 @@ def test_range_is_inclusive() -> None:
 @pytest.mark.parametrize("n", [1, 70])
 def test_robots_out_of_everybodys_range_have_no_pairs(n: int) -> None:
     where = layouts.poses([(1e3 * k, -1e3 * k) for k in range(n)])
-    near = proximity.measure(np.arange(n), where, REACH, None)
+    near = neighbor_list.measure(np.arange(n), where, REACH, None)
     assert len(near.edges) == 0
     assert len(near.pair) == 0

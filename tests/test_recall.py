@@ -13,8 +13,8 @@ from fes.protocol.messages import Beacon
 from tests import session
 from tests.loop import load
 from tests.session import PATIENCE, RUN, client
-from world.course import Course
-from world.server import Server
+from world.execution.run import Course
+from world.server.server import Server
 
 
 def deaf_at_tick_40(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -36,8 +36,8 @@ def test_a_beacon_that_does_not_arrive_is_asked_for_again(monkeypatch: pytest.Mo
 
 def test_a_beacon_that_cannot_be_had_is_an_error_and_no_other_digest(monkeypatch: pytest.MonkeyPatch) -> None:
     deaf_at_tick_40(monkeypatch)
-    monkeypatch.setattr("world.course.HELD", 0)
-    monkeypatch.setattr("world.lockstep.RETURN_TIMEOUT", 1.0)
+    monkeypatch.setattr("world.execution.run.HELD", 0)
+    monkeypatch.setattr("world.server.lockstep.RETURN_TIMEOUT", 1.0)
     near = load("pair.toml", channel__model="perfect", run__duration=1.0)
 
     async def main() -> None:

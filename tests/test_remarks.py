@@ -11,8 +11,8 @@ from console import inprocess
 from fes.protocol.channel_change import Effect, decode_effect, encode_effect
 from tests.loop import CONFIGS, load
 from tests.test_processes import LOOP, PATIENCE, STARTING, fes
-from world import remarks
-from world.course import Course
+from world.config import remarks
+from world.execution.run import Course
 
 MEASURED = {"seeking__index": "measured"}
 

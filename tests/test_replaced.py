@@ -16,7 +16,7 @@ from fes.protocol import messages
 from fes.protocol.messages import Welcome
 from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, command, start, until
-from world.scenario import agent_config
+from world.config.scenario import agent_config
 
 
 class Hosted:

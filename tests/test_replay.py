@@ -23,8 +23,8 @@ from fes.system import fingerprint
 from tests import recordings, session
 from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, alive, children, fes, start, until
-from world.recorder import Recorder
-from world.server import Server
+from world.execution.recorder import Recorder
+from world.server.server import Server
 
 SHORT = {"run__duration": 2.0}
 

@@ -14,13 +14,15 @@ from console import log, replay
 from fes.errors import FesError
 from fes.model.sensing import silence
 from fes.protocol import messages
+from fes.recording.layout import NAME
 from tests.loop import load
-from world import resume, simulation, summary
-from world.checkpoint import FOLDER, Keeper
-from world.course import Answer, Course
-from world.log_layout import NAME
-from world.recorder import Recorder
-from world.scenario import Scenario, agent_config
+from world.config.scenario import Scenario, agent_config
+from world.execution import resume
+from world.execution.checkpoint import FOLDER, Keeper
+from world.execution.recorder import Recorder
+from world.execution.run import Answer, Course
+from world.metrics import summary
+from world.simulation import truth
 
 
 class Team:
@@ -36,7 +38,7 @@ class Team:
         if anew.any() and course.state.tick > 0:
             self.minds = crew.forget(self.crew, self.minds, anew)
         sent = course.observations(course.state.present)
-        self.minds, self.said, twists = crew.step(self.crew, self.minds, simulation.observe(course.state), self.said)
+        self.minds, self.said, twists = crew.step(self.crew, self.minds, truth.observe(course.state), self.said)
         told = crew.telemetry(self.crew, self.minds)
         spoken = [payload for _, *payload in marshalling.payloads(self.said, twists, told)]
         legible = course.state.legible.tolist()

@@ -16,14 +16,14 @@ from fes.transport.endpoints import Endpoints
 from tests import session
 from tests.loop import load
 from tests.session import PATIENCE, RUN
-from world import checkpoint, resume
-from world.checkpoint import Keeper
-from world.course import Answer, Course
-from world.live import WARM_UP
-from world.lockstep import Lockstep
-from world.scenario import Scenario
-from world.server import Server
-from world.simulation import State
+from world.config.scenario import Scenario
+from world.execution import checkpoint, resume
+from world.execution.checkpoint import Keeper
+from world.execution.run import Answer, Course
+from world.server.live import WARM_UP
+from world.server.lockstep import Lockstep
+from world.server.server import Server
+from world.simulation.truth import State
 
 DYING = [{"at": 0.2, "kill": [1]}, {"at": 0.6, "restart": [1]}]
 
@@ -81,7 +81,7 @@ def test_a_robot_that_is_due_and_does_not_come_is_missed_and_the_run_continues(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     """One robot does not end the run of the others; the summary counts its absence, here from tick 30 to 50."""
-    monkeypatch.setattr("world.lockstep.RETURN_TIMEOUT", 0.5)
+    monkeypatch.setattr("world.server.lockstep.RETURN_TIMEOUT", 0.5)
     scenario = load("pair.toml", run__duration=1.0, event=DYING)
     _, summary = asyncio.run(due(scenario, comes=False))
     assert (summary["ticks"], summary["unscheduled_absences"]) == (50, 20)
@@ -99,7 +99,7 @@ def gone_on_with(scenario: Scenario, tick: int) -> Course:
 def test_a_robot_that_died_while_the_world_was_away_is_waited_for_and_then_left_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("world.server.RESUME_TIMEOUT", 0.5)
+    monkeypatch.setattr("world.server.server.RESUME_TIMEOUT", 0.5)
 
     async def main() -> Server:
         async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
@@ -120,7 +120,7 @@ def test_a_robot_that_died_while_the_world_was_away_is_waited_for_and_then_left_
 
 
 def test_who_comes_back_before_the_wait_is_over_is_not_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("world.server.RESUME_TIMEOUT", PATIENCE)
+    monkeypatch.setattr("world.server.server.RESUME_TIMEOUT", PATIENCE)
 
     async def main() -> Bools:
         async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
@@ -142,7 +142,7 @@ def test_who_comes_back_before_the_wait_is_over_is_not_left_out(monkeypatch: pyt
 def test_a_live_run_whose_world_dies_goes_on_in_lockstep_at_a_tick_that_its_robots_have_answered(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, torn: bool
 ) -> None:
-    monkeypatch.setattr("world.server.RESUME_TIMEOUT", PATIENCE)
+    monkeypatch.setattr("world.server.server.RESUME_TIMEOUT", PATIENCE)
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     scenario = load("pair.toml", run__duration=1.6, run__clock="live")
     barrier, collect = list[tuple[int, list[bool]]](), Lockstep.collect

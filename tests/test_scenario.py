@@ -9,7 +9,7 @@ import pytest
 
 from fes.errors import ScenarioError
 from tests.loop import CONFIGS
-from world import scenario
+from world.config import scenario
 
 PAIR = CONFIGS / "pair.toml"
 

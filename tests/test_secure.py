@@ -25,7 +25,7 @@ from tests import certificates
 from tests.loop import load
 from tests.stage import ROLES, RUN, SECONDS, Stage, stage
 from tests.test_processes import PATIENCE, until
-from world.audit import KINDS_OF_ONE
+from world.server.audit import KINDS_OF_ONE
 
 
 @pytest.fixture(scope="module")

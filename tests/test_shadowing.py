@@ -8,8 +8,8 @@ import pytest
 
 from fes.arrays.types import Floats
 from tests import witness
-from world import channel, proximity, shadowing
-from world.radio_config import RadioConfig, ShadowingConfig
+from world.config.radio import RadioConfig, ShadowingConfig
+from world.simulation import channel, neighbor_list, shadowing
 
 UNIT = ShadowingConfig(deviation=1.0)  # 20 m
 SEEDS = 400
@@ -152,7 +152,7 @@ def scattered(n: int) -> Floats:
 
 def probabilities(poses: Floats, config: RadioConfig, seed: int = 6) -> dict[tuple[int, int], float]:
     """The true reception probability of each (receiver, sender)."""
-    near = proximity.measure(np.arange(len(poses)), poses, config.communication_range, None)
+    near = neighbor_list.measure(np.arange(len(poses)), poses, config.communication_range, None)
     found = channel.reception_probability(channel.medium(seed, 0.02), config, poses, near)
     return dict(
         zip(zip(near.edges.rows.tolist(), near.edges.peers.tolist(), strict=True), found.tolist(), strict=True)

@@ -8,7 +8,7 @@ from console import inprocess
 from console.sweep import stack, work
 from console.sweep.design import Run
 from tests.loop import load
-from world.scenario import Scenario
+from world.config.scenario import Scenario
 
 
 def without_wall_clock(summary: dict[str, Any]) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from fes.arrays.types import Floats
 from fes.errors import ScenarioError
 from fes.model.config import AgentConfig
 from tests.loop import CONFIGS
-from world import scenario
+from world.config import scenario
 
 PAIR = CONFIGS / "pair.toml"
 

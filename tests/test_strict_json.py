@@ -22,7 +22,7 @@ from tests import recordings
 from tests.loop import load
 from tests.test_architecture import ROOMS, modules
 from tests.test_cli import PAIR, call
-from world import summary
+from world.metrics import summary
 
 BAD = (math.nan, math.inf, -math.inf)
 WORDS = ("NaN", "Infinity", "-Infinity", "1e999", "-1e999")

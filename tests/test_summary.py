@@ -12,7 +12,8 @@ import pytest
 from console import inprocess
 from fes.errors import FesError
 from tests import loop, witness
-from world import scenario, summary
+from world.config import scenario
+from world.metrics import summary
 
 CONTRACT = {
     "scenario": str,

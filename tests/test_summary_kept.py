@@ -12,7 +12,7 @@ from fes.errors import FesError, TransportError
 from tests import session
 from tests.loop import CONFIGS, load
 from world import process
-from world.server import Server
+from world.server.server import Server
 
 
 def test_a_farewell_that_fails_does_not_cost_the_summary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

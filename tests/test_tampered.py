@@ -14,10 +14,10 @@ from console.player import Player
 from fes.errors import FesError
 from fes.protocol import messages
 from fes.protocol.report import decode_report, encode_report
+from fes.recording.schemas import OWN
 from tests import recordings
 from tests.loop import load
 from tests.recordings import Edit
-from world.schemas import OWN
 
 HALVED = {"at": 0.2, "set": {"channel.reference_snr": 5e6}}
 

@@ -11,9 +11,9 @@ import pytest
 from fes.errors import FesError
 from tests.loop import load
 from tests.test_resume import Team
-from world import resume
-from world.checkpoint import FOLDER, STATE, TRAIL, Keeper
-from world.course import Course
+from world.execution import resume
+from world.execution.checkpoint import FOLDER, STATE, TRAIL, Keeper
+from world.execution.run import Course
 
 
 @contextlib.contextmanager

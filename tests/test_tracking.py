@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from fes.arrays.edges import Edges
 from tests import layouts
-from world.breathing import Breathing
-from world.tracking import Tracking
+from world.metrics.period_average import Breathing
+from world.metrics.tracking import Tracking
 
 DT = 0.5  # s; 10 s are 20 ticks
 

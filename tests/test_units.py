@@ -21,7 +21,7 @@ from tests import certificates
 from tests.loop import CONFIGS, load
 from tests.test_cli import PROGRAMS
 from tests.test_processes import PATIENCE, until
-from world.checkpoint import FOLDER, STATE
+from world.execution.checkpoint import FOLDER, STATE
 
 UNITS = Path(__file__).parent.parent / "deploy" / "systemd"
 SECONDS = 10.0

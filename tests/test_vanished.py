@@ -11,15 +11,15 @@ import pytest
 
 from console import inprocess, log, replay
 from fes.errors import FesError
+from fes.recording.layout import NAME
 from tests.loop import load
 from tests.test_cli import PAIR
 from tests.test_processes import fes, start, until
 from tests.test_resume import Team
-from world import resume
-from world.checkpoint import FOLDER, STATE, TRAIL, Keeper
-from world.course import Course
-from world.log_layout import NAME
-from world.recorder import Recorder
+from world.execution import resume
+from world.execution.checkpoint import FOLDER, STATE, TRAIL, Keeper
+from world.execution.recorder import Recorder
+from world.execution.run import Course
 
 
 def grow(path: Path) -> None:
@@ -139,7 +139,7 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
     # A copy that does not hold what was copied: it is refused, and the original is where it was.
     with pytest.MonkeyPatch.context() as broken:
         broken.setattr(Recorder, "add", lambda *words: None)
-        broken.setattr("world.container.Container._again", lambda *words: None)
+        broken.setattr("fes.recording.mcap_file.Container._again", lambda *words: None)
         with pytest.raises(FesError, match=r"cannot be continued: .*run\.mcap does not hold what was copied to it$"):
             resume.recorder(run, kept)
     assert (run / NAME).read_bytes() == original

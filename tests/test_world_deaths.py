@@ -15,14 +15,14 @@ import pytest
 from console import inprocess, log, replay
 from console.launcher import free_port
 from fes.protocol import keys
+from fes.recording.layout import NAME
 from tests import session
 from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, command, fes, start, until
-from world import checkpoint, journal
-from world.checkpoint import FOLDER
-from world.course import ATTEND, TICK
-from world.log_layout import NAME
-from world.summary import write_scenario
+from world.execution import checkpoint, journal
+from world.execution.checkpoint import FOLDER
+from world.execution.run import ATTEND, TICK
+from world.metrics.summary import write_scenario
 
 MACHINE = ("backend", "wall_s", "ticks_per_s", "real_time_factor")
 """What of a summary is of the machine."""

@@ -13,8 +13,8 @@ from console.launcher import free_port
 from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, STARTING, alive, children, command, fes, start, until
 from tests.test_world_deaths import Run, under_way
-from world.checkpoint import FOLDER
-from world.summary import write_scenario
+from world.execution.checkpoint import FOLDER
+from world.metrics.summary import write_scenario
 
 
 @pytest.fixture

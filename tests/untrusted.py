@@ -14,7 +14,7 @@ from fes.errors import FesError
 from fes.transport.endpoints import DEFAULT_ENDPOINT
 from tests.crafted import MIB
 from tests.loop import CONFIGS
-from world import snapshot
+from world.execution import snapshot
 
 
 def read_log(path: Path) -> None:

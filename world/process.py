@@ -19,17 +19,20 @@ from typing import Any
 from fes import process
 from fes.errors import FesError, reason
 from fes.protocol import keys, world_info
+from fes.recording.layout import NAME
 from fes.system import encoding, output
 from fes.transport import bus, identity
-from world import access, audit, claim, expect, remarks, resume, summary
-from world.checkpoint import FOLDER, PERIOD, Keeper, clear, is_kept
-from world.course import Course
-from world.lock import alone
-from world.log_layout import NAME
-from world.recorder import Recorder
-from world.scenario import Scenario, load, parse_override
-from world.server import Server
-from world.snapshot import Snapshot
+from world.config import expectations, remarks
+from world.config.scenario import Scenario, load, parse_override
+from world.execution import resume
+from world.execution.checkpoint import FOLDER, PERIOD, Keeper, clear, is_kept
+from world.execution.directory_lock import alone
+from world.execution.recorder import Recorder
+from world.execution.run import Course
+from world.execution.snapshot import Snapshot
+from world.metrics import summary
+from world.server import access, audit, claim
+from world.server.server import Server
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +100,7 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
         level = logging.INFO if verdict["holds"] else logging.ERROR
         holds = "as expected" if verdict["holds"] else "not as expected"
         server.logger.log(level, f"{holds}: %(of)s is %(seen)s, expected to be %(expected)s", verdict)
-    return process.UNMET if reached and expect.unmet(reached) else process.SUCCESS
+    return process.UNMET if reached and expectations.unmet(reached) else process.SUCCESS
 
 
 def _recorder(flags: argparse.Namespace, start: Start) -> AbstractContextManager[Recorder | None]:

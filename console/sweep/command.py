@@ -18,7 +18,7 @@ from console.sweep.table import Format, Row
 from console.sweep.work import Workers
 from fes import process
 from fes.errors import FesError, ScenarioError, Stopped, reason
-from world import remarks
+from world.config import remarks
 
 
 def sweep(

@@ -14,9 +14,9 @@ from typing import Any
 from console import inprocess
 from fes.errors import ScenarioError
 from fes.system import encoding, strict_json
-from world import crowd
-from world.rules import short
-from world.scenario import Scenario, load, parse_override
+from world.config.scenario import Scenario, load, parse_override
+from world.config.validation import short
+from world.simulation import crowd
 
 SEED = "run.seed"
 MAX_RUNS = 1_000_000

@@ -22,10 +22,11 @@ from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
 from fes.model.config import AgentConfig
 from fes.model.sensing import Beacons, Observations, Telemetry, silence
-from world import simulation, summary
-from world.account import Account
-from world.scenario import Scenario, agent_config
-from world.simulation import State
+from world.config.scenario import Scenario, agent_config
+from world.metrics import summary
+from world.metrics.collector import Account
+from world.simulation import truth
+from world.simulation.truth import State
 
 
 def alike(scenario: Scenario) -> tuple[AgentConfig, int]:
@@ -51,8 +52,8 @@ def run(scenarios: Sequence[Scenario], name: str, watch: Callable[[int], None] |
 
 def ticks(scenarios: Sequence[Scenario]) -> Iterator[list[Tick]]:
     """All ticks in order, each as one Tick a run."""
-    worlds = [simulation.create(scenario) for scenario in scenarios]
-    states = [simulation.start(world) for world in worlds]
+    worlds = [truth.create(scenario) for scenario in scenarios]
+    states = [truth.start(world) for world in worlds]
     places = _Places.of([world.ids for world in worlds])
     robots = _assemble(scenarios, places)
     sensing, saying = _Joined(places), _Split(places)
@@ -66,7 +67,7 @@ def ticks(scenarios: Sequence[Scenario]) -> Iterator[list[Tick]]:
         told = saying.beacons(said), places.rows(twists), saying.telemetry(crew.telemetry(robots, minds))
         found = [inprocess.tick(*of_run) for of_run in zip(states, *told, strict=True)]
         yield found
-        states = [simulation.step(world, tick.state, tick.twists) for world, tick in zip(worlds, found, strict=True)]
+        states = [truth.step(world, tick.state, tick.twists) for world, tick in zip(worlds, found, strict=True)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +129,7 @@ class _Joined:
         self._edges: Edges | None = None
 
     def observations(self, states: list[State]) -> Observations:
-        sensed = [simulation.observe(state) for state in states]
+        sensed = [truth.observe(state) for state in states]
         return Observations(
             sensed[0].tick,
             np.concatenate([one.poses for one in sensed]),

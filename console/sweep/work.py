@@ -11,7 +11,7 @@ from console import inprocess
 from console.sweep import stack
 from console.sweep.design import Run, Value
 from fes.errors import FesError
-from world.scenario import Scenario
+from world.config.scenario import Scenario
 
 MOST_RUNS, MOST_ROBOTS = 20, 400
 """In one stack: beyond this, more do not make it faster, and the loss by an interruption grows."""

@@ -17,7 +17,7 @@
 | fes/<run>/world/set             | Change, answered by Effect | person -> world -> person         | when asked   |
 
 One robot owns one prefix, and an agent asks to join on a key that names its robots, so that rules of access can be
-made of keys (`world/access.py`).
+made of keys (`world/server/access.py`).
 """
 
 import re

@@ -1,0 +1,145 @@
+"""Logs of runs, read back; docs/log.md describes their format.
+
+What a scenario is remains the caller's: `load` is given the function that parses its tables.
+"""
+
+import tomllib
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Generic, Protocol, TypeVar
+
+from mcap.records import Metadata
+
+from fes.errors import FesError
+from fes.recording import schemas, ticks
+from fes.recording.layout import AT_ITS_END, NAME, SUMMARY
+from fes.recording.records import Reader
+from fes.recording.ticks import Tick
+from fes.system import fingerprint, strict_json
+
+
+class Robots(Protocol):
+    """The robots of a scenario."""
+
+    @property
+    def number(self) -> int:
+        """How many they are."""
+
+
+class Recorded(Protocol):
+    """A scenario, as far as reading its log needs it."""
+
+    @property
+    def robots(self) -> Robots:
+        """The robots."""
+
+    @property
+    def ticks(self) -> int:
+        """The number of its ticks."""
+
+
+S = TypeVar("S", bound=Recorded)
+
+
+@dataclass(frozen=True)
+class Log(Generic[S]):
+    """A log; its ticks are read anew from the file each time."""
+
+    path: Path
+    name: str
+    """Of the scenario."""
+    backend: str
+    scenario: S
+    summary: dict[str, Any] | None
+    """Of what was reached; None if the log has no end."""
+    ended: str | None
+    """How the run ended; None if the log has no end."""
+    arithmetic: Mapping[str, str] = field(default_factory=fingerprint.table)
+    """The arithmetic with which it was recorded."""
+
+    def ticks(self) -> Iterator[Tick]:
+        """Its ticks, in order; of a log without an end those that are whole. Raises FesError."""
+        there = 0
+        try:
+            for expected, tick in enumerate(ticks.read(self.path, self.scenario.robots.number)):
+                if tick.number != expected:
+                    raise FesError(f"{self.path}: after tick {expected - 1} comes tick {tick.number}")
+                if expected >= self.scenario.ticks:
+                    raise FesError(f"{self.path}: it continues after tick {expected - 1}, the last of its scenario")
+                yield tick
+                there = expected + 1
+        except ticks.UNREADABLE as error:
+            raise FesError(f"{self.path}: a message is not what its topic promises: {ticks.line(error)}") from None
+        if self.summary is not None and there != self.summary.get("ticks"):
+            raise FesError(f"{self.path}: {there} ticks are there, and its summary is of {self.summary.get('ticks')}")
+        if self.ended == AT_ITS_END and there != self.scenario.ticks:
+            raise FesError(f"{self.path}: {there} of {self.scenario.ticks} ticks are there, and no reason why")
+
+    @property
+    def complaint(self) -> str | None:
+        """What is to be said of a log without an end."""
+        if self.ended is not None:
+            return None
+        whole = sum(1 for _ in self.ticks())
+        of = f"{whole} of {self.scenario.ticks} ticks are there"
+        return f"{self.path} has no end, its run was killed or the file was cut: {of}"
+
+
+def find(target: Path) -> Path | None:
+    """The log that is meant by a file or by a run directory; None for a run directory without one."""
+    if not target.is_dir():
+        return target
+    return target / NAME if (target / NAME).is_file() else None
+
+
+def load(target: Path, parse: Callable[[dict[str, Any], str], S]) -> Log[S]:
+    """A log with a tick at least: a file, or that of a run directory; raises FesError in one line.
+
+    `parse` makes the scenario of its tables and of the file's name, which its errors are to name.
+    """
+    path = find(target)
+    if path is None:
+        raise FesError(f"{target} has no {NAME}: the run was not recorded")
+    told = _scenario(path)
+    if told.get("log") != schemas.VERSION:
+        version = f"{told.get('log')!r:.20}"
+        raise FesError(f"{path} is a log of version {version}; this fes reads version {schemas.VERSION}")
+    ended = _metadata(path)
+    try:
+        summary = strict_json.loads(ended["summary"]) if ended and "summary" in ended else None
+        if summary is not None and not isinstance(summary, dict):
+            raise TypeError("its summary is not a table")
+        scenario = parse(tomllib.loads(told["scenario"]), str(path))
+        fingerprint.text(told["arithmetic"])  # raises one of these errors where it names none
+        if not all(isinstance(told[key], str) for key in ("name", "backend")):
+            raise TypeError("its name and backend are texts")
+        how = ended["ended"] if ended else None
+        log = Log(path, told["name"], told["backend"], scenario, summary, how, told["arithmetic"])
+    except ticks.UNREADABLE as error:
+        raise FesError(f"{path}: what it says of its run cannot be read: {ticks.line(error)}") from None
+    if next(log.ticks(), None) is None:
+        raise FesError(log.complaint or f"{path}: the run was over before its first tick")
+    return log
+
+
+def _scenario(path: Path) -> dict[str, Any]:
+    """What the log says of its run: its first message."""
+    with suppress(ValueError, RecursionError):
+        for topic, message in ticks.messages(path):
+            if topic == "/scenario":
+                told = ticks.parsed(message.data)
+                if isinstance(told, dict):
+                    return told
+            break
+    raise FesError(f"{path} is not a log of a run: it does not begin with its scenario")
+
+
+def _metadata(path: Path) -> dict[str, str] | None:
+    """The metadata written when the log was closed; None if it was not. Raises FesError unless the log is whole."""
+    reader, found = Reader(path), None
+    for block in reader:
+        if isinstance(block.record, Metadata) and block.record.name == SUMMARY:
+            found = block.record.metadata
+    return found if reader.has_end else None

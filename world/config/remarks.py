@@ -1,0 +1,94 @@
+"""Parts of a scenario that do not run as written: one line per kind.
+
+None of them is an error: a run is a whole number of ticks, and events act at ticks. But no part of a scenario is
+changed or dropped silently.
+"""
+
+from collections.abc import Iterable, Iterator
+
+from fes.model import counts
+from fes.model.config import ChannelConfig, SeekingConfig
+from world.config.events import changed
+from world.config.faults import TransmitterConfig
+from world.config.scenario import Scenario
+
+TOLERANCE = 1e-6
+"""A time this close to a multiple of a tick, as a share of the tick [1], counts as one: decimal fractions round."""
+
+MOST = 5
+"""Most times that are listed in a line."""
+
+UNNOTICED = (
+    "the robots of this run are told the channel (seeking.index = 'oracle') and do not notice the change; "
+    "those of configs/measured-jump.toml measure it"
+)
+
+
+def of(scenario: Scenario) -> list[str]:
+    """All remarks on a scenario."""
+    return [*_duration(scenario), *_late(scenario), *_moved(scenario), *_delays(scenario), *_unnoticed(scenario)]
+
+
+def is_unnoticed(seeking: SeekingConfig, told: ChannelConfig, now: ChannelConfig) -> bool:
+    """True if robots keep to the formula of the channel that they were `told`, though it is another one `now`."""
+    return seeking.index == "oracle" and told != now
+
+
+def _duration(scenario: Scenario) -> Iterator[str]:
+    duration, dt = scenario.run.duration, scenario.run.dt
+    if _is_moved(duration, dt) or duration < dt / 2.0:
+        yield (
+            f"run.duration {duration:g} s is not a multiple of run.dt {dt:g} s: "
+            f"{scenario.ticks} ticks are run, {scenario.ticks * dt:.9g} s"
+        )
+
+
+def _late(scenario: Scenario) -> Iterator[str]:
+    dt = scenario.run.dt
+    late = [event.at for event in scenario.event if counts.ticks(event.at, dt) >= scenario.ticks]
+    if late:
+        end = scenario.ticks * dt
+        yield f"event at {_listed(late)} s is not before the end of the run at {end:.9g} s: it never acts"
+
+
+def _moved(scenario: Scenario) -> Iterator[str]:
+    dt = scenario.run.dt
+    moved = [event.at for event in scenario.event if _is_moved(event.at, dt)]
+    if moved:
+        ticks = _listed(counts.ticks(at, dt) * dt for at in moved)
+        yield f"event at {_listed(moved)} s is not a multiple of run.dt {dt:g} s: it acts at {ticks} s"
+
+
+def _delays(scenario: Scenario) -> Iterator[str]:
+    dt = scenario.run.dt
+    parts = [part for event in scenario.event for part in event.parts]
+    delays = [part.delay for part in parts if isinstance(part, TransmitterConfig) and _is_moved(part.delay, dt)]
+    if delays:
+        ticks = _listed(counts.ticks(delay, dt) * dt for delay in delays)
+        yield f"transmitter: delay {_listed(delays)} s is not a multiple of run.dt {dt:g} s: it is {ticks} s"
+
+
+def _unnoticed(scenario: Scenario) -> Iterator[str]:
+    channel, dt, ticks = scenario.channel, scenario.run.dt, []
+    for tick, settings in scenario.changes.items():
+        channel = changed(channel, settings, dt)
+        if tick < scenario.ticks and is_unnoticed(scenario.seeking, scenario.channel.formula, channel.formula):
+            ticks.append(tick * dt)
+    if ticks:
+        yield f"the channel is set at {_listed(ticks)} s, but {UNNOTICED}"
+
+
+def _is_moved(time: float, dt: float) -> bool:
+    """True if a time [s] is not a whole number of ticks."""
+    return abs(counts.ratio(time, dt) - counts.ticks(time, dt)) > TOLERANCE
+
+
+def _listed(times: Iterable[float]) -> str:
+    """A list of times, cut to the first few of many.
+
+    >>> _listed([0.5]), _listed(range(7))
+    ('0.5', '0, 1, 2, 3, 4 and 2 more')
+    """
+    shown = [f"{time:.9g}" for time in times]
+    more = f" and {len(shown) - MOST} more" if len(shown) > MOST else ""
+    return ", ".join(shown[:MOST]) + more

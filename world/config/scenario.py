@@ -1,0 +1,195 @@
+"""The scenario: one TOML file, typed, frozen and complete, with the names that `--set` overrides use."""
+
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import Field, ValidationError, model_validator
+
+from fes.arrays import draws
+from fes.arrays.types import Floats
+from fes.errors import ScenarioError, reason
+from fes.model import counts, stability
+from fes.model.config import (
+    AgentConfig,
+    Clock,
+    EquipmentConfig,
+    FormationConfig,
+    ObjectiveConfig,
+    SeekingConfig,
+    Table,
+)
+from fes.system import encoding
+from world.config import events, faults, starts, toml
+from world.config.events import EventConfig, Planned, attendance, changed, schedule
+from world.config.expectations import ExpectConfig
+from world.config.faults import Transmission
+from world.config.overrides import override
+from world.config.overrides import parse_override as parse_override
+from world.config.radio import RadioConfig
+from world.config.starts import RobotsConfig
+from world.config.validation import first_rule
+
+
+class RunConfig(Table):
+    """How long and how fine."""
+
+    dt: Annotated[float, Field(ge=1e-6, le=1e3, allow_inf_nan=False)] = 0.02
+    """Tick length [s]."""
+    duration: Annotated[float, Field(gt=0, le=1e9, allow_inf_nan=False)] = 60.0
+    """Simulated time of the run [s]; a whole number of ticks is run."""
+    seed: int = Field(default=0, ge=0, lt=2**63)
+    """Seed of every random draw of the run."""
+    clock: Clock = "lockstep"
+    clock_skew: Annotated[float, Field(ge=0, le=10)] = 0.0
+    """How far robots' own clocks may be off the team's [s]: each has a skew of its own, seeded, in +- this."""
+
+    @model_validator(mode="after")
+    def _countable(self) -> Self:
+        counts.check("duration / dt", self.duration, self.dt, stability.MAX_TICKS)
+        return self
+
+
+class Scenario(Table):
+    """What is run."""
+
+    schema_version: int = Field(alias="schema", ge=1, le=1)
+    """Version of the scenario format."""
+    run: RunConfig = RunConfig()
+    """Duration, tick, seed and clock."""
+    robots: RobotsConfig
+    """Number and initial poses of the robots."""
+    channel: RadioConfig = RadioConfig()
+    """The radio channel."""
+    objective: ObjectiveConfig = ObjectiveConfig()
+    """The separations that the team prefers."""
+    seeking: SeekingConfig = SeekingConfig()
+    """The seeking law."""
+    formation: FormationConfig = FormationConfig()
+    """The formation law and its graph."""
+    event: list[EventConfig] = Field(default=[])
+    """What changes while the run goes on."""
+    expect: list[ExpectConfig] = Field(default=[])
+    """What is expected of the run, at its end."""
+
+    @model_validator(mode="after")
+    def _stable(self) -> Self:
+        stability.check(self.run.dt, self.seeking, self.formation)
+        return self
+
+    @model_validator(mode="after")
+    def _channel_at_all_times(self) -> Self:
+        self.channel.check(self.run.dt)
+        channel, robots = self.channel, self.robots.number
+        _check_partition(channel, robots)
+        for settings in self.changes.values():
+            try:
+                channel = changed(channel, settings, self.run.dt)
+            except ScenarioError as error:
+                raise ValueError(f"event: set {error}") from None
+            _check_partition(channel, robots)
+        try:
+            attendance(self.event, robots, self.run.dt)
+            events.parts(self.event, robots, self.run.dt)
+        except ScenarioError as error:
+            raise ValueError(str(error)) from None
+        return self
+
+    @model_validator(mode="after")
+    def _deadlines_of_a_live_clock(self) -> Self:
+        for one in self.expect:
+            if one.of.startswith("deadlines") and self.run.clock != "live":
+                raise ValueError(f"expect: '{one.of}' is of a live clock only (run.clock)")
+        return self
+
+    @property
+    def changes(self) -> dict[int, dict[str, Any]]:
+        """Tick -> what is set from it on, in order."""
+        return schedule(self.event, self.run.dt)
+
+    @property
+    def attendance(self) -> dict[int, Planned]:
+        """Tick -> who goes and who comes back, in order."""
+        return attendance(self.event, self.robots.number, self.run.dt)
+
+    @property
+    def world_deaths(self) -> dict[int, float]:
+        """Tick -> for how long the world's process is away from it on [s; wall clock], in order."""
+        dt = self.run.dt
+        at = {counts.ticks(one.at, dt): one.world_away for one in self.event if one.world_away is not None}
+        return dict(sorted(at.items()))
+
+    @property
+    def transmissions(self) -> dict[int, Transmission | None]:
+        """Tick -> what transmitters do from it on, in order; None where all are healthy."""
+        robots = self.robots.number
+        return faults.transmissions(events.parts(self.event, robots, self.run.dt), robots)
+
+    @property
+    def faults(self) -> list[EquipmentConfig]:
+        """What agents are told of their robots' equipment, in order of time."""
+        return faults.told(events.parts(self.event, self.robots.number, self.run.dt), self.run.dt)
+
+    @property
+    def ticks(self) -> int:
+        """Number of ticks of the run."""
+        return counts.ticks_of(self.run.duration, self.run.dt)
+
+
+def load(path: Path, overrides: dict[str, Any] | None = None) -> Scenario:
+    """The scenario in a TOML file, with `overrides` by dotted path.
+
+    Raises ScenarioError: one line that names the field, the rule and the offending value.
+    """
+    try:
+        tables = toml.parse(encoding.read(path))
+    except OSError as error:
+        raise ScenarioError(str(path), f"cannot be read: {reason(error, with_file=False)}") from None
+    except ValueError as error:
+        raise ScenarioError(str(path), str(error)) from None
+    for dotted, value in (overrides or {}).items():
+        override(tables, dotted, value)
+    return parse(tables, str(path))
+
+
+def parse(tables: dict[str, Any], where: str) -> Scenario:
+    """The scenario of parsed TOML `tables`; errors name `where` they come from."""
+    try:
+        return Scenario.model_validate(tables)
+    except ValidationError as error:
+        raise ScenarioError(where, first_rule(error, Scenario, "scenario")) from None
+
+
+def with_event(scenario: Scenario, tick: int, path: str, value: Any) -> Scenario:
+    """The scenario with one more event: what was set while it ran, so that it can be run again.
+
+    Raises ScenarioError where an event that is scheduled for later then asks for a channel that cannot be.
+    """
+    event = {"at": round(tick * scenario.run.dt, 9), "set": {path: value}}
+    tables = scenario.model_dump(by_alias=True)
+    return parse({**tables, "event": [*tables["event"], event]}, f"{path}, with what is scheduled")
+
+
+def agent_config(scenario: Scenario) -> AgentConfig:
+    """What the scenario lets an agent know."""
+    return AgentConfig(
+        dt=scenario.run.dt,
+        seed=draws.sub_seed(scenario.run.seed, "agents"),
+        objective=scenario.objective,
+        seeking=scenario.seeking,
+        formation=scenario.formation,
+        channel=scenario.channel.formula if scenario.seeking.index == "oracle" else None,
+        clock=scenario.run.clock,
+        clock_skew=scenario.run.clock_skew,
+        faults=scenario.faults,
+    )
+
+
+def initial_poses(scenario: Scenario) -> Floats:
+    """Poses at tick 0 [n, 3] [m, m, rad; world frame]."""
+    return starts.poses(scenario.robots, scenario.run.seed)
+
+
+def _check_partition(channel: RadioConfig, robots: int) -> None:
+    unknown = [robot for group in channel.partition for robot in group if robot >= robots]
+    if unknown:
+        raise ValueError(f"channel.partition: robot {unknown[0]} does not exist, there are {robots}")

@@ -1,0 +1,164 @@
+"""The summary of a run and its directory: what scripts outside the project read."""
+
+import contextlib
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomli_w
+
+from fes.arrays.edges import Edges
+from fes.arrays.types import Floats
+from fes.errors import FesError, reason
+from fes.system import fingerprint, strict_json
+from world.config import expectations
+from world.config.scenario import Scenario
+from world.metrics import graphs, link_errors
+from world.metrics.collector import Account
+from world.simulation.channel import Radio
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def summarize(account: Account, name: str, backend: str, wall: float) -> dict[str, Any]:
+    """The summary of a run up to the last tick of `account`; `wall` is how long it took [s].
+
+    A number that does not exist or is not finite is None.
+    """
+    scenario, final, tally, optimal = account.scenario, account.state, account.tally, account.optimal
+    n, links, estimates = scenario.robots.number, account.telemetry.links, account.telemetry.estimates
+    separation = account.separation
+    simulated = tally.ticks * scenario.run.dt
+    found = {
+        "scenario": name,
+        "seed": scenario.run.seed,
+        "backend": backend,
+        "clock": scenario.run.clock,
+        "robots": n,
+        "ticks": tally.ticks,
+        "dt": scenario.run.dt,
+        "simulated_s": simulated,
+        "wall_s": wall,
+        "ticks_per_s": tally.ticks / wall if wall > 0 else None,
+        "real_time_factor": simulated / wall if wall > 0 else None,
+        "optimal_separation": optimal,
+        "edges": _edges(links, separation, estimates),
+        "separation_error_max": _largest(separation - optimal),
+        "separation_error_rms": _rms(separation - optimal),
+        "disagreement": None if len(links) == 0 else tally.errors["disagreement"],
+        "estimate_error_max": _largest(estimates - optimal),
+        "estimate_error_rms": _rms(estimates - optimal),
+        "disk_connected_always": tally.disk_always,
+        "links_connected_always": tally.links_always,
+        "algebraic_connectivity": graphs.algebraic_connectivity(n, *link_errors.ends(links)),
+        "beacons_sent": final.sent,
+        "beacons_decoded": final.decoded,
+        "time_to": tally.times(),
+        "digest": tally.digest.text(),
+        "tracking": account.tracking.table(),
+        "radio": _contacts(final.radio),
+        "deadlines": None if account.deadlines is None else account.deadlines.table(),
+        "arithmetic": fingerprint.table(),
+        "links_gap_longest": tally.longest_gap * scenario.run.dt,
+        "unscheduled_absences": account.unscheduled_absences,
+        "links_lost_at": tally.links_lost_at,
+    }
+    verdicts = expectations.verdicts(scenario.expect, found)
+    complete: dict[str, Any] = strict_json.finite({**found, "expectations": verdicts})
+    return complete
+
+
+def clear(directory: Path) -> None:
+    """Leave no summary of an older run in a run directory."""
+    (directory / "summary.json").unlink(missing_ok=True)
+
+
+def write(directory: Path, summary: dict[str, Any]) -> None:
+    """Write summary.json: complete or not at all; raises FesError."""
+    _write(directory / "summary.json", strict_json.dumps(summary, indent=1) + "\n")
+
+
+def lines(summary: dict[str, Any]) -> list[str]:
+    """What was reached, in the few lines of a log."""
+    links, time = len(summary["edges"]), f"{summary['simulated_s']:g} s in {summary['wall_s']:.1f} s"
+    lost = summary["links_lost_at"]
+    found = [
+        f"{summary['scenario']}, {summary['robots']} robots, seed {summary['seed']}: {time}",
+        f"{links} links, r* = {_meters(summary['optimal_separation'], 3)}",
+    ]
+    if links:
+        errors = (
+            (error.replace("_", " "), summary[f"{error}_max"]) for error in ("separation_error", "estimate_error")
+        )
+        found += [f"largest {error}: {_meters(largest, 4)}" for error, largest in errors]
+    if lost is not None:
+        found.append(links_lost(lost))
+    held = summary["time_to"]["separation_0_1m"]
+    found.append("separation error < 0.1 m: " + ("never" if held is None else f"from {held:.2f} s on"))
+    return [*found, f"digest {summary['digest']}"]
+
+
+def links_lost(since: float) -> str:
+    """One line about links that are lost since a time [s]."""
+    if since == 0.0:
+        return "no robot ever had a link"
+    return f"all links were lost for good at {since:g} s: no robot has had one since"
+
+
+def _meters(value: float | None, digits: int) -> str:
+    return "unknown" if value is None else f"{value:.{digits}f} m"
+
+
+def write_scenario(directory: Path, scenario: Scenario) -> None:
+    """Write scenario.toml, complete or not at all: the scenario as it is run, with every default and override.
+
+    Raises FesError.
+    """
+    tables = scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
+    _write(directory / "scenario.toml", tomli_w.dumps(tables))
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a file, complete or not at all; raises FesError, which names it."""
+    temporary = path.with_name(f".{path.name}")
+    try:
+        temporary.write_text(text, encoding="utf-8")
+        os.replace(temporary, path)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+        raise FesError(f"cannot write {path}: {reason(error)}") from None
+
+
+def _edges(links: Edges, separation: Floats, estimates: Floats) -> list[list[float | int | None]]:
+    """[i, j, separation, estimate of i, estimate of j] for each link, i < j; None where one side has no link."""
+    rows = []
+    for at, length in zip(links.undirected.tolist(), separation.tolist(), strict=True):
+        i, j, other = int(links.rows[at]), int(links.peers[at]), int(links.reverse[at])
+        mine, theirs = float(estimates[at]), float(estimates[other]) if other >= 0 else None
+        rows.append([i, j, length, mine, theirs] if i < j else [j, i, length, theirs, mine])
+    return sorted(rows, key=lambda row: row[:2])
+
+
+def _contacts(radio: Radio) -> list[list[float | int]]:
+    """[receiver, sender, sent, decoded, mean true outage, longest gap] of each contact since it opened."""
+    edges = radio.edges
+    used = np.flatnonzero(radio.sent > 0)
+    mean = radio.outage_sum[used] / radio.sent[used]
+    columns = (
+        edges.ids[edges.rows[used]],
+        edges.peers[used],
+        radio.sent[used],
+        radio.decoded[used],
+        mean,
+        radio.longest_gap[used],
+    )
+    return [list(row) for row in zip(*(column.tolist() for column in columns), strict=True)]
+
+
+def _largest(errors: Floats) -> float | None:
+    return float(np.abs(errors).max()) if len(errors) else None
+
+
+def _rms(errors: Floats) -> float | None:
+    return float(np.sqrt(np.mean(errors**2))) if len(errors) else None

@@ -1,0 +1,32 @@
+"""Losses that come in bursts: a two-state Markov chain on each directed contact (Gilbert 1960, Elliott 1963).
+
+The state at the first tick in range is drawn from the stationary law; then it steps once a tick, by numbers that are
+functions of (seed, tick, sender, receiver).
+"""
+
+import numpy as np
+
+from fes.arrays.types import Bytes, Floats
+from world.config.radio import BurstConfig
+
+GOOD, BAD, UNKNOWN = 0, 1, 2
+"""State of a contact; UNKNOWN before its first tick."""
+
+
+def step(states: Bytes, config: BurstConfig, dt: float, numbers: Floats) -> Bytes:
+    """The states [m] a tick of `dt` [s] later, GOOD or BAD, by uniform `numbers` [m]."""
+    leave = dt / config.mean_length
+    enter = leave * config.bad_share / (1.0 - config.bad_share)
+    bad = np.array([enter, 1.0 - leave, config.bad_share])  # by the state before: GOOD, BAD, UNKNOWN
+    return (numbers < bad.take(states)).astype(np.uint8)
+
+
+def kept(states: Bytes, config: BurstConfig) -> Floats:
+    """Share of the beacons that would decode which still do, in these states [m]."""
+    shares: Floats = np.array([1.0, 1.0 - config.loss]).take(states)
+    return shares
+
+
+def kept_on_average(config: BurstConfig | None) -> float:
+    """The same over the stationary law; 1 without bursts."""
+    return 1.0 if config is None else 1.0 - config.bad_share * config.loss

@@ -1,0 +1,209 @@
+"""The radio: whose beacon decodes at whom.
+
+A beacon is put on the air by every robot at every tick. Between two robots in range it decodes with the
+reception probability of their channel at that tick, independently for each tick and direction (block fading) but
+for the bursts. A contact opens two ticks after the robots came in range.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fes.arrays import draws, geometry
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bools, Bytes, Floats, Ints
+from fes.model import outage
+from fes.model.sensing import CLOSED, OPENING_TICKS
+from world.config.radio import JammerConfig, RadioConfig, ShadowingConfig
+from world.simulation import bursts, shadowing
+from world.simulation.draw_cache import Draws
+from world.simulation.neighbor_list import Proximity
+
+_FARTHEST = 100.0  # powers of ten by which shadowing moves an effective separation at most: numbers stay finite
+
+
+@dataclass(frozen=True, eq=False)
+class Medium:
+    """What the radio of a run rests on: all of it a function of the seed, whatever the channel is."""
+
+    dt: float
+    """Tick length [s]."""
+    fading: Draws
+    bursts: Draws
+    waves: shadowing.Modes
+
+
+@dataclass(frozen=True, eq=False)
+class Radio:
+    """What the radio did at one tick, over the pairs in range [m], and the ledger of each contact."""
+
+    edges: Edges
+    """(receiver, sender)"""
+    age: Ints
+    """Ticks since each pair came in range [m]."""
+    reception: Bytes
+    """What became of the previous tick's beacon: CLOSED, LOST or DECODED [m]."""
+    sent: Ints
+    """Beacons sent on each contact since it opened [m]."""
+    decoded: Ints
+    """Beacons decoded on it [m]."""
+    probability: Floats
+    """True reception probability of the previous tick's beacon, all that lies over it included, bursts as their
+    average over the stationary law; NaN before the first [m]."""
+    outage_sum: Floats
+    """Sum of 1 - probability over the beacons sent: the number that is lost on average [m]."""
+    gap: Ints
+    """Beacons lost in a row by now [m]."""
+    longest_gap: Ints
+    """The largest `gap` since the contact opened [m]."""
+    burst: Bytes
+    """GOOD, BAD or UNKNOWN, for the previous tick's beacon; it stands still while the channel has no bursts [m]."""
+
+
+_FRESH: dict[str, Any] = {
+    "age": np.int64(0),
+    "reception": np.uint8(CLOSED),
+    "sent": np.int64(0),
+    "decoded": np.int64(0),
+    "probability": np.float64(math.nan),
+    "outage_sum": np.float64(0.0),
+    "gap": np.int64(0),
+    "longest_gap": np.int64(0),
+    "burst": np.uint8(bursts.UNKNOWN),
+}
+"""The ledger of a pair that has just come in range."""
+
+
+def medium(seed: int, dt: float) -> Medium:
+    """The medium of a run with ticks of `dt` [s]."""
+    fading, states = (Draws(draws.key(seed, stream)) for stream in ("channel", "bursts"))
+    return Medium(dt, fading, states, shadowing.modes(seed))
+
+
+def quiet(edges: Edges) -> Radio:
+    """The radio before the first tick: nothing was sent."""
+    return Radio(edges, **{name: np.full(len(edges), value) for name, value in _FRESH.items()})
+
+
+def transmit(
+    medium: Medium,
+    config: RadioConfig,
+    radio: Radio,
+    tick: int,
+    poses: Floats,
+    present: Bools,
+    before: Proximity,
+    after: Proximity,
+    kept: Floats | None = None,
+) -> Radio:
+    """The radio at tick + 1: what became of the beacons of `tick`, sent from `poses` [n, 3] among `before`.
+
+    Robots that are not `present` [n] neither send nor hear: their peers' code is LOST, but nothing was sent. `kept`
+    [n]: what each robot's own transmitter leaves of the reception probability; None where all are healthy.
+    """
+    edges, age = before.edges, radio.age + 1
+    is_open = age >= OPENING_TICKS
+    on_air = is_open if present.all() else is_open & among(edges, present)
+    probability = reception_probability(medium, config, poses, before)
+    if kept is not None:
+        probability *= kept.take(_senders(edges))
+    average, burst = probability, radio.burst
+    if config.bursts is not None:
+        burst = bursts.step(burst, config.bursts, medium.dt, medium.bursts.at(tick, edges))
+        average = probability * bursts.kept_on_average(config.bursts)
+        probability = probability * bursts.kept(burst, config.bursts)
+    heard = on_air
+    if kept is not None or not config.is_certain:
+        heard = on_air & (medium.fading.at(tick, edges) < probability)
+    gap = (radio.gap + 1) * (on_air ^ heard)
+    now = Radio(
+        edges,
+        age,
+        np.add(is_open, heard, dtype=np.uint8),  # CLOSED, LOST and DECODED count the two
+        radio.sent + on_air,
+        radio.decoded + heard,
+        average,
+        radio.outage_sum + (1.0 - average) * on_air,
+        gap,
+        np.maximum(radio.longest_gap, gap),
+        burst,
+    )
+    return now if after.edges is edges else _carry(now, after.edges)
+
+
+def reception_probability(medium: Medium, config: RadioConfig, poses: Floats, near: Proximity) -> Floats:
+    """Probability [m] that a beacon decodes on each edge of `near` at `poses` [n, 3], bursts aside."""
+    separation = near.separation
+    if config.shadowing is not None and config.model != "perfect":
+        separation = _effective(medium, config, config.shadowing, poses, near)
+    probability = outage.reception_probability(separation.take(near.pair), config)
+    if config.jammers:
+        probability *= _left_by(config.jammers, poses).take(near.edges.rows)
+    if config.partition:
+        probability *= _on_one_side(config.partition, near.edges)
+    return probability
+
+
+def among(edges: Edges, present: Bools) -> Bools:
+    """Which edges [m] stand between robots that are `present` [n]."""
+    return present[edges.rows] & present[_senders(edges)]
+
+
+def reopen(radio: Radio, back: Bools) -> Radio:
+    """The radio when the robots of `back` [n] return: their contacts begin as if they had just come in range."""
+    fresh = ~among(radio.edges, ~back)
+    ledger: dict[str, Any] = {name: np.where(fresh, value, getattr(radio, name)) for name, value in _FRESH.items()}
+    return replace(radio, **ledger)
+
+
+def _effective(
+    medium: Medium, config: RadioConfig, shadows: ShadowingConfig, poses: Floats, near: Proximity
+) -> Floats:
+    """The separation [p] [m] at which the candidates in range would have the SNR that shadowing leaves them.
+
+    A gain of g dB is a separation times 10^(-g/(10 nu)), exactly so in (3).
+    """
+    at = np.flatnonzero(near.mask)
+    separation = near.separation.copy()
+    apart = separation.take(at)
+    gain = shadowing.gain(medium.waves, shadows, poses, near.candidates.a.take(at), near.candidates.b.take(at), apart)
+    power = np.clip(gain / (-10.0 * config.path_loss_exponent), -_FARTHEST, _FARTHEST)
+    separation[at] = apart * np.power(10.0, power)
+    return separation
+
+
+def _left_by(jammers: list[JammerConfig], poses: Floats) -> Floats:
+    """What the jammers leave of the reception probability of each robot [n]."""
+    left = np.ones(len(poses))
+    for jammer in jammers:
+        away = geometry.separation(poses[:, geometry.X] - jammer.x, poses[:, geometry.Y] - jammer.y)
+        left[away <= jammer.radius] *= jammer.reception_factor
+    return left
+
+
+def _on_one_side(partition: list[list[int]], edges: Edges) -> Bools:
+    """Which edges [m] stand between robots of one group."""
+    side = np.zeros(len(edges.ids), dtype=np.int64)
+    for number, group in enumerate(partition, 1):
+        side[np.searchsorted(edges.ids, group)] = number
+    same: Bools = side[edges.rows] == side[_senders(edges)]
+    return same
+
+
+def _senders(edges: Edges) -> Ints:
+    """Row of each edge's sender [m]."""
+    return np.searchsorted(edges.ids, edges.peers)
+
+
+def _carry(radio: Radio, edges: Edges) -> Radio:
+    """The ledger of the pairs `edges`: of those that stay, and a fresh one for those that are new."""
+    if len(radio.edges) == 0:
+        return quiet(edges)
+    at = edges.places_in(radio.edges)
+    ledger: dict[str, NDArray[Any]] = {
+        name: np.where(at >= 0, getattr(radio, name).take(at, mode="clip"), value) for name, value in _FRESH.items()
+    }
+    return replace(radio, edges=edges, **ledger)

@@ -1,0 +1,82 @@
+"""Spatially correlated log-normal shadowing: the same to the bit from either end, a function of seed and positions.
+
+The gain of the pair at a, b is deviation * g(a, b) [dB], with g standard normal over seeds. f(a, b) is a sum of K
+waves sqrt(2/K) cos(k.a + q.b + phi) whose k and q are independent draws from the bivariate Cauchy law over the
+decorrelation distance d0 (random Fourier features: Rahimi & Recht 2007). The characteristic function of that law is
+exp(-|d|), so the correlation when one end moves by d is exp(-d/d0) (Gudmundson 1991), and when both move the
+product. g is f made reciprocal, (f(a, b) + f(b, a)) / sqrt(2 (1 + exp(-2 |a - b|/d0))).
+
+The q of each wave is the k of the next. They are independent, which is all that the correlation asks for, and a
+robot costs half as many cosines, which is what shadowing costs.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from fes.arrays import draws, geometry
+from fes.arrays.types import Floats, Ints
+from world.config.radio import ShadowingConfig
+
+MODES = 256
+"""K; the fourth moment of the sum of K waves falls short of the normal's by 1.5/K."""
+
+_CHUNK = 64
+"""Pairs summed over at a time: what they gather fits a processor's cache."""
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """The waves of a seed, for a decorrelation distance of 1 m: deviation and distance may change during a run."""
+
+    vectors: Floats
+    """k [2, K] [rad/m; world frame]."""
+    phase: Floats
+    """phi [K] [rad]."""
+
+
+def modes(seed: int) -> Modes:
+    """The waves of a seed.
+
+    P[|k| <= s] = 1 - 1/sqrt(1 + s^2) in the bivariate Cauchy law, of density (1 + k^2)^(-3/2) / (2 pi); the size
+    is this solved for s.
+    """
+    columns = np.arange(3)
+    drawn = draws.uniform_ticks(draws.key(seed, "shadowing"), 0, MODES, np.zeros_like(columns), columns)
+    size = np.sqrt(np.square(1.0 / (1.0 - drawn[:, 0])) - 1.0)
+    angle = 2.0 * math.pi * drawn[:, 1]
+    return Modes(size * np.stack([np.cos(angle), np.sin(angle)]), 2.0 * math.pi * drawn[:, 2])
+
+
+def gain(waves: Modes, config: ShadowingConfig, poses: Floats, a: Ints, b: Ints, separation: Floats) -> Floats:
+    """Gain [dB] of the pairs of rows a and b [p] of `poses` [n, 3], `separation` [p] [m] apart.
+
+    Sums of products, row by row: no digit depends on other pairs, nor on the threads of a matrix product.
+    """
+    distance = config.decorrelation_distance
+    one, other = _ends(waves, poses, distance)
+    total = np.empty(len(a))
+    for first in range(0, len(a), _CHUNK):
+        part = slice(first, first + _CHUNK)
+        i, j = a[part], b[part]
+        total[part] = np.einsum("pk,pk->p", one.take(i, axis=0), other.take(j, axis=0))
+        total[part] += np.einsum("pk,pk->p", one.take(j, axis=0), other.take(i, axis=0))
+    scale = np.sqrt(MODES * (1.0 + np.exp(-2.0 / distance * separation)))
+    gains: Floats = config.deviation * total / scale
+    return gains
+
+
+def _ends(waves: Modes, poses: Floats, distance: float) -> tuple[Floats, Floats]:
+    """What each robot lends to a pair as its first end, and as its other [n, 2 K], so that products add up to f.
+
+    cos(u + v) = cos u cos v - sin u sin v, with u = k.a and v = q.b + phi.
+    """
+    kx, ky = waves.vectors / distance
+    angle = poses[:, geometry.X, None] * kx + poses[:, geometry.Y, None] * ky
+    cosine, sine = np.cos(angle), np.sin(angle)
+    one = np.concatenate([cosine, -sine], axis=1)
+    cosine, sine = np.roll(cosine, -1, axis=1), np.roll(sine, -1, axis=1)
+    along, across = np.cos(waves.phase), np.sin(waves.phase)
+    other = np.concatenate([cosine * along - sine * across, sine * along + cosine * across], axis=1)
+    return one, other

@@ -1,0 +1,143 @@
+"""Ground truth as pure functions: `step(world, state, twists) -> state`, and what the robots sense of it."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from fes.arrays.types import Bools, Floats, Ints
+from fes.model.sensing import DECODED, Observations
+from world.config import events
+from world.config.events import Planned
+from world.config.faults import Transmission
+from world.config.radio import RadioConfig
+from world.config.scenario import Scenario, initial_poses
+from world.simulation import channel, crowd, neighbor_list, unicycle
+from world.simulation.channel import Medium, Radio
+from world.simulation.neighbor_list import Proximity
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """What does not change during a run."""
+
+    scenario: Scenario
+    ids: Ints
+    """Robot ids, 0 to n - 1 [n]."""
+    medium: Medium
+    changes: dict[int, dict[str, Any]]
+    """Tick -> what is set of the channel from it on."""
+    attendance: dict[int, Planned]
+    """Tick -> who goes and who comes back."""
+    transmissions: dict[int, Transmission | None]
+    """Tick -> what transmitters do from it on."""
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Everything that is true at one tick."""
+
+    tick: int
+    poses: Floats
+    """[n, 3] [m, m, rad; world frame]"""
+    channel: RadioConfig
+    """The channel in force from this tick on: `replace` it, and its `communication_range` shows a tick later."""
+    proximity: Proximity
+    radio: Radio
+    present: Bools
+    """Which robots take part [n]. The body of another stands still and its radio is silent; that its beacons are not
+    heard is all that its peers learn of it."""
+    since: Ints
+    """The tick from which on each robot takes part, for the last time [n]."""
+    sent: int
+    """Beacons sent on open contacts so far."""
+    decoded: int
+    """Of them, decoded."""
+    transmission: Transmission | None = None
+    """What the robots' transmitters do from this tick on; None while all are healthy."""
+
+    @property
+    def legible(self) -> Bools:
+        """Whose beacon of this tick can be read by whoever gets its bytes [n]."""
+        return self.present if self.transmission is None else self.present & ~self.transmission.damaged
+
+
+def create(scenario: Scenario) -> World:
+    """The world of a scenario."""
+    ids = np.arange(scenario.robots.number)
+    medium = channel.medium(scenario.run.seed, scenario.run.dt)
+    return World(scenario, ids, medium, scenario.changes, scenario.attendance, scenario.transmissions)
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def start(world: World) -> State:
+    """The state at tick 0; raises ScenarioError where there is too little memory for all contacts."""
+    crowd.check(world.scenario)
+    poses, radio = initial_poses(world.scenario), world.scenario.channel
+    near = neighbor_list.measure(world.ids, poses, radio.communication_range, None)
+    return _changed(
+        world,
+        State(
+            0, poses, radio, near, channel.quiet(near.edges), np.ones(len(poses), dtype=np.bool_), 0 * world.ids, 0, 0
+        ),
+    )
+
+
+@np.errstate(over="ignore", invalid="ignore")  # a robot may be driven anywhere: at infinity it is out of range
+def step(world: World, state: State, twists: Floats) -> State:
+    """The state one tick later, the robots holding `twists` [n, 2] [m/s, rad/s]; see `held`."""
+    poses = unicycle.move(state.poses, twists, world.scenario.run.dt)
+    near = neighbor_list.measure(world.ids, poses, state.channel.communication_range, state.proximity)
+    radio = channel.transmit(
+        world.medium,
+        state.channel,
+        state.radio,
+        state.tick,
+        state.poses,
+        state.present,
+        state.proximity,
+        near,
+        state.transmission.kept if state.transmission is not None else None,
+    )
+    on_air = radio.reception
+    if not state.present.all():
+        on_air = on_air[channel.among(radio.edges, state.present)]
+    after = replace(
+        state,
+        tick=state.tick + 1,
+        poses=poses,
+        proximity=near,
+        radio=radio,
+        sent=state.sent + int(np.count_nonzero(on_air)),
+        decoded=state.decoded + int(np.count_nonzero(radio.reception == DECODED)),
+    )
+    return _changed(world, after)
+
+
+def held(state: State, twists: Floats) -> Floats:
+    """What bodies do with the `twists` [n, 2] they were told: those of robots that are not present stand still."""
+    return twists if state.present.all() else np.where(state.present[:, None], twists, 0.0)
+
+
+def attend(state: State, present: Bools) -> State:
+    """The state at the same tick with these robots present [n]; contacts of those that come back open anew."""
+    back = present & ~state.present
+    radio = channel.reopen(state.radio, back) if back.any() else state.radio
+    return replace(state, present=present, radio=radio, since=np.where(back, state.tick, state.since))
+
+
+def observe(state: State) -> Observations:
+    """What the robots sense: nothing that a real robot could not sense or receive."""
+    return Observations(state.tick, state.poses, state.radio.edges, state.radio.reception)
+
+
+def _changed(world: World, state: State) -> State:
+    """The state with what is to be set at its tick, who is to be there, and what becomes of transmitters."""
+    planned, settings = world.attendance.get(state.tick), world.changes.get(state.tick)
+    if planned is not None:
+        state = attend(state, events.attended(state.present, planned))
+    if state.tick in world.transmissions:
+        state = replace(state, transmission=world.transmissions[state.tick])
+    if settings is None:
+        return state
+    return replace(state, channel=events.changed(state.channel, settings, world.scenario.run.dt))
