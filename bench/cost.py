@@ -17,8 +17,8 @@ from pathlib import Path
 from agents.process import Agent
 from bench.growth import SCENARIO, Counted, Counts
 from bench.own_router import SOURCE
-from console import observer
-from console.launcher import free_port
+from console.backends.process_group import free_port
+from console.connect import observer
 from fes.protocol import keys
 from fes.transport import bus
 from fes.transport.endpoints import Endpoints

@@ -14,7 +14,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from agents.laws.neighbor_rules import RULES
-from console import inprocess
+from console.backends import inprocess
 from fes.recording.layout import NAME
 from world.config.scenario import Scenario, load
 from world.execution.recorder import Recorder

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from agents.process import Agent
-from console import inprocess
-from console.launcher import free_port
+from console.backends import inprocess
+from console.backends.process_group import free_port
 from fes.recording.layout import NAME
 from fes.transport import bus
 from fes.transport.bus import Bus, Gate, Handler, Mailbox

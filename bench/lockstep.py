@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from bench import robot
-from console.launcher import free_port
+from console.backends.process_group import free_port
 from world.config.scenario import load
 from world.simulation import truth
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from console.sweep import stack
+from console.backends import stacked
 from world.config.scenario import load
 
 CONFIGS = Path(__file__).parents[1] / "configs"
@@ -71,7 +71,7 @@ ROWS = [
 def outcomes(row: Row, seeds: Sequence[int]) -> list[dict[str, Any]]:
     """What the runs of these seeds achieved in the row's stretch."""
     scenarios = [load(CONFIGS / row.scenario, {**row.changes, "run.seed": int(seed)}) for seed in seeds]
-    summaries = stack.run(scenarios, row.title)
+    summaries = stacked.run(scenarios, row.title)
     return [{**one["tracking"][row.stretch], "connected": one["links_connected_always"]} for one in summaries]
 
 

@@ -20,8 +20,10 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from console import dashboard, inprocess, observer
-from console.launcher import free_port
+from console.backends import inprocess
+from console.backends.process_group import free_port
+from console.connect import observer
+from console.dashboard import frame
 from fes.protocol import keys
 from fes.recording.layout import NAME
 from fes.transport import bus
@@ -53,7 +55,7 @@ def in_one_loop(ticks: int, recorded: bool) -> None:
     at: list[int] = []
     memory: list[float] = []
     alive = np.ones(scenario.robots.number, dtype=np.uint8)
-    paper, shown = Console(file=io.StringIO(), width=120, height=40), dashboard.History()
+    paper, shown = Console(file=io.StringIO(), width=120, height=40), frame.History()
     with tempfile.TemporaryDirectory() as folder:
         recorder = Recorder(Path(folder) / NAME, scenario, "memory", "inprocess") if recorded else None
         sums = Account(scenario)
@@ -63,7 +65,7 @@ def in_one_loop(ticks: int, recorded: bool) -> None:
                 recorder.add(sums, tick.twists, inprocess.said(tick), alive, 0.0)
             if done % 50 == 0:
                 shown.add(report_builder.build(sums, "memory", alive, 0.02 * done, 50.0))
-                paper.print(dashboard.render(shown, 120, 40))
+                paper.print(frame.render(shown, 120, 40))
                 paper.file = io.StringIO()
             if done % (ticks // READINGS) == 0:
                 gc.collect()
@@ -97,14 +99,14 @@ async def _watch(pids: dict[str, int], endpoint: str, minutes: float) -> None:
     """Look at reports as the dashboard does, and at everybody's memory."""
     at: list[int] = []
     memory: dict[str, list[float]] = {name: [] for name in (*pids, "viewer")}
-    paper, shown = Console(file=io.StringIO(), width=120, height=40), dashboard.History()
+    paper, shown = Console(file=io.StringIO(), width=120, height=40), frame.History()
     begun = time.monotonic()
     async with bus.opened(Endpoints("client", (endpoint,), timeout=30.0)) as opened:
         async for report in observer.reports(opened, keys.DEFAULT_RUN, 60.0, 1.0):
             if report is None:
                 continue
             shown.add(report)
-            paper.print(dashboard.render(shown, 120, 40))
+            paper.print(frame.render(shown, 120, 40))
             paper.file = io.StringIO()
             if time.monotonic() - begun >= 60.0 * minutes / READINGS * (len(at) + 1):
                 at.append(report.tick)

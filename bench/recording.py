@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from bench import lockstep
-from console import inprocess
+from console.backends import inprocess
 from fes.recording.layout import NAME
 from world.config.scenario import load
 from world.execution.recorder import Recorder

@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from console.launcher import free_port
+from console.backends.process_group import free_port
 
 
 def main() -> None:

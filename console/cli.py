@@ -11,28 +11,20 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from console import (
-    announcement,
-    compare,
-    evidence,
-    guide,
-    inprocess,
-    keyring,
-    printing,
-    processes,
-    progress,
-    replay,
-    rundir,
-    schema,
-    setting,
-    summary,
-    view,
-)
+from console import guide, schema
+from console.analysis import command as analysis_command
+from console.backends import announcement, inprocess, processes
+from console.backends.processes import Launch
+from console.connect import run_directory, set_command
+from console.connect.options import SET, VERBOSE, Cfg, Config, Connect, ObserverKeys
+from console.connect.run_directory import Visitor
+from console.dashboard import live, summary
 from console.doctor.command import doctor
-from console.options import SET, VERBOSE, Cfg, Config, Connect, ObserverKeys
-from console.processes import Launch
-from console.rundir import Visitor
+from console.keys import command as keys_command
+from console.replay import command as replay_command
+from console.replay import compare
 from console.sweep import command
+from console.terminal import printing, progress
 from fes import process
 from fes.errors import FesError, ScenarioError, no_memory, reason
 from fes.protocol import keys
@@ -56,15 +48,15 @@ app = typer.Typer(
     cls=guide.Ordered, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None, epilog=guide.BEGIN
 )
 
-guide.command(app, "set")(setting.set_command)
-guide.command(app, "replay")(replay.replay)
+guide.command(app, "set")(set_command.set_command)
+guide.command(app, "replay")(replay_command.replay)
 guide.command(app, "compare")(compare.compare)
 guide.command(app, "sweep")(command.sweep)
-guide.command(app, "plot")(evidence.plot)
+guide.command(app, "plot")(analysis_command.plot)
 guide.command(app, "schema")(schema.schema)
 guide.command(app, "doctor")(doctor)
-guide.command(app, "claims")(evidence.show_claims)
-app.add_typer(keyring.app, name="keys", epilog=f"\b\nExample: {guide.EXAMPLES['keys']}")
+guide.command(app, "claims")(analysis_command.show_claims)
+app.add_typer(keys_command.app, name="keys", epilog=f"\b\nExample: {guide.EXAMPLES['keys']}")
 
 
 class Backend(StrEnum):
@@ -140,7 +132,7 @@ def run(
         launch = Launch(name, agents_per_process, rtf, dashboard, record, secure, respawn)
         if not in_process:
             processes.check(launch, loaded)
-        with rundir.made(scenario.stem, out) as directory:
+        with run_directory.made(scenario.stem, out) as directory:
             announcement.say(loaded, in_process, launch)
             write_scenario(directory.path, loaded)
             if in_process:
@@ -174,17 +166,17 @@ def view_command(
 ) -> int:
     """Show a run that goes on in another terminal (by default the latest one started in this folder)."""
     visitor = Visitor(OBSERVER, certificates, run, timeout)
-    endpoints = rundir.reach(visitor, connect, config, cfg)
+    endpoints = run_directory.reach(visitor, connect, config, cfg)
     screen = printing.console()
 
     async def show() -> int:
         async with bus.opened(endpoints) as opened:
-            with view.Screen(screen) as shown:
+            with live.Screen(screen) as shown:
                 try:
-                    await view.watch(opened, run, timeout, shown)
+                    await live.watch(opened, run, timeout, shown)
                 finally:
                     if picture is not None:
-                        view.save_picture(picture, shown.frame(), screen.width, screen.height, "fes view")
+                        live.save_picture(picture, shown.frame(), screen.width, screen.height, "fes view")
         return process.SUCCESS
 
     process.leave("fes", show)
@@ -254,5 +246,5 @@ def _in_process(
         with progress.bar(name, scenario.ticks) as bar:
             watch = (lambda report: bar.reach(report.tick + 1)) if bar.is_shown else None
             return inprocess.run(scenario, name, pace, watch, keep, recorder)
-    with view.Screen(screen, summary.BELOW) as shown:
+    with live.Screen(screen, summary.BELOW) as shown:
         return inprocess.run(scenario, name, pace, shown.show, keep, recorder)

@@ -12,7 +12,7 @@ import msgpack
 import numpy as np
 
 from agents.process import Agent
-from console import inprocess
+from console.backends import inprocess
 from fes.errors import Refused
 from fes.protocol import keys, messages, wire
 from fes.protocol.messages import Beacon, Command, Join, Observation

@@ -17,7 +17,8 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from console import log, replay
+from console.replay import command as replay_command
+from console.replay import log
 from console.sweep import design, ledger, work
 from console.sweep.work import Done
 from fes.errors import FesError
@@ -141,7 +142,7 @@ class Run:
         path = self.where / "changed.mcap"
         path.write_bytes(changed)
         found = log.load(path)
-        reached = replay.again(found)
+        reached = replay_command.again(found)
         self._ticks_of(path)
         if found.complaint is not None:
             return LINE, found.complaint

@@ -7,11 +7,11 @@ import sys
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 
-from console import launcher
-from console.child import Child
-from console.launcher import Family
-from console.respawn import Respawn
-from console.supervision import ChildFailed, Supervisor
+from console.backends import process_group
+from console.backends.managed_process import Child
+from console.backends.process_group import Family
+from console.backends.restart_limits import Respawn
+from console.backends.supervisor import ChildFailed, Supervisor
 
 ENDLESS = "import signal; signal.pause()"
 SUCCESS, FAILURE = "raise SystemExit(0)", "raise SystemExit(1)"
@@ -39,7 +39,7 @@ process.run("slow", main, exit_with_stdin=True)
 @contextlib.asynccontextmanager
 async def family(where: Path) -> AsyncIterator[Family]:
     kin = Family(where)
-    async with launcher.ended_with_block(kin):
+    async with process_group.ended_with_block(kin):
         yield kin
 
 

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.segment import Segment
 
 from agents.control import crew
-from console.dashboard import History, render
+from console.dashboard.frame import History, render
 from fes.arrays.types import Floats, Ints
 from fes.model import outage
 from fes.model.sensing import silence

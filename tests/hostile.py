@@ -7,13 +7,13 @@ from typing import Any, NamedTuple
 
 from agents.process import Agent
 from agents.runtime.outbox import Mouth
-from console.launcher import free_port
+from console.backends.process_group import free_port
 from fes.errors import FesError
 from fes.recording.layout import NAME
 from fes.transport import bus
 from fes.transport.bus import Bus
 from fes.transport.endpoints import Endpoints
-from tests import certificates
+from tests import team_keys
 from tests.loop import load
 from tests.session import PATIENCE, RUN
 from world.config.scenario import Scenario
@@ -65,7 +65,7 @@ class Turncoat(Mouth):
 
 
 def _member(where: Path, endpoint: str, robot: int) -> Endpoints:
-    own = certificates.security(where, f"robot-{robot}")
+    own = team_keys.security(where, f"robot-{robot}")
     return Endpoints("client", (endpoint,), timeout=PATIENCE, security=own)
 
 
@@ -81,7 +81,7 @@ async def _run(where: Path, keyed: Path, attack: Attack, beside: Beside | None) 
     """A run with a journal and a log, of certified agents of which one is hostile."""
     what, endpoint = scenario(), f"tls/127.0.0.1:{free_port()}"
     rules = access.control(RUN, ROBOTS)
-    world = Endpoints("router", (), (endpoint,), security={**certificates.security(keyed, "world"), **rules})
+    world = Endpoints("router", (), (endpoint,), security={**team_keys.security(keyed, "world"), **rules})
     async with bus.opened(world) as opened:
         with Recorder(where / NAME, what, "hostile", "processes") as recorder:
             course = Course(what, recorder)

@@ -4,7 +4,7 @@ import asyncio
 import contextlib
 from collections.abc import AsyncIterator
 
-from console.launcher import free_port
+from console.backends.process_group import free_port
 
 
 class Link:

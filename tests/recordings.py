@@ -8,7 +8,7 @@ from typing import Any
 from mcap.reader import make_reader
 from mcap.writer import Writer
 
-from console import inprocess
+from console.backends import inprocess
 from fes.recording import protobuf
 from fes.recording.schemas import OWN
 from world.config.scenario import Scenario

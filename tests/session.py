@@ -6,7 +6,7 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 from agents.process import Agent
-from console.launcher import free_port
+from console.backends.process_group import free_port
 from fes.arrays.types import Bools
 from fes.protocol import keys, messages
 from fes.protocol.messages import Join

@@ -22,8 +22,9 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from console import log, replay
-from console.launcher import free_port
+from console.backends.process_group import free_port
+from console.replay import command as replay_command
+from console.replay import log
 from fes.recording.layout import NAME
 from world.config.scenario import load
 
@@ -225,7 +226,7 @@ def soak(out: Path, minutes: float, seed: int) -> dict[str, Any]:
     whole = log.load(out / NAME)
     changes = sum(bool(tick.attended) for tick in whole.ticks())
     assert summary["ticks"] == whole.scenario.ticks == sum(1 for _ in whole.ticks())
-    assert replay.again(whole, everybody=True)["digest"] == summary["digest"]
+    assert replay_command.again(whole, everybody=True)["digest"] == summary["digest"]
     assert summary["separation_error_rms"] < 0.5, summary["separation_error_rms"]
     assert summary["algebraic_connectivity"] > 0.0
     assert not (out / "checkpoint").exists()

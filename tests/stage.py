@@ -7,11 +7,11 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
-from console.launcher import free_port
+from console.backends.process_group import free_port
 from fes.transport import bus
 from fes.transport.bus import Bus
 from fes.transport.endpoints import Endpoints
-from tests import certificates
+from tests import team_keys
 from tests.loop import CONFIGS
 from tests.test_processes import PATIENCE, command, start, until
 
@@ -57,7 +57,7 @@ class Stage:
 
     @asynccontextmanager
     async def visitor(self, role: str) -> AsyncIterator[Bus]:
-        own = certificates.security(self.keyed, role) if self.keyed else {}
+        own = team_keys.security(self.keyed, role) if self.keyed else {}
         async with bus.opened(Endpoints("client", (self.endpoint,), timeout=PATIENCE, security=own)) as opened:
             yield opened
 

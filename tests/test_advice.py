@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from console import figures
+from console.analysis import figures
 from console.doctor import machine, network
 from console.sweep import cluster, table
 from console.sweep.table import Format

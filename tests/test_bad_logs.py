@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from console import replay
+from console.replay import command as replay_command
 from fes.errors import FesError
 from tests import recordings
 from tests.loop import load
@@ -66,7 +66,7 @@ BAD = {
 def test_what_is_no_whole_log_is_one_line(recorded: Recorded, tmp_path: Path, what: str, rule: str) -> None:
     path = bad(tmp_path / "bad", recorded[0], what)
     with pytest.raises(FesError, match=f"^{path}") as caught:
-        replay.replay(path, json_=True, headless=True)
+        replay_command.replay(path, json_=True, headless=True)
     assert rule in str(caught.value)
     assert "\n" not in str(caught.value)
 

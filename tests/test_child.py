@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from console.child import Child
+from console.backends.managed_process import Child
 from tests.families import FAILURE, child, family
 
 

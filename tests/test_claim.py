@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from bench.own_router import SOURCE
-from console.launcher import free_port
+from console.backends.process_group import free_port
 from fes.errors import Absent, Refused
 from fes.protocol import keys
 from fes.transport import bus

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from agents.laws import oracle
-from console import claims
+from console.analysis import claims
 from fes.model.config import ChannelConfig, ObjectiveConfig
 from tests.loop import load
 

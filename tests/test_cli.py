@@ -13,7 +13,9 @@ import pytest
 import typer.main
 from rich.console import Console
 
-from console import cli, inprocess, summary
+from console import cli
+from console.backends import inprocess
+from console.dashboard import summary
 from tests.loop import CONFIGS, load
 from tests.test_processes import LOOP
 

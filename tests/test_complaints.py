@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from console.launcher import free_port
+from console.backends.process_group import free_port
 from fes.errors import Refused
 from fes.protocol import keys
 from fes.transport.drop_log import MAX_KINDS, Complaints

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents.control import crew
-from console import inprocess
+from console.backends import inprocess
 from fes.errors import FesError, ScenarioError
 from fes.model import counts, stability
 from fes.model.config import AgentConfig, SeekingConfig

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from console import log, rundir
+from console.connect import run_directory
+from console.replay import log
 from fes.errors import FesError
 from fes.recording import layout, mcap_file, records
 from fes.recording.mcap_file import Container
@@ -42,10 +43,10 @@ def test_each_ends_in_one_line_and_all_of_them_in_little_memory(tmp_path: Path) 
 
 def test_what_has_no_end_is_not_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    place = Path("runs/x") / rundir.ENDPOINT
+    place = Path("runs/x") / run_directory.ENDPOINT
     place.parent.mkdir(parents=True)
     os.mkfifo(place)
-    assert rundir.find("main").endpoint == DEFAULT_ENDPOINT
+    assert run_directory.find("main").endpoint == DEFAULT_ENDPOINT
     for path in (place, Path("/dev/zero")):
         for read in (log.load, snapshot.read):
             with pytest.raises(FesError, match=rf"^{path}: is not a regular file$"):

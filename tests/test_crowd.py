@@ -14,7 +14,8 @@ from agents.control import contacts
 from agents.laws import neighbor_rules
 from agents.laws.neighbor_rules import Witnesses
 from bench.crowd import dense
-from console import cli, inprocess
+from console import cli
+from console.backends import inprocess
 from fes.arrays import draws
 from fes.arrays.types import Bools, Floats
 from fes.errors import ScenarioError

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from rich.cells import cell_len
 
-from console import panels
-from console.dashboard import CAPACITY, History
+from console.dashboard import panels
+from console.dashboard.frame import CAPACITY, History
 from fes.protocol.report import Report
 from tests import frames
 from tests.frames import SIZES, TINY, a_history, a_report, a_swarm, bar_heights, frame, measured

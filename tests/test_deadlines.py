@@ -11,7 +11,8 @@ import pytest
 from agents.runtime.outbox import Mouth
 from agents.runtime.tick_source import Turns
 from agents.runtime.world_liveliness import Presence
-from console import header, inprocess
+from console.backends import inprocess
+from console.dashboard import header
 from fes.protocol import keys, messages
 from fes.protocol.messages import Command, Observation
 from fes.protocol.report import decode_report, encode_report

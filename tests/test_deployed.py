@@ -6,7 +6,7 @@ import signal
 import subprocess
 from pathlib import Path
 
-from console import inprocess
+from console.backends import inprocess
 from fes.transport.identity import Identity
 from tests import loop
 from tests.test_cli import PROGRAMS

@@ -10,7 +10,8 @@ import pytest
 from rich.console import Console
 
 from agents.laws import collocation, formation, packet_counting
-from console import inprocess, summary
+from console.backends import inprocess
+from console.dashboard import summary
 from fes.arrays import geometry
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats

@@ -15,7 +15,7 @@ import msgpack
 import pytest
 from rich.console import Console
 
-from console import inprocess
+from console.backends import inprocess
 from console.doctor import command, network
 from console.doctor.finding import Finding, Status
 from console.doctor.network import Answer

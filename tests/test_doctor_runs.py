@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from console import rundir
+from console.connect import run_directory
+from console.connect.run_directory import Address
 from console.doctor import command, network
 from console.doctor.finding import Status, failed
-from console.rundir import Address
 from fes.protocol import keys
 from fes.transport import connection_diagnosis
 from fes.transport.endpoints import Endpoints
@@ -22,10 +22,10 @@ from tests.test_cli import call, vacant
 
 def announce(name: str, pid: int) -> Address:
     """A run of the present folder, announced by a process."""
-    directory = rundir.ROOT / name
+    directory = run_directory.ROOT / name
     directory.mkdir(parents=True)
     address = Address(vacant(), keys.DEFAULT_RUN, pid)
-    rundir.announce(directory, address)
+    run_directory.announce(directory, address)
     return address
 
 
@@ -36,8 +36,10 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_world_that_is_away_while_its_run_goes_on_is_a_warning_that_harms_nobody(tmp_path: Path) -> None:
     here = announce("pair-1", os.getpid())
-    (rundir.ROOT / "paper-1").mkdir()
-    (rundir.ROOT / rundir.LATEST).symlink_to("paper-1")  # in process, started later, and announced by nobody
+    (run_directory.ROOT / "paper-1").mkdir()
+    (run_directory.ROOT / run_directory.LATEST).symlink_to(
+        "paper-1"
+    )  # in process, started later, and announced by nobody
     done = call(tmp_path, "fes", "doctor", "--json")
     [found] = [one for one in json.loads(done.stdout) if one["check"] == "endpoint"]
     assert (found["status"], done.returncode) == ("warning", 0)
@@ -105,16 +107,16 @@ def test_a_run_whose_process_was_killed_is_not_announced() -> None:
     gone.wait()
     here = announce("pair-1", os.getpid())
     announce("pair-2", gone.pid)
-    (rundir.ROOT / rundir.LATEST).symlink_to("pair-2")
-    assert rundir.announced(keys.DEFAULT_RUN) == (Path("runs/pair-1/endpoint.json"), here)
-    assert rundir.find(keys.DEFAULT_RUN) == here
-    assert rundir.announced("other") is None
+    (run_directory.ROOT / run_directory.LATEST).symlink_to("pair-2")
+    assert run_directory.announced(keys.DEFAULT_RUN) == (Path("runs/pair-1/endpoint.json"), here)
+    assert run_directory.find(keys.DEFAULT_RUN) == here
+    assert run_directory.announced("other") is None
 
 
 def test_a_run_is_announced_by_its_own_directory_and_not_by_the_latest() -> None:
     announce("pair-1", os.getpid())
-    (rundir.ROOT / rundir.LATEST).symlink_to("pair-1")
-    found = rundir.announced(keys.DEFAULT_RUN)
+    (run_directory.ROOT / run_directory.LATEST).symlink_to("pair-1")
+    found = run_directory.announced(keys.DEFAULT_RUN)
     assert found is not None
     assert found[0] == Path("runs/pair-1/endpoint.json")
 

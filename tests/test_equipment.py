@@ -8,8 +8,8 @@ import pytest
 
 from agents.control import clocks, transmitter
 from agents.runtime import marshalling
-from console import inprocess
-from console.inprocess import Tick
+from console.backends import inprocess
+from console.backends.inprocess import Tick
 from fes.errors import MessageError, ScenarioError
 from fes.model import config
 from fes.model.sensing import DECODED, LOST

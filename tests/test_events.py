@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from console import inprocess
+from console.backends import inprocess
 from fes.errors import MessageError, Refused, ScenarioError
 from fes.protocol import channel_change, keys, wire
 from fes.protocol.channel_change import Change

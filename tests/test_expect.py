@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from console import inprocess
+from console.backends import inprocess
 from fes.errors import ScenarioError
 from tests.loop import CONFIGS, load
 from tests.test_processes import LOOP, PATIENCE, STARTING, fes

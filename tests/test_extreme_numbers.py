@@ -99,10 +99,8 @@ def test_no_beacon_and_no_command_that_is_valid_stops_a_peer_or_the_world(law: s
     while not course.is_over:
         tick, sent = course.state.tick, course.observations(course.state.present)
         minds, said, twists = crew.step(robots, minds, truth.observe(course.state), heard)
-        spoken = [
-            [beacon, order]
-            for _, beacon, order in agent_marshalling.payloads(said, twists, crew.telemetry(robots, minds))
-        ]
+        telemetry = crew.telemetry(robots, minds)
+        spoken = [[beacon, order] for _, beacon, order in agent_marshalling.payloads(said, twists, telemetry)]
         if tick >= 20:
             spoken[HOSTILE] = [any_beacon(choose, tick, robots.statistics), any_command(choose, tick)]
         heard = stack.beacons(tick, [messages.decode_beacon(beacon) for beacon, _ in spoken])

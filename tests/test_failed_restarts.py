@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from console import launcher
-from console.child import Child
-from console.launcher import BEGUN
-from console.supervision import Supervisor
+from console.backends import process_group
+from console.backends.managed_process import Child
+from console.backends.process_group import BEGUN
+from console.backends.supervisor import Supervisor
 from tests.families import ENDLESS, SLOW, Impatient, family, finished, until, world
 
 
@@ -24,7 +24,7 @@ def test_an_agent_that_cannot_be_started_again_is_tried_a_few_times_and_each_fai
         async with family(tmp_path) as kin:
             await world(kin, SLOW, f"{BEGUN.decode()}\n")
             await kin.start_agent("0", ["--no-such-flag"])
-            monkeypatch.setattr("console.child.start", refused)
+            monkeypatch.setattr("console.backends.managed_process.start", refused)
             said: list[str] = []
             following = asyncio.ensure_future(Supervisor(kin, said.append, "nobody is left", Impatient()).finish())
             await until((tmp_path / "here").exists)
@@ -53,7 +53,7 @@ def test_a_robot_of_the_schedule_that_cannot_be_started_again_is_said(
             await world(kin, SLOW, f"{BEGUN.decode()}\n")
             await kin.start_agent("0", [])
             await kin.kill_agent("0")
-            monkeypatch.setattr("console.child.start", refused)
+            monkeypatch.setattr("console.backends.managed_process.start", refused)
             await kin.start_agent_again("0")
             said: list[str] = []
             following = asyncio.ensure_future(Supervisor(kin, said.append).finish())
@@ -72,8 +72,8 @@ def test_a_world_that_cannot_be_started_to_resume_its_run_is_what_the_run_fails_
     async def main() -> tuple[str, list[str]]:
         async with family(tmp_path) as kin:
             await world(kin, ENDLESS)
-            monkeypatch.setattr("console.child.start", refused)
-            monkeypatch.setattr(launcher, "is_kept", lambda _: True)
+            monkeypatch.setattr("console.backends.managed_process.start", refused)
+            monkeypatch.setattr(process_group, "is_kept", lambda _: True)
             await kin.replace_world(0.0, [])
             return await finished(kin)
 

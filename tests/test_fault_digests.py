@@ -6,8 +6,9 @@ from typing import Any
 
 import pytest
 
-from console import compare, inprocess, log, replay
-from console.sweep import stack
+from console.backends import inprocess, stacked
+from console.replay import command as replay_command
+from console.replay import compare, log
 from tests import recordings, session
 from tests.loop import load
 from tests.test_stack import alone, without_wall_clock
@@ -91,7 +92,7 @@ def test_a_fault_has_one_digest_in_one_loop_and_over_zenoh_and_is_no_other_fault
 @pytest.mark.parametrize("fault", FAULTS)
 def test_stacked_runs_with_faults_have_the_summaries_that_they_have_alone(name: str, fault: str) -> None:
     scenarios = [load(name, run__seed=seed, run__duration=2.4, event=FAULTS[fault]) for seed in (3, 0)]
-    found = [without_wall_clock(summary) for summary in stack.run(scenarios, "x")]
+    found = [without_wall_clock(summary) for summary in stacked.run(scenarios, "x")]
     assert found == alone(scenarios)
 
 
@@ -104,9 +105,9 @@ def test_runs_whose_robots_are_told_of_other_faults_are_not_stacked_and_teams_of
         for count in (3, 7)
         for number, event in enumerate((late, lossy))
     }
-    assert stack.alike(of[3, 0]) == stack.alike(of[7, 0]) != stack.alike(of[7, 1])
+    assert stacked.alike(of[3, 0]) == stacked.alike(of[7, 0]) != stacked.alike(of[7, 1])
     together = [of[7, 0], of[3, 0], of[7, 0]]
-    assert [without_wall_clock(summary) for summary in stack.run(together, "x")] == alone(together)
+    assert [without_wall_clock(summary) for summary in stacked.run(together, "x")] == alone(together)
 
 
 @pytest.mark.parametrize("fault", ["together", "all hang"])
@@ -121,8 +122,8 @@ def test_a_log_of_faults_is_executed_again_and_is_the_same_from_one_loop_and_ove
     loop, over = (log.load(tmp_path / name) for name in ("loop.mcap", "bus.mcap"))
     assert compare.first_difference(loop, over) is None
     for found in (loop, over):
-        assert replay.again(found, everybody=True)["digest"] == summary["digest"]
-        assert [replay.alone(found, robot) for robot in (0, 4, 5)] == [120] * 3
+        assert replay_command.again(found, everybody=True)["digest"] == summary["digest"]
+        assert [replay_command.alone(found, robot) for robot in (0, 4, 5)] == [120] * 3
 
 
 def test_a_damaged_beacon_is_an_empty_payload_in_the_log(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from console import inprocess
+from console.backends import inprocess
 from tests.loop import CONFIGS
 from world.config.scenario import load
 

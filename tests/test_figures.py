@@ -6,8 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from console import evidence, figures, history, inprocess, study
-from console.history import History
+from console.analysis import command as analysis_command
+from console.analysis import figures, history, step_study
+from console.analysis.history import History
+from console.backends import inprocess
 from fes.errors import FesError
 from tests.loop import load
 from world.metrics import summary
@@ -61,19 +63,19 @@ def test_a_run_is_drawn_from_its_directory_and_only_if_its_digest_comes_out_agai
     summary.write_scenario(tmp_path, pair)
     found = inprocess.run(pair, "pair")
     summary.write(tmp_path, found)
-    evidence.plot(str(tmp_path))
+    analysis_command.plot(str(tmp_path))
     assert (tmp_path / "formation.svg").exists()
     assert (tmp_path / "convergence.png").exists()
     (tmp_path / "summary.json").write_text(json.dumps({**found, "digest": "0" * 64}))
     with pytest.raises(FesError, match="cannot be executed again bit for bit"):
-        evidence.plot(str(tmp_path))
+        analysis_command.plot(str(tmp_path))
     with pytest.raises(FesError, match="is not a run directory"):
-        evidence.plot(str(tmp_path / "nowhere"))
+        analysis_command.plot(str(tmp_path / "nowhere"))
 
 
 def test_the_default_sub_step_is_far_below_what_matters_and_converges_fast() -> None:
     for transform in ("none", "log"):
-        errors = [study.seeking_error(step, transform) for step in (0.02, 0.01)]
+        errors = [step_study.seeking_error(step, transform) for step in (0.02, 0.01)]
         assert errors[0] < 1e-5
         assert errors[1] < errors[0] / 16.0  # better than fourth order
 
@@ -94,6 +96,6 @@ def test_a_run_shorter_than_a_dither_period_has_its_separations_drawn_and_the_ti
 
 def test_the_closed_loop_depends_on_the_tick_to_first_order() -> None:
     closed = load("neighborhood.toml")
-    (_, coarse), (_, fine) = study.tick_errors(closed, (0.02, 0.005))
+    (_, coarse), (_, fine) = step_study.tick_errors(closed, (0.02, 0.005))
     assert 2.0 < coarse / fine < 8.0  # 4, were it exactly first order
     assert coarse < 5.0

@@ -6,7 +6,7 @@ import threading
 import pytest
 import zenoh
 
-from console import observer
+from console.connect import observer
 from fes.errors import Absent, Busy, FesError, Refused
 from fes.protocol import channel_change, keys, messages, wire
 from fes.protocol.messages import Join

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 import zenoh
 
-from console import authority, inprocess
+from console.backends import inprocess
+from console.keys import certificates
 from fes.model.sensing import DECODED
 from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon, Command, Observation
 from fes.transport.bus import Bus
-from tests import certificates
+from tests import team_keys
 from tests.loop import load
 from tests.stage import ROLES, RUN, SECONDS, stage
 
@@ -97,7 +98,7 @@ def test_forgeries_change_a_run_without_certificates(tmp_path: Path, expected: s
 
 @pytest.mark.parametrize("key", FORGERIES)
 def test_forgeries_are_dropped_logged_once_and_change_nothing(tmp_path: Path, expected: str, key: str) -> None:
-    keyed = certificates.directory(tmp_path / "keys", authority.found(1.0), ROLES)
+    keyed = team_keys.directory(tmp_path / "keys", certificates.found(1.0), ROLES)
     digest, log = asyncio.run(run_with_a_forger(tmp_path, keyed, key))
     assert digest == expected
     assert log.count(f"dropped robot-1's put on {key}: it has no right to it") == 1

@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
-from console import log
+from console.replay import log
 from console.sweep import design, ledger
 from fes.errors import FesError
 from fes.protocol.messages import Join

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from console import faults, inprocess
+from console.backends import fault_injection, inprocess
 from fes.protocol.report import Report
 from tests.frames import a_report
 from tests.loop import load
@@ -167,7 +167,7 @@ def test_who_may_be_back_by_now_keeps_its_process(
     async def start(ids: str) -> None:
         did.append(f"start {ids}")
 
-    monkeypatch.setattr("console.observer.reports", reports)
-    hands = faults.Hands(kill, start, did.append, did.append, lambda seconds: kill("the world"))
-    asyncio.run(faults.enact(None, "test", 1.0, scenario, hands, alone=True))  # type: ignore[arg-type]
+    monkeypatch.setattr("console.connect.observer.reports", reports)
+    hands = fault_injection.Hands(kill, start, did.append, did.append, lambda seconds: kill("the world"))
+    asyncio.run(fault_injection.enact(None, "test", 1.0, scenario, hands, alone=True))  # type: ignore[arg-type]
     assert did == done

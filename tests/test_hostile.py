@@ -12,13 +12,16 @@ import numpy as np
 import pytest
 
 from agents.runtime.outbox import Mouth
-from console import authority, compare, inprocess, log, replay
+from console.backends import inprocess
+from console.keys import certificates
+from console.replay import command as replay_command
+from console.replay import compare, log
 from fes.errors import Absent, Refused
 from fes.protocol import keys, messages, wire
 from fes.recording.layout import NAME
 from fes.transport import bus
 from fes.transport.bus import Bus
-from tests import certificates, hostile
+from tests import hostile, team_keys
 from tests.attackers import command, reversioned
 from tests.hostile import FIRST, HOSTILE, ROBOTS, Attack, Outcome, Said, scenario
 from tests.session import RUN
@@ -32,7 +35,7 @@ OTHERS = {robot for robot in range(ROBOTS) if robot != HOSTILE}
 @pytest.fixture(scope="module")
 def keyed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     roles = ["world", *(f"robot-{robot}" for robot in range(ROBOTS))]
-    return certificates.directory(tmp_path_factory.mktemp("keys"), authority.found(1.0), roles)
+    return team_keys.directory(tmp_path_factory.mktemp("keys"), certificates.found(1.0), roles)
 
 
 def altered(payload: bytes) -> bytes:
@@ -159,7 +162,7 @@ def test_a_robot_at_fault_is_excluded_and_the_others_lose_no_digit(
     assert outcome.summary["unscheduled_absences"] == scenario().ticks - tick
     assert [robot for robot, error in enumerate(outcome.ended) if error is not None] == [HOSTILE]
     assert str(outcome.ended[HOSTILE]).startswith(f"robot {HOSTILE} is excluded at tick {tick}: {reason}")
-    assert replay.again(recorded, everybody=True)["digest"] == outcome.summary["digest"] == resumed(outcome)
+    assert replay_command.again(recorded, everybody=True)["digest"] == outcome.summary["digest"] == resumed(outcome)
 
 
 def honest(mouth: Mouth, tick: int, said: Said) -> None:

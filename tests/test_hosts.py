@@ -13,7 +13,9 @@ from typing import Any
 
 import pytest
 
-from console import inprocess, log, replay
+from console.backends import inprocess
+from console.replay import command as replay_command
+from console.replay import log
 from tests import hosts
 from tests.hosts import Internet
 from tests.loop import CONFIGS, load
@@ -70,7 +72,7 @@ class Team:
         found = self.summary()
         assert "robot 0 is not there" not in self.said()
         recorded = log.load(self.where / "out/run.mcap")
-        assert replay.again(recorded, everybody=True)["digest"] == found["digest"]
+        assert replay_command.again(recorded, everybody=True)["digest"] == found["digest"]
 
     def said(self, who: str = "world") -> str:
         return (self.where / f"{who}.log").read_text()

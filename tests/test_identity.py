@@ -9,22 +9,22 @@ from cryptography import x509
 from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
-from console import authority
+from console.keys import certificates
 from fes.errors import FesError
 from fes.transport import identity
 from fes.transport.endpoints import Endpoints, exposed, warn_if_exposed
 from fes.transport.identity import Identity
-from tests import certificates
+from tests import team_keys
 
 
 @pytest.fixture(scope="module")
-def issuer() -> authority.Authority:
-    return authority.found(2.0)
+def issuer() -> certificates.Authority:
+    return certificates.found(2.0)
 
 
 @pytest.fixture
-def keys(issuer: authority.Authority, tmp_path: Path) -> Path:
-    return certificates.directory(tmp_path / "keys", issuer, ["world", "robot-3", "robot-0-2"])
+def keys(issuer: certificates.Authority, tmp_path: Path) -> Path:
+    return team_keys.directory(tmp_path / "keys", issuer, ["world", "robot-3", "robot-0-2"])
 
 
 def wrong(directory: Path, role: str) -> str:
@@ -47,18 +47,18 @@ def test_a_missing_file_is_named(keys: Path) -> None:
     assert wrong(keys, "world") == f"--keys {keys}: the world needs ca.crt, and there is none"
 
 
-def test_an_expired_certificate_is_named_with_its_end(keys: Path, issuer: authority.Authority) -> None:
-    certificates.write(keys, "robot-3", authority.issue(issuer, "robot-3", days=-1.0))
+def test_an_expired_certificate_is_named_with_its_end(keys: Path, issuer: certificates.Authority) -> None:
+    team_keys.write(keys, "robot-3", certificates.issue(issuer, "robot-3", days=-1.0))
     yesterday = datetime.now(UTC) - timedelta(days=1)
     line = wrong(keys, "robot-3")
     assert line.startswith(f"{keys}/robot-3.crt: the certificate expired on {yesterday:%Y-%m-%d}")
 
 
 def test_certificates_of_another_authority_of_nobody_and_of_another_key_are_told_apart(keys: Path) -> None:
-    other = authority.found(2.0)
-    certificates.write(keys, "robot-3", authority.issue(other, "robot-3", 1.0))
+    other = certificates.found(2.0)
+    team_keys.write(keys, "robot-3", certificates.issue(other, "robot-3", 1.0))
     assert wrong(keys, "robot-3") == f"{keys}/robot-3.crt: was not issued by ca.crt beside it"
-    certificates.write(keys, "robot-3", other.pem)  # signed by itself
+    team_keys.write(keys, "robot-3", other.pem)  # signed by itself
     assert wrong(keys, "robot-3") == f"{keys}/robot-3.crt: was not issued by ca.crt beside it"
     shutil.copy(keys / "robot-0-2.key", keys / "world.key")
     assert wrong(keys, "world") == f"{keys}/world.key: is not the key of world.crt"
@@ -81,36 +81,36 @@ def test_a_key_that_others_can_read_or_change_is_warned_of(keys: Path, caplog: p
         assert [record.getMessage() for record in caplog.records] == [line + f"chmod 600 {keys}/world.key"] * warned
 
 
-def test_only_the_world_can_serve_and_under_the_names_it_was_given(issuer: authority.Authority) -> None:
+def test_only_the_world_can_serve_and_under_the_names_it_was_given(issuer: certificates.Authority) -> None:
     world = x509.load_pem_x509_certificate(
-        authority.issue(issuer, "world", 1.0, ("10.0.0.7", "lab.example")).certificate
+        certificates.issue(issuer, "world", 1.0, ("10.0.0.7", "lab.example")).certificate
     )
     names = world.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
     assert names.get_values_for_type(x509.DNSName) == ["localhost", "lab.example"]
     assert [str(ip) for ip in names.get_values_for_type(x509.IPAddress)] == ["127.0.0.1", "10.0.0.7"]
-    robot = x509.load_pem_x509_certificate(authority.issue(issuer, "robot-3", 1.0).certificate)
+    robot = x509.load_pem_x509_certificate(certificates.issue(issuer, "robot-3", 1.0).certificate)
     purposes = [list(one.extensions.get_extension_for_class(x509.ExtendedKeyUsage).value) for one in (world, robot)]
     assert ExtendedKeyUsageOID.SERVER_AUTH in purposes[0]
     assert purposes[1] == [ExtendedKeyUsageOID.CLIENT_AUTH]
     assert [name.value for name in robot.subject.get_attributes_for_oid(NameOID.COMMON_NAME)] == ["robot-3"]
 
 
-def test_a_restored_authority_issues_what_the_first_one_vouches_for(issuer: authority.Authority) -> None:
-    again = authority.restore(issuer.pem)
-    robot = x509.load_pem_x509_certificate(authority.issue(again, "robot-3", 1.0).certificate)
+def test_a_restored_authority_issues_what_the_first_one_vouches_for(issuer: certificates.Authority) -> None:
+    again = certificates.restore(issuer.pem)
+    robot = x509.load_pem_x509_certificate(certificates.issue(again, "robot-3", 1.0).certificate)
     robot.verify_directly_issued_by(issuer.certificate)
     assert (
         robot.fingerprint(hashes.SHA256()).hex()
-        == authority.describe("robot-3", robot.public_bytes(serialization.Encoding.PEM))[3]
+        == certificates.describe("robot-3", robot.public_bytes(serialization.Encoding.PEM))[3]
     )
 
 
 @pytest.mark.parametrize(
     "host", ["lab.example", "Lab-2.example", "my_world", "xn--4ca.example", "10.0.0.7", "fd00::7", "2.example"]
 )
-def test_a_host_is_a_name_or_an_address(host: str, issuer: authority.Authority) -> None:
-    assert authority.check_host(host) == host
-    assert authority.hosts_of(authority.issue(issuer, "world", 1.0, (host,)).certificate)[2:] == (host,)
+def test_a_host_is_a_name_or_an_address(host: str, issuer: certificates.Authority) -> None:
+    assert certificates.check_host(host) == host
+    assert certificates.hosts_of(certificates.issue(issuer, "world", 1.0, (host,)).certificate)[2:] == (host,)
 
 
 @pytest.mark.parametrize(
@@ -120,7 +120,7 @@ def test_a_host_is_a_name_or_an_address(host: str, issuer: authority.Authority) 
 )  # fmt: skip
 def test_anything_else_is_no_host(host: str) -> None:
     with pytest.raises(FesError) as caught:
-        authority.check_host(host)
+        certificates.check_host(host)
     assert str(caught.value).startswith("--host expects a name like lab.example")
     assert str(caught.value).endswith(f"got {host!r}")
 

@@ -10,8 +10,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from console import processes, rundir
-from console.rundir import Address
+from console.backends import processes
+from console.connect import run_directory
+from console.connect.run_directory import Address
 from console.sweep import design
 from fes.errors import FesError
 from fes.protocol import channel_change
@@ -185,8 +186,8 @@ def test_an_announcement_that_no_run_made_is_not_there(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "runs" / "one").mkdir(parents=True)
-    (tmp_path / "runs" / "one" / rundir.ENDPOINT).write_text(text)
-    assert rundir.announced("main") is None
+    (tmp_path / "runs" / "one" / run_directory.ENDPOINT).write_text(text)
+    assert run_directory.announced("main") is None
 
 
 @pytest.mark.parametrize("pid", [10**40, "1", None, True, -1])
@@ -196,8 +197,8 @@ def test_an_announcement_of_a_process_that_cannot_be_is_not_there(
     monkeypatch.chdir(tmp_path)
     (tmp_path / "runs" / "one").mkdir(parents=True)
     told = {"endpoint": "tcp/127.0.0.1:1", "run": "main", "pid": pid}
-    (tmp_path / "runs" / "one" / rundir.ENDPOINT).write_text(json.dumps(told))
-    assert rundir.announced("main") is None
+    (tmp_path / "runs" / "one" / run_directory.ENDPOINT).write_text(json.dumps(told))
+    assert run_directory.announced("main") is None
 
 
 @pytest.mark.parametrize("text", JSON[:5])

@@ -19,7 +19,9 @@ from hatchling.build import build_wheel
 
 import fes_robots
 import world.process
-from console import claims, cli, evidence
+from console import cli
+from console.analysis import claims
+from console.analysis import command as analysis_command
 from fes.errors import FesError
 from fes.protocol import world_info
 from fes.system import distribution, signals
@@ -243,6 +245,6 @@ def test_the_command_that_installs_can_be_pasted_into_a_shell() -> None:
 def test_claims_and_the_papers_figures_need_a_clone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(claims, "CONFIGS", tmp_path / "configs")
     with pytest.raises(FesError, match="this needs the scenarios of a clone"):
-        evidence.show_claims(None)
+        analysis_command.show_claims(None)
     with pytest.raises(FesError, match="this needs the scenarios of a clone"):
-        evidence.plot("paper", tmp_path)
+        analysis_command.plot("paper", tmp_path)

@@ -9,11 +9,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-from console import authority, inprocess
-from console.launcher import free_port
+from console.backends import inprocess
+from console.backends.process_group import free_port
+from console.keys import certificates
 from fes import process
 from fes.transport.identity import Identity
-from tests import certificates
+from tests import team_keys
 from tests.loop import CONFIGS, load
 from tests.test_cli import PAIR, call, complaint
 from tests.test_processes import PATIENCE, children, command, start, until
@@ -87,10 +88,10 @@ def test_a_renewed_world_keeps_its_names_unless_it_is_given_others(tmp_path: Pat
     done = call(tmp_path, "fes", "keys", "issue", "world", "observer")
     assert done.stdout.splitlines()[1] == "the world serves as localhost, 127.0.0.1, lab.example, fd00::7"
     assert world.read_bytes() != before
-    assert authority.hosts_of(world.read_bytes()) == ("localhost", "127.0.0.1", "lab.example", "fd00::7")
-    assert authority.hosts_of((tmp_path / "keys/observer.crt").read_bytes()) == ()
+    assert certificates.hosts_of(world.read_bytes()) == ("localhost", "127.0.0.1", "lab.example", "fd00::7")
+    assert certificates.hosts_of((tmp_path / "keys/observer.crt").read_bytes()) == ()
     call(tmp_path, "fes", "keys", "issue", "world", "--host", "new.example")
-    assert authority.hosts_of(world.read_bytes()) == ("localhost", "127.0.0.1", "new.example")
+    assert certificates.hosts_of(world.read_bytes()) == ("localhost", "127.0.0.1", "new.example")
     world.write_text("none")
     line = complaint(call(tmp_path, "fes", "keys", "issue", "world"), "fes")
     assert line == "keys/world.crt: not a certificate, so its names cannot be kept: say them with --host"
@@ -198,7 +199,7 @@ def test_nothing_listens_but_the_world_on_loopback(tmp_path: Path) -> None:
 
 
 def test_without_flags_endpoints_are_on_loopback_with_and_without_keys(tmp_path: Path) -> None:
-    certificates.directory(tmp_path / "k", authority.found(1.0), ["world", "robot-3"])
+    team_keys.directory(tmp_path / "k", certificates.found(1.0), ["world", "robot-3"])
     parser = argparse.ArgumentParser()
     process.add_network_flags(parser)
     for words, endpoint in (([], "tcp/127.0.0.1:7447"), (["--keys", str(tmp_path / "k")], "tls/127.0.0.1:7447")):

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from console import launcher, supervision
-from console.child import Child
-from console.launcher import BEGUN
+from console.backends import process_group, supervisor
+from console.backends.managed_process import Child
+from console.backends.process_group import BEGUN
 from tests.families import (
     ENDLESS,
     FAILURE,
@@ -32,7 +32,7 @@ def test_a_world_that_is_slow_to_write_what_was_reached_is_not_ended_as_soon_as_
         async with family(tmp_path) as kin:
             await world(kin, SLOW)
             await until((tmp_path / "here").exists)
-            asyncio.get_running_loop().call_later(2 * launcher.DISMISSAL, (tmp_path / "go").touch)
+            asyncio.get_running_loop().call_later(2 * process_group.DISMISSAL, (tmp_path / "go").touch)
 
     asyncio.run(main())
     assert (tmp_path / "kept").exists()
@@ -99,7 +99,7 @@ def test_an_agent_that_ends_before_the_run_begins_is_what_it_fails_of(
             await agent(kin, "1", FAILURE, "fes-agent: error: gave up\n")
             return await finished(kin)
 
-    monkeypatch.setattr(supervision, "SETTLING", 0.1)
+    monkeypatch.setattr(supervisor, "SETTLING", 0.1)
     assert asyncio.run(main()) == ("fes-agent --id 1: gave up; the run cannot begin without it", [])
 
 

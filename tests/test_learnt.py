@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from console import inprocess, summary
+from console.backends import inprocess
+from console.dashboard import summary
 from fes.arrays.types import Floats
 from fes.protocol.report import Report
 from tests import loop

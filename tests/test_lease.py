@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from agents import process
-from console import inprocess
+from console.backends import inprocess
 from fes.errors import Absent, Refused
 from fes.protocol import keys, messages
 from fes.protocol.messages import Join

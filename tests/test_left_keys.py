@@ -4,8 +4,8 @@ import json
 import subprocess
 from pathlib import Path
 
-from console import leftovers
 from console.doctor import machine
+from console.keys import stale_keys
 from tests.loop import CONFIGS
 from tests.test_processes import LOOP, PATIENCE, alive, children, fes, start, until
 
@@ -51,8 +51,8 @@ def test_keys_that_a_killed_run_left_are_named_and_removed_and_those_of_a_runnin
 def test_keys_in_a_directory_of_ones_own_are_named_where_it_is_used_again(tmp_path: Path) -> None:
     keys = tmp_path / "out" / "keys"
     keys.mkdir(parents=True)
-    with leftovers.marked(keys):
-        assert leftovers.named(tmp_path / "out") == ""
+    with stale_keys.marked(keys):
+        assert stale_keys.named(tmp_path / "out") == ""
     done = call(tmp_path, "run", PAIR, "--backend", "inprocess", "--out", "out")
     said = "--out out: the directory is not empty; out/keys has the private keys of a run that was killed"
     assert done.stderr == f"fes: error: {said}\n"
@@ -62,6 +62,6 @@ def test_keys_that_no_run_made_are_let_alone(tmp_path: Path) -> None:
     mine = tmp_path / "paper-1" / "keys"
     mine.mkdir(parents=True)
     (mine / "world.key").touch()
-    assert leftovers.remove(tmp_path) == []
+    assert stale_keys.remove(tmp_path) == []
     assert list(machine.private_keys(tmp_path)) == []
     assert (mine / "world.key").exists()

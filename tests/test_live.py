@@ -13,8 +13,9 @@ import pytest
 
 from agents.runtime.beacon_subscriptions import Radio
 from agents.runtime.outbox import Mouth
-from console import log, replay
-from console.launcher import free_port
+from console.backends.process_group import free_port
+from console.replay import command as replay_command
+from console.replay import log
 from fes.errors import FesError
 from fes.protocol import keys
 from fes.protocol.report import decode_report
@@ -95,9 +96,9 @@ def test_a_run_takes_as_long_as_it_simulates_and_its_world_can_be_executed_again
     assert kept["due"] == [150, 150]
     assert sum(kept["missed"]) < 300
     found = log.load(tmp_path / "run.mcap")
-    assert replay.again(found) == json.loads(json.dumps(summary))
+    assert replay_command.again(found) == json.loads(json.dumps(summary))
     with pytest.raises(FesError, match=r"is of the live clock: what came too late for a robot is not in it$"):
-        replay.again(found, everybody=True)
+        replay_command.again(found, everybody=True)
 
 
 def test_nobody_waits_for_a_robot_that_says_nothing_and_it_stops(
@@ -138,7 +139,7 @@ def test_nobody_waits_for_a_robot_that_says_nothing_and_it_stops(
     kept = summary["deadlines"]
     assert kept["missed"][1] >= 45
     assert kept["stopped"][1] >= 30
-    assert replay.again(log.load(tmp_path / "run.mcap"))["digest"] == summary["digest"]
+    assert replay_command.again(log.load(tmp_path / "run.mcap"))["digest"] == summary["digest"]
 
 
 def test_a_beacon_that_comes_too_late_is_lost_and_counted_and_nobody_asks_for_it(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from agents.process import Agent
-from console import inprocess
+from console.backends import inprocess
 from fes.errors import Absent, Refused
 from fes.protocol import keys, messages
 from fes.protocol.messages import Command, Join

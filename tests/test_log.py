@@ -12,7 +12,8 @@ from mcap.reader import make_reader
 from mcap.records import Message
 from mcap.stream_reader import StreamReader
 
-from console import inprocess, log
+from console.backends import inprocess
+from console.replay import log
 from fes.errors import FesError
 from fes.protocol import messages
 from fes.recording import protobuf

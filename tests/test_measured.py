@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from agents.control import clocks
-from console import inprocess
-from console.sweep import stack
+from console.backends import inprocess, stacked
 from tests.loop import CONFIGS, load
 from world.config.scenario import agent_config
 
@@ -28,7 +27,7 @@ SAMPLED = {
 
 def tracked(name: str, seeds: range, stretch: int = 0, **changes: Any) -> dict[str, list[Any]]:
     """What the summaries of runs over seeds say of one stretch, column by column."""
-    summaries = stack.run([load(name, run__seed=seed, **changes) for seed in seeds], name)
+    summaries = stacked.run([load(name, run__seed=seed, **changes) for seed in seeds], name)
     rows = [{**one["tracking"][stretch], "connected": one["links_connected_always"]} for one in summaries]
     return {key: [row[key] for row in rows] for key in rows[0]}
 

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from console import inprocess
+from console.backends import inprocess
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
 from fes.model.sensing import Telemetry

@@ -5,18 +5,18 @@ from pathlib import Path
 
 import pytest
 
-from console import authority
 from console.doctor import network
+from console.keys import certificates
 from fes.protocol import keys
 from fes.transport.endpoints import Endpoints
-from tests import certificates
+from tests import team_keys
 from tests.stage import ROLES, RUN, Stage, stage
 from tests.test_processes import PATIENCE, command, start
 
 
 @pytest.fixture(scope="module")
-def issuer() -> authority.Authority:
-    return authority.found(1.0)
+def issuer() -> certificates.Authority:
+    return certificates.found(1.0)
 
 
 async def said(world: Stage, robots: str, timeout: float, *flags: str) -> str:
@@ -31,14 +31,14 @@ async def said(world: Stage, robots: str, timeout: float, *flags: str) -> str:
 
 @pytest.mark.parametrize("robots", ["7", "0-1"])
 def test_an_agent_without_a_role_in_the_run_is_told_where_to_look(
-    tmp_path: Path, issuer: authority.Authority, robots: str
+    tmp_path: Path, issuer: certificates.Authority, robots: str
 ) -> None:
     """Robot 7 of a run of two; and a crew that got its certificate after the world had read those that there were."""
-    keyed = certificates.directory(tmp_path / "keys", issuer, ROLES)
+    keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
 
     async def main() -> tuple[str, Stage]:
         async with stage(tmp_path, keyed) as world:
-            certificates.directory(keyed, issuer, [f"robot-{robots}"])
+            team_keys.directory(keyed, issuer, [f"robot-{robots}"])
             return await said(world, robots, 10.0, *world.flags), world
 
     line, world = asyncio.run(main())
@@ -50,9 +50,9 @@ def test_an_agent_without_a_role_in_the_run_is_told_where_to_look(
 
 
 def test_an_agent_whose_certificate_expires_while_its_world_is_away_is_told_so(
-    tmp_path: Path, issuer: authority.Authority
+    tmp_path: Path, issuer: certificates.Authority
 ) -> None:
-    keyed = certificates.directory(tmp_path / "keys", issuer, ROLES)
+    keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
 
     async def main() -> str:
         async with stage(tmp_path, keyed) as world:
@@ -60,7 +60,7 @@ def test_an_agent_whose_certificate_expires_while_its_world_is_away_is_told_so(
             async with world.visitor("observer") as observer:
                 while keys.robot_alive(RUN, 0) not in await observer.standing(keys.tree(RUN), PATIENCE):
                     await asyncio.sleep(0.02)
-            certificates.write(keyed, "robot-0", authority.issue(issuer, "robot-0", -1.0))
+            team_keys.write(keyed, "robot-0", certificates.issue(issuer, "robot-0", -1.0))
             world.running[0].kill()
             return await ending
 
@@ -69,8 +69,8 @@ def test_an_agent_whose_certificate_expires_while_its_world_is_away_is_told_so(
     assert f"{keyed}/robot-0.crt: the certificate expired on " in line
 
 
-def test_who_comes_without_certificates_is_told_of_keys(tmp_path: Path, issuer: authority.Authority) -> None:
-    keyed = certificates.directory(tmp_path / "keys", issuer, ROLES)
+def test_who_comes_without_certificates_is_told_of_keys(tmp_path: Path, issuer: certificates.Authority) -> None:
+    keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
 
     async def main() -> None:
         async with stage(tmp_path, keyed) as world:
@@ -86,14 +86,14 @@ def test_who_comes_without_certificates_is_told_of_keys(tmp_path: Path, issuer: 
 
 
 def test_who_comes_with_certificates_of_another_authority_is_told_of_them(
-    tmp_path: Path, issuer: authority.Authority
+    tmp_path: Path, issuer: certificates.Authority
 ) -> None:
-    keyed = certificates.directory(tmp_path / "keys", issuer, ROLES)
-    other = certificates.directory(tmp_path / "other", authority.found(1.0), ["observer"])
+    keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
+    other = team_keys.directory(tmp_path / "other", certificates.found(1.0), ["observer"])
 
     async def main() -> None:
         async with stage(tmp_path, keyed) as world:
-            own = certificates.security(other, "observer")
+            own = team_keys.security(other, "observer")
             foreign = Endpoints("client", (world.endpoint,), timeout=0.5, security=own)
             [found], _ = await network.examine(foreign, RUN, True)
             assert "its certificate is not to be trusted" in found.seen

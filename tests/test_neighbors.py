@@ -5,7 +5,7 @@ import pytest
 
 from agents.laws import neighbor_rules
 from agents.laws.neighbor_rules import Witnesses
-from console import inprocess
+from console.backends import inprocess
 from fes.arrays.types import Bools, Floats
 from tests import layouts, witness
 from tests.layouts import REACH, distance

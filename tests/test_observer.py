@@ -7,7 +7,8 @@ from typing import Any
 import msgpack
 import pytest
 
-from console import faults, observer
+from console.backends import fault_injection
+from console.connect import observer
 from fes.errors import Absent, MessageError
 from fes.protocol.report import Report, encode_report
 from tests import jumps
@@ -142,7 +143,7 @@ def test_a_robot_that_is_to_wake_is_not_killed_when_the_world_is_lost_from_sight
     def note(verb: str) -> Callable[[str], None]:
         return lambda ids: done.append(f"{verb} {ids}")
 
-    monkeypatch.setattr("console.observer.reports", reports)
-    hands = faults.Hands(kill, kill, note("stop"), note("proceed"), away)
-    jumps.run(faults.enact(None, "test", 1.0, scenario, hands, alone=True))  # type: ignore[arg-type]
+    monkeypatch.setattr("console.connect.observer.reports", reports)
+    hands = fault_injection.Hands(kill, kill, note("stop"), note("proceed"), away)
+    jumps.run(fault_injection.enact(None, "test", 1.0, scenario, hands, alone=True))  # type: ignore[arg-type]
     assert done == did

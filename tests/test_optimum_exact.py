@@ -9,7 +9,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from console import inprocess
+from console.backends import inprocess
 from fes.model.config import ChannelConfig, ObjectiveConfig
 from fes.protocol.report import Report
 from tests.loop import load

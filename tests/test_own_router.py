@@ -10,13 +10,14 @@ import pytest
 import zenoh
 
 from agents.process import Agent
-from console import authority, inprocess
-from console.launcher import free_port
+from console.backends import inprocess
+from console.backends.process_group import free_port
+from console.keys import certificates
 from fes.protocol import keys
 from fes.transport import bus
 from fes.transport.bus import Bus
 from fes.transport.endpoints import Endpoints
-from tests import certificates
+from tests import team_keys
 from tests.loop import load
 from tests.session import PATIENCE
 from tests.test_cli import call
@@ -30,7 +31,7 @@ ROLES = ["world", "robot-0", "robot-1"]
 
 @pytest.fixture(scope="module")
 def keyed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return certificates.directory(tmp_path_factory.mktemp("pki") / "keys", authority.found(1.0), ROLES)
+    return team_keys.directory(tmp_path_factory.mktemp("pki") / "keys", certificates.found(1.0), ROLES)
 
 
 def configuration(keyed: Path, endpoint: str, *words: str) -> str:
@@ -42,7 +43,7 @@ def configuration(keyed: Path, endpoint: str, *words: str) -> str:
 
 @asynccontextmanager
 async def client(keyed: Path, role: str, endpoint: str) -> AsyncIterator[Bus]:
-    own = certificates.security(keyed, role)
+    own = team_keys.security(keyed, role)
     async with bus.opened(Endpoints("client", (endpoint,), timeout=PATIENCE, security=own)) as opened:
         yield opened
 

@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from console import dashboard, log, player
-from console.keyboard import END, LEFT, RIGHT, Keyboard
-from console.player import Player
+from console.dashboard import frame
+from console.replay import log, player
+from console.replay.player import Player
+from console.terminal.keyboard import END, LEFT, RIGHT, Keyboard
 from tests import recordings
 from tests.loop import load
 
@@ -72,7 +73,7 @@ def test_it_steps_and_seeks_and_stops_at_both_ends(recorded: log.Log) -> None:
 def test_what_is_shown_after_a_seek_is_what_is_shown_on_the_way(recorded: log.Log) -> None:
     def text(shown: Player) -> str:
         screen = Console(width=100, file=io.StringIO())
-        screen.print(dashboard.render(shown.history, 100, 29))
+        screen.print(frame.render(shown.history, 100, 29))
         assert isinstance(screen.file, io.StringIO)
         return screen.file.getvalue()
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from agents.control import crew as crews
-from console import inprocess
+from console.backends import inprocess
 from fes.errors import ScenarioError
 from fes.model.sensing import CLOSED, DECODED, LOST, silence
 from tests import loop

@@ -11,9 +11,13 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from console import cli, dashboard, inprocess, log, printing, summary
+from console import cli
+from console.backends import inprocess
+from console.dashboard import frame, summary
 from console.doctor.command import table as findings
 from console.doctor.finding import failed
+from console.replay import log
+from console.terminal import printing
 from fes import process
 from fes.errors import FesError
 from fes.system import output, signals
@@ -123,7 +127,7 @@ def test_every_string_of_a_log_is_text_and_so_is_its_path(
 def test_every_string_of_a_report_is_text_in_a_frame() -> None:
     screen = Console(width=300, height=40, file=io.StringIO())
     report = replace(a_report([(0.0, 0.0), (60.0, 0.0)], [(0, 1)]), scenario=EVIL)
-    screen.print(dashboard.render(a_history(report), 300, 40))
+    screen.print(frame.render(a_history(report), 300, 40))
     assert isinstance(screen.file, io.StringIO)
     assert is_clean(screen.file.getvalue())
     assert SHOWN in screen.file.getvalue()
@@ -188,9 +192,12 @@ def test_only_one_module_makes_consoles_and_one_takes_the_screen_and_lines_are_p
             what = ast.unparse(node.args[0]) if node.args else ""
             if node.func.id != "print" or not what.startswith("strict_json.dumps("):
                 makers[node.func.id].add(name)
-    assert makers["Console"] == {"console.printing", "console.view"}  # the latter on paper, for a picture
-    assert makers["Live"] - {"world.server.server"} == {"console.screen"}  # the world's Live is a clock
-    assert makers["print"] == {"console.printing", "fes.transport.health", "fes.process"}
+    assert makers["Console"] == {
+        "console.terminal.printing",
+        "console.dashboard.live",
+    }  # the latter on paper, for a picture
+    assert makers["Live"] - {"world.server.server"} == {"console.terminal.screen"}  # the world's Live is a clock
+    assert makers["print"] == {"console.terminal.printing", "fes.transport.health", "fes.process"}
 
 
 def test_a_message_for_a_closed_standard_error_is_not_among_the_data(

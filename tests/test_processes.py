@@ -14,9 +14,10 @@ from typing import Any
 
 import pytest
 
-from console import inprocess, observer
-from console.launcher import free_port
-from console.rundir import Address
+from console.backends import inprocess
+from console.backends.process_group import free_port
+from console.connect import observer
+from console.connect.run_directory import Address
 from fes.transport import bus
 from fes.transport.endpoints import Endpoints
 from tests.loop import CONFIGS, load

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from console import progress
-from console.screen import ERASE
 from console.sweep import design, local, work
 from console.sweep.work import Batch
+from console.terminal import progress
+from console.terminal.screen import ERASE
 from fes import process
 from fes.system import signals
 from tests import recordings
@@ -118,7 +118,7 @@ def test_warnings_beside_a_line_of_progress_stay_on_standard_error_unwrapped(
     kind: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     console = Console(file=Screen(), force_terminal=True, width=40)
-    monkeypatch.setattr("console.printing.console", lambda stderr=False: console)
+    monkeypatch.setattr("console.terminal.printing.console", lambda stderr=False: console)
     line, data = "a warning " + "x" * 300, "data " + "y" * 300
     shown: dict[str, Callable[[], AbstractContextManager[object]]] = {
         "bar": lambda: progress.bar("counting"),

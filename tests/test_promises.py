@@ -7,7 +7,8 @@ from re import findall
 import pytest
 
 from agents.runtime import outbox
-from console import launcher, observer
+from console.backends import process_group
+from console.connect import observer
 from fes.transport import bus, drop_log, inbox
 from fes.transport.endpoints import Endpoints
 from world.execution import checkpoint
@@ -42,7 +43,7 @@ FIGURES = [
     f"A robot that is silent for {live.HANG_TIMEOUT:g} s is left out",
     f"the first {live.WARM_UP} ticks, and those after a world came back",
     f"its session is gone with its lease of {SESSION_LEASE:g} s",
-    f"its world has {launcher.CLOSING:g} s to write it down",
+    f"its world has {process_group.CLOSING:g} s to write it down",
     f"over TLS {audit.KINDS_OF_ONE} of each certificate",
     f"{bus.QUESTIONS} of one asker wait for one handler",
     f"(Zenoh's ring) | {bus.MAILBOX} samples",
@@ -50,7 +51,7 @@ FIGURES = [
     f"cut to {drop_log.LONGEST_LINE} characters",
     f"at most {drop_log.MAX_KINDS} kinds are told apart",
     f"{inbox.LIMIT:,} messages, {inbox.LIMIT_BYTES >> 20} MiB",
-    f"`console.observer`, reports | {observer.MAX_WAITING} |",
+    f"`console.connect.observer`, reports | {observer.MAX_WAITING} |",
 ]
 """Tests of these promises have other figures, as nobody wants to wait for these."""
 

@@ -6,7 +6,7 @@ import contextlib
 import pytest
 
 from agents.runtime.beacon_subscriptions import Radio
-from console import inprocess
+from console.backends import inprocess
 from fes.errors import Absent, Refused
 from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon

@@ -5,7 +5,7 @@ import pytest
 
 from agents.laws import oracle, perturbation
 from agents.laws.perturbation import Seeker
-from console import inprocess
+from console.backends import inprocess
 from fes.arrays.types import Floats
 from fes.model.config import ChannelConfig, ObjectiveConfig, SeekingConfig
 from tests.loop import load

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from console import inprocess
+from console.backends import inprocess
 from fes.protocol.channel_change import Effect, decode_effect, encode_effect
 from tests.loop import CONFIGS, load
 from tests.test_processes import LOOP, PATIENCE, STARTING, fes

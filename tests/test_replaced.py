@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from agents.process import Agent
-from console.launcher import free_port
+from console.backends.process_group import free_port
 from fes.errors import Busy, Refused
 from fes.protocol import messages
 from fes.protocol.messages import Welcome

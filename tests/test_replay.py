@@ -14,8 +14,12 @@ import pytest
 from mcap.exceptions import McapError
 from mcap.reader import NonSeekingReader
 
-from console import compare, evidence, history, inprocess, log, replay
-from console.reexecution import Mismatch
+from console.analysis import command as analysis_command
+from console.analysis import history
+from console.backends import inprocess
+from console.replay import command as replay_command
+from console.replay import compare, log
+from console.replay.reexecution import Mismatch
 from fes.errors import FesError
 from fes.protocol import channel_change, keys, messages
 from fes.protocol.channel_change import Change
@@ -64,7 +68,7 @@ def tampered(recorded: Recorded, tmp_path_factory: pytest.TempPathFactory) -> Pa
 def test_summary_digest_and_figures_are_those_of_the_live_run(recorded: Recorded) -> None:
     path, summary = recorded
     found = log.load(path)
-    assert replay.again(found) == replay.again(found, everybody=True) == as_json(summary)
+    assert replay_command.again(found) == replay_command.again(found, everybody=True) == as_json(summary)
     live, drawn = history.follow(found.scenario), history.recorded(found)
     assert drawn.digest == live.digest == summary["digest"]
     for field in ("time", "poses", "disagreement", "estimate_error", "separation_error"):
@@ -78,15 +82,15 @@ def test_ten_processes_over_zenoh_are_executed_again_in_one_loop(tmp_path: Path)
     summary = json.loads(done.stdout)
     found = log.load(tmp_path / "out")
     assert found.backend == "processes"
-    assert replay.again(found, everybody=True) == summary
-    assert replay.alone(found, 3) == summary["ticks"] == 100
+    assert replay_command.again(found, everybody=True) == summary
+    assert replay_command.alone(found, 3) == summary["ticks"] == 100
     recordings.record(tmp_path / "loop.mcap", found.scenario)
     assert compare.first_difference(found, log.load(tmp_path / "loop.mcap")) is None
 
 
 @pytest.mark.parametrize("robot", range(10))
 def test_a_robot_alone_says_and_does_what_it_did(recorded: Recorded, robot: int) -> None:
-    assert replay.alone(log.load(recorded[0]), robot) == recorded[1]["ticks"]
+    assert replay_command.alone(log.load(recorded[0]), robot) == recorded[1]["ticks"]
 
 
 def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
@@ -111,7 +115,7 @@ def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
     assert changes == [("channel.reference_snr", 2e6)]
     assert found.scenario == pair
     assert summary["digest"] != inprocess.run(pair, "test")["digest"]
-    assert replay.again(found, everybody=True) == as_json(summary)
+    assert replay_command.again(found, everybody=True) == as_json(summary)
 
     recordings.record(tmp_path / "again.mcap", server.course.scenario, "scenario")  # what scenario.toml then holds
     again = log.load(tmp_path / "again.mcap")
@@ -128,13 +132,16 @@ def test_a_change_is_named_with_tick_robot_field_and_both_values(recorded: Recor
     true = messages.decode_command(commands[3]).twist[1]
     other = true + SHIFT
     expected = f"tick 40, Command of robot 3: twist.angular is {other!r} in the log and {true!r} executed again"
-    for execute in (lambda found: replay.again(found, everybody=True), lambda found: replay.alone(found, 3)):
+    for execute in (
+        lambda found: replay_command.again(found, everybody=True),
+        lambda found: replay_command.alone(found, 3),
+    ):
         with pytest.raises(Mismatch) as caught:
             execute(log.load(tampered))
         assert str(caught.value) == expected
-    assert replay.alone(log.load(tampered), 4) == recorded[1]["ticks"]  # robot 4 cannot know
+    assert replay_command.alone(log.load(tampered), 4) == recorded[1]["ticks"]  # robot 4 cannot know
     with pytest.raises(Mismatch, match=r"^tick 41, Observation of robot 3: pose\.x is "):
-        replay.again(log.load(tampered))  # the world does not ask why a robot moves
+        replay_command.again(log.load(tampered))  # the world does not ask why a robot moves
 
 
 def test_a_summary_that_was_not_reached_is_named(recorded: Recorded, tmp_path: Path) -> None:
@@ -143,7 +150,7 @@ def test_a_summary_that_was_not_reached_is_named(recorded: Recorded, tmp_path: P
     with Recorder(path, pair, "test", "inprocess") as recorder:
         recorder.conclude({**inprocess.run(pair, "test", recorder=recorder), "digest": "0" * 64})
     with pytest.raises(FesError, match=r"^summary: digest is '0000"):
-        replay.again(log.load(path))
+        replay_command.again(log.load(path))
 
 
 def test_compare_names_the_first_difference(recorded: Recorded, tampered: Path, tmp_path: Path) -> None:
@@ -208,7 +215,7 @@ def test_a_log_of_a_world_that_was_ended_holds_what_was_reached(tmp_path: Path, 
     found = log.load(path)
     ticks = sum(1 for _ in found.ticks())
     assert ticks > 0
-    summary = replay.again(found, everybody=True)
+    summary = replay_command.again(found, everybody=True)
     assert summary["ticks"] == ticks
     assert summary["digest"] == inprocess.run(load("pair.toml", run__duration=ticks * 0.02), "pair")["digest"]
     if how is signal.SIGKILL:
@@ -223,7 +230,7 @@ def test_a_log_of_a_world_that_was_ended_holds_what_was_reached(tmp_path: Path, 
 
 def test_robot_and_all_at_once_are_refused(recorded: Recorded) -> None:
     with pytest.raises(FesError, match=r"^--all executes every robot again, give it or --robot 3$"):
-        replay.replay(recorded[0], robot=3, all_=True)
+        replay_command.replay(recorded[0], robot=3, all_=True)
 
 
 def test_a_run_that_was_stopped_is_said_to_be(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
@@ -242,12 +249,12 @@ def test_a_run_that_was_stopped_is_said_to_be(tmp_path: Path, capfd: pytest.Capt
     with pytest.raises(FesError, match="fault"):
         run()
     [summary] = kept  # whatever ends a run, what was reached is kept
-    replay.replay(tmp_path / "run.mcap", json_=True)
+    replay_command.replay(tmp_path / "run.mcap", json_=True)
     out, err = capfd.readouterr()
     assert json.loads(out) == as_json(summary)
     assert err == "the run ended early: there was a [fault]\n"
 
 
 def test_figures_are_drawn_from_a_log(recorded: Recorded, tmp_path: Path) -> None:
-    evidence.plot(str(recorded[0]), out=tmp_path)
+    analysis_command.plot(str(recorded[0]), out=tmp_path)
     assert {path.name for path in tmp_path.iterdir()} >= {"formation.png", "convergence.svg"}

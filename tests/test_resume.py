@@ -10,7 +10,8 @@ from mcap.reader import make_reader
 
 from agents.control import crew
 from agents.runtime import marshalling
-from console import log, replay
+from console.replay import command as replay_command
+from console.replay import log
 from fes.errors import FesError
 from fes.model.sensing import silence
 from fes.protocol import messages
@@ -104,7 +105,7 @@ def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, r
                     raise FesError("it was stopped")
                 whole = log.load(second / NAME)
                 assert sum(1 for _ in whole.ticks()) == tick + 1
-                again_of_it = replay.again(whole, everybody=True)
+                again_of_it = replay_command.again(whole, everybody=True)
                 assert again_of_it["digest"] == course.sums.tally.digest.text()
                 logs[tick] = messages_of(second / NAME)
             kept.discard(other)

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from agents.process import Agent
-from console import inprocess
-from console.launcher import free_port
+from console.backends import inprocess
+from console.backends.process_group import free_port
 from fes.arrays.types import Bools
 from fes.transport import bus
 from fes.transport.endpoints import Endpoints

@@ -10,8 +10,9 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from console import screen, view
-from console.view import Screen
+from console.dashboard import live
+from console.dashboard.live import Screen
+from console.terminal import screen
 from fes.system import signals
 from tests.frames import a_report
 from tests.terminals import ENTER, LEAVE, SHOW, is_restored
@@ -44,11 +45,11 @@ def fail(*_: object) -> Any:
 def test_the_screen_is_left_whatever_fails_in_drawing(when: str, monkeypatch: pytest.MonkeyPatch) -> None:
     tty = Tty()
     if when == "at first":
-        monkeypatch.setattr(view, "render", fail)
+        monkeypatch.setattr(live, "render", fail)
 
     def show() -> None:
         with Screen(on(tty)) as shown:
-            monkeypatch.setattr(view, "render", fail)
+            monkeypatch.setattr(live, "render", fail)
             shown.show(a_report([(0.0, 0.0)]))
 
     with pytest.raises(ZeroDivisionError):

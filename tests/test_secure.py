@@ -11,17 +11,18 @@ from pathlib import Path
 
 import pytest
 
-from console import authority, inprocess
+from console.backends import inprocess
+from console.backends.process_group import free_port
 from console.doctor import network
 from console.doctor.finding import Status
-from console.launcher import free_port
+from console.keys import certificates
 from fes.errors import Absent, TransportError
 from fes.protocol import channel_change, keys
 from fes.protocol.channel_change import Change
 from fes.transport import bus
 from fes.transport.bus import Bus
 from fes.transport.endpoints import Endpoints
-from tests import certificates
+from tests import team_keys
 from tests.loop import load
 from tests.stage import ROLES, RUN, SECONDS, Stage, stage
 from tests.test_processes import PATIENCE, until
@@ -29,8 +30,8 @@ from world.server.audit import KINDS_OF_ONE
 
 
 @pytest.fixture(scope="module")
-def issuer() -> authority.Authority:
-    return authority.found(1.0)
+def issuer() -> certificates.Authority:
+    return certificates.found(1.0)
 
 
 @pytest.fixture
@@ -68,9 +69,9 @@ FORGERIES = [
 
 
 def test_each_forgery_is_refused_and_logged_once_and_the_run_is_the_same(
-    tmp_path: Path, expected: str, issuer: authority.Authority
+    tmp_path: Path, expected: str, issuer: certificates.Authority
 ) -> None:
-    keyed = certificates.directory(tmp_path / "keys", issuer, ROLES)
+    keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
 
     async def main() -> Stage:
         async with stage(tmp_path, keyed) as world, contextlib.AsyncExitStack() as visitors:
@@ -98,8 +99,8 @@ def test_each_forgery_is_refused_and_logged_once_and_the_run_is_the_same(
     assert log.count("it has no right to it") == len(FORGERIES) + 2, log
 
 
-def test_who_makes_up_keys_hides_nobody_else(tmp_path: Path, issuer: authority.Authority) -> None:
-    keyed = certificates.directory(tmp_path / "keys", issuer, ROLES)
+def test_who_makes_up_keys_hides_nobody_else(tmp_path: Path, issuer: certificates.Authority) -> None:
+    keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
     acts = [
         ("put", keys.command(RUN, 0)),
         ("put", keys.observation(RUN, 0)),
@@ -122,15 +123,15 @@ def test_who_makes_up_keys_hides_nobody_else(tmp_path: Path, issuer: authority.A
     assert log.count("dropped observer's") == KINDS_OF_ONE + 1
 
 
-def test_robots_observers_and_operators_do_what_they_may(tmp_path: Path, issuer: authority.Authority) -> None:
-    keyed = certificates.directory(tmp_path / "keys", issuer, ROLES)
+def test_robots_observers_and_operators_do_what_they_may(tmp_path: Path, issuer: certificates.Authority) -> None:
+    keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
 
     async def main() -> Stage:
         async with stage(tmp_path, keyed) as world, world.visitor("observer") as observer:
             seen: list[str] = []
             observer.watch(keys.robot_alive(RUN, "*"), lambda key, alive: seen.append(key))
             reports = observer.mailbox(keys.report(RUN))
-            looking = Endpoints("client", (world.endpoint,), security=certificates.security(keyed, "observer"))
+            looking = Endpoints("client", (world.endpoint,), security=team_keys.security(keyed, "observer"))
             findings, robots = await network.examine(looking, RUN, True)
             others = [found.check for found in findings if found.status is not Status.OK]
             assert (robots, others) == (2, ["alive"])  # both robots are yet to come
@@ -151,32 +152,32 @@ def test_robots_observers_and_operators_do_what_they_may(tmp_path: Path, issuer:
 
 
 def test_a_certificate_that_is_not_of_this_run_opens_no_session(
-    tmp_path: Path, expected: str, issuer: authority.Authority
+    tmp_path: Path, expected: str, issuer: certificates.Authority
 ) -> None:
-    keyed = certificates.directory(tmp_path / "keys", issuer, ROLES)
-    other = authority.found(1.0)
+    keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
+    other = certificates.found(1.0)
     bad = tmp_path / "bad"
-    certificates.write(bad, "ca", issuer.pem)
-    certificates.write(bad, "other", authority.issue(other, "robot-0", 1.0))
-    certificates.write(bad, "itself", other.pem)
-    certificates.write(bad, "expired", authority.issue(issuer, "robot-0", -1.0))
-    naked = certificates.security(keyed, "robot-0")
+    team_keys.write(bad, "ca", issuer.pem)
+    team_keys.write(bad, "other", certificates.issue(other, "robot-0", 1.0))
+    team_keys.write(bad, "itself", other.pem)
+    team_keys.write(bad, "expired", certificates.issue(issuer, "robot-0", -1.0))
+    naked = team_keys.security(keyed, "robot-0")
     naked = {**naked, "transport/link/tls": {"root_ca_certificate": str(keyed / "ca.crt"), "enable_mtls": False}}
-    elsewhere = certificates.directory(tmp_path / "elsewhere", other, ["robot-0"])
+    elsewhere = team_keys.directory(tmp_path / "elsewhere", other, ["robot-0"])
 
     async def main() -> Stage:
         async with stage(tmp_path, keyed) as world:
             plain = world.endpoint.replace("tls/", "tcp/")
             attempts: list[tuple[str, dict[str, object], str]] = [
-                (world.endpoint, certificates.security(bad, "other"), "it refuses our certificate"),
-                (world.endpoint, certificates.security(bad, "itself"), "it refuses our certificate"),
+                (world.endpoint, team_keys.security(bad, "other"), "it refuses our certificate"),
+                (world.endpoint, team_keys.security(bad, "itself"), "it refuses our certificate"),
                 (
                     world.endpoint,
-                    certificates.security(bad, "expired"),
+                    team_keys.security(bad, "expired"),
                     "it refuses our certificate: certificate expired",
                 ),
                 (world.endpoint, naked, "it refuses our certificate: certificate required"),
-                (world.endpoint, certificates.security(elsewhere, "robot-0"), "its certificate is not to be trusted"),
+                (world.endpoint, team_keys.security(elsewhere, "robot-0"), "its certificate is not to be trusted"),
                 (plain, {}, "somebody listens there, but opens no session"),
             ]
             for endpoint, own, said in attempts:
@@ -201,10 +202,10 @@ def test_a_certificate_that_is_not_of_this_run_opens_no_session(
         assert world.log().count(f"dropped a connection: {why}") == 1, (why, world.log())
 
 
-def test_a_robot_cannot_pass_for_the_world(tmp_path: Path, issuer: authority.Authority) -> None:
+def test_a_robot_cannot_pass_for_the_world(tmp_path: Path, issuer: certificates.Authority) -> None:
     """Its certificate cannot serve, and it is the only one that a robot's process would connect to."""
-    keyed = certificates.directory(tmp_path / "keys", issuer, ROLES)
-    own = certificates.security(keyed, "robot-1")
+    keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
+    own = team_keys.security(keyed, "robot-1")
     tls = own["transport/link/tls"]
     assert isinstance(tls, dict)
     served = {"listen_certificate": tls["connect_certificate"], "listen_private_key": tls["connect_private_key"]}
@@ -215,7 +216,7 @@ def test_a_robot_cannot_pass_for_the_world(tmp_path: Path, issuer: authority.Aut
         async with bus.opened(imposter):
             with pytest.raises(TransportError, match="its certificate is not to be trusted"):
                 async with bus.opened(
-                    Endpoints("client", (endpoint,), timeout=0.5, security=certificates.security(keyed, "robot-0"))
+                    Endpoints("client", (endpoint,), timeout=0.5, security=team_keys.security(keyed, "robot-0"))
                 ):
                     pass
 
@@ -223,13 +224,13 @@ def test_a_robot_cannot_pass_for_the_world(tmp_path: Path, issuer: authority.Aut
 
 
 def test_who_takes_the_session_id_of_a_robot_does_not_get_its_rights(
-    tmp_path: Path, issuer: authority.Authority
+    tmp_path: Path, issuer: certificates.Authority
 ) -> None:
-    keyed = certificates.directory(tmp_path / "keys", issuer, ROLES)
+    keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
 
     async def main() -> str:
         async with stage(tmp_path, keyed) as world:
-            stolen = certificates.security(keyed, "robot-1")
+            stolen = team_keys.security(keyed, "robot-1")
             async with world.visitor("robot-0") as robot:
                 same = (f'id:"{robot._session.info.zid()}"',)
                 endpoints = Endpoints("client", (world.endpoint,), (), None, same, 0.5, security=stolen)

@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
-from console import inprocess
-from console.sweep import stack, work
+from console.backends import inprocess, stacked
+from console.sweep import work
 from console.sweep.design import Run
 from tests.loop import load
 from world.config.scenario import Scenario
@@ -25,7 +25,7 @@ def alone(scenarios: list[Scenario]) -> list[dict[str, Any]]:
 )
 def test_a_stacked_run_has_the_summary_and_digest_that_it_has_alone(name: str, duration: float) -> None:
     scenarios = [load(name, run__seed=seed, run__duration=duration) for seed in (3, 0, 12)]
-    found = [without_wall_clock(summary) for summary in stack.run(scenarios, "x")]
+    found = [without_wall_clock(summary) for summary in stacked.run(scenarios, "x")]
     assert len({summary["digest"] for summary in found}) == 3
     assert found == alone(scenarios)
 
@@ -37,8 +37,8 @@ def test_runs_with_different_teams_and_different_channels_can_share_a_stack() ->
         load("hundred.toml", robots__count=1, **small),
         load("hundred.toml", robots__count=4, channel__path_loss_exponent=2.8, **small),
     ]
-    assert len({repr(stack.alike(one)) for one in scenarios}) == 1
-    assert [without_wall_clock(summary) for summary in stack.run(scenarios, "x")] == alone(scenarios)
+    assert len({repr(stacked.alike(one)) for one in scenarios}) == 1
+    assert [without_wall_clock(summary) for summary in stacked.run(scenarios, "x")] == alone(scenarios)
 
 
 def runs(*scenarios: Scenario) -> list[Run]:
@@ -48,7 +48,7 @@ def runs(*scenarios: Scenario) -> list[Run]:
 def test_only_runs_whose_robots_are_told_the_same_share_a_batch() -> None:
     planned = runs(load("pair.toml"), load("pair.toml", formation__rule="disk"), load("pair.toml", run__duration=9.0))
     for batch in work.batches("pair", planned, 2):
-        assert len({repr(stack.alike(one)) for one in batch.scenarios}) == 1
+        assert len({repr(stacked.alike(one)) for one in batch.scenarios}) == 1
 
 
 @pytest.mark.parametrize("workers", [1, 2, 3, 7, 40])
@@ -79,7 +79,7 @@ def test_a_run_that_fails_takes_no_other_with_it() -> None:
         )
         for seed in (1, 0)
     ]
-    assert len({repr(stack.alike(one)) for one in scenarios}) == 1
+    assert len({repr(stacked.alike(one)) for one in scenarios}) == 1
     near, far = work.carry_out(work.Batch("pair", ("near", "far"), tuple(scenarios)))
     assert (near.key, near.error, near.scalars["ticks"]) == ("near", None, 50)
     assert (far.key, far.scalars) == ("far", {})

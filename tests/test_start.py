@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from console import inprocess
+from console.backends import inprocess
 from fes.arrays.types import Floats
 from fes.errors import ScenarioError
 from fes.model.config import AgentConfig

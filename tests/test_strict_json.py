@@ -10,8 +10,9 @@ from typing import Any
 import pytest
 from pyarrow import parquet
 
-from console import inprocess, log, processes
-from console import summary as shown
+from console.backends import inprocess, processes
+from console.dashboard import summary as shown
+from console.replay import log
 from console.sweep import ledger, table, work
 from console.sweep.table import Format
 from fes.errors import FesError, MessageError

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from console import inprocess
+from console.backends import inprocess
 from fes.errors import FesError
 from tests import loop, witness
 from world.config import scenario

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from console.launcher import free_port
+from console.backends.process_group import free_port
 from fes.errors import FesError, TransportError
 from tests import session
 from tests.loop import CONFIGS, load

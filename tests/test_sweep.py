@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 from pyarrow import parquet
 
-from console import figures, inprocess
+from console.analysis import figures
+from console.backends import inprocess
 from console.sweep import cluster, ledger, table, work
 from console.sweep.table import Format
 from fes.errors import FesError

@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from console import compare, evidence, log, replay
-from console.log import Log
-from console.player import Player
+from console.analysis import command as analysis_command
+from console.replay import command as replay_command
+from console.replay import compare, log
+from console.replay.log import Log
+from console.replay.player import Player
 from fes.errors import FesError
 from fes.protocol import messages
 from fes.protocol.report import decode_report, encode_report
@@ -128,11 +130,11 @@ def shown(found: Log) -> None:
 
 def execute(how: str, path: Path, out: Path) -> None:
     if how == "plot":
-        evidence.plot(str(path), out=out)
+        analysis_command.plot(str(path), out=out)
     elif how == "alone":
-        replay.alone(log.load(path), 1)
+        replay_command.alone(log.load(path), 1)
     elif how == "again":
-        replay.again(log.load(path))
+        replay_command.again(log.load(path))
     else:
         shown(log.load(path))
 
@@ -208,5 +210,7 @@ def test_the_world_goes_no_further_than_the_log(tmp_path: Path) -> None:
     found = log.load(tmp_path / "run.mcap")
     late = found.scenario.event[0].model_copy(update={"at": 1.0, "settings": {"channel.reference_snr": -1.0}})
     impossible = found.scenario.model_copy(update={"event": [*found.scenario.event, late]})
-    ticks = replay.again(Log(found.path, found.name, found.backend, impossible, found.summary, found.ended))["ticks"]
+    ticks = replay_command.again(Log(found.path, found.name, found.backend, impossible, found.summary, found.ended))[
+        "ticks"
+    ]
     assert ticks == 50

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from console.canvas import Canvas
+from console.dashboard.canvas import Canvas
 from fes.protocol.report import Report
 from tests import frames
 from tests.frames import SIZES, a_history, a_report, a_swarm, dots, find, frame, pieces, team_map

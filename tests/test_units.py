@@ -12,12 +12,14 @@ from typing import Any
 
 import pytest
 
-from console import authority, inprocess, observer
-from console.launcher import free_port
+from console.backends import inprocess
+from console.backends.process_group import free_port
+from console.connect import observer
+from console.keys import certificates
 from fes.protocol import keys
 from fes.transport import bus
 from fes.transport.endpoints import Endpoints
-from tests import certificates
+from tests import team_keys
 from tests.loop import CONFIGS, load
 from tests.test_cli import PROGRAMS
 from tests.test_processes import PATIENCE, until
@@ -132,7 +134,7 @@ def handed(unit: str, issued: Path, where: Path) -> None:
 def test_with_the_drop_ins_a_run_goes_over_tls_each_with_its_own_files(tmp_path: Path) -> None:
     what = (CONFIGS / "pair.toml").read_text(encoding="utf-8")
     (tmp_path / "scenario.toml").write_text(re.sub(r"(?m)^duration = \S+", f"duration = {SECONDS}", what))
-    issued = certificates.directory(tmp_path / "issued", authority.found(1.0), ["world", "observer", "robot-0-1"])
+    issued = team_keys.directory(tmp_path / "issued", certificates.found(1.0), ["world", "observer", "robot-0-1"])
     crew = "0-1"
     units = {
         "world": text("fes-world.service") + drop_in("fes-world.service"),

@@ -9,7 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from console import inprocess, log, replay
+from console.backends import inprocess
+from console.replay import command as replay_command
+from console.replay import log
 from fes.errors import FesError
 from fes.recording.layout import NAME
 from tests.loop import load
@@ -163,4 +165,4 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
         while not other.is_over:
             team.step(other)
         keeper.discard(other)
-    assert replay.again(log.load(run))["digest"] == other.sums.tally.digest.text()
+    assert replay_command.again(log.load(run))["digest"] == other.sums.tally.digest.text()

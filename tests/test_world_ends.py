@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from console import inprocess
-from console.launcher import free_port
+from console.backends import inprocess
+from console.backends.process_group import free_port
 from tests.loop import CONFIGS, load
 from tests.test_processes import PATIENCE, STARTING, alive, children, command, fes, start, until
 from tests.test_world_deaths import Run, under_way

@@ -8,7 +8,8 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from console import log, rundir
+from console.connect import run_directory
+from console.replay import log
 from console.sweep import design, ledger
 from fes.errors import FesError
 from fes.transport.endpoints import DEFAULT_ENDPOINT
@@ -38,9 +39,9 @@ def read_announcement(path: Path) -> None:
     """A crafted announcement is skipped; another one may be found."""
     announced = path.parent.parent / "runs" / "x"
     announced.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(path, announced / rundir.ENDPOINT)
+    shutil.copyfile(path, announced / run_directory.ENDPOINT)
     os.chdir(path.parent.parent)
-    if rundir.find("main") == rundir.Address(DEFAULT_ENDPOINT, "main"):
+    if run_directory.find("main") == run_directory.Address(DEFAULT_ENDPOINT, "main"):
         raise FesError("nothing is announced")
 
 

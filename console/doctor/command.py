@@ -8,12 +8,13 @@ import typer
 from rich import box
 from rich.table import Table
 
-from console import printing, progress, rundir
+from console.connect import run_directory
+from console.connect.options import Cfg, Config, Connect, ObserverKeys
+from console.connect.run_directory import Address, Visitor
 from console.doctor import installation, machine, network
 from console.doctor.finding import Finding, Status, warning
-from console.options import Cfg, Config, Connect, ObserverKeys
-from console.printing import cell
-from console.rundir import Address, Visitor
+from console.terminal import printing, progress
+from console.terminal.printing import cell
 from fes import process
 from fes.errors import FesError
 from fes.protocol import keys
@@ -36,11 +37,11 @@ def doctor(
     who = Visitor(OBSERVER, certificates, run or keys.DEFAULT_RUN, network.PATIENCE)
     where: Endpoints | Finding
     try:
-        where = rundir.reach(who, connect, config, cfg)
+        where = run_directory.reach(who, connect, config, cfg)
     except FesError as error:
         where = network.refused(error)
     named = bool(connect or config or run)
-    announced = rundir.announced(who.run)
+    announced = run_directory.announced(who.run)
     if announced is not None and (
         connect or config or cfg or isinstance(where, Finding) or announced[1].endpoint not in where.connect
     ):
@@ -70,8 +71,8 @@ async def examine(where: Endpoints | Finding, run: str, wanted: bool) -> list[Fi
     return [
         *await local,
         machine.files(robots),
-        machine.directory(rundir.ROOT),
-        *machine.private_keys(rundir.ROOT),
+        machine.directory(run_directory.ROOT),
+        *machine.private_keys(run_directory.ROOT),
         machine.loopback(),
         network.port(DEFAULT_ENDPOINT, robots is not None and any(map(network.is_default, places))),
         network.exposure(places[0] if places else DEFAULT_ENDPOINT),

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 
-from console import leftovers
 from console.doctor.finding import Finding, failed, ok, warning
+from console.keys import stale_keys
 from fes.errors import reason
 from fes.protocol.world_info import installed
 from fes.system import distribution
@@ -166,7 +166,7 @@ def directory(root: Path) -> Finding:
 
 def private_keys(root: Path) -> Iterator[Finding]:
     """The private keys that killed runs have left in their run directories under `root`."""
-    if left := leftovers.found(root):
+    if left := stale_keys.found(root):
         where = " ".join(map(str, left))
         yield warning("private keys", f"left by runs that were killed: {where}", f"rm -r {where}")
 

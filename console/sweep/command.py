@@ -8,14 +8,15 @@ from typing import Annotated
 
 import typer
 
-from console import figures, printing, progress
-from console.options import SET
+from console.analysis import figures
+from console.connect.options import SET
 from console.sweep import cluster, comparison, design, ledger, local, picture, report, table, work
 from console.sweep.comparison import Difference, Spread
 from console.sweep.design import Design
 from console.sweep.ledger import Ledger
 from console.sweep.table import Format, Row
 from console.sweep.work import Workers
+from console.terminal import printing, progress
 from fes import process
 from fes.errors import FesError, ScenarioError, Stopped, reason
 from world.config import remarks

@@ -11,7 +11,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from console import inprocess
+from console.backends import inprocess
 from fes.errors import ScenarioError
 from fes.system import encoding, strict_json
 from world.config.scenario import Scenario, load, parse_override

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from console import figures
+from console.analysis import figures
 from console.sweep import comparison
 from console.sweep.comparison import Difference
 from console.sweep.design import Design

@@ -6,11 +6,11 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from console.printing import cell
 from console.sweep import comparison
 from console.sweep.comparison import Difference, Spread
 from console.sweep.design import Design
-from console.text import UNKNOWN
+from console.terminal.formatting import UNKNOWN
+from console.terminal.printing import cell
 
 MOST_ROWS = 36
 """Of a table on the screen; the files have all."""

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from console import inprocess
-from console.sweep import stack
+from console.backends import inprocess, stacked
 from console.sweep.design import Run, Value
 from fes.errors import FesError
 from world.config.scenario import Scenario
@@ -69,7 +68,7 @@ def batches(name: str, runs: Sequence[Run], workers: int) -> list[Batch]:
     cell = None
     for run in runs:
         if run.cell != cell:
-            cell, likeness = run.cell, stack.alike(run.scenario)
+            cell, likeness = run.cell, stacked.alike(run.scenario)
             kin = next((group for other, group in groups if other == likeness), None)
             if kin is None:
                 groups.append((likeness, kin := []))
@@ -82,7 +81,7 @@ def carry_out(batch: Batch, watch: Watch = ignore) -> list[Done]:
     """Run a batch. An error in one run is that run's: then each is run by itself."""
     with np.errstate(all="ignore"):  # a number that is not finite ends a run with an error, or is in its row
         try:
-            summaries = stack.run(batch.scenarios, batch.name, watch)
+            summaries = stacked.run(batch.scenarios, batch.name, watch)
         except FesError:
             return [_alone(batch.name, key, one) for key, one in zip(batch.keys, batch.scenarios, strict=True)]
     return [Done(key, scalars(found)) for key, found in zip(batch.keys, summaries, strict=True)]

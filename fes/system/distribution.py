@@ -21,7 +21,7 @@ STRANGER = "fes"
 PACKAGES = ("fes", "agents", "world", "console")
 """Top-level packages of the distribution, beside the module fes_robots."""
 
-HOME = Path(__file__).absolute().parent.parent
+HOME = Path(__file__).absolute().parents[2]
 """Folder of our packages: site-packages, or a clone."""
 
 

@@ -1,0 +1,135 @@
+"""The commands that show evidence: fes plot and fes claims."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.table import Table
+from rich.text import Text
+
+from console.analysis import claims, convergence_study, figures, history, step_study
+from console.analysis.history import History
+from console.backends import processes
+from console.replay import log as logs
+from console.replay.log import Log
+from console.terminal import printing, progress
+from fes import process
+from fes.errors import FesError, reason
+from fes.recording import reader
+from fes.system import fingerprint, strict_json
+from world.config.scenario import load
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PAPER, MEASURED = "paper", "measured"
+
+
+def plot(
+    target: Annotated[str, typer.Argument(help="`paper`, `measured`, a run directory or a log.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Where to write (default: figures/, or the run directory).")
+    ] = None,
+) -> int:
+    """Draw figures as PNG and SVG: the paper's Figs. 1, 3, 5 and 6; how beacons are counted; or those of a run."""
+    with progress.bar("figures") as bar:
+        if target == PAPER:
+            directory, drawn = out or Path("figures"), _paper_figures(bar)
+        elif target == MEASURED:
+            bar.note("many seeds of robots that count beacons")
+            seen = convergence_study.learn(claims.configs())
+            directory, drawn = out or Path("figures"), {"measured": figures.learning_figure(seen)}
+        else:
+            bar.note("the run again")
+            where = Path(target)
+            directory, drawn = out or (where.parent if where.is_file() else where), _run_figures(where)
+        written = []
+        try:
+            directory.mkdir(parents=True, exist_ok=True)
+            for name, figure in drawn.items():
+                bar.note(name)
+                written += figures.save(figure, directory / name)
+        except OSError as error:
+            raise FesError(f"cannot write figures: {reason(error)}") from None
+    for path in written:
+        printing.line(path)
+    return process.SUCCESS
+
+
+def show_claims(
+    name: Annotated[str | None, typer.Argument(help="One claim; without it they are all listed and run.")] = None,
+    json_: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
+) -> int:
+    """Compute where the paper's text does not hold (docs/paper.md says what the numbers mean)."""
+    if name is not None and name not in claims.CLAIMS:
+        raise FesError(f"no claim '{name}'; there are {', '.join(claims.CLAIMS)}")
+    claims.configs()  # some of them run scenarios: say so before the first is computed
+    wanted, found = [name] if name else list(claims.CLAIMS), {}
+    with progress.bar("claims", len(wanted)) as bar:
+        for key in wanted:
+            bar.note(key)
+            found[key] = claims.CLAIMS[key]()
+            bar.advance()
+    if json_:
+        print(strict_json.dumps(found))
+        return process.SUCCESS
+    screen = printing.console()
+    for key, numbers in found.items():
+        table = Table.grid(padding=(0, 2))
+        for label, value in numbers.items():
+            table.add_row(printing.cell(f"  {label}"), f"{value:.6g}")
+        title = Text.assemble((key, "bold"), f": {str(claims.CLAIMS[key].__doc__).splitlines()[0]}")
+        screen.print(title, soft_wrap=True)
+        screen.print(table, soft_wrap=True)
+    return process.SUCCESS
+
+
+def _paper_figures(bar: progress.Bar) -> "dict[str, Figure]":
+    bar.note("the paper's run")
+    seen = history.follow(load(claims.configs() / "paper.toml"))
+    bar.note("the same with other steps")
+    return {
+        "fig1-outage": figures.outage_figure(),
+        "fig3-index": figures.index_figure(),
+        "fig5-formation": figures.formation_figure(seen),
+        "fig6-convergence": figures.convergence_figure(seen),
+        "steps": figures.step_figure(
+            step_study.seeking_errors(), step_study.tick_errors(load(claims.configs() / "neighborhood.toml"))
+        ),
+    }
+
+
+def _run_figures(target: Path) -> "dict[str, Figure]":
+    """The figures of a run: from its log, or from its directory if it was not recorded."""
+    path = reader.find(target) if target.exists() else None
+    seen = _again(target) if path is None else _recorded(logs.load(path))
+    return {"formation": figures.formation_figure(seen), "convergence": figures.convergence_figure(seen)}
+
+
+def _recorded(log: Log) -> History:
+    """The run in a log."""
+    complaint = log.complaint
+    if complaint is not None:
+        process.complain("fes", complaint)
+    return history.recorded(log)
+
+
+def _again(directory: Path) -> History:
+    """A run, executed again from its scenario; its digest must come out again."""
+    scenario = directory / "scenario.toml"
+    if not scenario.is_file() or not (directory / "summary.json").is_file():
+        raise FesError(f"{directory} is not a run directory: it has no scenario.toml and summary.json")
+    summary, loaded = processes.read_summary(directory), load(scenario)
+    ticks = summary.get("ticks")
+    if not isinstance(ticks, int) or not 1 <= ticks <= loaded.ticks or "digest" not in summary:
+        raise FesError(f"{directory / 'summary.json'} is not a summary of {scenario.name}: it lacks ticks or digest")
+    run = loaded.run.model_copy(update={"duration": ticks * loaded.run.dt})
+    seen = history.follow(loaded.model_copy(update={"run": run}))
+    if seen.digest != summary["digest"]:
+        here = f"this is {fingerprint.text()}"
+        try:
+            made = f"it was made with {fingerprint.text(summary['arithmetic'])}"
+        except (KeyError, TypeError):
+            made = "it does not say with which arithmetic it was made"
+        raise FesError(f"{directory} cannot be executed again bit for bit here: {made}; {here}")
+    return seen

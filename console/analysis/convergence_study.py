@@ -1,0 +1,93 @@
+"""How robots that count beacons find the optimum: mean estimates over seeds, beside their lower bound."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from console.backends import stacked
+from fes.arrays.types import Floats
+from fes.model import objective, outage
+from world.config.scenario import Scenario, load
+from world.metrics.optimum import optimal_separation
+
+CHANGE = 60.0
+"""When the signal-to-noise ratio halves [s]."""
+
+DURATION = 120.0
+"""[s]"""
+
+LINKS = 18
+"""Directed links that ten robots have on the relative neighborhood graph, once they are there."""
+
+HALVED: dict[str, Any] = {
+    "run.duration": DURATION,
+    "event": [{"at": CHANGE, "set": {"channel.reference_snr": 5e6}}],
+}
+FED: dict[str, Any] = {
+    "seeking.index": "sampled",
+    "seeking.index_transform": "none",
+    "seeking.index_gain": 44460.0,
+    "seeking.law": "paper",
+    "seeking.dither_amplitude": 0.2,
+    "seeking.dither_frequency": 100.0,
+}
+"""The paper's (18), with its dither and the gain that its figures need, fed with samples."""
+
+
+@dataclass(frozen=True, eq=False)
+class Learning:
+    """Mean estimates of several runs less r*, tick by tick."""
+
+    time: Floats
+    """[t] [s]"""
+    counted: Floats
+    """Of the measured index [runs, t] [m]."""
+    fed: Floats
+    """Of (18) fed with samples [runs, t] [m]."""
+    bound: Floats
+    """Standard deviation that no unbiased estimator is below, from the start or the change on [t] [m]."""
+
+
+def learn(configs: Path, runs: int = 20, fed: int = 3) -> Learning:
+    """Run `measured.toml` with a channel that changes over `runs` seeds, and (18) fed with samples over `fed`."""
+    path = configs / "measured.toml"
+    counted = [load(path, {**HALVED, "run.seed": seed}) for seed in range(runs)]
+    one_by_one = [load(path, {**HALVED, **FED, "run.seed": seed}) for seed in range(fed)]
+    errors, fed_errors = _errors(counted), _errors(one_by_one)
+    time: Floats = counted[0].run.dt * np.arange(errors.shape[1], dtype=np.float64)
+    since = np.where(time < CHANGE, time, time - CHANGE) + counted[0].run.dt
+    links = 26
+    return Learning(time, errors, fed_errors, np.sqrt(time_to_one_meter(counted[0], links) / since))
+
+
+def time_to_one_meter(scenario: Scenario, links: int) -> float:
+    """T [s] after which no unbiased estimator of r* from `links` directed links is surer than 1 m (one sigma).
+
+    The Cramer-Rao bound of a Bernoulli sample's slope at separations dithered about r*:
+    T = (1 - p)/p / (f links (A^2/2) H^2), with f beacons a second and H = (ln J)''.
+    """
+    channel, wish = scenario.channel, scenario.objective
+    best = np.array([optimal_separation(wish, channel)])
+    p = float(outage.reception_probability(best, channel)[0])
+    step = 1e-3
+    bend = (
+        outage.log_reception_slope(best + step, channel) - outage.log_reception_slope(best - step, channel)
+    ) / step
+    curvature = float((objective.log_preference_curvature(best, wish) + 0.5 * bend)[0])
+    excited = 0.5 * scenario.seeking.dither_amplitude**2
+    return (1.0 - p) / p / (links / scenario.run.dt * excited * curvature**2)
+
+
+def _errors(scenarios: list[Scenario]) -> Floats:
+    """Mean estimate less r* [runs, t] [m]; NaN before there are any."""
+    rows, channel, best = [], None, math.nan
+    for together in stacked.ticks(scenarios):
+        now = together[0].state.channel  # all runs change at the same time
+        if now is not channel:
+            channel, best = now, optimal_separation(scenarios[0].objective, now)
+        said = [tick.said.estimates for tick in together]
+        rows.append([float(estimates.mean()) - best if len(estimates) else math.nan for estimates in said])
+    return np.array(rows).T

@@ -1,0 +1,108 @@
+"""A run as time series, for figures. A run is a function of its scenario, so it need not have been recorded."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from console.backends import inprocess
+from console.replay import reexecution
+from console.replay.log import Log
+from fes.arrays.edges import Edges
+from fes.arrays.types import Floats
+from fes.model.sensing import Telemetry
+from world.config.scenario import Scenario
+from world.metrics import link_errors
+from world.metrics.collector import Account, dither_period
+from world.simulation.truth import State
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """What happened in a run, tick by tick; sums are over the links in use at each tick."""
+
+    time: Floats
+    """[t] [s]"""
+    poses: Floats
+    """[t, n, 3] [m, m, rad; world frame]"""
+    links: list[Edges]
+    """Links in use at each tick, in both directions [t]."""
+    disagreement: Floats
+    """Sum of |r_ij - r_ji| over links [t] [m]; NaN before there are any."""
+    estimate_error: Floats
+    """Sum of |r_ij - r*| over both ends of all links [t] [m]."""
+    separation_error: Floats
+    """Largest |separation - r*| [t] [m]; averaged over a dither period where one is over, as in the summary."""
+    optimal: float
+    """r* [m]."""
+    digest: str
+    averaged: bool
+    """Whether the formation breathes, so that separations are averaged over a dither period."""
+
+
+class Moment(Protocol):
+    """One tick: what was true, and what the robots did and said."""
+
+    @property
+    def state(self) -> State:
+        """The truth."""
+
+    @property
+    def twists(self) -> Floats:
+        """[n, 2] [m/s, rad/s]"""
+
+    @property
+    def telemetry(self) -> Telemetry:
+        """What the robots said of themselves."""
+
+
+def follow(scenario: Scenario) -> History:
+    """Run a scenario in process, and keep its history."""
+    sums = Account(scenario)
+
+    def accounted() -> Iterator[tuple[Moment, Account]]:
+        for tick in inprocess.ticks(scenario):
+            sums.add(tick.state, tick.twists, tick.telemetry)
+            yield tick, sums
+
+    return gather(scenario, accounted())
+
+
+def recorded(log: Log) -> History:
+    """The history of a recorded run; Reports and summary are compared, the digest included."""
+    return gather(log.scenario, reexecution.accounted(log))
+
+
+def gather(scenario: Scenario, moments: Iterable[tuple[Moment, Account]]) -> History:
+    """The history of a run that is gone through, tick by tick with the account up to it; of one tick at least."""
+    last = Account(scenario)
+    poses, links, rows = [], [], []
+    for tick, sums in moments:
+        last = sums
+        said = tick.telemetry
+        poses.append(tick.state.poses)
+        links.append(said.links)
+        total = float(np.abs(said.estimates - sums.optimal).sum()) if len(said.links) else np.nan
+        apart = float(np.abs(sums.separation - sums.optimal).max()) if len(links[-1]) else np.nan
+        rows.append((sums.tally.errors["disagreement"], total, apart))
+    series = np.array(rows).T
+    time = scenario.run.dt * np.arange(len(poses), dtype=np.float64)
+    return History(
+        time,
+        np.array(poses),
+        links,
+        series[0],
+        series[1],
+        series[2],
+        last.optimal,
+        last.tally.digest.text(),
+        dither_period(scenario) > 1,
+    )
+
+
+def ends_at(history: History, tick: int) -> Floats:
+    """Both ends of each link in use at a tick [l, 2, 2] [m; world frame]."""
+    a, b = link_errors.ends(history.links[tick])
+    positions = history.poses[tick, :, :2]
+    return np.stack([positions[a], positions[b]], axis=1)

@@ -1,0 +1,80 @@
+"""The first lines of the dashboard: how far the run is, how fast, and how the team is."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from rich.cells import cell_len
+
+from console.dashboard.canvas import Line
+from console.terminal.formatting import count, number, styled
+from fes.protocol.report import Report
+from fes.system.output import printable
+
+_GAP = 3
+
+
+SILENCE = 1.0
+"""A world that is not heard of for this long [s] is away, or waits for a robot: its pace is of the past then."""
+
+
+def header(report: Report, width: int, silence: float = 0.0) -> list[Line]:
+    """The two lines, after a `silence` [s] of the world."""
+    return [_progress(report, width), _facts(report, width, silence)]
+
+
+def _progress(report: Report, width: int) -> Line:
+    name = printable(report.scenario)
+    done, whole = (number(ticks * report.dt, ",.2f") for ticks in (report.tick, report.ticks))
+    ticks, times = f"{report.tick:,} / {report.ticks:,}", f"{done} / {whole} s"
+    words = [f"tick {ticks}", f"time {times}"] if width >= 72 else [ticks, times]
+    room = width - cell_len(name) - sum(len(word) + _GAP for word in words) - 2
+    line = [styled(name, "bold")]
+    if room >= 5:
+        part = min(1.0, report.tick / report.ticks) if report.ticks > 0 else 0.0
+        full = round(part * room)
+        line += [styled("  "), styled("━" * full, "cyan"), styled("─" * (room - full), "dim")]
+    return line + [styled(" " * _GAP + word) for word in words]
+
+
+def _facts(report: Report, width: int, silence: float) -> Line:
+    """As many facts as fit, in their short form if need be."""
+    n, alive = len(report.alive), int(np.count_nonzero(report.alive == 1))
+    sent, decoded = report.beacons_sent, report.beacons_decoded
+    ratio = f"{decoded / sent:.1%}" if sent > 0 else number(float("nan"), "")
+    living = (f"{alive}/{n}", "" if alive == n else "bold red")
+    optimum = ("r*", f"{number(report.optimal_separation, '.2f')} m", "")
+    if report.changed_at > 0.0:
+        since = ("r*", f"{optimum[1]} since {number(report.changed_at, ',.1f')} s", "")
+    else:
+        since = optimum
+    team, short = [("robots alive", *living), since], [("alive", *living), since]
+    pace = [
+        ("ticks/s", number(report.ticks_per_s, ",.0f"), ""),
+        ("real time", f"×{number(report.ticks_per_s * report.dt, ',.3g')}", ""),
+    ]
+    if len(report.missed):
+        worst = int(np.argmax(report.missed))
+        due = max(1, (report.tick + 1) * len(report.missed))
+        missed = int(report.missed.sum())
+        told = f"{missed:,}, {missed / due:.2%}" + (f", robot {worst} {report.missed[worst]:,}" if missed else "")
+        late = f"{int(report.late.sum()):,}"
+        pace = [("live, deadlines missed", told, "bold red" if missed > due / 1000 else ""), ("late", late, "")]
+    if silence >= SILENCE:
+        pace = [("stands still for", f"{silence:,.0f} s", "bold red")]
+    choices = [
+        [*team, *pace, ("beacons decoded/sent", f"{decoded:,}/{sent:,}, {ratio}", "")],
+        [*team, *pace, ("decoded/sent", f"{decoded:,}/{sent:,}", "")],
+        [*short, *pace, ("decoded", f"{count(decoded)}/{count(sent)}", "")],
+        [*short, *pace],
+        short,
+        [short[0], optimum],
+    ]
+    facts = next((facts for facts in choices if _extent(facts) <= width), short[:1])
+    line: Line = []
+    for label, value, style in facts:
+        line += [styled(" " * _GAP if line else ""), styled(f"{label} ", "dim"), styled(value, style)]
+    return line
+
+
+def _extent(facts: Sequence[tuple[str, str, str]]) -> int:
+    return sum(len(label) + 1 + len(value) + _GAP for label, value, _ in facts) - _GAP

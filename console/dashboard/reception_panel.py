@@ -1,0 +1,153 @@
+"""The dashboard's panel of a measured run: reception over separation as it is learnt, as it is, and as counted."""
+
+import math
+
+import numpy as np
+
+from console.dashboard.canvas import DOTS_X, DOTS_Y, Canvas, Line
+from console.terminal.formatting import number, styled
+from fes.arrays.types import Bools, Floats
+from fes.protocol.report import Report
+
+BESIDES = 3
+"""Lines of the panel that are not the chart's."""
+
+LEGEND = [styled("⠒⠒⠒", "cyan"), styled(" learnt  "), styled("⠂ ⠂", "magenta"), styled(" true  • counted")]
+
+_PALETTE = ("", "magenta", "cyan", "bold")
+_TRUE, _LEARNT, _COUNTED = 1, 2, 3
+_AXIS = 5
+_EVERY = 3  # of the true curve's dots one is shown
+_LEAST, _MOST = 1e-3, 1e9  # m; separations beyond are not drawn
+_FLAT = 50.0  # beyond, exp(-exp(x)) is 0 or 1
+
+
+def is_measured(report: Report) -> bool:
+    """Whether any robot has learnt anything of the channel."""
+    return bool(np.isfinite(report.learnt_level).any() or np.isfinite(report.learnt_reception).any())
+
+
+def counted(report: Report) -> Floats:
+    """The share of each link's beacons that decoded [l]; NaN where none was sent."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share: Floats = report.decoded / report.sent
+    return share
+
+
+def panel(report: Report, width: int, height: int) -> list[Line]:
+    """The chart, and below it the line ln(-ln p) = level + exponent ln(r / rho_0) in numbers; `height` lines."""
+    facts = [
+        _fact("level", report.learnt_level, report.true_level),
+        _fact("exponent", report.learnt_exponent, report.true_exponent),
+    ]
+    known = (report.separation > _LEAST) & (report.separation < _MOST)  # false for NaN
+    if width - _AXIS < 1 or height <= BESIDES or not known.any():
+        return facts
+    return [*_chart(report, known, width - _AXIS, height - BESIDES), *facts]
+
+
+def separation_range(separation: Floats) -> tuple[float, float]:
+    """Round separations [m] around those present, some way apart, so that the axis does not change all the time.
+
+    >>> separation_range(np.array([61.0, 73.0])), separation_range(np.array([0.4]))
+    ((55.0, 80.0), (0.35, 0.45))
+    """
+    low, high = float(separation.min()), float(separation.max())
+    step = 5.0 * 10.0 ** math.floor(math.log10(high / 20.0))
+    first, last = max(0, math.floor(low / step) - 1), math.ceil(high / step) + 1
+    return float(f"{first * step:.6g}"), float(f"{last * step:.6g}")
+
+
+def reference_separation(report: Report) -> float:
+    """rho_0 [m], for which the report holds what was learnt in two forms; NaN if it does not."""
+    with np.errstate(all="ignore"):
+        predictor = np.log(-np.log(report.learnt_reception))
+        log_ratio = (predictor - report.learnt_level) / report.learnt_exponent
+        scale = report.separation * np.exp(-log_ratio)
+    return _median(scale[scale > 0.0])
+
+
+def _chart(report: Report, known: Bools, width: int, height: int) -> list[Line]:
+    """`height` lines of `width` cells beside an axis of reception, and one for the axis of separation."""
+    separation, share = report.separation[known], np.clip(counted(report)[known], 0.0, 1.0)
+    west, east = separation_range(separation)
+    across = np.arange(width * DOTS_X, dtype=np.float64)
+    learnt, true = _curves(report, west + (east - west) * across / across[-1])
+    south, north = _reception_range(np.concatenate([learnt, true, share]))
+
+    canvas = Canvas(width, height, _PALETTE)
+    per_part, per_meter = (height * DOTS_Y - 1) / (north - south), across[-1] / (east - west)
+    _draw_curve(canvas, across, (true - south) * per_part, _EVERY, _TRUE)
+    _draw_curve(canvas, across, (learnt - south) * per_part, 1, _LEARNT)
+    _draw_marks(canvas, (separation - west) * per_meter, (share - south) * per_part)
+
+    marks = [f"{north:.0%}", *[""] * (height - 2), f"{south:.0%}"][:height]
+    chart = [[styled(f"{mark:>{_AXIS - 1}} ", "dim"), *row] for mark, row in zip(marks, canvas.render(), strict=True)]
+    return [*chart, [styled(" " * _AXIS + _axis(west, east, report.optimal_separation, width), "dim")]]
+
+
+def _curves(report: Report, separation: Floats) -> tuple[Floats, Floats]:
+    """Reception at each `separation` [k] [m]: as learnt, of the links' median, and true; NaN where not known."""
+    ratio = np.log(np.maximum(separation, _LEAST) / reference_separation(report))
+    learnt = _median(report.learnt_level), _median(report.learnt_exponent)
+    return _reception(*learnt, ratio), _reception(report.true_level, report.true_exponent, ratio)
+
+
+def _draw_curve(canvas: Canvas, x: Floats, y: Floats, every: int, ink: int) -> None:
+    """Every so many dots of a curve, if it is known; all of them without gaps."""
+    if not np.isfinite(y).all():
+        return
+    if every > 1:
+        canvas.points(x[::every], y[::every], np.full(len(x[::every]), ink))
+        return
+    line = np.column_stack([x, y])
+    solid = np.ones((len(line) - 1, 2), dtype=np.int64)
+    canvas.lines(line[:-1], line[1:], np.full(len(solid), ink), solid)
+
+
+def _draw_marks(canvas: Canvas, x: Floats, y: Floats) -> None:
+    known = np.isfinite(y)
+    for column, row in set(zip(*(place.tolist() for place in canvas.cell(x[known], y[known])), strict=True)):
+        canvas.write(column, row, "•", _COUNTED)
+
+
+def _axis(west: float, east: float, optimal: float, width: int) -> str:
+    """Both ends of the range [m], and where r* is in it, if that is apart from them."""
+    left, right = f"{west:g} m", f"{east:g} m"
+    axis = left + right.rjust(max(1, width - len(left)))
+    part = (optimal - west) / (east - west)
+    at = round(part * (width - 1)) if 0.0 <= part <= 1.0 else 0
+    return f"{axis[:at]}r*{axis[at + 2 :]}" if at > len(left) and at + 2 < width - len(right) else axis
+
+
+def _reception(level: float, exponent: float, ratio: Floats) -> Floats:
+    """Reception p at ln(r / rho_0) of `ratio` [k]; NaN where the line is not known."""
+    with np.errstate(all="ignore"):
+        reached: Floats = np.exp(-np.exp(np.clip(level + exponent * ratio, -_FLAT, _FLAT)))
+    return reached
+
+
+def _reception_range(parts: Floats) -> tuple[float, float]:
+    """Whole twentieths around what is shown.
+
+    >>> _reception_range(np.array([0.72, 0.81, math.nan])), _reception_range(np.array([1.0]))
+    ((0.7, 0.85), (0.95, 1.0))
+    """
+    known = parts[np.isfinite(parts)]
+    if len(known) == 0:
+        return 0.0, 1.0
+    low = min(19, math.floor(20.0 * float(known.min())))
+    return low / 20.0, max(low + 1, math.ceil(20.0 * float(known.max()))) / 20.0
+
+
+def _fact(name: str, values: Floats, truth: float) -> Line:
+    known = values[np.isfinite(values)]
+    spread = float(known.max()) - float(known.min()) if len(known) else math.nan
+    learnt = f"{number(_median(values), '.3f')} (spread {number(spread, '.3f')}), true {number(truth, '.3f')}"
+    return [styled(f"{name:<9}", "dim"), styled(learnt)]
+
+
+def _median(values: Floats) -> float:
+    known = values[np.isfinite(values)]
+    with np.errstate(over="ignore"):
+        return float(np.median(known)) if len(known) else math.nan

@@ -1,0 +1,206 @@
+"""The summary as a person reads it: the most important numbers are last, where a terminal still shows them."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from console.terminal.formatting import UNKNOWN, percent
+from console.terminal.printing import cell
+from world.metrics.summary import links_lost
+
+BELOW = 11
+"""Lines on a terminal of 80 columns, the run directory included, of a summary without deadlines and expectations."""
+
+MAX_EDGES = 30
+MAX_CONTACTS = 5
+MAX_EXPECTED = 4
+"""Most lines of expectations; those that do not hold are first."""
+
+LONGEST_NAME = 40
+
+FIXED = 1e9
+"""Larger numbers are shown with an exponent."""
+
+_TRACKING = (
+    ("at", "from", "{:,.2f} s"),
+    ("optimal_separation", "r*", "{:.3f}"),
+    ("time_to_1m", "1 m after", "{:,.2f} s"),
+    ("bias", "bias", "{:+.3f}"),
+    ("rmse", "rmse", "{:.3f}"),
+    ("separation_rmse", "separation rmse", "{:.3f}"),
+    ("disagreement_max", "disagreement", "{:.3g}"),
+    ("index", "J", "{:.4f}"),
+)
+"""Columns: the key of a row of the summary's tracking, heading and format."""
+
+
+def render(summary: dict[str, Any], verbose: bool = False) -> RenderableType:
+    """The summary of a run; with `verbose`, tables of its tracking, links, beacons and expectations precede it."""
+    facts = Table.grid(padding=(0, 2))
+    facts.add_column(style="bold", no_wrap=True)
+    facts.add_column(overflow="fold")
+    for name, value in [*_course(summary), *([] if verbose else _expected(summary)), *_headline(summary)]:
+        facts.add_row(cell(name), value if isinstance(value, Text) else cell(value))
+    digest = Text.assemble(("digest", "bold"), cell(f"  {summary['digest']}"), no_wrap=True, overflow="ignore")
+    return Group(*(_tables(summary) if verbose else []), facts, digest)
+
+
+def _tables(summary: dict[str, Any]) -> list[RenderableType]:
+    tables = [_tracking(summary["tracking"]), _edges(summary["edges"]), _radio(summary), _expectations(summary)]
+    return [part for table in tables if table for part in (*table, "")]
+
+
+def _course(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    """Rows about the course of the run."""
+    disk = "always" if summary["disk_connected_always"] else "not always"
+    links = "always" if summary["links_connected_always"] else "not always"
+    connectivity = summary["algebraic_connectivity"]
+    lambda_2 = "not computed" if connectivity is None else f"{connectivity:.4f}"
+    sent, decoded = summary["beacons_sent"], summary["beacons_decoded"]
+    share = f" ({percent(decoded / sent)})" if sent else ""
+    found = [
+        ("connected", f"disk graph {disk}, links {links}, λ₂ {lambda_2}"),
+        ("beacons decoded", f"{decoded:,} of {sent:,}{share}"),
+    ]
+    if summary["links_lost_at"] is not None:
+        found.append(("links", links_lost(summary["links_lost_at"])))
+    if summary["deadlines"] is not None:
+        found.append(("deadlines missed", _deadlines(summary["deadlines"])))
+    return found
+
+
+def _headline(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    """Rows about the result."""
+    name = summary["scenario"]
+    name = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}…"
+    rate = f"{_number(summary['ticks_per_s'], 0)} ticks/s, {_number(summary['real_time_factor'], 1)}× real time"
+    return [
+        ("run", f"{name}, {summary['robots']} robots, seed {summary['seed']}, {summary['backend']}"),
+        ("disagreement", f"{_meters(summary['disagreement'], 6)}{_since(summary, 'disagreement')}"),
+        ("estimate error", f"largest {_meters(summary['estimate_error_max'], 4)}{_since(summary, 'estimate')}"),
+        ("separation error", f"largest {_meters(summary['separation_error_max'], 4)}{_since(summary, 'separation')}"),
+        ("r*", _meters(summary["optimal_separation"], 4)),
+        ("time", f"{summary['simulated_s']:g} s simulated in {_number(summary['wall_s'], 1)} s ({rate})"),
+    ]
+
+
+def _since(summary: dict[str, Any], what: str) -> str:
+    """Times from which on an error was below each level."""
+    told = ""
+    for level, label in (("1m", "1 m"), ("0_1m", "0.1 m")):
+        if f"{what}_{level}" in summary["time_to"]:
+            time = summary["time_to"][f"{what}_{level}"]
+            told += f", < {label} " + ("never" if time is None else f"from {time:.2f} s on")
+    return told
+
+
+def _expected(summary: dict[str, Any]) -> list[tuple[str, Text]]:
+    """Rows of the expectations; those that do not hold are first."""
+    verdicts = sorted(summary["expectations"], key=lambda one: bool(one["holds"]))
+    told = [
+        ("expected", Text.assemble(cell(f"{one['of']} {one['expected']}: {_seen(one['seen'])}, "), _verdict(one)))
+        for one in verdicts[:MAX_EXPECTED]
+    ]
+    if len(verdicts) > MAX_EXPECTED:
+        broken = sum(not one["holds"] for one in verdicts)
+        told.append(("", cell(f"{len(verdicts)} expectations, {broken} not met")))
+    for _, line in told:
+        line.no_wrap, line.overflow = True, "ellipsis"
+    return told
+
+
+def _tracking(rows: list[dict[str, Any]]) -> list[RenderableType]:
+    """How the mean estimate followed r*; columns that have no number yet are left out."""
+    columns = [column for column in _TRACKING if any(row[column[0]] is not None for row in rows)]
+    table = _table([heading for _, heading, _ in columns])
+    for row in rows:
+        table.add_row(*(UNKNOWN if row[key] is None else form.format(row[key]) for key, _, form in columns))
+    return [_title("The mean estimate, in m, from the start and from each change of the channel"), table]
+
+
+def _edges(edges: list[list[Any]]) -> list[RenderableType]:
+    table = _table(["link", "separation [m]", "estimate [m]", "estimate back [m]"])
+    for i, j, *numbers in edges[:MAX_EDGES]:
+        table.add_row(f"{i}–{j}", *(_number(value, 3) for value in numbers))
+    rest = [f"… and {len(edges) - MAX_EDGES} more in summary.json"] if len(edges) > MAX_EDGES else []
+    return [_title(f"{len(edges)} link{'' if len(edges) == 1 else 's'} at the end"), table, *rest]
+
+
+def _radio(summary: dict[str, Any]) -> list[RenderableType]:
+    """What the contacts in use as links lost: those that lost most, and all together; none if nothing was lost."""
+    used = {(i, j) for i, j, *_ in summary["edges"]}
+    contacts = [row for row in summary["radio"] if (min(row[:2]), max(row[:2])) in used]
+    if all(sent == decoded for _, _, sent, decoded, _, _ in contacts):
+        return []
+    worst = sorted(contacts, key=lambda row: row[3] / row[2])[:MAX_CONTACTS]
+    table = _table(["receiver ← sender", "sent", "decoded", "lost", "true outage", "longest gap"])
+    for receiver, sender, *numbers in worst:
+        table.add_row(f"{receiver} ← {sender}", *_beacons(*numbers))
+    sent, decoded = (sum(row[column] for row in contacts) for column in (2, 3))
+    known = [row for row in contacts if row[4] is not None]
+    outage = sum(row[2] * row[4] for row in known) / sum(row[2] for row in known) if known else None
+    table.add_row("all", *_beacons(sent, decoded, outage, max(row[5] for row in contacts)), style="bold")
+    return [_title(f"Beacons over these links: the worst {len(worst)} of {len(contacts)} ways"), table]
+
+
+def _expectations(summary: dict[str, Any]) -> list[RenderableType]:
+    """What was expected and seen; nothing if nothing was."""
+    if not summary["expectations"]:
+        return []
+    table = Table(box=None)
+    for heading in ("expected", "to be", "seen", ""):
+        table.add_column(heading)
+    for one in summary["expectations"]:
+        table.add_row(cell(one["of"]), cell(one["expected"]), cell(_seen(one["seen"])), _verdict(one))
+    return [_title("What the scenario expects"), table]
+
+
+def _verdict(one: dict[str, Any]) -> Text:
+    return Text("holds", style="green") if one["holds"] else Text("does not hold", style="bold red")
+
+
+def _seen(value: Any) -> str:
+    if value is None:
+        return UNKNOWN
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _title(text: str) -> Text:
+    return Text(text, style="italic")
+
+
+def _table(headings: Iterable[str]) -> Table:
+    table = Table(box=None)
+    for heading in headings:
+        table.add_column(cell(heading), justify="right")
+    return table
+
+
+def _beacons(sent: int, decoded: int, outage: float | None, longest_gap: int) -> list[str]:
+    lost = percent(1.0 - decoded / sent)
+    return [f"{sent:,}", f"{decoded:,}", lost, UNKNOWN if outage is None else percent(outage), f"{longest_gap:,}"]
+
+
+def _deadlines(kept: dict[str, Any]) -> str:
+    """How the robots kept the pace of the live clock, and which one did worst."""
+    missed = kept["missed"]
+    share = "none due" if kept["missed_share"] is None else f"{kept['missed_share']:.3%}"
+    worst = max(range(len(missed)), key=missed.__getitem__)
+    of_worst = f" (robot {worst}: {missed[worst]:,})" if missed[worst] else ""
+    return (
+        f"{sum(missed):,}, {share}{of_worst}; {sum(kept['late']):,} commands late, "
+        f"{sum(kept['stopped']):,} ticks without one; the world slipped by {_number(kept['slipped_s'], 3)} s"
+    )
+
+
+def _meters(value: float | None, digits: int) -> str:
+    return f"{_number(value, digits)} m"
+
+
+def _number(value: float | None, digits: int) -> str:
+    if value is None:
+        return UNKNOWN
+    return f"{value:.{digits}f}" if abs(value) < FIXED else f"{value:.6g}"

@@ -1,0 +1,6 @@
+"""Certificates of a secured run.
+
+command       the command fes keys
+certificates  certificates and private keys
+stale_keys    private keys of runs that were killed
+"""

@@ -1,0 +1,150 @@
+"""The dashboard of a recorded run: play, pause, step, seek."""
+
+import sys
+import time
+from collections import deque
+from collections.abc import Iterator
+
+from rich.console import Console, Group, RenderableType
+from rich.text import Text
+
+from console.dashboard.frame import History, render
+from console.replay import reexecution
+from console.replay.log import Log
+from console.terminal import screen
+from console.terminal.keyboard import END, LEFT, RIGHT, Keyboard
+from fes import process
+from fes.errors import Stopped
+from fes.protocol.report import Report, decode_report, encode_report
+
+SEEK = 5.0
+"""[s]"""
+
+SPEEDS = (2.0**-6, 2.0**10)
+KEYS = "space: play, pause  ←→: 5 s  .: step  +-: speed  q: quit"
+
+_FRAME, _IDLE = 0.05, 0.25
+_PATIENCE = 0.1  # s; so long may a frame go through ticks before it is drawn
+_KEPT = 2_000_000  # robot-ticks whose Reports are kept, about 130 bytes each
+
+
+class Player:
+    """Where in a run one is, and what was seen on the way; the run is executed again as far as one has looked."""
+
+    def __init__(self, log: Log, speed: float) -> None:
+        self.dt, self.ticks = log.scenario.run.dt, log.scenario.ticks
+        self.speed = speed
+        self.playing = True
+        self.over = False
+        self.tick = -1
+        """That is shown."""
+        self.history = History()
+        self._wanted = 0.0
+        self._stride = 1 + log.scenario.robots.number * self.ticks // _KEPT
+        self._reports = _reports(log)
+        self._kept: list[bytes] = []
+        """Of every tick that is a multiple of the stride, encoded: a seek backward is instant."""
+        self._ended = False
+
+    def press(self, key: str) -> None:
+        """Do what a key says."""
+        if key in ("q", END):
+            self.over = True
+        elif key == " ":
+            self.playing = not self.playing
+        elif key == ".":
+            self.playing = False
+            self._seek((self._due() + self._stride) * self.dt)
+        elif key in (LEFT, RIGHT):
+            self._seek(self._wanted + (SEEK if key == RIGHT else -SEEK))
+        elif key in ("+", "-"):
+            low, high = SPEEDS
+            self.speed = min(max(self.speed * (2.0 if key == "+" else 0.5), low), high)
+
+    def advance(self, elapsed: float) -> None:
+        """Go on after `elapsed` [s; wall clock]; what takes long goes on at the next call."""
+        due = self._due()
+        if self.playing and self.tick >= due:  # a player that is behind catches up first
+            self._wanted += elapsed * self.speed
+            due = self._due()
+        until = time.monotonic() + _PATIENCE
+        while self.tick < due and time.monotonic() < until:
+            self._show_next()
+        if self.tick >= self._last:
+            self.playing = False
+
+    @property
+    def _last(self) -> int:
+        """The last tick that can be shown, as far as is known."""
+        return (len(self._kept) - 1) * self._stride if self._ended else self.ticks - 1
+
+    def _due(self) -> int:
+        self._wanted = min(self._wanted, self._last * self.dt)
+        due = int(self._wanted / self.dt + 1e-6)
+        return due - due % self._stride
+
+    def _seek(self, at: float) -> None:
+        self._wanted = max(at, 0.0)
+        if self._due() < self.tick:
+            seen = self._kept[: self._due() // self._stride + 1]
+            self.history, self.tick = History(), -1
+            for _ in seen:
+                self._show_next()
+
+    def _show_next(self) -> None:
+        """Show the next tick that is kept."""
+        at = (self.tick + self._stride) // self._stride if self.tick >= 0 else 0
+        if at < len(self._kept):
+            report = decode_report(self._kept[at])
+        else:
+            found = next((one for one in self._reports if one.tick % self._stride == 0), None)
+            if found is None:
+                self._ended = True
+                self._wanted = self.tick * self.dt
+                return
+            report = found
+            self._kept.append(encode_report(report))
+        self.history.add(report)
+        self.tick = report.tick
+        if self.tick + self._stride >= self.ticks:
+            deque(self._reports, maxlen=0)  # nothing more is shown, but the summary is still to be compared
+
+
+def play(log: Log, console: Console, speed: float) -> None:
+    """Show a log until a person has seen enough."""
+    player = Player(log, speed)
+    try:
+        with (
+            process.interruptible(),
+            Keyboard(sys.stdin.fileno()) as keyboard,
+            screen.whole(console) as draw,
+        ):
+            before = time.monotonic()
+            while not player.over:
+                now = time.monotonic()
+                player.advance(now - before)
+                before = now
+                draw(frame(player, console.width, console.height))
+                for key in keyboard.pressed(_FRAME if player.playing else _IDLE):
+                    player.press(key)
+    except Stopped:
+        pass  # a view that was told to stop, and stopped
+    console.print(frame(player, console.width, console.height - 1))
+
+
+def frame(player: Player, width: int, height: int) -> RenderableType:
+    """The dashboard, and a line that says where one is and what the keys do."""
+    where = f"{max(player.tick, 0) * player.dt:.2f} of {player.ticks * player.dt:g} s"
+    state = f"{'▶' if player.playing else '⏸'} {player.speed:g}x"
+    line = Text(f"{where} {state}  {KEYS}", style="reverse", no_wrap=True, overflow="ellipsis")
+    line.truncate(max(1, width - 1), overflow="ellipsis", pad=True)
+    return Group(render(player.history, width, height - 1), line)
+
+
+def _reports(log: Log) -> Iterator[Report]:
+    """The Report of each tick; those that were recorded, and at the end the summary, are compared."""
+    latest = None
+    for moment, sums in reexecution.accounted(log):
+        latest = moment.recorded.report or latest
+        if latest is not None:
+            yield reexecution.report(sums, latest)

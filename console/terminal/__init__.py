@@ -1,0 +1,8 @@
+"""Text and terminals.
+
+formatting  numbers as people read them
+printing    lines and tables, in which data is never markup
+progress    bars of commands that take longer than a second
+screen      full-screen frames: the only user of rich's Live
+keyboard    keys pressed
+"""
