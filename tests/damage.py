@@ -24,7 +24,7 @@ from console.sweep.work import Done
 from fes.errors import FesError
 from fes.recording.layout import NAME
 from tests.loop import CONFIGS, load
-from tests.test_resume import Team
+from tests.support.teams import Team
 from world.config.scenario import Scenario
 from world.execution import resume
 from world.execution.checkpoint import Keeper

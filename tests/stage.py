@@ -13,7 +13,7 @@ from fes.transport.bus import Bus
 from fes.transport.endpoints import Endpoints
 from tests import team_keys
 from tests.loop import CONFIGS
-from tests.test_processes import PATIENCE, command, start, until
+from tests.support.processes import PATIENCE, command, start, until
 
 RUN = "main"
 SECONDS = 4.0

@@ -7,7 +7,7 @@ import pytest
 import zenoh
 
 from fes.protocol import keys
-from tests.test_keys import ROBOT, WORLD
+from tests.support.role_keys import ROBOT, WORLD
 from world.server import access
 
 RUN = "r"

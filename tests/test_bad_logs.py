@@ -11,7 +11,7 @@ from console.replay import command as replay_command
 from fes.errors import FesError
 from tests import recordings
 from tests.loop import load
-from tests.test_processes import PATIENCE, command
+from tests.support.processes import PATIENCE, command
 
 
 @pytest.fixture(scope="module")

@@ -12,9 +12,10 @@ import pytest
 from fes.errors import FesError
 from fes.protocol.messages import Join
 from tests.loop import load
+from tests.support.teams import begun
 from world import process
 from world.execution import checkpoint, journal, resume
-from world.execution.checkpoint import FOLDER, Keeper
+from world.execution.checkpoint import Keeper
 from world.execution.run import Course
 from world.process import main
 
@@ -78,9 +79,9 @@ def test_notes_that_are_lost_moved_or_of_another_run_are_damage(tmp_path: Path) 
         with pytest.raises(FesError, match=r"journal-[12] is damaged"):
             read([first, second])
     first.write_bytes(whole)
-    for paths, number, begun in (([second], 1, 7), ([first], 2, 7), ([first, second], 1, 8), ([], 1, 7)):
+    for paths, number, first_tick in (([second], 1, 7), ([first], 2, 7), ([first, second], 1, 8), ([], 1, 7)):
         with pytest.raises(FesError, match=r"is damaged: notes before it are missing|^journal 1 is missing"):
-            read(paths, number, begun)
+            read(paths, number, first_tick)
     # A resumed world dropped the cut note, and died again before its next checkpoint: the checksums show it.
     first.write_bytes(whole + b"x")
     assert len(read([first, second])) == 6
@@ -123,16 +124,6 @@ def test_who_shares_a_process_is_what_was_last_joined(tmp_path: Path) -> None:
     kept.note(["tick", 0, [b"", b"x", b"x"], [], b"", 0.0])
     assert kept.renewed == {0}
     kept.discard(again)
-
-
-def begun(where: Path) -> Path:
-    """A run directory with a checkpoint."""
-    where.mkdir()
-    course = Course(load("pair.toml"))
-    keeper = Keeper(where, 1e9, "pair", "main")
-    keeper.begin(course)
-    keeper.close(course)
-    return where / FOLDER / "state"
 
 
 def holding(state: bytes, pickled: bytes) -> bytes:

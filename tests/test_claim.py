@@ -18,7 +18,7 @@ from fes.transport import bus
 from fes.transport.endpoints import Endpoints
 from tests.loop import CONFIGS
 from tests.session import client, router
-from tests.test_processes import PATIENCE, command, start
+from tests.support.processes import PATIENCE, command, start
 from world.server import claim
 
 RUN = "test"

@@ -2,12 +2,8 @@
 
 import io
 import json
-import socket
-import subprocess
-import sysconfig
 import tomllib
 from pathlib import Path
-from typing import Any
 
 import pytest
 import typer.main
@@ -17,42 +13,8 @@ from console import cli
 from console.backends import inprocess
 from console.dashboard import summary
 from tests.loop import CONFIGS, load
-from tests.test_processes import LOOP
-
-PROGRAMS = Path(sysconfig.get_path("scripts"))
-PAIR = str(CONFIGS / "pair.toml")
-
-
-def call(where: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    """The outcome of a command in the folder `where`."""
-    command = [str(PROGRAMS / words[0]), *words[1:]]
-    return subprocess.run(command, cwd=where, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
-
-
-def run_json(where: Path, *words: str) -> dict[str, Any]:
-    """The summary that `fes run --json` prints, and nothing else."""
-    done = call(where, "fes", "run", PAIR, "--backend", "inprocess", "--json", *words)
-    assert (done.returncode, done.stderr) == (0, LOOP.format(2))
-    found: dict[str, Any] = json.loads(done.stdout)  # more than one document would not parse
-    return found
-
-
-def complaint(done: subprocess.CompletedProcess[str], program: str) -> str:
-    """The one line that an error is; the log lines of a service may stand before it."""
-    assert done.returncode == 1, done
-    assert done.stdout == ""
-    *log, last = done.stderr.splitlines()
-    assert all("waiting for the world" in line or line == LOOP.format(2).strip() for line in log), done.stderr
-    assert len(log) <= 1
-    assert last.startswith(f"{program}: error: ")
-    return last.removeprefix(f"{program}: error: ")
-
-
-def vacant() -> str:
-    """An endpoint on the loopback interface where nobody listens."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+from tests.support.commands import PAIR, call, complaint, run_json, vacant
+from tests.support.processes import LOOP
 
 
 def test_a_run_prints_one_summary_and_leaves_it_in_the_latest_run_directory(tmp_path: Path) -> None:

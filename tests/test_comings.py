@@ -3,8 +3,6 @@
 import asyncio
 import json
 import subprocess
-from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
-from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,72 +13,15 @@ from agents.runtime.outbox import Mouth
 from console.backends import inprocess
 from console.replay import command as replay_command
 from console.replay import log
-from fes.arrays.types import Bools
 from tests import session
 from tests.loop import load
-from tests.session import RUN
-from tests.test_processes import PATIENCE, STARTING, fes
-from world.config.scenario import Scenario
+from tests.support.processes import PATIENCE, STARTING, fes
+from tests.support.rejoining import live_through, standing_still, until
 from world.execution.recorder import Recorder
-from world.execution.run import Course
 from world.metrics.summary import write_scenario
 from world.server.server import Server
-from world.simulation.truth import State
 
 DEADS: list[dict[str, Any]] = [{"at": 0.6, "kill": [4, 6]}, {"at": 1.2, "restart": [4]}, {"at": 1.6, "restart": [6]}]
-Story = Callable[[Server, list["asyncio.Task[Agent]"], str], Awaitable[None]]
-
-
-def live_through(
-    scenario: Scenario,
-    path: Path,
-    story: Story,
-    pace: float = 2.0,
-    groups: Sequence[Sequence[int]] | None = None,
-) -> dict[str, Any]:
-    """A recorded run of robots, an agent a group or a robot, while `story` happens; returns its summary."""
-
-    async def main() -> dict[str, Any]:
-        async with session.router() as (opened, endpoint), asyncio.timeout(100.0):
-            with Recorder(path, scenario, "test", "processes") as recorder:
-                server = Server(opened, Course(scenario, recorder), "test", RUN, pace)
-                crews = groups or [[robot] for robot in range(scenario.robots.number)]
-                agents = [asyncio.ensure_future(session.live(endpoint, crew)) for crew in crews]
-                await server.gather()
-                running = asyncio.ensure_future(server.run())
-                await story(server, agents, endpoint)
-                await running
-                server.dismiss()
-                await asyncio.gather(*agents, return_exceptions=True)
-                summary = server.summarize()
-                assert summary is not None
-                recorder.conclude(summary)
-                return summary
-
-    return asyncio.run(main())
-
-
-@asynccontextmanager
-async def standing_still(server: Server) -> AsyncIterator[None]:
-    """No tick goes by in this block, however long what happens there takes."""
-    present, goes_on = server._clock.present, asyncio.Event()
-
-    async def held(state: State) -> Bools:
-        await goes_on.wait()
-        return await present(state)
-
-    server._clock.present = held  # type: ignore[method-assign]
-    try:
-        yield
-    finally:
-        server._clock.present = present  # type: ignore[method-assign]
-        goes_on.set()
-
-
-async def until(server: Server, holds: Callable[[Any], Any]) -> int:
-    while not holds(server.course.state):
-        await asyncio.sleep(0.01)
-    return int(server.course.state.tick)
 
 
 def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_it_can_be_executed_again(

@@ -14,7 +14,7 @@ from fes.protocol import keys
 from fes.transport.drop_log import MAX_KINDS, Complaints
 from tests import session
 from tests.loop import CONFIGS
-from tests.test_processes import PATIENCE, command, until
+from tests.support.processes import PATIENCE, command, until
 
 
 def test_a_sender_that_makes_up_kinds_fills_neither_memory_nor_log(caplog: pytest.LogCaptureFixture) -> None:

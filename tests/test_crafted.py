@@ -18,7 +18,7 @@ from fes.system import files
 from fes.transport.endpoints import DEFAULT_ENDPOINT
 from tests import crafted, recordings
 from tests.loop import load
-from tests.test_processes import PATIENCE, command
+from tests.support.processes import PATIENCE, command
 from world.execution import recorder, snapshot
 from world.execution.recorder import Recorder
 

@@ -15,7 +15,7 @@ from fes.protocol import keys
 from fes.transport.bus import Bus
 from tests import session
 from tests.loop import load
-from tests.test_comings import live_through, standing_still, until
+from tests.support.rejoining import live_through, standing_still, until
 from world.config.scenario import Scenario
 from world.server.server import Server
 

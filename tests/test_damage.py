@@ -7,7 +7,7 @@ from random import Random
 from tests import damage
 from tests.damage import BEHIND, LINE, SAME
 from tests.loop import load
-from tests.test_cli import call, complaint
+from tests.support.commands import call, complaint
 
 CHANGES = 200
 

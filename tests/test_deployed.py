@@ -9,7 +9,7 @@ from pathlib import Path
 from console.backends import inprocess
 from fes.transport.identity import Identity
 from tests import loop
-from tests.test_cli import PROGRAMS
+from tests.support.commands import PROGRAMS
 from world.config import expectations
 from world.metrics import summary
 

@@ -26,7 +26,7 @@ from fes.transport.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoin
 from tests import session
 from tests.loop import load
 from tests.session import RUN, client
-from tests.test_cli import call, vacant
+from tests.support.commands import call, vacant
 
 CHECKS = [
     *("python", "our names", "packages", "clock", "open files", "run directory"),

@@ -17,7 +17,7 @@ from console.doctor.finding import Status, failed
 from fes.protocol import keys
 from fes.transport import connection_diagnosis
 from fes.transport.endpoints import Endpoints
-from tests.test_cli import call, vacant
+from tests.support.commands import call, vacant
 
 
 def announce(name: str, pid: int) -> Address:

@@ -15,7 +15,7 @@ from fes.errors import FesError, TransportError
 from fes.transport import addresses, bus, connection_diagnosis
 from fes.transport.endpoints import Endpoints
 from tests.loop import CONFIGS
-from tests.test_cli import PROGRAMS, call, complaint, vacant
+from tests.support.commands import PROGRAMS, call, complaint, vacant
 
 NAME = "no.such.host.invalid"
 """A name that no name server has: `.invalid` is reserved for this."""

@@ -11,7 +11,7 @@ import pytest
 from console.backends import inprocess
 from fes.errors import ScenarioError
 from tests.loop import CONFIGS, load
-from tests.test_processes import LOOP, PATIENCE, STARTING, fes
+from tests.support.processes import LOOP, PATIENCE, STARTING, fes
 from world.config import expectations
 from world.config.expectations import ExpectConfig
 from world.metrics import deadlines

@@ -9,7 +9,7 @@ from agents.laws import perturbation
 from agents.laws.perturbation import DRIFT, ESTIMATE
 from fes.arrays.types import Floats
 from tests import witness
-from tests.test_seeking import DT, equation_18, seeker
+from tests.support.scalar_law import DT, equation_18, seeker
 
 
 def fallen(ticks: int, late: bool, corrected: bool) -> float:

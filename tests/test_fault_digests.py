@@ -11,7 +11,7 @@ from console.replay import command as replay_command
 from console.replay import compare, log
 from tests import recordings, session
 from tests.loop import load
-from tests.test_stack import alone, without_wall_clock
+from tests.support.results import alone, without_wall_clock
 from world.config.scenario import Scenario
 from world.execution.recorder import Recorder
 

@@ -19,9 +19,9 @@ from fes.system import fingerprint
 from tests import arithmetics, recordings
 from tests.arithmetics import OTHER
 from tests.loop import CONFIGS, load
-from tests.test_checkpoint import begun
-from tests.test_cli import PAIR, call, complaint
-from tests.test_summary import written
+from tests.support.commands import PAIR, call, complaint
+from tests.support.results import written
+from tests.support.teams import begun
 from world.execution import resume
 
 PAPER = str(CONFIGS / "paper.toml")

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.loop import CONFIGS
-from tests.test_processes import PATIENCE, STARTING, alive, children, fes, start, until
+from tests.support.processes import PATIENCE, STARTING, alive, children, fes, start, until
 
 PAIR = str(CONFIGS / "pair.toml")
 RUN = ["-m", "console", "run", PAIR, "--headless", "--json", "--duration", "1000"]

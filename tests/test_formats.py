@@ -18,8 +18,8 @@ from fes.protocol.messages import Join
 from fes.recording import schemas
 from fes.recording.layout import NAME
 from tests.loop import load
-from tests.test_cli import PAIR, call, complaint
-from tests.test_resume import Team
+from tests.support.commands import PAIR, call, complaint
+from tests.support.teams import Team
 from world.execution import resume, snapshot
 from world.execution.checkpoint import FOLDER, JOIN, STATE, Keeper
 from world.execution.recorder import Recorder

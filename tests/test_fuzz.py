@@ -13,7 +13,7 @@ from fes.protocol.channel_change import Effect, encode_effect
 from tests.fuzz import attack, corpus
 from tests.mutations import LENGTHS, MUTATIONS, mutate
 from tests.payloads import CODECS, refusal
-from tests.test_bad_payloads import PLAIN
+from tests.support.plain_payloads import PLAIN
 from world.config import events
 from world.config.radio import RadioConfig
 

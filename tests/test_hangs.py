@@ -15,7 +15,7 @@ from console.backends import fault_injection, inprocess
 from fes.protocol.report import Report
 from tests.frames import a_report
 from tests.loop import load
-from tests.test_processes import PATIENCE, STARTING, alive, children, fes, start, until
+from tests.support.processes import PATIENCE, STARTING, alive, children, fes, start, until
 from world.config.scenario import Scenario
 from world.metrics.summary import write_scenario
 

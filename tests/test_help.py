@@ -12,7 +12,7 @@ import typer
 from console import cli, guide
 from fes.model.config import Clock
 from fes.system import strict_json
-from tests.test_cli import PROGRAMS, call
+from tests.support.commands import PROGRAMS, call
 from world.config import validation
 from world.config.scenario import Scenario
 

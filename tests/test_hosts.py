@@ -19,7 +19,7 @@ from console.replay import log
 from tests import hosts
 from tests.hosts import Internet
 from tests.loop import CONFIGS, load
-from tests.test_processes import PATIENCE, alive, command, until
+from tests.support.processes import PATIENCE, alive, command, until
 
 WHY_NOT = hosts.why_not()
 pytestmark = pytest.mark.skipif(bool(WHY_NOT), reason=f"many hosts: skipped, because {WHY_NOT}")

@@ -10,7 +10,7 @@ import pytest
 
 from tests import hosts
 from tests.loop import CONFIGS
-from tests.test_processes import PATIENCE, STARTING, fes
+from tests.support.processes import PATIENCE, STARTING, fes
 
 PAIR = str(CONFIGS / "pair.toml")
 

@@ -19,7 +19,7 @@ from fes.protocol import channel_change
 from fes.system import encoding
 from fes.transport import identity
 from tests.loop import CONFIGS
-from tests.test_cli import call, complaint
+from tests.support.commands import call, complaint
 from world.config import scenario
 from world.config.scenario import parse_override
 

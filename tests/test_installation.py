@@ -26,8 +26,8 @@ from fes.errors import FesError
 from fes.protocol import world_info
 from fes.system import distribution, signals
 from tests.loop import CONFIGS
-from tests.test_architecture import imports
-from tests.test_cli import PROGRAMS, complaint
+from tests.support.commands import PROGRAMS, complaint
+from tests.support.source import imports
 
 ROOT = Path(__file__).parent.parent
 COMMANDS = {"fes": ["doctor"], "fes-world": [str(CONFIGS / "pair.toml")], "fes-agent": ["--id", "0"]}

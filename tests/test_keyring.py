@@ -16,8 +16,8 @@ from fes import process
 from fes.transport.identity import Identity
 from tests import team_keys
 from tests.loop import CONFIGS, load
-from tests.test_cli import PAIR, call, complaint
-from tests.test_processes import PATIENCE, children, command, start, until
+from tests.support.commands import PAIR, call, complaint
+from tests.support.processes import PATIENCE, children, command, start, until
 
 
 def modes(directory: Path) -> dict[str, int]:

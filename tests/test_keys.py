@@ -2,8 +2,6 @@
 
 import re
 import uuid
-from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -14,13 +12,9 @@ from fes.errors import FesError
 from fes.protocol import keys
 from fes.transport.session import LONGEST_NAMESPACE
 from tests.loop import CONFIGS
-from tests.test_cli import call
+from tests.support.commands import call
+from tests.support.role_keys import ROBOT, WORLD
 
-WORLD: list[Callable[[str], str]] = [
-    *(keys.world_alive, keys.report, keys.change, keys.about, keys.lease),
-    partial(keys.claim, world="<id>"),
-]
-ROBOT = [keys.robot_alive, keys.observation, keys.beacon, keys.command, keys.recall]
 TABLE = re.findall(r"^\| (fes/\S+)", keys.__doc__ or "", flags=re.MULTILINE)
 
 runs = st.from_regex(r"[A-Za-z0-9_.-]{1,64}", fullmatch=True)

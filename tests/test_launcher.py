@@ -22,7 +22,7 @@ from tests.families import (
     until,
     world,
 )
-from tests.test_processes import alive
+from tests.support.processes import alive
 
 
 def test_a_world_that_is_slow_to_write_what_was_reached_is_not_ended_as_soon_as_its_agents_are_gone(

@@ -7,7 +7,7 @@ from pathlib import Path
 from console.doctor import machine
 from console.keys import stale_keys
 from tests.loop import CONFIGS
-from tests.test_processes import LOOP, PATIENCE, alive, children, fes, start, until
+from tests.support.processes import LOOP, PATIENCE, alive, children, fes, start, until
 
 PAIR = str(CONFIGS / "pair.toml")
 

@@ -21,8 +21,8 @@ from fes.protocol import keys
 from fes.protocol.report import decode_report
 from tests import session
 from tests.loop import CONFIGS, load
-from tests.test_processes import PATIENCE, fes, start
-from tests.test_processes import command as command_line
+from tests.support.processes import PATIENCE, fes, start
+from tests.support.processes import command as command_line
 from world.config.scenario import Scenario
 from world.execution.recorder import Recorder
 from world.execution.run import Course

@@ -1,9 +1,7 @@
 """What a run is said to have achieved, against hand-made series and the text of the contract."""
 
-import hashlib
 import math
 import re
-import struct
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,6 +14,7 @@ from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
 from fes.model.sensing import Telemetry
 from tests import layouts, loop
+from tests.support.results import Tick, contract_digest
 from world.metrics import link_errors
 from world.metrics.link_errors import Tally
 from world.simulation import neighbor_list, truth
@@ -24,19 +23,6 @@ from world.simulation.truth import State, World
 OPTIMUM = 68.0  # m
 DT = 0.5  # s: ten seconds are twenty ticks
 BOTH = [(0, 1), (1, 0)]
-
-Tick = tuple[Floats, Floats]
-"""Poses [n, 3] and twists [n, 2]."""
-
-
-def contract_digest(ticks: Sequence[Tick]) -> str:
-    """SHA-256 of each tick as int64, then x, y, heading, linear, angular of each robot as float64."""
-    text = hashlib.sha256()
-    for number, (poses, twists) in enumerate(ticks):
-        text.update(struct.pack("<q", number))
-        for pose, twist in zip(poses.tolist(), twists.tolist(), strict=True):
-            text.update(struct.pack("<5d", *pose, *twist))
-    return text.hexdigest()
 
 
 def add(

@@ -11,7 +11,7 @@ from fes.protocol import keys
 from fes.transport.endpoints import Endpoints
 from tests import team_keys
 from tests.stage import ROLES, RUN, Stage, stage
-from tests.test_processes import PATIENCE, command, start
+from tests.support.processes import PATIENCE, command, start
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ import pytest
 from console.sweep import design
 from fes.system import encoding
 from tests.loop import CONFIGS
-from tests.test_cli import PROGRAMS, call, complaint
+from tests.support.commands import PROGRAMS, call, complaint
 
 ROOT = Path(__file__).parent.parent
 PAIR = (CONFIGS / "pair.toml").read_text(encoding="utf-8")

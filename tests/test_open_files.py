@@ -10,7 +10,7 @@ import pytest
 from console.doctor import machine
 from console.doctor.finding import Status
 from tests.loop import CONFIGS
-from tests.test_processes import PATIENCE, STARTING, fes
+from tests.support.processes import PATIENCE, STARTING, fes
 
 PAIR = ["run", str(CONFIGS / "pair.toml"), "--duration", "1", "--headless"]
 

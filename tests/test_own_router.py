@@ -20,7 +20,7 @@ from fes.transport.endpoints import Endpoints
 from tests import team_keys
 from tests.loop import load
 from tests.session import PATIENCE
-from tests.test_cli import call
+from tests.support.commands import call
 from world.execution.run import Course
 from world.server.server import Server
 

@@ -11,7 +11,7 @@ from fes.errors import ScenarioError
 from fes.model.sensing import CLOSED, DECODED, LOST, silence
 from tests import loop
 from tests.loop import load
-from tests.test_metrics import contract_digest
+from tests.support.results import contract_digest
 from world.config.scenario import Scenario, agent_config
 from world.metrics import report_builder
 from world.metrics.collector import Account

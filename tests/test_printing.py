@@ -24,8 +24,8 @@ from fes.system import output, signals
 from tests import recordings
 from tests.frames import a_history, a_report
 from tests.loop import load
-from tests.test_architecture import ROOMS, modules
-from tests.test_cli import PAIR
+from tests.support.commands import PAIR
+from tests.support.source import ROOMS, modules
 from world.execution.recorder import Recorder
 
 EVIL = "\x1b]0;PWNED\x07\x1b[2J[bold red]x[/] :smile: [/b]\r\n\x9b2J\u202e"

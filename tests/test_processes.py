@@ -1,109 +1,29 @@
 """Real processes: `fes run`, worlds and agents by hand; nothing is left behind, whoever dies."""
 
 import asyncio
-import contextlib
 import json
 import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from console.backends import inprocess
 from console.backends.process_group import free_port
-from console.connect import observer
-from console.connect.run_directory import Address
-from fes.transport import bus
-from fes.transport.endpoints import Endpoints
 from tests.loop import CONFIGS, load
-
-PATIENCE = 60.0  # s; how long a test waits for what must come, on a machine of any speed
-
-STARTING = "starting a world and {} robots ...\n"
-"""The first line of fes run, on standard error."""
-
-LOOP = "running a world and {} robots in one loop ...\n"
-"""The same with one loop."""
-
-
-def command(module: str, *words: str) -> list[str]:
-    return [sys.executable, "-c", f"from {module} import main; main()", *words]
-
-
-def fes(*words: str) -> list[str]:
-    return command("console.cli", *words)
-
-
-def start(words: list[str], where: Path) -> "subprocess.Popen[str]":
-    return subprocess.Popen(
-        words, cwd=where, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-
-
-def children(pid: int) -> dict[int, str]:
-    """Pid and command line of every child of a process; one that ends meanwhile may be left out."""
-    found = {}
-    for task in Path(f"/proc/{pid}/task").glob("*/children"):
-        with contextlib.suppress(OSError):  # the thread has ended
-            for child in task.read_text().split():
-                with contextlib.suppress(OSError):  # its parent has reaped it
-                    line = Path(f"/proc/{child}/cmdline").read_bytes().replace(b"\0", b" ").decode()
-                    found[int(child)] = line
-    return found
-
-
-def alive(pid: int) -> bool:
-    """Whether a process runs (a zombie does not)."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] not in "ZX"
-    except OSError:
-        return False
-
-
-def until(holds: Callable[[], Any]) -> Any:
-    """Wait for something that another process brings about."""
-    end = time.monotonic() + PATIENCE
-    while time.monotonic() < end:
-        value = holds()
-        if value:
-            return value
-        time.sleep(0.01)
-    raise AssertionError("what was waited for did not come")
-
-
-def started(where: Path, running: "subprocess.Popen[str]", robots: int) -> dict[int, str]:
-    """Wait until all robots are here and the run goes on; returns the children."""
-    log = where / "out" / "world.log"
-    until(lambda: log.exists() and "all robots are here" in log.read_text())
-    found = children(running.pid)
-    assert len(found) == robots + 1
-    return found
-
-
-async def first_report(directory: Path) -> None:
-    """Wait until a run has run some ticks, as an observer sees it."""
-    address = Address(**json.loads((directory / "endpoint.json").read_text()))
-    async with bus.opened(Endpoints("client", (address.endpoint,), timeout=PATIENCE)) as opened:
-        async for report in observer.reports(opened, address.run, PATIENCE, PATIENCE):
-            if report is not None and report.tick > 0:
-                return
-
-
-@pytest.fixture
-def endless(tmp_path: Path) -> Iterator["subprocess.Popen[str]"]:
-    """A run of two robots that goes on for a very long time."""
-    running = start(
-        fes("run", str(CONFIGS / "pair.toml"), "--duration", "100000", "--out", "out", "--json"), tmp_path
-    )
-    yield running
-    if running.poll() is None:
-        running.kill()
-    running.communicate()
+from tests.support.processes import (
+    PATIENCE,
+    STARTING,
+    alive,
+    command,
+    fes,
+    first_report,
+    start,
+    started,
+    until,
+)
 
 
 @pytest.mark.parametrize("per_process", [1, 3, 10])

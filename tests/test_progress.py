@@ -18,9 +18,9 @@ from fes import process
 from fes.system import signals
 from tests import recordings
 from tests.loop import load
+from tests.support.commands import PAIR
+from tests.support.processes import PATIENCE, fes
 from tests.terminals import HIDE, Terminal, is_restored
-from tests.test_cli import PAIR
-from tests.test_processes import PATIENCE, fes
 
 LONG = ["--set", "run.duration=60", "--jobs", "1", "--out", "out"]
 

@@ -5,7 +5,7 @@ import subprocess
 from pathlib import Path
 
 from tests.loop import CONFIGS
-from tests.test_cli import PROGRAMS, call, complaint
+from tests.support.commands import PROGRAMS, call, complaint
 
 ROOT = Path(__file__).parent.parent
 IN = ["--backend", "inprocess", "--headless", "--json", "--duration", "0.2"]

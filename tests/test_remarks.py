@@ -10,7 +10,7 @@ import pytest
 from console.backends import inprocess
 from fes.protocol.channel_change import Effect, decode_effect, encode_effect
 from tests.loop import CONFIGS, load
-from tests.test_processes import LOOP, PATIENCE, STARTING, fes
+from tests.support.processes import LOOP, PATIENCE, STARTING, fes
 from world.config import remarks
 from world.execution.run import Course
 

@@ -15,7 +15,7 @@ from fes.errors import Busy, Refused
 from fes.protocol import messages
 from fes.protocol.messages import Welcome
 from tests.loop import CONFIGS, load
-from tests.test_processes import PATIENCE, command, start, until
+from tests.support.processes import PATIENCE, command, start, until
 from world.config.scenario import agent_config
 
 

@@ -26,7 +26,7 @@ from fes.protocol.channel_change import Change
 from fes.system import fingerprint
 from tests import recordings, session
 from tests.loop import CONFIGS, load
-from tests.test_processes import PATIENCE, alive, children, fes, start, until
+from tests.support.processes import PATIENCE, alive, children, fes, start, until
 from world.execution.recorder import Recorder
 from world.server.server import Server
 

@@ -25,7 +25,7 @@ from fes.transport.endpoints import Endpoints
 from tests import team_keys
 from tests.loop import load
 from tests.stage import ROLES, RUN, SECONDS, Stage, stage
-from tests.test_processes import PATIENCE, until
+from tests.support.processes import PATIENCE, until
 from world.server.audit import KINDS_OF_ONE
 
 

@@ -6,41 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents.laws import oracle, perturbation
+from agents.laws import perturbation
 from agents.laws.perturbation import BASELINE, DRIFT, ESTIMATE, Seeker
 from fes.arrays.types import Floats
-from fes.model.config import ChannelConfig, ObjectiveConfig, SeekingConfig
 from tests import witness
+from tests.support.scalar_law import AMPLITUDE, DT, FREQUENCY, KAPPA, LOW_PASS, equation_18, seeker
 
-AMPLITUDE, FREQUENCY, KAPPA, LOW_PASS, WASHOUT = 0.2, 100.0, 4.0, 4.0, 25.0
 """a, beta_0, kappa, beta_l, beta_h of the paper."""
 NO_INDEX = 1e-12
 """An index gain that leaves nothing but the consensus."""
-DT = 0.02
 UNHEARD = math.nan
-
-
-def seeker(law: str = "consensus", gain: float = 44460.0, sub_step: float = 0.01, dt: float = DT) -> Seeker:
-    config = SeekingConfig.model_validate({"law": law, "index_gain": gain, "sub_step": sub_step})
-    return Seeker(config, oracle.index(ObjectiveConfig(), ChannelConfig(), "none"), dt)
-
-
-def equation_18(law: str, gain: float, heard: float) -> witness.Rate:
-    """(18) for one link, transcribed; `law` chooses the sign of the second kappa term."""
-
-    def rate(t: float, state: list[float]) -> tuple[float, float, float]:
-        estimate, drift, baseline = state
-        probe = AMPLITUDE * math.sin(FREQUENCY * t)
-        index = gain * witness.paper_index(estimate + probe)
-        consensus = 0.0 if math.isnan(heard) else KAPPA * (heard - estimate)
-        sign = -1.0 if law == "paper" else 1.0
-        return (
-            drift + consensus,
-            LOW_PASS * (-drift + (index - baseline) * probe + sign * consensus),
-            WASHOUT * (-baseline + index),
-        )
-
-    return rate
 
 
 def coast(one: Seeker, state: Floats, ticks: int, peer: Floats) -> list[Floats]:

@@ -15,7 +15,7 @@ from console import cli
 from fes import process
 from fes.system import signals
 from tests.loop import CONFIGS
-from tests.test_processes import PATIENCE, alive, fes, first_report, start, started
+from tests.support.processes import PATIENCE, alive, fes, first_report, start, started
 
 WITHOUT_LOOP = """
 import sys

@@ -1,22 +1,13 @@
 """Runs that share one array program keep the digits that each has alone."""
 
-from typing import Any
-
 import pytest
 
-from console.backends import inprocess, stacked
+from console.backends import stacked
 from console.sweep import work
 from console.sweep.design import Run
 from tests.loop import load
+from tests.support.results import alone, without_wall_clock
 from world.config.scenario import Scenario
-
-
-def without_wall_clock(summary: dict[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in summary.items() if name not in work.WALL_CLOCK}
-
-
-def alone(scenarios: list[Scenario]) -> list[dict[str, Any]]:
-    return [without_wall_clock(inprocess.run(one, "x")) for one in scenarios]
 
 
 @pytest.mark.parametrize(

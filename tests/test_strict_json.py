@@ -21,8 +21,8 @@ from fes.protocol.channel_change import Change
 from fes.system import strict_json
 from tests import recordings
 from tests.loop import load
-from tests.test_architecture import ROOMS, modules
-from tests.test_cli import PAIR, call
+from tests.support.commands import PAIR, call
+from tests.support.source import ROOMS, modules
 from world.metrics import summary
 
 BAD = (math.nan, math.inf, -math.inf)

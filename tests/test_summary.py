@@ -12,6 +12,7 @@ import pytest
 from console.backends import inprocess
 from fes.errors import FesError
 from tests import loop, witness
+from tests.support.results import written
 from world.config import scenario
 from world.metrics import summary
 
@@ -55,16 +56,6 @@ CONTRACT = {
 TIMES = {"disagreement_1m", "estimate_1m", "estimate_0_1m", "separation_1m", "separation_0_1m"}
 ERRORS = ("separation_error", "estimate_error")
 OF_LINKS = (*(f"{error}_{kind}" for error in ERRORS for kind in ("max", "rms")), "disagreement")
-
-
-def written(directory: Path, result: dict[str, Any]) -> Any:
-    """What a strict reader of JSON finds in the run directory."""
-    summary.write(directory, result)
-
-    def refuse(word: str) -> None:
-        raise AssertionError(f"{word} is not JSON")
-
-    return json.loads((directory / "summary.json").read_text(encoding="utf-8"), parse_constant=refuse)
 
 
 def rms(errors: list[float]) -> float:

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.loop import CONFIGS
-from tests.test_processes import PATIENCE, STARTING, alive, children, fes, first_report, start, until
+from tests.support.processes import PATIENCE, STARTING, alive, children, fes, first_report, start, until
 
 BEGUN = "all robots are here"
 

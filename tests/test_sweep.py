@@ -1,7 +1,6 @@
 """The command fes sweep, as a person calls it, stops it, kills it and calls it again."""
 
 import csv
-import json
 import os
 import re
 import signal
@@ -15,17 +14,16 @@ from pyarrow import parquet
 
 from console.analysis import figures
 from console.backends import inprocess
-from console.sweep import cluster, ledger, table, work
+from console.sweep import cluster, table, work
 from console.sweep.table import Format
 from fes.errors import FesError
 from fes.system.distribution import install
 from tests.loop import load
-from tests.test_cli import PAIR, PROGRAMS, call, complaint, vacant
-from tests.test_processes import PATIENCE
+from tests.support.commands import PAIR, PROGRAMS, call, complaint, vacant
+from tests.support.processes import PATIENCE
+from tests.support.sweeps import LONG, RUNS, kept, until_some_are_done
 
 RULES = ["--axis", "formation.rule=disk,two_nearest"]
-LONG = ["sweep", PAIR, "--seeds", "0:120", "--set", "run.duration=4", "--jobs", "2", "--out", "out"]
-RUNS = 120
 
 WITNESS = """
 import functools, os
@@ -57,19 +55,6 @@ def start(where: Path, log: str) -> "subprocess.Popen[str]":
         text=True,
         start_new_session=True,
     )
-
-
-def kept(directory: Path) -> list[str]:
-    """The keys of the ledger's whole lines."""
-    path = directory / ledger.LINES
-    lines = path.read_bytes().split(b"\n")[:-1] if path.exists() else []
-    return [json.loads(line)["key"] for line in lines]
-
-
-def until_some_are_done(directory: Path, sweep: "subprocess.Popen[str]") -> None:
-    while not kept(directory):
-        assert sweep.poll() is None, sweep.communicate()
-        time.sleep(0.005)
 
 
 def begun(log: Path) -> list[tuple[int, str]]:

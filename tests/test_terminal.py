@@ -14,9 +14,9 @@ import pytest
 from console import cli
 from tests import recordings
 from tests.loop import CONFIGS, load
+from tests.support.commands import PAIR, PROGRAMS
+from tests.support.processes import PATIENCE, endless, fes, first_report, until
 from tests.terminals import ENTER, POSIX, Terminal, is_restored
-from tests.test_cli import PAIR, PROGRAMS
-from tests.test_processes import PATIENCE, endless, fes, first_report, until
 
 __all__ = ["endless"]
 

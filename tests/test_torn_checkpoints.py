@@ -10,7 +10,7 @@ import pytest
 
 from fes.errors import FesError
 from tests.loop import load
-from tests.test_resume import Team
+from tests.support.teams import Team
 from world.execution import resume
 from world.execution.checkpoint import FOLDER, STATE, TRAIL, Keeper
 from world.execution.run import Course

@@ -21,8 +21,8 @@ from fes.transport import bus
 from fes.transport.endpoints import Endpoints
 from tests import team_keys
 from tests.loop import CONFIGS, load
-from tests.test_cli import PROGRAMS
-from tests.test_processes import PATIENCE, until
+from tests.support.commands import PROGRAMS
+from tests.support.processes import PATIENCE, until
 from world.execution.checkpoint import FOLDER, STATE
 
 UNITS = Path(__file__).parent.parent / "deploy" / "systemd"

@@ -15,9 +15,9 @@ from console.replay import log
 from fes.errors import FesError
 from fes.recording.layout import NAME
 from tests.loop import load
-from tests.test_cli import PAIR
-from tests.test_processes import fes, start, until
-from tests.test_resume import Team
+from tests.support.commands import PAIR
+from tests.support.processes import fes, start, until
+from tests.support.teams import Team
 from world.execution import resume
 from world.execution.checkpoint import FOLDER, STATE, TRAIL, Keeper
 from world.execution.recorder import Recorder

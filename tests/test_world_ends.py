@@ -11,8 +11,8 @@ import pytest
 from console.backends import inprocess
 from console.backends.process_group import free_port
 from tests.loop import CONFIGS, load
-from tests.test_processes import PATIENCE, STARTING, alive, children, command, fes, start, until
-from tests.test_world_deaths import Run, under_way
+from tests.support.processes import PATIENCE, STARTING, alive, children, command, fes, start, until
+from tests.support.worlds import Run, under_way
 from world.execution.checkpoint import FOLDER
 from world.metrics.summary import write_scenario
 

@@ -1,0 +1,49 @@
+"""A team of one loop that keeps checkpoints, and dies at any tick."""
+
+from pathlib import Path
+
+import numpy as np
+
+from agents.control import crew
+from agents.runtime import marshalling
+from fes.model.sensing import silence
+from fes.protocol import messages
+from tests.loop import load
+from world.config.scenario import Scenario, agent_config
+from world.execution.checkpoint import FOLDER, Keeper
+from world.execution.run import Answer, Course
+from world.simulation import truth
+
+
+class Team:
+    """A crew in one loop with a course."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.crew = crew.assemble(agent_config(scenario), np.arange(scenario.robots.number))
+        self.minds, self.said = crew.start(self.crew), silence()
+
+    def step(self, course: Course) -> None:
+        """Go through one tick."""
+        anew = course.state.since == course.state.tick
+        if anew.any() and course.state.tick > 0:
+            self.minds = crew.forget(self.crew, self.minds, anew)
+        sent = course.observations(course.state.present)
+        self.minds, self.said, twists = crew.step(self.crew, self.minds, truth.observe(course.state), self.said)
+        told = crew.telemetry(self.crew, self.minds)
+        spoken = [payload for _, *payload in marshalling.payloads(self.said, twists, told)]
+        legible = course.state.legible.tolist()
+        beacons = [beacon if good else b"" for (beacon, _), good in zip(spoken, legible, strict=True)]
+        answers: list[Answer | None] = [(messages.decode_command(command), command) for _, command in spoken]
+        alive = (course.world.ids != course.state.tick % 3).astype(np.uint8)  # who hangs is alive; who is dead is not
+        course.take(sent, answers, beacons, alive, 0.1)
+        course.account()
+
+
+def begun(where: Path) -> Path:
+    """A run directory with a checkpoint."""
+    where.mkdir()
+    course = Course(load("pair.toml"))
+    keeper = Keeper(where, 1e9, "pair", "main")
+    keeper.begin(course)
+    keeper.close(course)
+    return where / FOLDER / "state"
