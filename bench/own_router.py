@@ -6,7 +6,7 @@ standard input.
 
 SOURCE = """
 import asyncio, sys
-from fes import bus
+from fes.transport import bus
 from fes.transport.endpoints import Endpoints
 
 async def main(listen, *connect):

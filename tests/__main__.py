@@ -1,5 +1,6 @@
 """The one check command, `python -m tests`: style, types, then every test. Further arguments go to pytest.
 
+`python -m tests --quick` runs the unit and architecture tests that need no more than ten seconds.
 All tests run in two processes, as most of their time is waiting; tests that are chosen by arguments run in one.
 """
 
@@ -12,11 +13,16 @@ ROOT = Path(__file__).parent.parent
 PARALLEL = ["-n", "2", "--dist", "loadfile", "--no-loadscope-reorder"]
 """Two processes, each with whole files. Files keep their order: xdist would put the longest, of one test, last."""
 
+QUICK = [*PARALLEL, "-q", "-m", "not slow", "tests/unit", "tests/architecture", "fes", "agents", "world", "console"]
+"""The folders of quick tests, and the doctests."""
+
+CHOSEN = QUICK + sys.argv[2:] if sys.argv[1:2] == ["--quick"] else sys.argv[1:] or PARALLEL
+
 CHECKS = (
     ["ruff", "check", "."],
     ["ruff", "format", "--check", "."],
     ["mypy"],
-    ["pytest", *(sys.argv[1:] or PARALLEL)],
+    ["pytest", *CHOSEN],
 )
 
 

@@ -5,6 +5,7 @@ Tests send stop signals, which the background job of a script ignores and its ch
 
 import signal
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -16,6 +17,18 @@ settings.load_profile("fes")
 
 signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+KINDS = ("unit", "integration", "system", "science", "architecture")
+"""Folders of tests, each of which is a marker."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark every test with the name of its folder."""
+    here = Path(__file__).parent
+    for item in items:
+        for kind in KINDS:
+            if here / kind in item.path.parents:
+                item.add_marker(kind)
 
 
 @pytest.fixture(autouse=True)

@@ -1,7 +1,7 @@
 """Reception and outage of a single-antenna link in closed form: equations (3) and (4), and two that are not Rayleigh.
 
 This is the formula that the paper's robots are said not to know. The world may use it; of the agents' modules
-only `agents.laws.oracle` may import it. `tests/test_architecture.py` holds them to it.
+only `agents.laws.oracle` may import it. `tests/architecture/test_architecture.py` holds them to it.
 """
 
 import math

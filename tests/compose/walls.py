@@ -27,7 +27,8 @@ def hardened(team: Team, agent: str) -> None:
 
 def closed(team: Team, network: Network, agent: str, port: int) -> None:
     """The world can be reached from the machine's loopback interface alone, and no agent can leave."""
-    listing = "from fes import health; print(*{one.address for one in health.here() if one.state == health.LISTEN})"
+    addresses = "{socket.address for socket in health.here() if socket.state == health.LISTEN}"
+    listing = f"from fes.transport import health; print(*{addresses})"
     claim(network.call(sys.executable, "-c", listing).split() == ["0100007F"], "nothing listens but on 127.0.0.1")
     reach = f"import socket; socket.create_connection(('127.0.0.1', {port}), 2)"
     network.call(sys.executable, "-c", reach)

@@ -7,7 +7,7 @@ import sysconfig
 from pathlib import Path
 from typing import Any
 
-from tests.loop import CONFIGS
+from tests.support.paths import CONFIGS
 from tests.support.processes import LOOP
 
 PROGRAMS = Path(sysconfig.get_path("scripts"))

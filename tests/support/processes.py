@@ -15,7 +15,7 @@ from console.connect import observer
 from console.connect.run_directory import Address
 from fes.transport import bus
 from fes.transport.endpoints import Endpoints
-from tests.loop import CONFIGS
+from tests.support.paths import CONFIGS
 
 PATIENCE = 60.0  # s; how long a test waits for what must come, on a machine of any speed
 

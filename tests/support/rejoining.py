@@ -8,8 +8,8 @@ from typing import Any
 
 from agents.process import Agent
 from fes.arrays.types import Bools
-from tests import session
-from tests.session import RUN
+from tests.support import session
+from tests.support.session import RUN
 from world.config.scenario import Scenario
 from world.execution.recorder import Recorder
 from world.execution.run import Course

@@ -5,7 +5,7 @@ import math
 from agents.laws import oracle
 from agents.laws.perturbation import Seeker
 from fes.model.config import ChannelConfig, ObjectiveConfig, SeekingConfig
-from tests import witness
+from tests.support import reference as witness
 
 AMPLITUDE, FREQUENCY, KAPPA, LOW_PASS, WASHOUT = 0.2, 100.0, 4.0, 4.0, 25.0
 

@@ -4,8 +4,7 @@ import ast
 from collections.abc import Iterator
 from pathlib import Path
 
-ROOT = Path(__file__).parent.parent
-
+from tests.support.paths import ROOT
 
 ROOMS = ("fes", "agents", "world", "console")
 

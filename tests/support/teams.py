@@ -8,7 +8,7 @@ from agents.control import crew
 from agents.runtime import marshalling
 from fes.model.sensing import silence
 from fes.protocol import messages
-from tests.loop import load
+from tests.support.loop import load
 from world.config.scenario import Scenario, agent_config
 from world.execution.checkpoint import FOLDER, Keeper
 from world.execution.run import Answer, Course

@@ -11,8 +11,8 @@ from typing import Any
 
 from console.backends.process_group import free_port
 from fes.protocol import keys
-from tests import session
-from tests.loop import CONFIGS
+from tests.support import session
+from tests.support.paths import CONFIGS
 from tests.support.processes import PATIENCE, command, start, until
 from world.execution import checkpoint, journal
 from world.execution.checkpoint import FOLDER

@@ -1,0 +1,103 @@
+"""Advice about installing: it names a clone or a wheel file, and is never the name of somebody else's project."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from console.analysis import figures
+from console.doctor import machine, network
+from console.sweep import cluster, table
+from console.sweep.table import Format
+from fes.errors import FesError
+from fes.system import distribution
+from fes.transport import identity
+from tests.support.paths import ROOT
+
+INSTALLERS = re.compile(
+    r"\b(?:pip3?|pipx|uvx?|conda|poetry)\b[^\n|&;`#]*?"
+    r"\b(?:install|add|run|download|tool)\b(?P<rest>[^\n|;&#]*)"
+)
+BY_NAME = re.compile(r"""(?<![\w./*-])(?:fes|fes[-_]robots)(?:\[[\w,-]*\])?(?=$|[\s'"`),:=<>~!])""")
+"""The distribution, or the stranger's, as an installer takes it from an index: not in a path, and not of a file."""
+
+
+def tracked() -> list[Path]:
+    """Every file of the repository."""
+    done = subprocess.run(
+        ["git", "ls-files", "-co", "--exclude-standard", "-z"], cwd=ROOT, capture_output=True, check=True, timeout=60
+    )
+    paths = [ROOT / name for name in done.stdout.decode().split("\0") if name]
+    return [path for path in paths if path.is_file()]
+
+
+def offences(text: str) -> list[str]:
+    """Each piece of a text that would install the project, or a stranger's, by its name."""
+    found = (match["rest"] for match in INSTALLERS.finditer(text))
+    return [rest for rest in found if BY_NAME.search(rest.replace("in a clone of fes", ""))]
+
+
+def test_no_text_of_the_project_installs_it_by_name() -> None:
+    paths = [path for path in tracked() if path != Path(__file__).resolve()]
+    assert len(paths) > 200
+    assert {ROOT / "README.md", ROOT / "fes/transport/identity.py"} <= set(paths)
+    found = {
+        path.name: said for path in paths if (said := offences(path.read_text(encoding="utf-8", errors="replace")))
+    }
+    assert found == {}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "pip install fes", "pip install 'fes[security]'", "`pip install fes-robots`", "pip install --upgrade fes",
+        "python -m pip install -q fes_robots==0.2", "uv tool install fes", "pipx install fes-robots", "uv add fes",
+        'install("pip install fes")', "pip3 install numpy fes", "uvx run fes", "pip install fes, then",
+    ],
+)  # fmt: skip
+def test_the_search_finds_what_installs_by_name(text: str) -> None:
+    assert offences(text) != []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "pip install -e '.[security]'  # in a clone of fes", "pip install .", "pipx install dist/fes_robots-*.whl",
+        "/opt/fes/bin/pip install .", "uv tool install ./fes_robots-0.2.0-py3-none-any.whl",
+    ],
+)  # fmt: skip
+def test_the_search_lets_a_clone_and_a_wheel_file_pass(text: str) -> None:
+    assert offences(text) == []
+
+
+def test_a_missing_extra_is_told_with_the_command_that_installs_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for module in ("matplotlib", "pyarrow", "distributed", "cryptography"):
+        monkeypatch.setitem(sys.modules, module, None)
+    told: dict[str, str] = {"security": str(identity.missing_extra())}
+    with pytest.raises(FesError) as plot:
+        figures.require()
+    with pytest.raises(FesError) as parquet:
+        table.require(Format.PARQUET)
+    with pytest.raises(FesError) as cluster_, cluster.connected("tcp://127.0.0.1:1"):
+        pass
+    told |= {"plot": str(plot.value), "parquet": str(parquet.value), "cluster": str(cluster_.value)}
+    for extra, message in told.items():
+        assert distribution.install(extra) in message
+        assert "\n" not in message
+
+
+def test_what_the_doctor_advises_to_install_comes_from_one_place() -> None:
+    missing, *_ = machine.packages(["no-such-package>=1"])
+    assert missing.remedy == distribution.install()
+    assert "pip install" not in network.remedy("nobody listens")
+
+
+def test_only_one_module_has_a_command_that_installs() -> None:
+    for package in distribution.PACKAGES:
+        for path in (ROOT / package).rglob("*.py"):
+            if path != ROOT / "fes" / "distribution.py":
+                assert not re.search(r"\b(pip3?|pipx|uv tool) install\b", path.read_text(encoding="utf-8")), path

@@ -1,0 +1,130 @@
+"""The floors of the house: who may import whom, proved from the source and in a fresh interpreter."""
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.support.paths import ROOT
+from tests.support.source import ROOMS, importers, imports, modules
+
+BELOW = {"fes": set[str](), "agents": {"fes"}, "world": {"fes"}, "console": {"fes", "agents", "world"}}
+FORMULA_READERS = {"world.simulation.channel", "world.metrics.report_builder", "agents.laws.oracle"}
+"""Modules that may know the channel's formula; `world.metrics.optimum` has it in decimals. Observers see the true
+outage."""
+MAPPED = (*ROOMS, "console/doctor", "console/sweep")
+LONGEST_FILE = 260
+
+
+def at_import(path: Path) -> Iterator[ast.stmt]:
+    """The statements that run when a module is imported: not the bodies of functions."""
+    waiting: list[ast.AST] = list(ast.parse(path.read_text(encoding="utf-8")).body)
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+            continue
+        if isinstance(node, ast.stmt):
+            yield node
+        waiting += ast.iter_child_nodes(node)
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_room_imports_only_what_lies_below_it(room: str) -> None:
+    seen = set()
+    for name, path in modules(room).items():
+        for imported in imports(ast.parse(path.read_text(encoding="utf-8"))):
+            other = imported.partition(".")[0]
+            seen.add(other)
+            assert other not in {*ROOMS, "tests"} - {room} - BELOW[room], f"{name} imports {imported}"
+    assert "dataclasses" in seen or "numpy" in seen, "the room was not read"
+
+
+def below_console(names: set[str]) -> set[str]:
+    """The modules that can be part of a running agent or world."""
+    return {name for name in names if not name.startswith("console.")}
+
+
+def test_only_the_bus_and_its_session_import_zenoh() -> None:
+    assert importers("zenoh") <= {"fes.transport.bus", "fes.transport.session"}
+    assert importers("fes.transport.session") == {"fes.transport.bus"}
+
+
+def test_only_the_logs_writer_and_its_readers_import_mcap_and_one_of_them_its_reader() -> None:
+    assert importers("mcap") == {
+        "fes.recording.mcap_file",
+        "fes.recording.records",
+        "fes.recording.reader",
+        "fes.recording.ticks",
+    }
+    assert importers("mcap.data_stream") == {"fes.recording.records"}
+    assert not importers("mcap.stream_reader") | importers("mcap.reader")  # which take a length for granted
+
+
+def test_only_the_world_and_the_oracle_know_the_channels_formula() -> None:
+    # A person's figures may show the formula: nothing of the console runs in an agent or a world.
+    assert below_console(importers("fes.model.outage")) == FORMULA_READERS
+
+
+def test_only_a_crew_imports_the_oracle_and_only_when_it_assembles_one() -> None:
+    assert below_console(importers("agents.laws.oracle")) == {"agents.control.crew"}
+    for statement in at_import(modules("agents")["agents.control.crew"]):
+        if isinstance(statement, ast.Import | ast.ImportFrom):
+            assert "agents.laws.oracle" not in set(imports(statement))
+
+
+@pytest.mark.parametrize("module", ["agents.control.crew", "agents.process"])
+def test_an_agent_starts_without_the_formula_and_without_what_it_has_no_use_for(module: str) -> None:
+    code = f"import sys, {module}; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.split())
+    assert {module, "numpy"} <= loaded
+    unwanted = {"matplotlib", "typer", "mcap", "rich", "world", "console", "agents.laws.oracle", "fes.model.outage"}
+    assert not unwanted & loaded
+
+
+def test_a_crew_that_was_not_told_the_channel_never_loads_its_formula() -> None:
+    code = """
+import sys
+import numpy as np
+from agents.control import crew
+from fes.model.config import AgentConfig, FormationConfig, ObjectiveConfig, SeekingConfig
+from fes.errors import FesError
+seeking = SeekingConfig()
+config = AgentConfig(
+    dt=0.02, seed=1, objective=ObjectiveConfig(), seeking=seeking, formation=FormationConfig(), channel=None
+)
+try:
+    crew.assemble(config, np.arange(2))
+except FesError as error:
+    print("refused:", error)
+print(*(name for name in sys.modules if name in ("agents.laws.oracle", "fes.model.outage")))
+"""
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    said = done.stdout.splitlines()
+    assert said[0].startswith("refused: seeking.index = 'oracle' needs the channel")
+    assert said[1:] in ([], [""])
+
+
+@pytest.mark.parametrize(("name", "path"), modules(*ROOMS, "tests", "bench").items(), ids=lambda value: str(value))
+def test_no_file_is_longer_than_one_sitting(name: str, path: Path) -> None:
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= LONGEST_FILE, name
+
+
+@pytest.mark.parametrize("room", MAPPED)
+def test_a_rooms_init_is_its_docstring_and_nothing_else(room: str) -> None:
+    tree = ast.parse((ROOT / room / "__init__.py").read_text(encoding="utf-8"))
+    assert len(tree.body) == 1
+    assert ast.get_docstring(tree)
+
+
+@pytest.mark.parametrize("room", MAPPED)
+def test_the_map_in_a_rooms_docstring_names_every_module_of_the_room_and_no_other(room: str) -> None:
+    tree = ast.parse((ROOT / room / "__init__.py").read_text(encoding="utf-8"))
+    lines = (ast.get_docstring(tree) or "").splitlines()[2:]
+    # a map's line: a name, two spaces or more, what it holds; a longer text goes on, indented
+    mapped = {line.split()[0] for line in lines if line and not line.startswith(" ")}
+    rooms_within = {path.parent.name for path in (ROOT / room).glob("*/__init__.py")}
+    assert mapped == {path.stem for path in (ROOT / room).glob("*.py")} - {"__init__"} | rooms_within

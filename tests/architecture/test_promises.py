@@ -1,0 +1,60 @@
+"""docs/reliability.md names tests that are there, and figures that are those of the code."""
+
+import ast
+from re import findall
+
+import pytest
+
+from agents.runtime import outbox
+from console.backends import process_group
+from console.connect import observer
+from fes.transport import bus, drop_log, inbox
+from fes.transport.endpoints import Endpoints
+from tests.support.paths import ROOT
+from world.execution import checkpoint
+from world.metrics import deadlines
+from world.server import audit, live, lockstep, registry
+
+TEXT = " ".join((ROOT / "docs" / "reliability.md").read_text(encoding="utf-8").split())
+"""On one line."""
+
+
+def test_every_test_that_is_named_is_there() -> None:
+    files = {path.stem: path for path in (ROOT / "tests").rglob("test_*.py")}
+    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in files.values()]
+    functions = {node.name for tree in trees for node in tree.body if isinstance(node, ast.FunctionDef)}
+    named = findall(r"\b(test_\w+)(\.py)?", TEXT)
+    assert len(named) > 60
+    missing = [name for name, file in named if name not in (files if file else functions)]
+    assert not missing
+
+
+SESSION_LEASE = float(str(Endpoints("client", ()).house_rules()["transport/link/tx/lease"])) / 1000.0  # s
+FIGURES = [
+    f"after {lockstep.ANSWER_TIMEOUT:g} s without an answer it is left out",
+    f"the world waits up to {lockstep.RETURN_TIMEOUT:g} s for a robot that is due",
+    f"in lockstep it waits {lockstep.RETURN_TIMEOUT:g} s, then ends with one line",
+    f"the world asks again after {lockstep.ASK_AGAIN:g} s, {2 * lockstep.ASK_AGAIN:g} s, ...",
+    f"is leased the lowest free robot, for {registry.LEASE:g} s",
+    f"a robot that died meanwhile is waited for {registry.RESUME_TIMEOUT:g} s",
+    f"the next checkpoint, {checkpoint.PERIOD:g} s of wall clock later",
+    f"older than {deadlines.COMMAND_TIMEOUT:g} s, and the robot stops",
+    f"A robot that is silent for {live.HANG_TIMEOUT:g} s is left out",
+    f"the first {live.WARM_UP} ticks, and those after a world came back",
+    f"its session is gone with its lease of {SESSION_LEASE:g} s",
+    f"its world has {process_group.CLOSING:g} s to write it down",
+    f"over TLS {audit.KINDS_OF_ONE} of each certificate",
+    f"{bus.QUESTIONS} of one asker wait for one handler",
+    f"(Zenoh's ring) | {bus.MAILBOX} samples",
+    f"`agents.runtime.outbox`, what was said | {outbox.REMEMBERED} ticks",
+    f"cut to {drop_log.LONGEST_LINE} characters",
+    f"at most {drop_log.MAX_KINDS} kinds are told apart",
+    f"{inbox.LIMIT:,} messages, {inbox.LIMIT_BYTES >> 20} MiB",
+    f"`console.connect.observer`, reports | {observer.MAX_WAITING} |",
+]
+"""Tests of these promises have other figures, as nobody wants to wait for these."""
+
+
+@pytest.mark.parametrize("promise", FIGURES)
+def test_a_figure_that_is_promised_is_that_of_the_code(promise: str) -> None:
+    assert promise in TEXT

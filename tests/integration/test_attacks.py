@@ -1,0 +1,166 @@
+"""Attacks on a run that goes on, over real Zenoh sessions: each is refused and counted, and no digit changes."""
+
+import asyncio
+import logging
+from typing import Any
+
+import pytest
+
+from fes.errors import Refused
+from fes.protocol import keys, messages, wire
+from fes.protocol.messages import Join
+from tests.support import session
+from tests.support.attackers import (
+    BAD_PAYLOADS,
+    ROBOTS,
+    arrived,
+    attacked,
+    beacon,
+    command,
+    everywhere,
+    observation,
+    put,
+    ticks_go_by,
+)
+from tests.support.loop import load
+from tests.support.session import PATIENCE, RUN, client
+from world.execution.run import Course
+from world.server.server import Server
+
+
+@pytest.mark.parametrize(("payload", "kind"), BAD_PAYLOADS.values(), ids=BAD_PAYLOADS.keys())
+def test_a_bad_payload_on_every_key_is_counted_with_one_line_a_kind_and_changes_no_digit(
+    payload: bytes, kind: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        async with client(endpoint) as vandal:
+            await ticks_go_by(vandal, 2, begin)  # at tick 0 a command for tick 0 would be one like any other
+            for _ in range(5):
+                for key, sent in everywhere(payload):
+                    put(vandal, key, sent)
+                await asyncio.sleep(0.01)
+            await arrived(vandal)
+
+    with caplog.at_level(logging.WARNING):
+        server, agents = attacked(disturb)
+    assert server.complaints.counts[kind] >= ROBOTS - 1  # robot 3 may hear of itself what another would not
+    said = [record for record in caplog.records if record.name == "world" and kind in record.getMessage()]
+    assert len(said) == 1
+    assert all(agent.complaints.counts for agent in agents)
+
+
+def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -> None:
+    """What an agent says is said again a little later, as a network that repeats and reorders would."""
+
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        async with client(endpoint) as echo:
+            kept: list[tuple[str, bytes]] = []
+
+            def keep(key: str, payload: bytes | None) -> None:
+                if payload is not None and len(kept) < 2000:
+                    kept.append((key, payload))
+
+            stop = [echo.subscribe(key(RUN, "*"), keep) for key in (keys.beacon, keys.command, keys.observation)]
+            await ticks_go_by(echo, 20, begin)
+            for undeclare in stop:
+                undeclare()
+            for key, payload in reversed(kept):
+                put(echo, key, payload)
+            for robot in range(ROBOTS):
+                put(echo, keys.command(RUN, robot), command(10**6, robot))
+                put(echo, keys.beacon(RUN, robot), beacon(10**6, robot))
+                put(echo, keys.observation(RUN, robot), observation(10**6, robot))
+            await arrived(echo)
+            assert kept
+
+    server, agents = attacked(disturb)
+    assert server.complaints.counts["Command: is not for this tick"] > 0
+    assert all(agent.complaints.counts["Observation: is not for this tick"] for agent in agents)
+    assert any(agent.complaints.counts["Beacon: from the future"] for agent in agents)
+
+
+def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("world.server.lockstep.ASK_AGAIN", session.PATIENCE)  # who was asked twice may answer twice
+    endless = load("pair.toml", run__duration=1000.0)
+
+    async def main() -> None:
+        async with session.router() as (opened, endpoint), client(endpoint) as puppet:
+            server = Server(opened, Course(endless), "test", RUN)
+            for robot in (0, 1):
+                await session.appear(puppet, robot)
+            await server.gather()
+            running = asyncio.ensure_future(server.run())
+            for linear in (0.0, 50.0, 60.0):  # the last robot is answered for last, so all are of tick 0
+                puppet._session.put(keys.command(RUN, 0), command(0, 0, linear), attachment=Join((0,), 0).mark)
+            puppet._session.put(keys.command(RUN, 1), command(0, 1, 0.0), attachment=Join((1,), 1).mark)
+            async with asyncio.timeout(PATIENCE):
+                while server.summarize() is None:
+                    await asyncio.sleep(0.01)
+            running.cancel()
+            assert server.complaints.counts["Command: came twice"] == 2
+            assert server.course.state.poses[0, :2].tolist() == [0.0, 0.0]  # the pose of pair.toml: it did not move
+
+    asyncio.run(main())
+
+
+def nobody_hears_of(disturb: Any) -> None:
+    server, agents = attacked(disturb)
+    assert not server.complaints.counts
+    assert not any(agent.complaints.counts for agent in agents)
+
+
+def test_another_run_on_the_same_router_is_not_heard_at_all() -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        async with client(endpoint) as vandal:
+            await ticks_go_by(vandal, 5, begin)  # all listen to their peers by now
+            for _ in range(20):
+                for key, sent in everywhere(b"\xc1 junk", "other"):
+                    put(vandal, key, sent)
+                await asyncio.sleep(0)
+            await arrived(vandal)
+
+    nobody_hears_of(disturb)
+
+
+def test_a_payload_longer_than_the_limit_does_not_arrive_and_harms_nobody() -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        async with client(endpoint) as vandal:
+            await ticks_go_by(vandal, 5, begin)
+            for key, _ in everywhere(b""):
+                put(vandal, key, bytes(2 * wire.MAX_PAYLOAD))
+            await arrived(vandal)
+
+    nobody_hears_of(disturb)
+
+
+def test_who_claims_a_taken_robot_and_leaves_ends_nothing() -> None:
+    """Neither by asking, which is refused, nor by declaring the token of a robot that has one."""
+
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        begin.set()
+        for _ in range(3):
+            async with client(endpoint) as impostor:
+                with pytest.raises(Refused, match="robot 2 is hosted by another agent already"):
+                    await impostor.ask(keys.welcome(RUN, "2"), messages.encode_join(Join((2,), 7)), PATIENCE)
+                for robot in (2, 77):
+                    impostor.token(keys.robot_alive(RUN, robot))
+                await asyncio.sleep(0.02)
+
+    server, _ = attacked(disturb)
+    assert server.complaints.counts["Join: refused"] == 3
+    assert server.complaints.counts["liveliness: unknown robot"] >= 3
+
+
+def test_a_key_cannot_forge_a_log_line(caplog: pytest.LogCaptureFixture) -> None:
+    forged = keys.welcome(RUN, f"1\n2026-01-01 world: all is well\x1b[2J{'x' * 5000}")
+
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        async with client(endpoint) as vandal:
+            with pytest.raises(Refused):
+                await vandal.ask(forged, messages.encode_join(Join((3,), 1)), PATIENCE)
+
+    with caplog.at_level(logging.WARNING):
+        server, _ = attacked(disturb)
+    assert server.complaints.counts
+    assert any("all is well" in line for line in caplog.messages)
+    assert all(len(line) < 400 and line.isprintable() for line in caplog.messages)

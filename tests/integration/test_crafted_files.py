@@ -1,0 +1,109 @@
+"""Files crafted to cost much are refused in one line, in bounded time and memory."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from console.connect import run_directory
+from console.replay import log
+from fes.errors import FesError
+from fes.recording import layout, mcap_file, records
+from fes.recording.mcap_file import Container
+from fes.recording.records import Reader
+from fes.recording.schemas import OWN
+from fes.system import files
+from fes.transport.endpoints import DEFAULT_ENDPOINT
+from tests.support import crafted, recordings
+from tests.support.loop import load
+from tests.support.processes import PATIENCE, command
+from world.execution import recorder, snapshot
+from world.execution.recorder import Recorder
+
+MOST = 512.0
+"""Memory that a reader of any of them may take [MiB]; a chunk unpacks to 64, and the interpreter takes 80."""
+
+
+def test_each_ends_in_one_line_and_all_of_them_in_little_memory(tmp_path: Path) -> None:
+    crafted.write(tmp_path)
+    done = subprocess.run(
+        command("tests.support.untrusted", str(tmp_path)),
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=True,
+    )
+    found = json.loads(done.stdout)
+    tried = {(kind, what) for kind, made in crafted.FILES.items() for what in made}
+    assert {(kind, what) for kind, what, _ in found["ends"]} == tried
+    for kind, what, said in found["ends"]:
+        assert said, f"{kind}, {what}: not refused"
+        assert "\n" not in said
+        assert said.isprintable()
+    assert found["peak"] < MOST
+
+
+def test_what_has_no_end_is_not_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    place = Path("runs/x") / run_directory.ENDPOINT
+    place.parent.mkdir(parents=True)
+    os.mkfifo(place)
+    assert run_directory.find("main").endpoint == DEFAULT_ENDPOINT
+    for path in (place, Path("/dev/zero")):
+        for read in (log.load, snapshot.read):
+            with pytest.raises(FesError, match=rf"^{path}: is not a regular file$"):
+                read(path)
+
+
+def test_a_file_that_is_too_large_is_not_read(tmp_path: Path) -> None:
+    with (tmp_path / "state").open("wb") as file:
+        file.truncate(snapshot.LARGEST + 1)  # takes no room on the disk
+    with pytest.raises(FesError, match=r"state: is larger than 1,073,741,824 bytes$"):
+        snapshot.read(tmp_path / "state")
+    (tmp_path / "table").write_bytes(b"x" * (files.MAX_TABLE + 1))
+    with pytest.raises(FesError, match=r"table: is larger than 1,048,576 bytes$"):
+        files.read_table(tmp_path / "table")
+
+
+def test_nothing_is_written_that_a_reader_would_refuse(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert records.LIMIT * 63 // 64 >= mcap_file.LARGEST > 10 * mcap_file.CHUNK
+    monkeypatch.setattr(mcap_file, "LARGEST", 1000)
+    file = Container(tmp_path / "run.mcap")
+    file.put("/x", OWN["Report"], bytes(1001), 0, 0)
+    with pytest.raises(
+        FesError, match=r"a tick takes 1,032 bytes, of at most 1,000: --no-record runs without a log$"
+    ):
+        file.settle(at_once=True)
+    file.finish("end", {})
+
+
+def test_no_log_is_written_that_unpacks_to_more_than_a_reader_takes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(records, "FREE", 1 << 20)
+    monkeypatch.setattr(records, "RATIO", 200)
+    path = tmp_path / "run.mcap"
+    file = Container(path)
+    with pytest.raises(FesError, match=r"it is so uniform that [\d,]+ bytes take [\d,]+: --no-record runs"):  # noqa: PT012
+        for tick in range(1000):
+            file.put("/x", OWN["Report"], bytes(20_000), tick, tick)
+            file.settle(at_once=True)
+    file.finish("end", {})
+    assert sum(1 for block in Reader(path) for _ in block) > 20  # what was written until then is read
+
+
+def test_a_summary_that_a_reader_would_refuse_stands_in_the_run_directory_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, pair = tmp_path / "run.mcap", load("pair.toml", run__duration=0.2)
+    for limit, kept in ((layout.MAX_JSON, True), (recorder._ENDED + 100, False)):
+        monkeypatch.setattr(recorder, "MAX_JSON", limit)
+        recordings.record(path, pair)
+        found = log.load(path)
+        assert found.ended == "at its end"
+        assert (found.summary is not None) == kept
+    with pytest.raises(FesError, match="a reason"), Recorder(path, pair, "x", "inprocess"):
+        raise FesError("a reason " + "x" * 1_000_000)
+    assert recordings.messages(path)[-1][0] == "/log"

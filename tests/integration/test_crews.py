@@ -1,0 +1,125 @@
+"""Robots that share a process come and go together, whichever of them it is that comes or goes."""
+
+import asyncio
+from collections import defaultdict
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from agents.process import Agent
+from agents.runtime.outbox import Mouth
+from console.replay import command as replay_command
+from console.replay import log
+from fes.protocol import keys
+from fes.transport.bus import Bus
+from tests.support import session
+from tests.support.loop import load
+from tests.support.rejoining import live_through, standing_still, until
+from world.config.scenario import Scenario
+from world.server.server import Server
+
+GROUPS = [[0, 1], [2]]
+"""A crew of two, and somebody who goes on."""
+
+
+def three() -> Scenario:
+    poses = [[0.0, 0.0, 0.5], [60.0, 0.0, 2.0], [120.0, 0.0, 1.0]]
+    return load("pair.toml", robots__poses=poses, run__duration=4.0)
+
+
+def attendances(path: Path) -> list[tuple[int, list[list[int]]]]:
+    """Each tick at which somebody came or went, and who was there then, one after the other."""
+    return [(tick.number, tick.attended) for tick in log.load(path).ticks() if tick.attended]
+
+
+def test_a_crew_goes_with_the_first_of_its_tokens_and_is_taken_in_with_the_last(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tokens, declare = defaultdict[int, list[Any]](list), Bus.token
+    held, holding = list[tuple[Bus, str]](), asyncio.Event()
+
+    def token(opened: Bus, key: str) -> None:
+        robot = keys.robot_of(key)
+        if holding.is_set() and robot == 1:
+            held.append((opened, key))
+            return
+        declare(opened, key)
+        if robot is not None:
+            tokens[robot].append(opened._held[-1])
+
+    monkeypatch.setattr(Bus, "token", token)
+
+    async def story(server: Server, agents: list["asyncio.Task[Agent]"], endpoint: str) -> None:
+        await until(server, lambda state: state.tick >= 20)
+        tokens[1][0].undeclare()  # robot 0's stands
+        gone = await until(server, lambda state: not state.present[1])
+        await until(server, lambda state: state.tick >= gone + 5)
+        assert server._roster.alive.tolist() == [1, 0, 1]
+        assert server.course.state.present.tolist() == [False, False, True]
+        agents[0].cancel()
+        async with standing_still(server):
+            while server._roster.alive[0]:
+                await asyncio.sleep(0.01)
+            holding.set()
+            agents[0] = asyncio.ensure_future(session.live(endpoint, [0, 1]))
+            while not (server._roster.alive[0] and held):
+                await asyncio.sleep(0.01)
+        half = server.course.state.tick  # the token of robot 0 stands, that of robot 1 is to come
+        await until(server, lambda state: state.tick >= half + 20)
+        assert server.course.state.present.tolist() == [False, False, True]
+        async with standing_still(server):
+            declare(*held[0])
+            while not server._roster.alive[1]:
+                await asyncio.sleep(0.01)
+        await until(server, lambda state: state.present.all())
+
+    path = tmp_path / "run.mcap"
+    summary = live_through(three(), path, story, groups=GROUPS)
+    assert summary["ticks"] == 200
+    assert [present for _, present in attendances(path)] == [[[2]], [[0, 1, 2]]]
+    assert replay_command.again(log.load(path), everybody=True)["digest"] == summary["digest"]
+
+
+def test_a_crew_of_which_one_robot_is_mute_is_left_out_and_taken_in_when_that_one_speaks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    mute, say, repeat = asyncio.Event(), Mouth.say, Mouth.repeat
+    unsaid: list[tuple[Mouth, int, Any]] = []
+
+    def half_said(mouth: Mouth, tick: int, said: Any) -> None:
+        if mute.is_set() and said[0][0] == 0:
+            unsaid.append((mouth, tick, said[1:]))
+            said = said[:1]
+        say(mouth, tick, said)
+
+    monkeypatch.setattr(Mouth, "say", half_said)
+    monkeypatch.setattr(Mouth, "repeat", lambda *asked: None if mute.is_set() else repeat(*asked))
+
+    async def story(server: Server, agents: Any, endpoint: str) -> None:
+        await until(server, lambda state: state.tick >= 20)
+        mute.set()
+        with monkeypatch.context() as impatient:
+            impatient.setattr("world.server.lockstep.ANSWER_TIMEOUT", 1.0)
+            gone = await until(server, lambda state: not state.present[1])
+        await until(server, lambda state: state.tick >= gone + 20)
+        assert server.course.state.present.tolist() == [False, False, True]
+        assert server._roster.whole.all()  # all tokens stand
+        async with standing_still(server):
+            mute.clear()
+            for late in unsaid:
+                say(*late)
+            while not (server._inbox._items or server._attendance.there[1]):
+                await asyncio.sleep(0.01)
+        await until(server, lambda state: state.present.all())
+
+    path = tmp_path / "run.mcap"
+    summary = live_through(three(), path, story, groups=GROUPS)
+    assert len(unsaid) == 1
+    told = [line for line in caplog.messages if "does not answer" in line]
+    assert told == ["robot 1 does not answer"]  # nobody waited for robot 0, which could not answer without it
+    assert summary["ticks"] == 200
+    (silent, first), (left, then), (_, back) = attendances(path)
+    assert (first, then, back) == ([[0, 2]], [[2]], [[0, 1, 2]])  # robot 0 answered the tick that was waited for
+    assert left == silent + 1
+    assert replay_command.again(log.load(path), everybody=True)["digest"] == summary["digest"]

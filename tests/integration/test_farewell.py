@@ -1,0 +1,69 @@
+"""A robot whose link is down when its run ends learns of the end, and its agent ends well."""
+
+import asyncio
+import time
+
+import pytest
+
+from fes.errors import Absent
+from tests.support import session
+from tests.support.loop import load
+from tests.support.proxy import Link, link
+from tests.support.session import PATIENCE, RUN
+from world.execution.run import Course
+from world.server import farewell
+from world.server.server import Server
+
+LAST = 40
+
+
+async def end_with(fault: str, seconds: float) -> tuple[float, object]:
+    """A run whose robot 1 has a faulty link at the farewell: the time of the world's lingering, and robot 1's end.
+
+    The link heals after `seconds`.
+    """
+    scenario = load("pair.toml", run__duration=LAST * 0.02)
+    async with session.router() as (opened, endpoint), link(endpoint) as faulty, asyncio.timeout(PATIENCE):
+        server = Server(opened, Course(scenario), "test", RUN)
+        agents = [
+            asyncio.ensure_future(session.live(one, [robot])) for robot, one in enumerate((endpoint, faulty.endpoint))
+        ]
+        await server.gather()
+        await server.run()
+        (Link.cut if fault == "cut" else Link.hold)(faulty)
+        while fault == "cut" and server._roster.alive[1]:
+            await asyncio.sleep(0.01)
+        server.dismiss()
+        asyncio.get_running_loop().call_later(seconds, faulty.heal)
+        begun = time.monotonic()
+        await server.linger()
+        lingered = time.monotonic() - begun
+        [_, outcome] = await asyncio.gather(*agents, return_exceptions=True)
+        return lingered, outcome
+
+
+@pytest.mark.parametrize(("fault", "seconds"), [("hold", 0.3), ("hold", 3.0), ("cut", 0.3), ("cut", 2.0)])
+def test_an_agent_whose_link_is_down_at_the_end_ends_well(fault: str, seconds: float) -> None:
+    _, outcome = asyncio.run(end_with(fault, seconds))
+    assert not isinstance(outcome, BaseException), outcome
+
+
+def test_a_world_does_not_linger_where_every_robot_has_heard() -> None:
+    lingered, outcome = asyncio.run(end_with("hold", 0.0))
+    assert not isinstance(outcome, BaseException)
+    assert lingered < farewell.LINGER
+
+
+def test_a_world_lingers_for_a_bounded_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(farewell, "LINGER", 0.5)
+    monkeypatch.setattr("tests.support.session.live", lambda endpoint, robots: impatient(endpoint, robots))
+    lingered, outcome = asyncio.run(end_with("cut", 20.0))
+    assert lingered >= 0.5
+    assert isinstance(outcome, Absent)
+
+
+live = session.live
+
+
+async def impatient(endpoint: str, robots: list[int]) -> object:
+    return await live(endpoint, robots, timeout=1.0)

@@ -1,0 +1,213 @@
+"""Floods of messages on a run that goes on: what is too much is dropped, and no digit changes."""
+
+import asyncio
+import threading
+
+import pytest
+import zenoh
+
+from console.connect import observer
+from fes.errors import Absent, Busy, FesError, Refused
+from fes.protocol import channel_change, keys, messages, wire
+from fes.protocol.messages import Join
+from fes.transport import bus
+from tests.support import session
+from tests.support.attackers import (
+    FLOOD,
+    ROBOTS,
+    arrived,
+    attacked,
+    everywhere,
+    put,
+    reversioned,
+    ticks_go_by,
+)
+from tests.support.session import PATIENCE, RUN, client
+
+
+def test_a_flood_of_junk_on_all_keys_at_once_changes_no_digit() -> None:
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        targets = everywhere(b"\xc1 junk")
+
+        def flood() -> None:
+            for number in range(FLOOD):
+                put(vandal, *targets[number % len(targets)])
+
+        async with client(endpoint) as vandal:
+            begin.set()
+            await asyncio.to_thread(flood)  # as fast as the network takes it
+
+    server, _ = attacked(disturb)
+    # a third of the keys are commands; what came when the run was over is not counted
+    assert 0 < server.complaints.counts["Command: is not msgpack (FormatError)"] <= FLOOD
+
+
+def test_the_lockstep_has_a_priority_of_its_own_and_no_message_of_it_is_dropped() -> None:
+    """What Zenoh's tools and a flood put goes by another queue of each link, and reports do, too."""
+    seen: set[tuple[str, str, str]] = set()
+
+    def note(sample: zenoh.Sample) -> None:
+        key = str(sample.key_expr).rpartition("/")[2]
+        seen.add((key, str(sample.priority), str(sample.congestion_control)))
+
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        async with client(endpoint) as watcher:
+            listening = watcher._session.declare_subscriber(
+                f"fes/{RUN}/**", zenoh.handlers.Callback(note, indirect=False)
+            )
+            await ticks_go_by(watcher, 5, begin)
+            report = watcher.publisher(f"fes/{RUN}/no/report", "x", drop=True)
+            watcher._session.put(f"fes/{RUN}/no/stranger", b"")
+            report(b"")
+            await arrived(watcher)
+            listening.undeclare()
+
+    attacked(disturb)
+    default = str(zenoh.Priority.DATA)
+    [priority] = {of for key, of, _ in seen if key not in ("report", "stranger")}
+    assert priority != default
+    lockstep = {(key, priority, str(zenoh.CongestionControl.BLOCK)) for key in ("observation", "beacon", "command")}
+    others = {(key, default, str(zenoh.CongestionControl.DROP)) for key in ("report", "stranger")}
+    assert seen == lockstep | others
+
+
+@pytest.mark.parametrize("size", [1_000, 60_000])
+def test_a_flood_that_waits_for_room_closes_no_robots_link(size: int) -> None:
+    """Messages sent with congestion control BLOCK: with two threads for all, two of them stopped the router."""
+
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        targets = everywhere(bytes(size))[: 3 * ROBOTS]
+
+        def flood() -> None:
+            for _ in range(6_000_000 // (size * len(targets)) + 5):
+                for key, sent in targets:
+                    vandal._session.put(key, sent, congestion_control=zenoh.CongestionControl.BLOCK)
+
+        async with client(endpoint) as vandal:
+            begin.set()
+            await asyncio.to_thread(flood)
+
+    attacked(disturb)
+
+
+def test_a_flood_that_pushes_beacons_out_of_full_mailboxes_changes_no_digit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With room for two samples nearly every beacon is lost to junk; each is asked for again."""
+    monkeypatch.setattr(bus, "MAILBOX", 2)
+    flooding = asyncio.Event()
+
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        async with client(endpoint) as vandal:
+            begin.set()
+            for _ in range(150):
+                for robot in range(ROBOTS):
+                    for _ in range(10):
+                        vandal._session.put(keys.beacon(RUN, robot), b"\xc1 junk")
+                await asyncio.sleep(0.001)
+            flooding.set()
+
+    _, agents = attacked(disturb)
+    assert flooding.is_set()
+    assert sum(agent.complaints.counts["Beacon: recalled"] for agent in agents) > 0
+
+
+def test_a_flood_of_questions_is_refused_and_changes_no_digit() -> None:
+    refused: list[str] = []
+
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        questions = [
+            (keys.welcome(RUN, "2-3"), messages.encode_join(Join((2, 3), 7))),
+            (keys.welcome(RUN, "2-3"), b"\xc1 junk"),
+            (keys.welcome(RUN, "2-3"), reversioned(messages.encode_join(Join((2, 3), 7)))),
+            (keys.change(RUN), channel_change.encode_change(channel_change.Change("channel.no_such", 1.0))),
+            (keys.change(RUN), wire.pack("channel.reference_snr", "NaN")),
+            (keys.change(RUN), wire.pack("channel" + ".a" * 1500, "1")),
+            (keys.recall(RUN, 4), wire.pack("tick")),
+            (keys.recall(RUN, 4), messages.encode_recall(10**9)),
+        ]
+        async with client(endpoint) as vandal:
+            begin.set()
+            asked = [vandal.ask(*questions[number % len(questions)], PATIENCE) for number in range(FLOOD // 10)]
+            for outcome in await asyncio.gather(*asked, return_exceptions=True):
+                assert isinstance(outcome, Refused), outcome
+                refused.append(str(outcome))
+
+    server, _ = attacked(disturb)
+    assert {
+        "robot 2 is hosted by another agent already",
+        "Join: is not msgpack (FormatError)",
+        "Join: speaks protocol 2, got version: 1",
+        "the channel: unknown field 'channel.no_such'; fes schema lists the fields",
+        "Recall: tick must be an integer from 0: 'tick'",
+        "robot 4 does not remember its beacon of tick 1000000000",
+    } <= set(refused)
+    assert {"Join: refused", "Change: refused"} <= set(server.complaints.counts)
+
+
+def test_more_questions_than_may_wait_are_refused_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    refused, refuse = threading.Semaphore(0), bus.Question.refuse
+
+    def counted(question: bus.Question, reason: str) -> None:
+        refuse(question, reason)
+        refused.release()
+
+    monkeypatch.setattr(bus.Question, "refuse", counted)
+
+    async def main() -> list[str]:
+        async with session.router() as (world, endpoint), client(endpoint) as asker:
+            world.serve("desk", lambda question: question.answer(b"yes", "x"))
+            asked = [asyncio.ensure_future(asker.ask("desk", b"", PATIENCE)) for _ in range(5 * bus.QUESTIONS)]
+            await asyncio.sleep(0)  # all are asked
+            for _ in range(4 * bus.QUESTIONS):  # the loop is busy: none can be answered
+                assert refused.acquire(timeout=PATIENCE)
+            outcomes = await asyncio.gather(*asked, return_exceptions=True)
+            return [str(outcome) for outcome in outcomes]
+
+    said = asyncio.run(main())
+    assert said.count("b'yes'") == bus.QUESTIONS
+    assert said.count("too many questions at once") == 4 * bus.QUESTIONS
+
+
+def test_agents_that_all_ask_at_once_when_their_world_comes_ask_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    busy = 0
+    ask = bus.Bus.ask
+
+    async def counted(asker: bus.Bus, key: str, payload: bytes, timeout: float) -> bytes:
+        nonlocal busy
+        try:
+            return await ask(asker, key, payload, timeout)
+        except Busy:
+            busy += 1
+            raise
+
+    monkeypatch.setattr(bus, "ASKERS", 1)
+    monkeypatch.setattr(bus.Bus, "ask", counted)
+    attacked(None)
+    assert busy > 0
+
+
+def test_an_observer_shows_what_it_can_read_through_a_flood_of_junk_reports() -> None:
+    seen: list[int] = []
+
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        async with client(endpoint) as vandal, client(endpoint) as watcher:
+            begin.set()
+
+            def flood() -> None:
+                for number in range(FLOOD):
+                    vandal._session.put(keys.report(RUN), (b"\xc1 junk", b"\x92\x02\x00")[number % 2])
+
+            flooding = asyncio.ensure_future(asyncio.to_thread(flood))
+            try:
+                async for report in observer.reports(watcher, RUN, PATIENCE, 0.2):
+                    if report is not None:
+                        seen.append(report.tick)
+                        if len(seen) > 1:
+                            break
+            except (Absent, FesError):
+                pass
+            await flooding
+
+    attacked(disturb)
+    assert seen

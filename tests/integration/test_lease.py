@@ -1,0 +1,146 @@
+"""Agents that take whatever robot is free."""
+
+import asyncio
+import logging
+import subprocess
+import sys
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from agents import process
+from console.backends import inprocess
+from fes.errors import Absent, Refused
+from fes.protocol import keys, messages
+from fes.protocol.messages import Join
+from fes.transport.drop_log import Complaints
+from tests.support import session
+from tests.support.loop import load
+from tests.support.session import RUN, client
+from world.config.scenario import agent_config
+from world.execution.run import Course
+from world.server.registry import LEASE, Roster
+from world.server.server import Server
+
+
+@pytest.fixture
+def at_length(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have a question wait for its answer as long as that may take; an agent then asks once."""
+    monkeypatch.setattr("agents.process.PATIENCE", session.PATIENCE)
+
+
+async def any_robot(endpoint: str, timeout: float = session.PATIENCE) -> int:
+    async with client(endpoint) as opened:
+        robot = await process.lease(opened, RUN, timeout)
+        agent = process.Agent(opened, RUN, (robot,))
+        await agent.live(await agent.join(timeout))
+        return robot
+
+
+async def here(server: Server, *robots: int) -> None:
+    """Wait until these robots are hosted."""
+    while not server._roster.alive[list(robots)].all():
+        server._roster.changed.clear()
+        await server._roster.changed.wait()
+
+
+def test_agents_without_an_id_take_the_lowest_free_robots_and_the_digest_is_the_same() -> None:
+    scenario = load("paper.toml", run__duration=1.0)
+
+    async def main() -> Any:
+        async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
+            server = Server(opened, Course(scenario), "test", RUN)
+            named = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 3)]
+            await here(server, 0, 3)
+            others = [asyncio.ensure_future(any_robot(endpoint)) for _ in range(8)]
+            await server.gather()
+            await server.run()
+            server.dismiss()
+            await asyncio.gather(*named)
+            return sorted(await asyncio.gather(*others)), server.summarize()
+
+    taken, summary = asyncio.run(main())
+    assert taken == [1, 2, 4, 5, 6, 7, 8, 9]
+    assert summary["digest"] == inprocess.run(scenario, "test")["digest"]
+
+
+def test_a_robot_is_free_again_when_its_agent_is_gone_and_until_then_nobody_gets_it() -> None:
+    async def main() -> None:
+        async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
+            server = Server(opened, Course(load("pair.toml", run__duration=1000.0)), "test", RUN)
+            first = asyncio.ensure_future(any_robot(endpoint))
+            await here(server, 0)
+            second = asyncio.ensure_future(any_robot(endpoint))
+            await here(server, 1)
+            async with client(endpoint) as third:
+                with pytest.raises(Refused, match=r"^all 2 robots are hosted already$"):
+                    await process.lease(third, RUN, 0.5)
+                first.cancel()
+                assert await process.lease(third, RUN, session.PATIENCE) == 0
+            second.cancel()
+
+    asyncio.run(main())
+
+
+@pytest.mark.usefixtures("at_length")
+def test_who_is_promised_a_robot_and_does_not_come_loses_it_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [1000.0]
+    monkeypatch.setattr("world.server.registry.time", SimpleNamespace(monotonic=lambda: now[0]))
+
+    async def main() -> None:
+        async with session.router() as (opened, endpoint), client(endpoint) as asker:
+            Server(opened, Course(load("pair.toml")), "test", RUN)
+
+            async def joined(agent: int) -> str:
+                join = messages.encode_join(Join((0,), agent))
+                try:
+                    await asker.ask(keys.welcome(RUN, "0"), join, session.PATIENCE)
+                except Refused as refused:
+                    return str(refused)
+                return "welcome"
+
+            assert [await process.lease(asker, RUN, 0.5) for _ in range(2)] == [0, 1]
+            now[0] += LEASE - 0.1
+            with pytest.raises(Refused, match=r"^all 2 robots are hosted already$"):
+                await process.lease(asker, RUN, 0.5)
+            now[0] += 0.2
+            assert await process.lease(asker, RUN, 0.5) == 0
+            refusal = "robot 0 is hosted by another agent already"
+            assert [await joined(agent) for agent in (7, 8, 7)] == ["welcome", refusal, "welcome"]
+            now[0] += LEASE - 0.1
+            assert await joined(8) == refusal
+            now[0] += 0.2
+            assert [await joined(agent) for agent in (8, 7)] == ["welcome", refusal]
+
+    asyncio.run(main())
+
+
+@pytest.mark.usefixtures("at_length")
+def test_a_world_that_goes_on_leases_no_robot_whose_agent_may_still_find_it() -> None:
+    async def main() -> None:
+        async with session.router() as (opened, endpoint), client(endpoint) as spare:
+            scenario, complaints = load("pair.toml"), Complaints(logging.getLogger("test"))
+            hosts = {robot: Join((robot,), 7) for robot in (0, 1)}
+            Roster(opened, RUN, 2, agent_config(scenario), complaints, hosts)
+            with pytest.raises(Refused, match=r"^all 2 robots are hosted already$"):
+                await process.lease(spare, RUN, 0.5)
+
+    asyncio.run(main())
+
+
+@pytest.mark.usefixtures("at_length")
+def test_without_a_world_there_is_nothing_to_lease() -> None:
+    async def main() -> None:
+        async with session.router() as (_, endpoint), client(endpoint) as lonely:
+            with pytest.raises(Absent, match=r"^no world of run 'test' leases robots here \(asked for 0.5 s\)$"):
+                await process.lease(lonely, RUN, 0.5)
+
+    asyncio.run(main())
+
+
+def test_an_agent_that_takes_any_robot_has_no_certificate_of_one() -> None:
+    words = ["-m", "agents.process", "--id", "auto", "--keys", "keys"]
+    done = subprocess.run([sys.executable, *words], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1
+    assert done.stderr.strip().endswith("error: --id auto does not go with --keys: a certificate is for one robot")

@@ -1,0 +1,25 @@
+"""What a tick costs the router, as docs/deployment.md says it: counted, and beside it what the world knows."""
+
+import shutil
+
+import pytest
+
+from bench import growth
+from tests.support.loop import load
+
+
+@pytest.mark.skipif(shutil.which("ss") is None, reason="growth: skipped, because there is no ss (iproute2)")
+def test_a_tick_is_an_observation_a_beacon_and_a_command_for_each_robot_and_a_delivery_for_each_contact(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # A robot that pauses would be asked, and counted, twice.
+    monkeypatch.setattr("world.server.lockstep.ASK_AGAIN", 60.0)
+    robots, ticks = 6, growth.FIRST + growth.TICKS
+    found = growth.measure(load("hundred.toml", robots__count=robots, run__duration=(ticks + 5) * 0.02))
+    # The window is not cut at the same moment for everybody: each may be a tick off, at both ends.
+    share = 2.0 / growth.TICKS
+    assert found.incoming == pytest.approx(2 * robots, rel=share)
+    assert found.outgoing == pytest.approx(robots * (1.0 + found.contacts), rel=share)
+    assert found.contacts > 2.0  # or few beacons would be counted
+    payload = sum(found.counts[f"{kind}, bytes"] for kind in ("beacon taken", "observation taken"))
+    assert payload < found.sent < payload + 200.0 * found.outgoing

@@ -1,0 +1,197 @@
+"""Agents that die, hang and come back while a run goes on, over Zenoh; the log can do it again."""
+
+import asyncio
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from agents.process import Agent
+from agents.runtime.outbox import Mouth
+from console.backends import inprocess
+from console.replay import command as replay_command
+from console.replay import log
+from tests.support import session
+from tests.support.loop import load
+from tests.support.processes import PATIENCE, STARTING, fes
+from tests.support.rejoining import live_through, standing_still, until
+from world.execution.recorder import Recorder
+from world.metrics.summary import write_scenario
+from world.server.server import Server
+
+DEADS: list[dict[str, Any]] = [{"at": 0.6, "kill": [4, 6]}, {"at": 1.2, "restart": [4]}, {"at": 1.6, "restart": [6]}]
+
+
+def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_it_can_be_executed_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for patience in ("ANSWER_TIMEOUT", "ASK_AGAIN"):  # its token alone tells the barrier
+        monkeypatch.setattr(f"world.server.lockstep.{patience}", 1e6)
+    dying, say, unsaid = asyncio.Event(), Mouth.say, list[int]()
+    monkeypatch.setattr(
+        Mouth, "say", lambda *what: unsaid.append(what[1]) if dying.is_set() and what[2][0][0] == 4 else say(*what)
+    )
+    seen: dict[str, Any] = {}
+
+    async def story(server: Server, agents: list["asyncio.Task[Agent]"], endpoint: str) -> None:
+        await until(server, lambda state: state.tick >= 40)
+        dying.set()  # with an answer on its tongue, for which all wait
+        await until(server, lambda state: unsaid)
+        dying.clear()
+        agents[4].cancel()
+        gone = await until(server, lambda state: not state.present[4])
+        pose = server.course.state.poses[4].tolist()
+        await until(server, lambda state: state.tick >= gone + 60)
+        seen["stood"] = server.course.state.poses[4].tolist() == pose
+        async with standing_still(server):
+            agents[4] = asyncio.ensure_future(session.live(endpoint, [4]))
+            while not server._roster.whole[4]:
+                await asyncio.sleep(0.01)
+        back = await until(server, lambda state: state.present[4])
+        await until(server, lambda state: state.tick >= back + 30)
+        seen["moved"] = server.course.state.poses[4].tolist() != pose
+        seen["ticks"] = gone, back
+
+    scenario = load("neighborhood.toml", run__duration=6.0)
+    summary = live_through(scenario, tmp_path / "run.mcap", story)
+    assert seen["stood"]
+    assert seen["moved"]
+    assert seen["ticks"][1] > seen["ticks"][0] + 60
+    assert summary["ticks"] == 300
+    found = log.load(tmp_path / "run.mcap")
+    again = replay_command.again(found, everybody=True)
+    absent = sum(not tick.said.commands[4] for tick in found.ticks())
+    assert summary["unscheduled_absences"] == again["unscheduled_absences"] == absent > 60
+    assert again["digest"] == summary["digest"] != inprocess.run(scenario, "test")["digest"]
+    assert replay_command.alone(found, 4) == 300
+
+
+def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_when_it_speaks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asleep, say = asyncio.Event(), Mouth.say
+    delayed: list[tuple[Mouth, int, Any]] = []
+
+    def sleepy(mouth: Mouth, tick: int, said: Any) -> None:
+        if asleep.is_set() and said[0][0] == 1:
+            delayed.append((mouth, tick, said))
+        else:
+            say(mouth, tick, said)
+
+    repeat = Mouth.repeat
+    monkeypatch.setattr(Mouth, "say", sleepy)
+    monkeypatch.setattr(Mouth, "repeat", lambda *asked: None if asleep.is_set() else repeat(*asked))
+    seen = []
+
+    async def story(server: Server, agents: Any, endpoint: str) -> None:
+        await until(server, lambda state: state.tick >= 20)
+        asleep.set()
+        with monkeypatch.context() as impatient:
+            impatient.setattr("world.server.lockstep.ANSWER_TIMEOUT", 1.0)
+            seen.append(await until(server, lambda state: not state.present[1]))
+        await until(server, lambda state: state.tick >= seen[0] + 40)
+        async with standing_still(server):
+            asleep.clear()
+            for late in delayed:
+                say(*late)
+            while not (server._inbox._items or server._attendance.there[1]):
+                await asyncio.sleep(0.01)
+        seen.append(await until(server, lambda state: state.present[1]))
+
+    summary = live_through(load("pair.toml", run__duration=4.0), tmp_path / "run.mcap", story)
+    assert seen[1] >= seen[0] + 40
+    assert len(delayed) == 1
+    assert summary["ticks"] == 200
+    assert replay_command.again(log.load(tmp_path / "run.mcap"), everybody=True)["digest"] == summary["digest"]
+
+
+@pytest.mark.parametrize(
+    "groups", [[[i] for i in range(10)], [[3, 4, 5], [0, 1, 2, 6, 7, 8, 9]]], ids=["one", "many"]
+)
+@pytest.mark.parametrize("name", ["paper.toml", "measured.toml"])
+def test_scheduled_deaths_have_one_digest_in_one_loop_and_over_zenoh(name: str, groups: list[list[int]]) -> None:
+    dying = load(name, run__duration=2.4, event=DEADS)
+
+    async def bounded() -> Any:
+        async with asyncio.timeout(60.0):
+            return await session.run(dying, groups)
+
+    summary, server, _ = asyncio.run(bounded())
+    assert summary["digest"] == inprocess.run(dying, "test")["digest"]
+    assert summary["unscheduled_absences"] == 0
+    assert not server.complaints.counts
+
+
+def test_answers_of_a_robot_that_was_dead_by_schedule_may_come_when_it_takes_part_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    delayed, say = [], Mouth.say
+
+    def slow(mouth: Mouth, tick: int, said: Any) -> None:
+        if said[0][0] == 6 and 70 <= tick < 80:  # nobody waits for these; it is back from tick 80 on
+            delayed.append((mouth, tick, said))
+            return
+        while said[0][0] == 6 and delayed:
+            say(*delayed.pop(0))
+        say(mouth, tick, said)
+
+    monkeypatch.setattr(Mouth, "say", slow)
+    dying = load("paper.toml", run__duration=2.4, event=DEADS)
+
+    async def bounded() -> Any:
+        async with asyncio.timeout(60.0):
+            return await session.run(dying, [[i] for i in range(10)])
+
+    summary, server, _ = asyncio.run(bounded())
+    assert summary["digest"] == inprocess.run(dying, "test")["digest"]
+    assert not server.complaints.counts
+
+
+def test_a_log_of_scheduled_deaths_in_one_loop_is_executed_again(tmp_path: Path) -> None:
+    dying = load("measured.toml", run__duration=2.4, event=DEADS)
+    with Recorder(tmp_path / "run.mcap", dying, "test", "inprocess") as recorder:
+        summary = inprocess.run(dying, "test", recorder=recorder)
+    found = log.load(tmp_path / "run.mcap")
+    assert replay_command.again(found, everybody=True)["digest"] == summary["digest"]
+    assert [replay_command.alone(found, robot) for robot in (4, 5)] == [120, 120]
+
+
+def test_fes_run_kills_the_processes_that_its_scenario_has_die_and_the_digest_is_the_same(tmp_path: Path) -> None:
+    # Late and long: who may be back within a second, as the run catches up with its pace, keeps its process.
+    dying = [{"at": 6.0, "kill": [4, 6]}, {"at": 18.0, "restart": [4]}]
+    scenario = load("neighborhood.toml", run__duration=20.0, event=dying)
+    write_scenario(tmp_path, scenario)
+    words = ["run", "scenario.toml", "--headless", "--json", "--rtf", "4", "--out", "out"]
+    done = subprocess.run(fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
+    assert (done.returncode, done.stderr) == (0, STARTING.format(10))
+    assert json.loads(done.stdout)["digest"] == inprocess.run(scenario, "scenario")["digest"]
+    logs = {robot: (tmp_path / f"out/agent-{robot}.log").read_text() for robot in (4, 5, 6)}
+    assert [logs[robot].count("ready") for robot in (4, 5, 6)] == [2, 1, 1]
+    assert ["the run is over" in logs[robot] for robot in (4, 5, 6)] == [True, True, False]
+
+
+def test_a_team_that_hangs_as_one_is_taken_in_again_when_it_speaks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nobody is there to wait for then but those who hang."""
+    asleep, say, repeat = asyncio.Event(), Mouth.say, Mouth.repeat
+    delayed: list[tuple[Mouth, int, Any]] = []
+    monkeypatch.setattr(Mouth, "say", lambda *what: delayed.append(what) if asleep.is_set() else say(*what))
+    monkeypatch.setattr(Mouth, "repeat", lambda *asked: None if asleep.is_set() else repeat(*asked))
+
+    async def story(server: Server, agents: Any, endpoint: str) -> None:
+        await until(server, lambda state: state.tick >= 20)
+        asleep.set()
+        with monkeypatch.context() as impatient:
+            impatient.setattr("world.server.lockstep.ANSWER_TIMEOUT", 0.3)
+            await until(server, lambda state: not state.present.any())
+        asleep.clear()
+        for late in delayed:
+            say(*late)
+
+    summary = live_through(load("pair.toml", run__duration=2.0), tmp_path / "run.mcap", story)
+    assert len(delayed) == 2
+    assert summary["ticks"] == 100
+    assert replay_command.again(log.load(tmp_path / "run.mcap"), everybody=True)["digest"] == summary["digest"]

@@ -1,0 +1,261 @@
+"""A recorded run executed again: the same to the bit, and whatever is not is named."""
+
+import asyncio
+import json
+import os
+import signal
+import subprocess
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mcap.exceptions import McapError
+from mcap.reader import NonSeekingReader
+
+from console.analysis import command as analysis_command
+from console.analysis import history
+from console.backends import inprocess
+from console.replay import command as replay_command
+from console.replay import compare, log
+from console.replay.reexecution import Mismatch
+from fes.errors import FesError
+from fes.protocol import channel_change, keys, messages
+from fes.protocol.channel_change import Change
+from fes.system import fingerprint
+from tests.support import recordings, session
+from tests.support.loop import load
+from tests.support.paths import CONFIGS
+from tests.support.processes import PATIENCE, alive, children, fes, start, until
+from world.execution.recorder import Recorder
+from world.server.server import Server
+
+SHORT = {"run__duration": 2.0}
+
+
+def as_json(summary: dict[str, Any]) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(json.dumps(summary))
+    return found
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    """A recorded run of the measured index, and its summary."""
+    path = tmp_path_factory.mktemp("replay") / "run.mcap"
+    return path, recordings.record(path, load("measured.toml", **SHORT), "measured")
+
+
+Recorded = tuple[Path, dict[str, Any]]
+
+
+SHIFT = 1e-6  # rad/s
+
+
+def shifted(payload: bytes) -> bytes:
+    """A command with another angular velocity."""
+    found = messages.decode_command(payload)
+    return messages.encode_command(found._replace(twist=(found.twist[0], found.twist[1] + SHIFT)))
+
+
+@pytest.fixture(scope="module")
+def tampered(recorded: Recorded, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same log with robot 3's command of tick 40 changed."""
+    path = tmp_path_factory.mktemp("tampered") / "run.mcap"
+    recordings.rewrite(recorded[0], path, recordings.edited("/commands", 40, 3, shifted))
+    return path
+
+
+def test_summary_digest_and_figures_are_those_of_the_live_run(recorded: Recorded) -> None:
+    path, summary = recorded
+    found = log.load(path)
+    assert replay_command.again(found) == replay_command.again(found, everybody=True) == as_json(summary)
+    live, drawn = history.follow(found.scenario), history.recorded(found)
+    assert drawn.digest == live.digest == summary["digest"]
+    for field in ("time", "poses", "disagreement", "estimate_error", "separation_error"):
+        np.testing.assert_array_equal(getattr(drawn, field), getattr(live, field))
+
+
+def test_ten_processes_over_zenoh_are_executed_again_in_one_loop(tmp_path: Path) -> None:
+    words = ["run", str(CONFIGS / "measured.toml"), "--duration", "2", "--headless", "--json", "--out", "out"]
+    done = subprocess.run(fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
+    assert done.returncode == 0, done.stderr
+    summary = json.loads(done.stdout)
+    found = log.load(tmp_path / "out")
+    assert found.backend == "processes"
+    assert replay_command.again(found, everybody=True) == summary
+    assert replay_command.alone(found, 3) == summary["ticks"] == 100
+    recordings.record(tmp_path / "loop.mcap", found.scenario)
+    assert compare.first_difference(found, log.load(tmp_path / "loop.mcap")) is None
+
+
+@pytest.mark.parametrize("robot", range(10))
+def test_a_robot_alone_says_and_does_what_it_did(recorded: Recorded, robot: int) -> None:
+    assert replay_command.alone(log.load(recorded[0]), robot) == recorded[1]["ticks"]
+
+
+def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
+    pair = load("pair.toml", run__duration=4.0)
+
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        async with session.client(endpoint) as person:
+            begin.set()
+            wish = channel_change.encode_change(Change("channel.reference_snr", 2e6))
+            await person.ask(keys.change(session.RUN), wish, PATIENCE)
+
+    async def run() -> tuple[dict[str, Any], Server]:
+        with Recorder(tmp_path / "run.mcap", pair, "test", "processes") as recorder:
+            summary, server, _ = await session.run(pair, [[0], [1]], disturb, recorder)
+            recorder.conclude(summary)
+            assert server.course.scenario.event
+        return summary, server
+
+    summary, server = asyncio.run(asyncio.wait_for(run(), PATIENCE))
+    found = log.load(tmp_path / "run.mcap")
+    [changes] = [tick.changes for tick in found.ticks() if tick.changes]
+    assert changes == [("channel.reference_snr", 2e6)]
+    assert found.scenario == pair
+    assert summary["digest"] != inprocess.run(pair, "test")["digest"]
+    assert replay_command.again(found, everybody=True) == as_json(summary)
+
+    recordings.record(tmp_path / "again.mcap", server.course.scenario, "scenario")  # what scenario.toml then holds
+    again = log.load(tmp_path / "again.mcap")
+    assert list(compare.of_scenarios(found, again)) == []
+    assert compare.first_difference(found, again) is None
+    recordings.record(tmp_path / "before.mcap", pair)
+    [(path, mine, theirs)] = compare.of_scenarios(found, log.load(tmp_path / "before.mcap"))
+    assert (path, theirs) == ("event", [])
+    assert mine[0]["set"] == {"channel.reference_snr": 2e6}
+
+
+def test_a_change_is_named_with_tick_robot_field_and_both_values(recorded: Recorded, tampered: Path) -> None:
+    commands = [tick.said.commands for tick in log.load(recorded[0]).ticks()][40]
+    true = messages.decode_command(commands[3]).twist[1]
+    other = true + SHIFT
+    expected = f"tick 40, Command of robot 3: twist.angular is {other!r} in the log and {true!r} executed again"
+    for execute in (
+        lambda found: replay_command.again(found, everybody=True),
+        lambda found: replay_command.alone(found, 3),
+    ):
+        with pytest.raises(Mismatch) as caught:
+            execute(log.load(tampered))
+        assert str(caught.value) == expected
+    assert replay_command.alone(log.load(tampered), 4) == recorded[1]["ticks"]  # robot 4 cannot know
+    with pytest.raises(Mismatch, match=r"^tick 41, Observation of robot 3: pose\.x is "):
+        replay_command.again(log.load(tampered))  # the world does not ask why a robot moves
+
+
+def test_a_summary_that_was_not_reached_is_named(recorded: Recorded, tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    pair = load("pair.toml", run__duration=0.5)
+    with Recorder(path, pair, "test", "inprocess") as recorder:
+        recorder.conclude({**inprocess.run(pair, "test", recorder=recorder), "digest": "0" * 64})
+    with pytest.raises(FesError, match=r"^summary: digest is '0000"):
+        replay_command.again(log.load(path))
+
+
+def test_compare_names_the_first_difference(recorded: Recorded, tampered: Path, tmp_path: Path) -> None:
+    one = log.load(recorded[0])
+    assert compare.first_difference(one, one) is None
+    assert list(compare.of_scenarios(one, one)) == []
+
+    found = compare.first_difference(one, log.load(tampered))
+    assert found is not None
+    assert (found.tick, found.message, found.robot, found.field) == (40, "Command", 3, "twist.angular")
+    assert found.second == found.first + SHIFT
+
+    recordings.record(tmp_path / "seed.mcap", load("measured.toml", **SHORT, run__seed=7))
+    other = log.load(tmp_path / "seed.mcap")
+    assert list(compare.of_scenarios(one, other)) == [("run.seed", 1, 7)]
+    assert compare.first_difference(one, other) is not None
+
+    recordings.record(tmp_path / "shorter.mcap", load("measured.toml", run__duration=1.0))
+    shorter = compare.first_difference(one, log.load(tmp_path / "shorter.mcap"))
+    assert shorter is not None
+    assert shorter.told("in A", "in B") == "tick 50, run: this tick is 'there' in A and 'nothing' in B"
+
+
+def test_compare_and_replay_return_1_where_something_differs(recorded: Recorded, tampered: Path) -> None:
+    one, other = str(recorded[0]), str(tampered)
+    same = subprocess.run(fes("compare", one, one), capture_output=True, text=True, timeout=PATIENCE)
+    assert (same.returncode, same.stdout) == (0, "every message of every tick is the same to the bit\n")
+    unlike = subprocess.run(fes("compare", one, other), capture_output=True, text=True, timeout=PATIENCE)
+    assert unlike.returncode == 1
+    assert unlike.stdout.startswith("tick 40, Command of robot 3: twist.angular is ")
+    here = fingerprint.text()
+    assert unlike.stdout.splitlines()[1:] == [f"A was recorded with {here}; B was recorded with {here}"]
+    again = subprocess.run(fes("replay", other, "--all", "--json"), capture_output=True, text=True, timeout=PATIENCE)
+    assert (again.returncode, again.stdout) == (1, "")
+    assert again.stderr.startswith("fes: error: tick 40, Command of robot 3: twist.angular is ")
+    assert again.stderr.splitlines()[1:] == [f"fes: recorded with {here}; executed with {here}"]
+    whole = subprocess.run(fes("replay", one, "--json"), capture_output=True, text=True, timeout=PATIENCE)
+    assert (whole.returncode, json.loads(whole.stdout), whole.stderr) == (0, as_json(recorded[1]), "")
+
+
+def read_without_an_index(path: Path) -> list[int]:
+    """The ticks of the Commands in a log of a killed run, by the recipe of docs/log.md."""
+    found = []
+    with path.open("rb") as file, suppress(McapError):
+        for _, _, message in NonSeekingReader(file).iter_messages(topics="/commands", log_time_order=False):
+            found.append(message.sequence)
+    return found
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
+def test_a_log_of_a_world_that_was_ended_holds_what_was_reached(tmp_path: Path, how: signal.Signals) -> None:
+    words = ["run", str(CONFIGS / "pair.toml"), "--duration", "100000", "--out", "out", "--headless"]
+    running = start(fes(*words), tmp_path)
+    path = tmp_path / "out" / "run.mcap"
+    begun = until(lambda: path.exists() and path.stat().st_size)
+    until(lambda: path.stat().st_size > begun + 1000)  # a chunk with ticks is whole
+    pids = children(running.pid)
+    os.kill(next(pid for pid, line in pids.items() if " -m world " in line), how)
+    running.communicate(timeout=PATIENCE)
+    assert running.returncode == 1
+    assert not any(alive(pid) for pid in pids)
+    found = log.load(path)
+    ticks = sum(1 for _ in found.ticks())
+    assert ticks > 0
+    summary = replay_command.again(found, everybody=True)
+    assert summary["ticks"] == ticks
+    assert summary["digest"] == inprocess.run(load("pair.toml", run__duration=ticks * 0.02), "pair")["digest"]
+    if how is signal.SIGKILL:
+        assert read_without_an_index(path) == list(range(ticks))
+        assert found.complaint == (
+            f"{path} has no end, its run was killed or the file was cut: {ticks} of 5000000 ticks are there"
+        )
+    else:
+        assert found.complaint is None
+        assert json.loads((tmp_path / "out/summary.json").read_text()) == found.summary == summary
+
+
+def test_robot_and_all_at_once_are_refused(recorded: Recorded) -> None:
+    with pytest.raises(FesError, match=r"^--all executes every robot again, give it or --robot 3$"):
+        replay_command.replay(recorded[0], robot=3, all_=True)
+
+
+def test_a_run_that_was_stopped_is_said_to_be(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    pair, kept = load("pair.toml", run__duration=1.0), list[dict[str, Any]]()
+
+    def fail(report: object) -> None:
+        raise FesError("there was a [fault]")
+
+    def run() -> None:
+        with Recorder(tmp_path / "run.mcap", pair, "test", "inprocess") as recorder:
+            try:
+                inprocess.run(pair, "test", rtf=5.0, watch=fail, keep=kept.append, recorder=recorder)
+            finally:
+                recorder.conclude(*kept)
+
+    with pytest.raises(FesError, match="fault"):
+        run()
+    [summary] = kept  # whatever ends a run, what was reached is kept
+    replay_command.replay(tmp_path / "run.mcap", json_=True)
+    out, err = capfd.readouterr()
+    assert json.loads(out) == as_json(summary)
+    assert err == "the run ended early: there was a [fault]\n"
+
+
+def test_figures_are_drawn_from_a_log(recorded: Recorded, tmp_path: Path) -> None:
+    analysis_command.plot(str(recorded[0]), out=tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} >= {"formation.png", "convergence.svg"}

@@ -1,0 +1,91 @@
+"""Before a world starts or goes on: who counts as here, and what ends the wait."""
+
+import asyncio
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fes.arrays.types import Bools
+from fes.errors import FesError, Refused
+from fes.protocol import keys
+from tests.support import session
+from tests.support.loop import load
+from tests.support.session import RUN
+from world.execution.checkpoint import Keeper
+from world.execution.run import Course
+from world.server.server import Server
+
+
+def test_a_world_does_not_start_with_robots_whose_agents_it_has_not_accepted() -> None:
+    """As those of a world before, which have not noticed yet that this one is another."""
+
+    async def main() -> None:
+        async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
+            server = Server(opened, Course(load("pair.toml", run__duration=0.2)), "test", RUN)
+            gathering = asyncio.ensure_future(server.gather())
+            async with session.client(endpoint) as stale:
+                for robot in (0, 1):
+                    stale.token(keys.robot_alive(RUN, robot))
+                while not server._roster.alive.all():
+                    await asyncio.sleep(0.01)
+                with pytest.raises(Refused, match="robot 1 is hosted by an agent of an earlier world"):
+                    await session.live(endpoint, [1])
+                assert not gathering.done()
+            while server._roster.alive.any():
+                await asyncio.sleep(0.01)
+            agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
+            await gathering
+            await server.run()
+            server.dismiss()
+            await asyncio.gather(*agents)
+
+    asyncio.run(main())
+
+
+def test_a_world_that_cannot_keep_who_joins_ends_instead_of_waiting_for_ever(tmp_path: Path) -> None:
+    async def main() -> None:
+        async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
+            course, keeper = Course(load("pair.toml")), Keeper(tmp_path, 1e9, "test", RUN)
+            keeper.begin(course)
+            assert keeper._journal is not None
+            keeper._journal.close()
+            keeper._journal._file = Path("/dev/full").open("ab", buffering=0)  # noqa: SIM115 (the keeper closes it)
+            gathering = asyncio.ensure_future(Server(opened, course, "test", RUN, keeper=keeper).gather())
+            with pytest.raises(Refused, match="No space left on device"):
+                await session.live(endpoint, [0])
+            with pytest.raises(FesError, match="No space left on device"):
+                await gathering
+            keeper.discard(course)
+
+    asyncio.run(main())
+
+
+def test_who_comes_back_when_a_world_goes_on_takes_part_from_its_second_tick() -> None:
+    """What the world before published of the first one is sensed already, and must stay true."""
+
+    async def main() -> tuple[Server, list[Bools]]:
+        async with session.router() as (opened, endpoint), asyncio.timeout(100.0):
+            course, took = Course(load("pair.toml", run__duration=0.4)), list[Bools]()
+            course.state = replace(course.state, tick=5, present=np.array([True, False]), since=np.array([5, 0]))
+            server, take = Server(opened, course, "test", RUN), course.take
+
+            def taken(*words: Any) -> None:
+                took.append(course.state.present)
+                take(*words)
+
+            course.take = taken  # type: ignore[assignment,method-assign]
+            agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
+            while not server._roster.alive.all():
+                await asyncio.sleep(0.01)
+            await server.gather()
+            await server.run()
+            server.dismiss()
+            await asyncio.gather(*agents)
+            return server, took
+
+    server, took = asyncio.run(main())
+    assert [present.tolist() for present in took] == [[True, False]] + [[True, True]] * 14
+    assert server.course.state.since.tolist() == [5, 6]

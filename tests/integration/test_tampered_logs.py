@@ -1,0 +1,216 @@
+"""Logs that somebody changed: whatever is executed, shown or drawn from them, one line says what is wrong."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from console.analysis import command as analysis_command
+from console.replay import command as replay_command
+from console.replay import compare, log
+from console.replay.log import Log
+from console.replay.player import Player
+from fes.errors import FesError
+from fes.protocol import messages
+from fes.protocol.report import decode_report, encode_report
+from fes.recording.schemas import OWN
+from tests.support import recordings
+from tests.support.loop import load
+from tests.support.recordings import Edit
+
+HALVED = {"at": 0.2, "set": {"channel.reference_snr": 5e6}}
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two robots for a second; after a fifth of it the channel changes."""
+    path = tmp_path_factory.mktemp("whole") / "run.mcap"
+    recordings.record(path, load("pair.toml", run__duration=1.0, event=[HALVED]))
+    return path
+
+
+def on(topic: str, tick: int, change: Callable[[bytes], bytes | None]) -> Edit:
+    """An edit of the message of a topic at one tick."""
+    return lambda found, at, data: change(data) if (found, at) == (topic, tick) else data
+
+
+def team(change: Callable[[list[bytes]], list[bytes]], tick: int | None = 10) -> Callable[[bytes], bytes]:
+    """A change of the payloads in a message of all robots; `tick` is what it says then, None: nothing."""
+
+    def changed(data: bytes) -> bytes:
+        stamp = {} if tick is None else {"tick": tick}
+        return OWN["Commands"].encode({**stamp, "payloads": change(recordings.payloads(data))})
+
+    return changed
+
+
+def same(payloads: list[bytes]) -> list[bytes]:
+    return payloads
+
+
+def peers(payload: bytes) -> bytes:
+    found = messages.decode_observation(payload)
+    return messages.encode_observation(found._replace(in_range=found.in_range + 7))
+
+
+def links(payload: bytes) -> bytes:
+    found = messages.decode_command(payload)
+    return messages.encode_command(found._replace(links=np.array([7]), estimates=np.ones(1), learnt=np.zeros(0)))
+
+
+def told(**changes: Any) -> Callable[[bytes], bytes]:
+    return lambda data: json.dumps(json.loads(data) | changes).encode()
+
+
+ALL, ALONE, WORLD = ("alone", "again", "player", "plot"), ("alone",), ("again", "player", "plot")
+
+WRONG: dict[str, tuple[Edit, str, tuple[str, ...]]] = {
+    "one payload fewer": (on("/beacons", 10, team(lambda all_: all_[:-1])), "tick 10: /beacons has 1 payloads", ALL),
+    "one payload more": (on("/commands", 10, team(lambda all_: [*all_, all_[0]])), "tick 10: /commands has 3", ALL),
+    "another tick": (on("/beacons", 10, team(same, 11)), "tick 10: the message on /beacons is of tick 11", ALL),
+    "two messages": (on("/observations", 10, team(same, 9)), "tick 9 has two messages on /observations", ALL),
+    "no tick": (on("/observations", 10, team(same, None)), "a message on /observations has no tick", ALL),
+    "no message": (on("/commands", 10, lambda data: None), "tick 10 has no message on /commands", ALL),
+    "a peer that is not": (
+        recordings.edited("/observations", 10, 1, peers),
+        r"^tick 10, robot 1: Observation: names a robot that is not one of 2: \[7\]",
+        ALONE,
+    ),
+    "a link that is not": (
+        recordings.edited("/commands", 10, 1, links),
+        r"^tick 10, robot 1: Command: names a robot that is not one of 2: \[7\]",
+        WORLD,
+    ),
+    "a report without payload": (on("/report", 10, lambda data: b""), "tick 10: Report: ", ALL),
+    "no report": (on("/report", 10, lambda data: None), "^tick 10: the Report that is due is not in the log", WORLD),
+    "no last report": (on("/report", 49, lambda data: None), "^tick 49: the Report that is due is not", WORLD),
+    "no reports": (lambda topic, tick, data: None if topic == "/report" else data, "^tick 0: the Report", WORLD),
+    "another report": (
+        on("/report", 10, lambda data: farther(data)),
+        r"^tick 10, Report: poses\[0\] is .* in the log and .* executed again",
+        WORLD,
+    ),
+    "nothing scheduled": (on("/events", 10, lambda data: None), "^tick 10, events: what was scheduled is", WORLD),
+    "something else scheduled": (
+        on("/events", 10, told(value=4e6)),
+        "^tick 10, events: what was scheduled is",
+        WORLD,
+    ),
+    "an end too early": (lambda topic, tick, data: data if tick <= 30 else None, "31 ticks are there, and its", ALL),
+    "a scenario that is no text": (
+        on("/scenario", 0, told(scenario=7)),
+        "what it says of its run cannot be read",
+        ALL,
+    ),
+    "a deep scenario": (on("/scenario", 0, lambda data: b"[" * 100_000), "it does not begin with its scenario", ALL),
+    "a deep event": (on("/events", 10, lambda data: b"[" * 100_000), "it is nested too deeply", ALL),
+    "an event that is a list": (on("/events", 10, lambda data: b"[]"), "is not what its topic promises", ALL),
+}
+
+
+def farther(data: bytes) -> bytes:
+    """A Report with robot 0 elsewhere."""
+    [payload] = recordings.payloads(data)
+    found = decode_report(payload)
+    report = encode_report(found)
+    at = report.index(found.poses.tobytes())
+    moved = found.poses + 1.0
+    return OWN["Report"].encode({"payload": report.replace(report[at : at + moved.nbytes], moved.tobytes())})
+
+
+def shown(found: Log) -> None:
+    """The dashboard, to the end."""
+    screen = Player(found, 1e6)
+    while screen.playing:
+        screen.advance(1.0)
+
+
+def execute(how: str, path: Path, out: Path) -> None:
+    if how == "plot":
+        analysis_command.plot(str(path), out=out)
+    elif how == "alone":
+        replay_command.alone(log.load(path), 1)
+    elif how == "again":
+        replay_command.again(log.load(path))
+    else:
+        shown(log.load(path))
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_what_is_wrong_is_one_line(recorded: Path, tmp_path: Path, what: str) -> None:
+    edit, rule, noticed = WRONG[what]
+    path = tmp_path / "run.mcap"
+    recordings.rewrite(recorded, path, edit)
+    for how in noticed:
+        with pytest.raises(FesError, match=rule) as caught:
+            execute(how, path, tmp_path)
+        assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("how", WORLD)
+@pytest.mark.parametrize("key", ["digest", "beacons_sent", "extra"])
+def test_a_summary_that_was_not_reached_is_named_wherever_the_world_is_executed(
+    recorded: Path, tmp_path: Path, how: str, key: str
+) -> None:
+    summary = log.load(recorded).summary
+    assert summary is not None
+    recordings.rewrite(recorded, tmp_path / "run.mcap", lambda topic, tick, data: data, {**summary, key: 0})
+    with pytest.raises(FesError, match=rf"^summary: {key} is 0 in the log and "):
+        execute(how, tmp_path / "run.mcap", tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("edit", "summary", "expected"),
+    [
+        (on("/report", 10, lambda data: farther(data)), None, (10, "Report", "poses[0]")),
+        (on("/report", 10, lambda data: None), None, (10, "Report", "payload")),
+        (on("/events", 10, told(value=4e6)), None, (10, "events", "what was set")),
+        (on("/events", 10, told(by="person")), None, None),
+        (on("/scenario", 0, told(backend="processes")), {"wall_s": 7.0, "scenario": "x"}, None),
+        (on("/scenario", 0, told()), {"digest": "0"}, (49, "summary", "digest")),
+    ],
+)
+def test_compare_sees_reports_what_was_set_and_the_summary(
+    recorded: Path, tmp_path: Path, edit: Edit, summary: dict[str, Any] | None, expected: Any
+) -> None:
+    one = log.load(recorded)
+    recordings.rewrite(recorded, tmp_path / "run.mcap", edit, (one.summary or {}) | (summary or {}))
+    found = compare.first_difference(one, log.load(tmp_path / "run.mcap"))
+    assert (found and (found.tick, found.message, found.field)) == expected
+
+
+def test_compare_sees_an_end_that_is_not_there_and_messages_before_all_else(recorded: Path, tmp_path: Path) -> None:
+    one = log.load(recorded)
+    recordings.rewrite(recorded, tmp_path / "killed.mcap", lambda topic, tick, data: data, ended=False)
+    found = compare.first_difference(one, log.load(tmp_path / "killed.mcap"))
+    assert found is not None
+    assert found.told("in A", "in B") == "tick 49, end: how it ended is 'at its end' in A and 'nothing' in B"
+
+    def both(topic: str, tick: int, data: bytes) -> bytes | None:
+        moved = recordings.edited("/commands", 40, 1, links)(topic, tick, data)
+        return None if moved is None else on("/events", 10, told(value=4e6))(topic, tick, moved)
+
+    recordings.rewrite(recorded, tmp_path / "both.mcap", both)
+    found = compare.first_difference(one, log.load(tmp_path / "both.mcap"))
+    assert found is not None
+    assert (found.tick, found.message, found.robot) == (40, "Command", 1)
+
+
+def test_a_log_as_it_was_is_what_it_says(recorded: Path, tmp_path: Path) -> None:
+    recordings.rewrite(recorded, tmp_path / "run.mcap", lambda topic, tick, data: data)
+    for how in ALL:
+        execute(how, tmp_path / "run.mcap", tmp_path)
+
+
+def test_the_world_goes_no_further_than_the_log(tmp_path: Path) -> None:
+    recordings.record(tmp_path / "run.mcap", load("pair.toml", run__duration=1.0, event=[HALVED]))
+    found = log.load(tmp_path / "run.mcap")
+    late = found.scenario.event[0].model_copy(update={"at": 1.0, "settings": {"channel.reference_snr": -1.0}})
+    impossible = found.scenario.model_copy(update={"event": [*found.scenario.event, late]})
+    ticks = replay_command.again(Log(found.path, found.name, found.backend, impossible, found.summary, found.ended))[
+        "ticks"
+    ]
+    assert ticks == 50

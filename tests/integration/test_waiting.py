@@ -1,0 +1,217 @@
+"""Whom a world waits for, and for how long: robots that are due, and its own when it comes back; on either clock."""
+
+import asyncio
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from agents.process import Agent
+from console.backends import inprocess
+from console.backends.process_group import free_port
+from fes.arrays.types import Bools
+from fes.transport import bus
+from fes.transport.endpoints import Endpoints
+from tests.support import session
+from tests.support.loop import load
+from tests.support.session import PATIENCE, RUN
+from world.config.scenario import Scenario
+from world.execution import checkpoint, resume
+from world.execution.checkpoint import Keeper
+from world.execution.run import Answer, Course
+from world.server.live import WARM_UP
+from world.server.lockstep import Lockstep
+from world.server.server import Server
+from world.simulation.truth import State
+
+DYING = [{"at": 0.2, "kill": [1]}, {"at": 0.6, "restart": [1]}]
+
+
+async def due(scenario: Scenario, comes: bool) -> tuple[str, dict[str, Any]]:
+    """A run whose robot 1 dies by schedule and in truth; at the tick at which it is due it has no agent.
+
+    Returns the robots that the world then waited for, and the summary; robot 1 `comes` when it is waited for.
+    """
+    async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
+        server = Server(opened, Course(scenario), "test", RUN)
+        agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
+        await server.gather()
+        late, waits = server._attendance.due, list[str]()
+
+        async def die() -> None:
+            agents[1].cancel()
+            while server._roster.alive[1]:
+                await asyncio.sleep(0.01)
+
+        present = server._clock.present
+
+        async def dying(state: State) -> Bools:
+            if state.tick == 15:
+                await die()
+            return await present(state)
+
+        def missed(state: State) -> list[int]:
+            robots = late(state)
+            if robots and not waits:
+                waits.append(f"{robots} at tick {state.tick}")
+                if comes:
+                    agents[1] = asyncio.ensure_future(session.live(endpoint, [1]))
+            return robots
+
+        server._clock.present = dying  # type: ignore[method-assign]
+        server._attendance.due = missed  # type: ignore[method-assign]
+        await server.run()
+        server.dismiss()
+        await asyncio.gather(*agents, return_exceptions=True)
+        summary = server.summarize()
+        assert summary is not None
+        return " ".join(waits), summary
+
+
+def test_the_world_waits_for_a_robot_that_is_due() -> None:
+    scenario = load("pair.toml", run__duration=1.0, event=DYING)
+    waited, summary = asyncio.run(due(scenario, comes=True))
+    assert waited == "[1] at tick 30"
+    assert summary["digest"] == inprocess.run(scenario, "test")["digest"]
+    assert summary["unscheduled_absences"] == 0
+
+
+def test_a_robot_that_is_due_and_does_not_come_is_missed_and_the_run_continues(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """One robot does not end the run of the others; the summary counts its absence, here from tick 30 to 50."""
+    monkeypatch.setattr("world.server.lockstep.RETURN_TIMEOUT", 0.5)
+    scenario = load("pair.toml", run__duration=1.0, event=DYING)
+    _, summary = asyncio.run(due(scenario, comes=False))
+    assert (summary["ticks"], summary["unscheduled_absences"]) == (50, 20)
+    late = "robots [1] are due at tick 30 and did not come within 0.5 s: the run continues without them"
+    assert caplog.messages.count(late) == 1
+
+
+def gone_on_with(scenario: Scenario, tick: int) -> Course:
+    """A run in which all took part, as a world finds it that goes on at a tick."""
+    course = Course(scenario)
+    course.state = replace(course.state, tick=tick)
+    return course
+
+
+def test_a_robot_that_died_while_the_world_was_away_is_waited_for_and_then_left_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("world.server.server.RESUME_TIMEOUT", 0.5)
+
+    async def main() -> Server:
+        async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
+            server = Server(opened, gone_on_with(load("pair.toml", run__duration=0.4), 5), "test", RUN)
+            agent = asyncio.ensure_future(session.live(endpoint, [0]))
+            while not server._roster.whole[0]:
+                await asyncio.sleep(0.01)
+            await server.gather()  # nobody comes for robot 1
+            assert server._roster.alive.tolist() == [1, 0]
+            await server.run()
+            server.dismiss()
+            await agent
+            return server
+
+    server = asyncio.run(main())
+    assert server.course.is_over
+    assert server.course.state.present.tolist() == [True, False]
+
+
+def test_who_comes_back_before_the_wait_is_over_is_not_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("world.server.server.RESUME_TIMEOUT", PATIENCE)
+
+    async def main() -> Bools:
+        async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
+            server = Server(opened, gone_on_with(load("pair.toml"), 5), "test", RUN)
+            gathering = asyncio.ensure_future(server.gather())
+            async with session.client(endpoint) as puppet:
+                await session.appear(puppet, 0)
+                while not server._roster.whole[0]:
+                    await asyncio.sleep(0.01)
+                assert not gathering.done()
+                await session.appear(puppet, 1)
+                await gathering
+                return server._attendance.there
+
+    assert asyncio.run(main()).all()
+
+
+@pytest.mark.parametrize("torn", [False, True], ids=["to the tick it died at", "to one before"])
+def test_a_live_run_whose_world_dies_goes_on_in_lockstep_at_a_tick_that_its_robots_have_answered(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, torn: bool
+) -> None:
+    monkeypatch.setattr("world.server.server.RESUME_TIMEOUT", PATIENCE)
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    scenario = load("pair.toml", run__duration=1.6, run__clock="live")
+    barrier, collect = list[tuple[int, list[bool]]](), Lockstep.collect
+
+    async def collected(lockstep: Lockstep, state: State, sent: list[bytes]) -> tuple[list[Answer | None], Bools]:
+        answers, present = await collect(lockstep, state, sent)
+        barrier.append((state.tick, present.tolist()))
+        return answers, present
+
+    monkeypatch.setattr(Lockstep, "collect", collected)
+
+    async def first(agents: list["asyncio.Task[None]"], robots: list[Agent]) -> int:
+        """A world that dies when its robots have answered a tick that it has no note of; returns that tick."""
+        dies, for_ever = asyncio.Event(), asyncio.Event()
+        async with bus.opened(Endpoints("router", (), (endpoint,))) as opened:
+            course, keeper = Course(scenario), Keeper(tmp_path, 1e9, "test", RUN)
+            keeper.begin(course)
+            server = Server(opened, course, "test", RUN, keeper=keeper)
+            agents += [asyncio.ensure_future(host(robot, robots)) for robot in (0, 1)]
+            await server.gather()
+            end_of_tick = server._clock._end_of_tick
+
+            async def held() -> None:
+                if course.state.tick >= WARM_UP + 5:
+                    dies.set()
+                    await for_ever.wait()
+                await end_of_tick()
+
+            server._clock._end_of_tick = held  # type: ignore[method-assign]
+            running = asyncio.ensure_future(server.run())
+            await dies.wait()
+            while any(robot._turns.tick < course.state.tick for robot in robots):
+                await asyncio.sleep(0.01)
+            running.cancel()
+            keeper.close(course)
+            return course.state.tick
+
+    async def host(robot: int, robots: list[Agent]) -> None:
+        async with session.client(endpoint) as opened:
+            agent = Agent(opened, RUN, (robot,))
+            robots.append(agent)
+            await agent.live(await agent.join(PATIENCE))
+
+    async def second() -> tuple[int, Course]:
+        """Its successor; returns from which tick on."""
+        async with bus.opened(Endpoints("router", (), (endpoint,))) as opened:
+            course, keeper, elapsed = resume.course(tmp_path, resume.load(tmp_path), None, 1e9)
+            begun = course.state.tick
+            server = Server(opened, course, "test", RUN, keeper=keeper, elapsed=elapsed)
+            await server.gather()
+            await server.run()
+            server.dismiss()
+            keeper.discard(course)
+            return begun, course
+
+    async def main() -> tuple[int, int, Course]:
+        agents, robots = list["asyncio.Task[None]"](), list[Agent]()
+        async with asyncio.timeout(PATIENCE):
+            died = await first(agents, robots)
+            if torn:
+                [notes] = checkpoint.journals(tmp_path, 1)
+                notes.write_bytes(notes.read_bytes()[:-1])
+            begun, course = await second()
+            await asyncio.gather(*agents)
+            return died, begun, course
+
+    died, begun, course = asyncio.run(main())
+    assert begun == died - torn
+    ticks = [*range(WARM_UP), *range(begun, begun + WARM_UP)]
+    assert barrier == [(tick, [True, True]) for tick in ticks]  # none of which was without an answer
+    assert course.state.tick == scenario.ticks > begun + WARM_UP
+    assert course.state.since.tolist() == [0, 0]  # nobody was left out

@@ -1,0 +1,38 @@
+"""Each scenario of configs/faults is as it expects to be, and would not be without its fault."""
+
+from pathlib import Path
+
+import pytest
+
+from console.backends import inprocess
+from tests.support.paths import CONFIGS
+from world.config.scenario import load
+
+FAULTS = sorted((CONFIGS / "faults").glob("*.toml"))
+
+
+@pytest.mark.parametrize("path", FAULTS, ids=lambda path: path.stem)
+def test_a_fault_is_survived_as_its_scenario_says(path: Path) -> None:
+    scenario = load(path)
+    assert scenario.expect
+    verdicts = inprocess.run(scenario, path.stem)["expectations"]
+    assert all(verdict["holds"] for verdict in verdicts), verdicts
+
+
+@pytest.mark.parametrize("path", [path for path in FAULTS if path.stem != "world"], ids=lambda path: path.stem)
+def test_a_run_without_the_fault_is_not_as_its_scenario_expects(path: Path) -> None:
+    scenario = load(path)
+    calm = scenario.model_copy(update={"event": []})
+    verdicts = inprocess.run(calm, "calm")["expectations"]
+    assert not all(verdict["holds"] for verdict in verdicts), verdicts
+
+
+def test_that_the_world_dies_moves_nothing() -> None:
+    scenario = load(CONFIGS / "faults" / "world.config.toml", {"run.duration": 4.0})
+    died, calm = (inprocess.run(one, "world") for one in (scenario, scenario.model_copy(update={"event": []})))
+    assert died["digest"] == calm["digest"]
+
+
+def test_each_fault_has_a_scenario() -> None:
+    named = {"death", "hang", "partition", "jam", "loss", "delay", "corrupt", "skew", "world"}
+    assert named <= {path.stem for path in FAULTS}

@@ -1,0 +1,232 @@
+"""Random damage to all that is stored of a run: `python -m tests.support.damage --changes 2000`.
+
+A checkpoint of a killed run is resumed with one of its files changed, a log is executed again, a sweep is continued.
+Each must end in one line, or as if nothing had been changed: in the same digest, summary, log and rows.
+"""
+
+import argparse
+import copy
+import json
+import shutil
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from random import Random
+from typing import Any
+
+from console.replay import command as replay_command
+from console.replay import log
+from console.sweep import design, ledger, work
+from console.sweep.work import Done
+from fes.errors import FesError
+from fes.recording.layout import NAME
+from tests.support.loop import load
+from tests.support.paths import CONFIGS
+from tests.support.teams import Team
+from world.config.scenario import Scenario
+from world.execution import resume
+from world.execution.checkpoint import Keeper
+from world.execution.recorder import Recorder
+from world.execution.run import Course
+from world.metrics import summary
+
+KEPT, FLUSHED, KILLED = 0.4, 0.6, 0.7
+"""Times of the checkpoint, of a written chunk of the log, and of the world's death, as parts of the run."""
+
+LINE, SAME, BEHIND, SILENT, TRACEBACK = "one line", "as undisturbed", "behind its robots", "silent", "traceback"
+
+Outcome = tuple[str, str]
+"""Kind, and what was said."""
+
+
+def flip(random: Random, whole: bytes) -> bytes:
+    changed = bytearray(whole)
+    for _ in range(random.choice((1, 1, 2, 8))):
+        changed[random.randrange(len(whole))] ^= 1 << random.randrange(8)
+    return bytes(changed)
+
+
+def cut(random: Random, whole: bytes) -> bytes:
+    return whole[: random.randrange(len(whole))]
+
+
+def zero(random: Random, whole: bytes) -> bytes:
+    place, size = random.randrange(len(whole)), random.choice((1, 4, 64, 512))
+    return (whole[:place] + bytes(size) + whole[place + size :])[: len(whole)]
+
+
+HOW: list[Callable[[Random, bytes], bytes]] = [flip, cut, zero]
+
+
+def change(random: Random, whole: bytes, how: Callable[[Random, bytes], bytes]) -> bytes:
+    """Other bytes than before."""
+    while (changed := how(random, whole)) == whole:
+        pass
+    return changed
+
+
+def comparable(found: dict[str, Any]) -> str:
+    """A summary without its wall-clock figures."""
+    return json.dumps({name: value for name, value in found.items() if name not in work.WALL_CLOCK})
+
+
+class Run:
+    """A run that was killed, and its results if it is not killed."""
+
+    def __init__(self, where: Path, scenario: Scenario) -> None:
+        self.where, self.scenario = where, scenario
+        self.killed, self.work = where / "killed", where / "work"
+        whole = where / "whole"
+        whole.mkdir()
+        kept, flushed, killed = (int(part * scenario.ticks) for part in (KEPT, FLUSHED, KILLED))
+        self.answered = killed - 1
+        team, self.teams = Team(scenario), list[Team]()
+        with Recorder(whole / NAME, scenario, "test", "processes") as recorder:
+            course, keeper = Course(scenario, recorder), Keeper(whole, 1e9, "test", "main")
+            keeper.begin(course)
+            for tick in range(scenario.ticks):
+                if tick == kept:
+                    keeper.save(course, {}, 0.1, at_once=True)
+                if tick == flushed:
+                    recorder.pause()
+                if tick == killed:
+                    shutil.copytree(whole, self.killed)
+                self.teams.append(copy.copy(team))
+                team.step(course)
+            keeper.discard(course)
+            self.summary = summary.summarize(course.sums, "test", "processes", 1.0)
+            recorder.conclude(self.summary)
+        self.log = whole / NAME
+        self.ticks = list(log.load(self.log).ticks())
+
+    @property
+    def files(self) -> list[Path]:
+        """Of the run that was killed."""
+        return sorted(path for path in self.killed.rglob("*") if path.is_file())
+
+    def resumed(self, name: str, changed: bytes) -> Outcome:
+        """Outcome of a resumption with one of the files changed."""
+        shutil.rmtree(self.work, ignore_errors=True)
+        shutil.copytree(self.killed, self.work)
+        (self.work / name).write_bytes(changed)
+        kept = resume.load(self.work)
+        recorder = resume.recorder(self.work, kept)
+        assert recorder is not None
+        with recorder:
+            course, keeper, _ = resume.course(self.work, kept, recorder, 1e9)
+            first = course.state.tick
+            team = copy.copy(self.teams[first])
+            while not course.is_over:
+                team.step(course)
+            reached = summary.summarize(course.sums, "test", "processes", 1.0)
+            recorder.conclude(reached)
+            keeper.discard(course)
+        if comparable(reached) != comparable(self.summary):
+            return SILENT, f"digest {reached['digest']}"
+        if self._ticks_of(self.work / NAME) < len(self.ticks):
+            return SILENT, "a shorter log"
+        # Living robots repeat at most their words of one tick back (agents.runtime.tick_source), and else end with a
+        # line.
+        return (SAME, "") if first >= self.answered else (BEHIND, f"tick {first}")
+
+    def _ticks_of(self, path: Path) -> int:
+        """Number of ticks in a log, all of which must be as undisturbed."""
+        ticks = list(log.load(path).ticks())
+        assert all(one.said == other.said for one, other in zip(ticks, self.ticks, strict=False)), "other messages"
+        return len(ticks)
+
+    def executed_again(self, name: str, changed: bytes) -> Outcome:
+        """Outcome of executing a changed log again."""
+        path = self.where / "changed.mcap"
+        path.write_bytes(changed)
+        found = log.load(path)
+        reached = replay_command.again(found)
+        self._ticks_of(path)
+        if found.complaint is not None:
+            return LINE, found.complaint
+        return (SAME, "") if comparable(reached) == comparable(self.summary) else (SILENT, f"{reached['digest']}")
+
+
+class Sweep:
+    """A sweep of three runs that are done."""
+
+    def __init__(self, where: Path) -> None:
+        self.where = where
+        self.planned = design.plan(CONFIGS / "pair.toml", [], "0:3", ["run.duration=0.2"])
+        with ledger.opened(where, self.planned) as book:
+            for batch in work.batches("pair", self.planned.runs, 1):
+                book.add(work.carry_out(batch))
+            self.done: dict[str, Done] = dict(book.done)
+        self.whole = {path.name: path.read_bytes() for path in where.iterdir()}
+
+    def resumed(self, name: str, changed: bytes) -> Outcome:
+        """Outcome of continuing the sweep; missing runs are run again."""
+        for path, whole in self.whole.items():
+            (self.where / path).write_bytes(changed if path == name else whole)
+        with ledger.opened(self.where, self.planned) as book:
+            same = all(self.done.get(key) == done for key, done in book.done.items())
+        return (SAME, "") if same else (SILENT, "other rows")
+
+
+def outcome(what: Callable[[str, bytes], Outcome], name: str, changed: bytes) -> Outcome:
+    """Outcome of a call, whatever it raises."""
+    try:
+        return what(name, changed)
+    except FesError as error:
+        return (LINE, str(error)) if "\n" not in str(error) else (TRACEBACK, f"several lines: {error}")
+    except Exception as error:
+        return TRACEBACK, repr(error)
+
+
+def trials(where: Path, scenario: Scenario) -> dict[str, tuple[bytes, str, Callable[[str, bytes], Outcome]]]:
+    """For each file that is changed: its content, its name, and the use of the changed file."""
+    run, sweep = Run(where, scenario), Sweep(where / "sweep")
+    kept = {str(path.relative_to(run.killed)): path.read_bytes() for path in run.files}
+    return {
+        **{name: (whole, name, run.resumed) for name, whole in kept.items()},
+        "a whole log": (run.log.read_bytes(), "", run.executed_again),
+        **{name: (whole, name, sweep.resumed) for name, whole in sweep.whole.items()},
+    }
+
+
+def damage(where: Path, scenario: Scenario, changes: int, seed: int) -> dict[str, Counter[tuple[str, str]]]:
+    """For each file, the number of each change and outcome; forbidden outcomes are printed."""
+    found = dict[str, Counter[tuple[str, str]]]()
+    for title, (whole, name, what) in trials(where, scenario).items():
+        random, found[title] = Random(f"{seed} {title}"), Counter()
+        for number in range(changes):
+            how = HOW[number % len(HOW)]
+            changed = change(random, whole, how)
+            kind, said = outcome(what, name, changed)
+            found[title][how.__name__, kind] += 1
+            if kind in (SILENT, TRACEBACK):
+                print(f"{title}, {how.__name__} {number}: {kind}: {said}")
+    return found
+
+
+def main() -> int:
+    """Print a table; 1 if anything was silent or a traceback."""
+    parser = argparse.ArgumentParser(prog="python -m tests.support.damage", description=__doc__)
+    parser.add_argument("--changes", type=int, default=2000, help="of each file")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--scenario", default="pair.toml", help="of configs/")
+    parser.add_argument("--duration", type=float, default=1.0, help="simulated [s]")
+    flags = parser.parse_args()
+    with tempfile.TemporaryDirectory() as where:
+        found = damage(Path(where), load(flags.scenario, run__duration=flags.duration), flags.changes, flags.seed)
+    kinds = (LINE, SAME, BEHIND, SILENT, TRACEBACK)
+    print("".join(f"{title:>20}" for title in ("file", "change", *kinds)))
+    for title, counts in found.items():
+        for how in HOW:
+            row = (counts[how.__name__, kind] for kind in kinds)
+            print(f"{title:>20}{how.__name__:>20}" + "".join(f"{count:>20}" for count in row))
+    with suppress(BrokenPipeError):
+        sys.stdout.flush()
+    return int(any(kind in (SILENT, TRACEBACK) for counts in found.values() for _, kind in counts))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

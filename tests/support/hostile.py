@@ -1,0 +1,121 @@
+"""A team over TLS of which one robot, with a certificate of its own, turns on the others."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from agents.process import Agent
+from agents.runtime.outbox import Mouth
+from console.backends.process_group import free_port
+from fes.errors import FesError
+from fes.recording.layout import NAME
+from fes.transport import bus
+from fes.transport.bus import Bus
+from fes.transport.endpoints import Endpoints
+from tests.support import team_keys
+from tests.support.loop import load
+from tests.support.session import PATIENCE, RUN
+from world.config.scenario import Scenario
+from world.execution import journal
+from world.execution.checkpoint import FOLDER, Keeper
+from world.execution.recorder import Recorder
+from world.execution.run import Course
+from world.server import access
+from world.server.server import Server
+
+ROBOTS, HOSTILE, FIRST = 10, 4, 40
+"""Robot 4 stands in the middle of the ten, and is hostile from tick 40 on."""
+
+Said = list[tuple[int, bytes, bytes]]
+Attack = Callable[[Mouth, int, Said], None]
+"""The words of a robot at a tick from FIRST on, instead of (robot, beacon, command)."""
+
+Beside = Callable[[Bus], Awaitable[None]]
+"""Actions of another session with its certificate meanwhile."""
+
+
+class Outcome(NamedTuple):
+    """Outcome of a run."""
+
+    directory: Path
+    summary: dict[str, Any]
+    notes: list[list[Any]]
+    """The journal."""
+    ended: list[FesError | None]
+    """Error with which each agent ended, in id order; None if it ended well."""
+    server: Server
+
+
+def scenario(**overrides: object) -> Scenario:
+    """Ten robots that measure, so that beacons carry statistics, too."""
+    return load("measured.toml", run__duration=1.6, **overrides)
+
+
+class Turncoat(Mouth):
+    """Speaks correctly until tick FIRST, then as an `attack` demands."""
+
+    attack: Attack
+
+    def say(self, tick: int, said: Said) -> None:
+        if tick >= FIRST:
+            self.attack(self, tick, said)
+        else:
+            super().say(tick, said)
+
+
+def _member(where: Path, endpoint: str, robot: int) -> Endpoints:
+    own = team_keys.security(where, f"robot-{robot}")
+    return Endpoints("client", (endpoint,), timeout=PATIENCE, security=own)
+
+
+async def _live(endpoints: Endpoints, robot: int, attack: Attack | None) -> None:
+    async with bus.opened(endpoints) as opened:
+        agent = Agent(opened, RUN, (robot,))
+        if attack is not None:
+            agent._mouth.__class__, agent._mouth.attack = Turncoat, attack  # type: ignore[attr-defined]
+        await agent.live(await agent.join(PATIENCE))
+
+
+async def _run(where: Path, keyed: Path, attack: Attack, beside: Beside | None) -> Outcome:
+    """A run with a journal and a log, of certified agents of which one is hostile."""
+    what, endpoint = scenario(), f"tls/127.0.0.1:{free_port()}"
+    rules = access.control(RUN, ROBOTS)
+    world = Endpoints("router", (), (endpoint,), security={**team_keys.security(keyed, "world"), **rules})
+    async with bus.opened(world) as opened:
+        with Recorder(where / NAME, what, "hostile", "processes") as recorder:
+            course = Course(what, recorder)
+            keeper = Keeper(where, 1e9, "hostile", RUN)
+            keeper.begin(course)
+            server = Server(opened, course, "hostile", RUN, keeper=keeper, guarded=True)
+            agents = [
+                asyncio.ensure_future(_live(_member(keyed, endpoint, i), i, attack if i == HOSTILE else None))
+                for i in range(ROBOTS)
+            ]
+            await server.gather()
+            if beside is None:
+                await server.run()
+            else:
+                async with bus.opened(_member(keyed, endpoint, HOSTILE)) as second:
+                    other = asyncio.ensure_future(beside(second))
+                    await server.run()
+                    await other
+            server.dismiss()
+            summary = server.summarize()
+            assert summary is not None
+            recorder.conclude(summary)
+            outcomes = await asyncio.gather(*agents, return_exceptions=True)
+            ended = [error if isinstance(error, FesError) else None for error in outcomes]
+            notes = [note for path in (where / FOLDER).glob("journal-*") for note in journal.notes(path)]
+            keeper.close(course)
+            return Outcome(where, summary, notes, ended, server)
+
+
+def run(where: Path, keyed: Path, attack: Attack, beside: Beside | None = None) -> Outcome:
+    """The same as `_run`, within a bounded time."""
+
+    async def bounded() -> Outcome:
+        async with asyncio.timeout(120.0):
+            return await _run(where, keyed, attack, beside)
+
+    return asyncio.run(bounded())

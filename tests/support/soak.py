@@ -1,0 +1,259 @@
+"""A team under random kills, hangs and world restarts, with real processes; and what is left of it at the end.
+
+    python -m tests.support.soak --minutes 10
+
+Ten agents and a world, each a process, are killed (SIGKILL), suspended (SIGSTOP, SIGCONT; the world for less than the
+lease of a session) and, the world, told to stop (SIGTERM), at random times; whoever is gone is started again, the
+world with --resume. Then there is peace, and the run goes on to its end. Expected: every tick is in the log and comes
+out the same when it is executed again, every process has ended well and by itself, nobody is left, and the formation
+stands.
+"""
+
+import argparse
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+from console.backends.process_group import free_port
+from console.replay import command as replay_command
+from console.replay import log
+from fes.recording.layout import NAME
+from tests.support.paths import CONFIGS
+from world.config.scenario import load
+
+SCENARIO = CONFIGS / "neighborhood.toml"
+
+PACE = 1.0
+"""Simulated seconds a second, while there are faults."""
+
+PEACE = 60.0
+"""Simulated time without faults at the end, at least [s]."""
+
+CALM = (0.5, 4.0)
+"""From one fault to the next [s]."""
+
+AWAY = (0.0, 3.0)
+"""How long who was killed is away [s]."""
+
+ASLEEP = (0.5, 14.0)
+"""How long an agent that was suspended sleeps [s]: some longer than the world waits."""
+
+DOZE = (0.2, 1.0)
+"""How long the world sleeps [s]: less than a session's lease of 2 s, so that nobody takes it for gone."""
+
+PATIENCE = 600.0
+"""[s]"""
+
+
+class Team:
+    """The processes, each started again when it is gone."""
+
+    def __init__(self, out: Path, minutes: float) -> None:
+        self.out = out
+        self.endpoint = f"tcp/127.0.0.1:{free_port()}"
+        self.logs = out / "logs"
+        self.logs.mkdir(parents=True)
+        self.duration = 60.0 * minutes * PACE + PEACE
+        self.robots = load(SCENARIO).robots.number
+        self.started: list[subprocess.Popen[bytes]] = []
+        words = [str(SCENARIO), "--duration", str(self.duration), "--out", str(out)]
+        self.world = self._world(*words, "--rtf", str(PACE))
+        self.agents = {robot: self._agent(robot) for robot in range(self.robots)}
+
+    def resume(self, rtf: str) -> None:
+        """Another world goes on."""
+        self.world = self._world("--resume", str(self.out), "--rtf", rtf)
+
+    def rejoin(self, robot: int) -> None:
+        """Another agent hosts a robot."""
+        self.agents[robot] = self._agent(robot)
+
+    def end(self) -> None:
+        """End whoever is left, in a way that nobody survives."""
+        for process in (self.world, *self.agents.values()):
+            if process.poll() is None:
+                process.send_signal(signal.SIGCONT)
+                process.kill()
+            process.wait()
+
+    def orphans(self) -> list[str]:
+        """Processes that this team started and that live."""
+        return [str(one.args) for one in self.started if one.poll() is None]
+
+    def _world(self, *words: str) -> "subprocess.Popen[bytes]":
+        return self._start("world.process", "world", *words, "-l", self.endpoint, "--checkpoint", "2")
+
+    def _agent(self, robot: int) -> "subprocess.Popen[bytes]":
+        words = ["--id", str(robot), "-e", self.endpoint, "--timeout", "60"]
+        return self._start("agents.process", f"agent-{robot}", *words)
+
+    def _start(self, module: str, name: str, *words: str) -> "subprocess.Popen[bytes]":
+        with (self.logs / f"{name}.log").open("ab") as stream:
+            process = subprocess.Popen(
+                [sys.executable, "-P", "-m", module, *words], stdin=subprocess.DEVNULL, stdout=stream, stderr=stream
+            )
+        self.started.append(process)
+        return process
+
+
+class Trouble:
+    """Faults at random times, one after the other or several at once; the same ones for the same seed."""
+
+    def __init__(self, team: Team, seed: int) -> None:
+        self._team, self._chance = team, random.Random(seed)
+        self._later: list[tuple[float, str, int]] = []
+        """When to do what to whom, to undo a fault."""
+        self.counts: Counter[str] = Counter()
+
+    def rage(self, seconds: float) -> None:
+        """Make trouble for a while, from the first checkpoint on, then undo all of it."""
+        while not (self._team.out / "checkpoint" / "state").exists():
+            self._look()
+            time.sleep(0.02)
+        end = time.monotonic() + seconds
+        at = time.monotonic() + self._chance.uniform(*CALM)
+        while time.monotonic() < end:
+            if time.monotonic() >= at:
+                self._fault()
+                at = time.monotonic() + self._chance.uniform(*CALM)
+            self._undo(time.monotonic())
+            self._look()
+            time.sleep(0.02)
+        while self._later:
+            self._undo(time.monotonic())
+            self._look()
+            time.sleep(0.02)
+
+    def _fault(self) -> None:
+        busy = {robot for _, _, robot in self._later}
+        robot = self._chance.choice([-1, -1, -1, *range(self._team.robots)])
+        if robot in busy:
+            return
+        soon = time.monotonic() + self._chance.uniform(*AWAY)
+        if robot < 0:
+            how = self._chance.choice([signal.SIGKILL, signal.SIGTERM, signal.SIGSTOP])
+            self._team.world.send_signal(how)
+            if how is signal.SIGSTOP:
+                self._later.append((time.monotonic() + self._chance.uniform(*DOZE), "continue", robot))
+                self.counts["worlds suspended"] += 1
+                return
+            code = self._team.world.wait(PATIENCE)
+            self._expect(code in (0, -how), f"the world ended with {code}")  # -how: one that is hardly there yet
+            self._later.append((soon, "resume", robot))
+            self.counts["worlds killed" if how is signal.SIGKILL else "worlds told to stop"] += 1
+        elif self._chance.random() < 0.5:
+            self._team.agents[robot].kill()
+            self._team.agents[robot].wait()
+            self._later.append((soon, "rejoin", robot))
+            self.counts["agents killed"] += 1
+        else:
+            self._team.agents[robot].send_signal(signal.SIGSTOP)
+            self._later.append((time.monotonic() + self._chance.uniform(*ASLEEP), "continue", robot))
+            self.counts["agents suspended"] += 1
+
+    def _undo(self, now: float) -> None:
+        due = [one for one in self._later if one[0] <= now]
+        self._later = [one for one in self._later if one[0] > now]
+        for _, what, robot in due:
+            if what == "resume":
+                self._team.resume(str(PACE))
+            elif what == "rejoin":
+                self._team.rejoin(robot)
+            else:
+                (self._team.world if robot < 0 else self._team.agents[robot]).send_signal(signal.SIGCONT)
+
+    def peace(self) -> None:
+        """Wait for the end of the run."""
+        while self._team.world.poll() is None:
+            self._take_in()
+            time.sleep(0.02)
+
+    def _look(self) -> None:
+        """Nobody may end but by our hand."""
+        self._take_in()
+        away = self._away()
+        for robot, process in {-1: self._team.world, **self._team.agents}.items():
+            if robot not in away:
+                name = "the world" if robot < 0 else f"agent {robot}"
+                self._expect(process.poll() is None, f"{name} ended by itself with {process.returncode}")
+
+    def _take_in(self) -> None:
+        """Who ended as a beacon is lost for ever, with the world's router and its sender, is started again."""
+        for robot in self._team.agents.keys() - self._away():
+            if self._team.agents[robot].poll() == 1 and self._was_bereft(robot):
+                self._team.rejoin(robot)
+                self.counts["agents that ended for a beacon that was lost with its sender"] += 1
+
+    def _away(self) -> set[int]:
+        return {robot for _, what, robot in self._later if what != "continue"}
+
+    def _was_bereft(self, robot: int) -> bool:
+        """Whether an agent said that a beacon had gone with the world's router, and its sender had died too."""
+        lines = (self._team.logs / f"agent-{robot}.log").read_text(errors="replace").splitlines()
+        return bool(lines) and "a beacon that decoded did not arrive" in lines[-1]
+
+    def _expect(self, holds: bool, otherwise: str) -> None:
+        if not holds:
+            raise AssertionError(f"{otherwise}; see {self._team.logs}; until then {dict(self.counts)}")
+
+
+def soak(out: Path, minutes: float, seed: int) -> dict[str, Any]:
+    """What happened, if all that is expected holds; raises AssertionError."""
+    begun = time.monotonic()
+    team = Team(out, minutes)
+    trouble = Trouble(team, seed)
+    try:
+        trouble.rage(60.0 * minutes)
+        team.world.send_signal(signal.SIGTERM)  # the rest at full speed
+        assert team.world.wait(PATIENCE) in (0, -signal.SIGTERM)
+        team.resume("max")
+        trouble.peace()
+        codes = {"world": team.world.wait(PATIENCE)}
+        codes |= {f"agent {robot}": agent.wait(PATIENCE) for robot, agent in team.agents.items()}
+        assert set(codes.values()) == {0}, codes
+        orphans = team.orphans()
+        assert not orphans, orphans
+    finally:
+        team.end()
+    summary = json.loads((out / "summary.json").read_text())
+    whole = log.load(out / NAME)
+    changes = sum(bool(tick.attended) for tick in whole.ticks())
+    assert summary["ticks"] == whole.scenario.ticks == sum(1 for _ in whole.ticks())
+    assert replay_command.again(whole, everybody=True)["digest"] == summary["digest"]
+    assert summary["separation_error_rms"] < 0.5, summary["separation_error_rms"]
+    assert summary["algebraic_connectivity"] > 0.0
+    assert not (out / "checkpoint").exists()
+    return {
+        **trouble.counts,
+        "ticks": summary["ticks"],
+        "ticks at which robots came or went": changes,
+        "processes": len(team.started),
+        "separation error rms [m]": summary["separation_error_rms"],
+        "wall [s]": time.monotonic() - begun,
+    }
+
+
+def main() -> None:
+    """Print what happened."""
+    parser = argparse.ArgumentParser(prog="python -m tests.support.soak", description=__doc__.splitlines()[0])
+    parser.add_argument("--minutes", type=float, default=10.0, help="how long there are faults (default: 10)")
+    parser.add_argument("--seed", type=int, default=int.from_bytes(os.urandom(4)), help="of the faults")
+    parser.add_argument("--out", type=Path, help="a new directory, kept (default: a temporary one)")
+    flags = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        out = flags.out or Path(folder) / "run"
+        print(f"seed {flags.seed}, {flags.minutes:g} minutes of faults", flush=True)
+        for what, number in soak(out, flags.minutes, flags.seed).items():
+            print(f"{what:>36}  {number:,.6g}")
+
+
+if __name__ == "__main__":
+    main()

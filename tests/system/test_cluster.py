@@ -1,0 +1,83 @@
+"""The same sweep on a Dask cluster of real worker processes, one of which is killed."""
+
+import os
+import signal
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from distributed import LocalCluster
+
+from console.sweep import cluster, design, work
+from fes.errors import FesError
+from fes.system import fingerprint
+from tests.support.arithmetics import OTHER
+from tests.support.commands import PAIR, PROGRAMS, call, complaint, vacant
+from tests.support.sweeps import RUNS, kept, until_some_are_done
+
+LONG = ["sweep", PAIR, "--seeds", "0:120", "--set", "run.duration=4"]
+
+
+@pytest.fixture(scope="module")
+def dask() -> Iterator[LocalCluster]:
+    """Two workers of one thread each, behind nannies that replace them if they die."""
+    with LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address="127.0.0.1:0"
+    ) as opened:
+        yield opened
+
+
+def test_a_worker_that_is_killed_midway_costs_nothing_and_doubles_nothing(dask: LocalCluster, tmp_path: Path) -> None:
+    words = [str(PROGRAMS / "fes"), *LONG, "--out", "out", "--scheduler", dask.scheduler_address]
+    sweep = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    until_some_are_done(tmp_path / "out", sweep)
+    assert len(kept(tmp_path / "out")) < RUNS
+    os.kill(dask.workers[0].pid, signal.SIGKILL)
+    said, complained = sweep.communicate(timeout=60)
+    assert (sweep.returncode, complained) == (0, "")
+    assert "out/table.csv" in said
+    assert len(kept(tmp_path / "out")) == len(set(kept(tmp_path / "out"))) == RUNS
+
+    here = call(tmp_path, "fes", *LONG, "--out", "here")
+    assert here.returncode == 0
+    for name in ("table.csv", "cells.csv"):
+        assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "here" / name).read_bytes()
+
+
+def test_a_worker_with_another_version_of_fes_is_refused(dask: LocalCluster, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "version", lambda: "9.9")
+    planned = design.plan(Path(PAIR), [], "0:1", ["run.duration=1"])
+    with cluster.connected(dask.scheduler_address) as workers:
+        assert workers.count == 2
+        with pytest.raises(FesError, match=r"a Dask worker has fes .*, and the sweep is of fes 9\.9"):
+            list(workers.carry_out(work.batches("pair", planned.runs, 2), work.ignore))
+
+
+def test_a_worker_with_another_arithmetic_is_refused(dask: LocalCluster, monkeypatch: pytest.MonkeyPatch) -> None:
+    here = fingerprint.text()
+    monkeypatch.setattr(fingerprint, "table", lambda: dict(OTHER))  # of this end only
+    planned = design.plan(Path(PAIR), [], "0:1", ["run.duration=1"])
+    wanted = rf"^a Dask worker has {here}, and the sweep is of {fingerprint.text()}$"
+    with cluster.connected(dask.scheduler_address) as workers, pytest.raises(FesError, match=wanted):
+        list(workers.carry_out(work.batches("pair", planned.runs, 2), work.ignore))
+
+
+def test_a_scheduler_that_does_not_answer_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    address = vacant().replace("tcp/", "tcp://")
+    monkeypatch.setattr(cluster, "PATIENCE", 0.3)
+    with pytest.raises(FesError, match=f"no Dask scheduler answers at {address}"), cluster.connected(address):
+        pass
+    line = complaint(call(tmp_path, "fes", "sweep", PAIR, "--seeds", "0:1", "--scheduler", f"{address}0000"), "fes")
+    assert line.startswith("--scheduler expects an address")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_cluster_without_workers_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "PATIENCE", 1.0)
+    with (
+        LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address="127.0.0.1:0") as empty,
+        pytest.raises(FesError, match="has no workers"),
+        cluster.connected(empty.scheduler_address),
+    ):
+        pass

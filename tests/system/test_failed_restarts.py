@@ -1,0 +1,81 @@
+"""Processes that the system refuses to start again: each refusal is said, and ends no more than it must."""
+
+import asyncio
+import signal
+from pathlib import Path
+
+import pytest
+
+from console.backends import process_group
+from console.backends.managed_process import Child
+from console.backends.process_group import BEGUN
+from console.backends.supervisor import Supervisor
+from tests.support.process_groups import ENDLESS, SLOW, Impatient, family, finished, until, world
+
+
+async def refused(*_: object, **__: object) -> Child:
+    raise OSError(11, "Resource temporarily unavailable")
+
+
+def test_an_agent_that_cannot_be_started_again_is_tried_a_few_times_and_each_failure_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def main() -> list[str]:
+        async with family(tmp_path) as kin:
+            await world(kin, SLOW, f"{BEGUN.decode()}\n")
+            await kin.start_agent("0", ["--no-such-flag"])
+            monkeypatch.setattr("console.backends.managed_process.start", refused)
+            said: list[str] = []
+            following = asyncio.ensure_future(Supervisor(kin, said.append, "nobody is left", Impatient()).finish())
+            await until((tmp_path / "here").exists)
+            await until(lambda: len(said) == 4 or following.done())
+            (tmp_path / "go").touch()
+            assert kin.world is not None
+            kin.world.signal(signal.SIGINT)
+            await following
+            return said
+
+    dies, why = "fes-agent --id 0: unrecognized arguments: --no-such-flag", "Resource temporarily unavailable"
+    fails = f"robot 0: fes-agent --id 0 cannot be started: {why}"
+    assert asyncio.run(main()) == [
+        f"robot 0: {dies}; started again in 0.01 s",
+        f"{fails}; started again in 0.01 s",
+        f"{fails}, 6 times in a row: it is not started again; the run continues without it",
+        "nobody is left",
+    ]
+
+
+def test_a_robot_of_the_schedule_that_cannot_be_started_again_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def main() -> list[str]:
+        async with family(tmp_path) as kin:
+            await world(kin, SLOW, f"{BEGUN.decode()}\n")
+            await kin.start_agent("0", [])
+            await kin.kill_agent("0")
+            monkeypatch.setattr("console.backends.managed_process.start", refused)
+            await kin.start_agent_again("0")
+            said: list[str] = []
+            following = asyncio.ensure_future(Supervisor(kin, said.append).finish())
+            await until(lambda: said or following.done())
+            following.cancel()
+            (tmp_path / "go").touch()
+            return said
+
+    why = "fes-agent --id 0 cannot be started: Resource temporarily unavailable"
+    assert asyncio.run(main())[0] == f"robot 0: {why}; the run continues without it"
+
+
+def test_a_world_that_cannot_be_started_to_resume_its_run_is_what_the_run_fails_of(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def main() -> tuple[str, list[str]]:
+        async with family(tmp_path) as kin:
+            await world(kin, ENDLESS)
+            monkeypatch.setattr("console.backends.managed_process.start", refused)
+            monkeypatch.setattr(process_group, "is_kept", lambda _: True)
+            await kin.replace_world(0.0, [])
+            return await finished(kin)
+
+    why = "fes-world cannot be started: Resource temporarily unavailable"
+    assert asyncio.run(main()) == (why, [])

@@ -1,0 +1,106 @@
+"""A run of two that is forged on every tick, with all that the wire asks for: it is another one, unless over TLS."""
+
+import asyncio
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import zenoh
+
+from console.backends import inprocess
+from console.keys import certificates
+from fes.model.sensing import DECODED
+from fes.protocol import keys, messages
+from fes.protocol.messages import Beacon, Command, Observation
+from fes.transport.bus import Bus
+from tests.support import team_keys
+from tests.support.loop import load
+from tests.support.stage import ROLES, RUN, SECONDS, stage
+
+
+def command(tick: int) -> bytes:
+    """One that would send robot 0 away."""
+    nobody, nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
+    return messages.encode_command(Command(tick, 0, (5.0, 1.0), nobody, nothing, nothing))
+
+
+def beacon(tick: int) -> bytes:
+    """One that would draw robot 1 after a robot 0 that is elsewhere, and wants another separation."""
+    named = np.ones(1, dtype=np.uint8)
+    link, wanted, nothing = np.array([1]), np.array([140.0]), np.zeros(0)
+    return messages.encode_beacon(Beacon(tick, 0, (0.0, 60.0, 0.5), link, wanted, named, nothing))
+
+
+def observation(tick: int) -> bytes:
+    """One that would have robot 0 think that it is elsewhere."""
+    near, decoded = np.array([1]), np.full(1, DECODED, dtype=np.uint8)
+    return messages.encode_observation(Observation(tick, 0, (0.0, 60.0, 0.5), near, decoded, over=False, since=0))
+
+
+FORGERIES: dict[str, Callable[[int], bytes]] = {
+    keys.command(RUN, 0): command,
+    keys.beacon(RUN, 0): beacon,
+    keys.observation(RUN, 0): observation,
+}
+
+
+async def forge(attacker: Bus, key: str, is_over: Callable[[], bool]) -> int:
+    """Say on `key`, again and again, what is due at the next tick, until the run is over; how many ticks were heard.
+
+    Robot 1 tells the time: it hears nobody but the world, and whom the world lets through.
+    """
+    marks = [b""]  # in plain anybody can overhear the mark of an agent's commands
+
+    def overhear(sample: zenoh.Sample) -> None:
+        marks[0] = sample.attachment.to_bytes() if sample.attachment is not None else b""
+
+    callback = zenoh.handlers.Callback(overhear, indirect=False)
+    listening = attacker._session.declare_subscriber(keys.command(RUN, 0), callback)
+    clock, ticks = attacker.mailbox(keys.beacon(RUN, 1)), set[int]()
+    while not is_over():
+        while (heard := clock.take()) is not None:
+            assert heard[1] is not None
+            ticks.add(messages.decode_beacon(heard[1]).tick)
+        if ticks:
+            attacker._session.put(key, FORGERIES[key](max(ticks) + 1), attachment=marks[0])
+        await asyncio.sleep(0.001)
+    listening.undeclare()
+    return len(ticks)
+
+
+async def run_with_a_forger(where: Path, keyed: Path | None, key: str) -> tuple[str, str]:
+    """Digest, of what was reached, and log of a run beside which robot 1, or in plain anybody, speaks as robot 0."""
+    async with stage(where, keyed) as world, world.visitor("robot-1") as attacker:
+        world.agent(0)
+        world.agent(1)
+        over = asyncio.ensure_future(world.over())
+        ticks = await forge(attacker, key, over.done)
+        good = await over
+        if keyed:  # in plain it may lead to an end before the end, on a slow machine
+            assert good, world.log()
+            assert ticks > 10
+        return world.digest(), world.log()
+
+
+@pytest.fixture
+def expected() -> str:
+    return str(inprocess.run(load("pair.toml", run__duration=SECONDS), "pair")["digest"])
+
+
+@pytest.mark.parametrize("key", FORGERIES)
+def test_forgeries_change_a_run_without_certificates(tmp_path: Path, expected: str, key: str) -> None:
+    """The attack is a real one: what follows would mean nothing if it were not."""
+    digest, _ = asyncio.run(run_with_a_forger(tmp_path, None, key))
+    assert digest not in ("", expected)
+
+
+@pytest.mark.parametrize("key", FORGERIES)
+def test_forgeries_are_dropped_logged_once_and_change_nothing(tmp_path: Path, expected: str, key: str) -> None:
+    keyed = team_keys.directory(tmp_path / "keys", certificates.found(1.0), ROLES)
+    digest, log = asyncio.run(run_with_a_forger(tmp_path, keyed, key))
+    assert digest == expected
+    assert log.count(f"dropped robot-1's put on {key}: it has no right to it") == 1
+    [often] = re.findall(rf"dropped messages: robot-1: put on {key} x(\d+)", log)
+    assert int(often) > 10

@@ -1,0 +1,249 @@
+"""Installations: a wheel in an environment of its own, and other projects' packages that have our names."""
+
+import ast
+import base64
+import hashlib
+import json
+import os
+import shlex
+import subprocess
+import sys
+import sysconfig
+import venv
+import zipfile
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+from hatchling.build import build_wheel
+
+import fes_robots
+import world.process
+from console import cli
+from console.analysis import claims
+from console.analysis import command as analysis_command
+from fes.errors import FesError
+from fes.protocol import world_info
+from fes.system import distribution, signals
+from tests.support.commands import PROGRAMS, complaint
+from tests.support.paths import CONFIGS, ROOT
+from tests.support.source import imports
+
+COMMANDS = {"fes": ["doctor"], "fes-world": [str(CONFIGS / "pair.toml")], "fes-agent": ["--id", "0"]}
+
+
+def wheel_of_another_project(folder: Path) -> Path:
+    """The wheel of a project `robot-agents` 1.0, whose one package is called `agents`."""
+    world_info = "robot_agents-1.0.dist-info"
+    files = {
+        "agents/__init__.py": "SOMEBODY_ELSES = True\n",
+        f"{world_info}/METADATA": "Metadata-Version: 2.1\nName: robot-agents\nVersion: 1.0\n",
+        f"{world_info}/WHEEL": "Wheel-Version: 1.0\nGenerator: test\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
+    }
+    lines = [f"{name},sha256={_digest(text)},{len(text)}\n" for name, text in files.items()]
+    files[f"{world_info}/RECORD"] = "".join([*lines, f"{world_info}/RECORD,,\n"])
+    path = folder / "robot_agents-1.0-py3-none-any.whl"
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, text in files.items():
+            archive.writestr(name, text)
+    return path
+
+
+def _digest(text: str) -> str:
+    return base64.urlsafe_b64encode(hashlib.sha256(text.encode()).digest()).rstrip(b"=").decode()
+
+
+class Environment:
+    """A virtual environment with nothing of ours, in which the libraries of this one can be imported."""
+
+    def __init__(self, folder: Path) -> None:
+        venv.create(folder)
+        self.programs = folder / "bin"
+        self.packages = Path(sysconfig.get_path("purelib", "venv", {"base": str(folder)}))
+        (self.packages / "libraries.pth").write_text(sysconfig.get_path("purelib") + "\n")
+
+    def install(self, wheel: Path) -> None:
+        """Install a wheel, and nothing else."""
+        python = str(self.programs / "python")
+        words = ["--python", python, "install", "-q", "--no-deps", "--no-index", "--disable-pip-version-check"]
+        subprocess.run([sys.executable, "-m", "pip", *words, str(wheel)], check=True, timeout=120)
+
+    def call(self, where: Path, *words: str) -> "subprocess.CompletedProcess[str]":
+        """The outcome of one of its commands in the folder `where`."""
+        locale = "PYTHONUTF8", "PYTHONCOERCECLOCALE"  # as for the tests, which decode what it prints
+        kept = {key: value for key, value in os.environ.items() if key in locale or not key.startswith("PYTHON")}
+        return subprocess.run(
+            [str(self.programs / words[0]), *words[1:]],
+            cwd=where, env=kept, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120,
+        )  # fmt: skip
+
+    def names(self, where: Path) -> dict[str, str]:
+        """The finding of its doctor on our names."""
+        [found] = [
+            one
+            for one in json.loads(self.call(where, "fes", "doctor", "--json").stdout)
+            if one["check"] == "our names"
+        ]
+        return found  # type: ignore[no-any-return]
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("wheel")
+    before = Path.cwd()
+    os.chdir(ROOT)
+    try:
+        return folder / build_wheel(str(folder))
+    finally:
+        os.chdir(before)
+
+
+def test_an_installed_wheel_runs_a_scenario_in_one_loop_and_in_processes(wheel: Path, tmp_path: Path) -> None:
+    environment = Environment(tmp_path / "venv")
+    environment.install(wheel)
+    assert environment.call(tmp_path, "fes", "--version").stdout == f"{world_info.version()}\n"
+    assert environment.names(tmp_path)["status"] == "ok"
+    assert str(environment.packages) in environment.names(tmp_path)["seen"]
+    words = ["fes", "run", str(CONFIGS / "pair.toml"), "--duration", "0.5", "--headless", "--json"]
+    done = [environment.call(tmp_path, *words, "--backend", backend) for backend in ("inprocess", "processes")]
+    assert [one.returncode for one in done] == [0, 0], done
+    assert len({json.loads(one.stdout)["digest"] for one in done}) == 1
+
+
+def test_a_wheel_says_on_which_systems_it_runs_and_that_it_is_typed(wheel: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        [world_info] = [name for name in archive.namelist() if name.endswith("/METADATA")]
+        text = archive.read(world_info).decode()
+        assert {f"{package}/py.typed" for package in distribution.PACKAGES} <= set(archive.namelist())
+    for system in ("MacOS", "POSIX :: Linux"):
+        assert f"Classifier: Operating System :: {system}\n" in text
+
+
+def test_another_project_that_wrote_over_a_package_of_ours_fails(wheel: Path, tmp_path: Path) -> None:
+    environment = Environment(tmp_path / "venv")
+    environment.install(wheel)
+    environment.install(wheel_of_another_project(tmp_path))
+    found = environment.names(tmp_path)
+    assert found["status"] == "failed"
+    assert "agents/__init__.py is not what fes-robots" in found["seen"]
+    assert "robot-agents wrote over it" in found["seen"]
+    assert found["remedy"] == distribution.separate()
+    assert environment.call(tmp_path, "fes", "doctor").returncode == 1
+
+
+def test_another_project_over_which_ours_was_installed_is_a_warning(wheel: Path, tmp_path: Path) -> None:
+    environment = Environment(tmp_path / "venv")
+    environment.install(wheel_of_another_project(tmp_path))
+    environment.install(wheel)
+    found = environment.names(tmp_path)
+    assert (found["status"], found["seen"]) == ("warning", "robot-agents has the package 'agents' too")
+    assert distribution.separate() in found["remedy"]
+
+
+def test_a_distribution_called_fes_is_a_warning(tmp_path: Path) -> None:
+    world_info = tmp_path / "fes-1.0.62.dist-info"
+    world_info.mkdir()
+    (world_info / "METADATA").write_text("Metadata-Version: 2.1\nName: fes\nVersion: 1.0.62\n")
+    said = with_path(tmp_path, tmp_path, "fes", "doctor", "--json").stdout
+    [found] = [one for one in json.loads(said) if one["check"] == "our names"]
+    assert (found["status"], found["seen"]) == ("warning", "'fes' 1.0.62 is installed; this project is 'fes-robots'")
+    assert "pip uninstall fes" in found["remedy"]
+
+
+def with_path(folder: Path, where: Path, *words: str) -> "subprocess.CompletedProcess[str]":
+    """The outcome of an installed command for which Python looks for packages in `folder` first."""
+    return subprocess.run(
+        [str(PROGRAMS / words[0]), *words[1:]],
+        cwd=where, env={**os.environ, "PYTHONPATH": str(folder)}, stdin=subprocess.DEVNULL, capture_output=True,
+        text=True, timeout=60,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("package", distribution.PACKAGES)
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_package_that_python_finds_before_ours_ends_every_command_in_one_line(
+    command: str, package: str, tmp_path: Path
+) -> None:
+    (tmp_path / "elsewhere" / package).mkdir(parents=True)
+    (tmp_path / "elsewhere" / package / "__init__.py").write_text("raise ImportError('of another project')\n")
+    line = complaint(with_path(tmp_path / "elsewhere", tmp_path, command, *COMMANDS[command]), command)
+    assert f"the package '{package}' is that of another project: {tmp_path / 'elsewhere' / package}" in line
+    assert line.endswith(distribution.separate())
+
+
+@pytest.mark.parametrize("module", ["fcntl", "termios", "resource"])
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_system_that_is_not_unix_ends_every_command_in_one_line(command: str, module: str, tmp_path: Path) -> None:
+    code = f"""
+import sys
+sys.modules[{module!r}] = None  # as where Python has no such module
+sys.argv = {[command, *COMMANDS[command]]!r}
+import fes_robots
+fes_robots.{command.replace("-", "_")}()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert complaint(done, command) == (
+        f"fes runs on Linux and macOS; Python on {sys.platform} has no module '{module}'"
+    )
+
+
+@pytest.mark.parametrize("path", ["fes_robots.py", "fes/system/distribution.py"])
+def test_what_runs_before_the_packages_are_known_needs_the_standard_library_only(path: str) -> None:
+    wanted = set(imports(ast.parse((ROOT / path).read_text(encoding="utf-8"))))
+    assert {name.partition(".")[0] for name in wanted} <= sys.stdlib_module_names
+
+
+def test_the_readme_names_the_systems() -> None:
+    assert "Linux or macOS" in (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def not_installed(monkeypatch: pytest.MonkeyPatch) -> str:
+    """As in a clone that was updated and not installed again; the complaint."""
+    true = metadata.distribution
+
+    def found(name: str) -> metadata.Distribution:
+        if name == distribution.NAME:
+            raise metadata.PackageNotFoundError(name)
+        return true(name)
+
+    monkeypatch.setattr(metadata, "distribution", found)
+    return "fes-robots is not installed here: pip install -e .  # in a clone of fes"
+
+
+def test_a_clone_that_is_not_installed_is_one_line_at_each_entrance(
+    not_installed: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(FesError) as caught:
+        world_info.version()
+    assert str(caught.value) == not_installed
+    assert fes_robots.trouble() == not_installed
+    entrances = {"fes": (cli.main, ["--version"]), "fes-world": (world.process.main, [str(CONFIGS / "pair.toml")])}
+    for command, (main, words) in entrances.items():
+        monkeypatch.setattr(sys, "argv", [command, *words])
+        with signals.restored(), pytest.raises(SystemExit) as ended:
+            main()
+        assert ended.value.code == 1
+        out, err = capsys.readouterr()
+        assert (out, err) == ("", f"{command}: error: {not_installed}\n")
+
+
+def test_the_command_that_installs_can_be_pasted_into_a_shell() -> None:
+    for command in (distribution.install(), distribution.install("plot"), distribution.separate().partition(": ")[2]):
+        subprocess.run(["sh", "-n", "-c", command], check=True)
+        assert "clone" not in shlex.split(command, comments=True)
+
+
+def test_claims_and_the_papers_figures_need_a_clone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(claims, "CONFIGS", tmp_path / "configs")
+    with pytest.raises(FesError, match="this needs the scenarios of a clone"):
+        analysis_command.show_claims(None)
+    with pytest.raises(FesError, match="this needs the scenarios of a clone"):
+        analysis_command.plot("paper", tmp_path)

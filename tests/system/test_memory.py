@@ -1,0 +1,33 @@
+"""The memory of a run does not grow with its length; bench/memory.py looks at a million ticks and at processes."""
+
+import gc
+import io
+
+import numpy as np
+from rich.console import Console
+
+from bench.memory import resident
+from console.backends import inprocess
+from console.dashboard import frame
+from tests.support.loop import load
+from world.metrics import report_builder
+from world.metrics.collector import Account
+
+TICKS, WARM_UP = 40_000, 10_000
+
+
+def test_world_robots_account_and_dashboard_of_a_long_run_keep_their_size() -> None:
+    scenario = load("pair.toml", run__duration=TICKS * 0.02)
+    sums, shown = Account(scenario), frame.History()
+    paper, alive, before = Console(file=io.StringIO(), width=80, height=24), np.ones(2, dtype=np.uint8), 0.0
+    for done, tick in enumerate(inprocess.ticks(scenario), 1):
+        sums.add(tick.state, tick.twists, tick.telemetry)
+        if done % 50 == 0:
+            shown.add(report_builder.build(sums, "memory", alive, 0.02 * done, 50.0))
+            paper.print(frame.render(shown, 80, 24))
+            paper.file = io.StringIO()
+        if done == WARM_UP:
+            gc.collect()
+            before = resident()
+    gc.collect()
+    assert resident() - before < 1.5  # MB; 50 bytes a tick that were kept would be as much

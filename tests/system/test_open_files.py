@@ -1,0 +1,91 @@
+"""Runs where few files may be open: what the doctor says no run can do without, and what is said without it."""
+
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from console.doctor import machine
+from console.doctor.finding import Status
+from tests.support.paths import CONFIGS
+from tests.support.processes import PATIENCE, STARTING, fes
+
+PAIR = ["run", str(CONFIGS / "pair.toml"), "--duration", "1", "--headless"]
+
+
+def limited(files: int, where: Path) -> subprocess.CompletedProcess[str]:
+    """The outcome of a pair, a process each, where every process may have so many files open."""
+    words = ["bash", "-c", f'ulimit -n {files} && exec "$@"', "bash", *fes(*PAIR)]
+    return subprocess.run(words, cwd=where, capture_output=True, text=True, timeout=PATIENCE)
+
+
+@pytest.mark.parametrize(
+    "files", [machine.LEAST_FILES + 2 * machine.FILES_PER_CHILD + 8, machine.FILES_OF_A_PROCESS + 2 * 2]
+)
+def test_a_pair_runs_with_few_files(tmp_path: Path, files: int) -> None:
+    """With what the doctor takes for enough, and with what it only warns of: some to spare, as a busy machine has
+    robots lose their connection and open another."""
+    done = limited(files, tmp_path)
+    assert (done.returncode, done.stderr) == (0, STARTING.format(2))
+
+
+def test_who_has_too_few_files_is_told_how_to_have_more(tmp_path: Path) -> None:
+    done = limited(12, tmp_path)
+    assert done.returncode == 1
+    least = 18 + 2 * machine.FILES_PER_CHILD
+    said = f"12 a process: 2 robots with a process each take {least}"
+    said += "; raise the hard limit of 12, or --agents-per-process"
+    assert done.stderr == f"fes: error: open files: {said}\n"
+    assert not (tmp_path / "runs").exists()
+
+
+def allow(files: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have the system allow a process so many open files, and up to 4,096 if it asks."""
+    monkeypatch.setattr("resource.getrlimit", lambda _: (files, 4096))
+
+
+@pytest.mark.parametrize(
+    ("files", "robots", "status"),
+    [
+        (64, 2, Status.OK),  # 32 + 2 * 2 = 36
+        (35, 2, Status.WARNING),
+        (20, 2, Status.WARNING),  # 18 + 2: it runs
+        (19, 2, Status.FAILED),
+        (28, 10, Status.WARNING),
+        (27, 10, Status.FAILED),
+        (232, None, Status.OK),  # 32 + 2 * 100
+        (231, None, Status.WARNING),
+        (12, None, Status.WARNING),
+        (resource.RLIM_INFINITY, 1000, Status.OK),
+    ],
+)
+def test_too_few_open_files_fail_only_where_no_run_goes_and_warn_where_there_is_little_room(
+    files: int, robots: int | None, status: Status, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    allow(files, monkeypatch)
+    monkeypatch.setattr(machine, "FILES_PER_CHILD", 1)  # as before Python 3.12
+    found = machine.files(robots)
+    assert found.status == status
+    assert found.remedy.startswith(f"ulimit -n {32 + 2 * (robots or 100)}, ") == (status != Status.OK)
+
+
+def test_from_python_3_12_on_each_agent_process_takes_two_files(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert (machine.FILES_PER_CHILD == 2) == (sys.version_info >= (3, 12))
+    monkeypatch.setattr(machine, "FILES_PER_CHILD", 2)
+    for files, status in ((38, Status.WARNING), (37, Status.FAILED)):  # 18 + 2 * 10
+        allow(files, monkeypatch)
+        assert machine.files(10).status == status
+    assert "10 robots with a process each take 38" in machine.files(10).seen
+
+
+def test_who_may_not_raise_the_limit_is_not_told_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    allow(256, monkeypatch)
+    assert machine.files(2033).remedy.startswith("raise the hard limit of 4096")  # 32 + 2 * 2033 = 4098
+
+
+def test_the_limit_that_the_doctor_looks_at_is_the_one_that_ulimit_sets() -> None:
+    soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    seen = machine.files().seen
+    assert seen.startswith("no limit" if soft == resource.RLIM_INFINITY else f"{soft} a process")

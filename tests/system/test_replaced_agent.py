@@ -1,0 +1,138 @@
+"""An agent that was suspended, and wakes when another one hosts its robot."""
+
+import asyncio
+import signal
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from agents.process import Agent
+from console.backends.process_group import free_port
+from fes.errors import Busy, Refused
+from fes.protocol import messages
+from fes.protocol.messages import Welcome
+from tests.support.loop import load
+from tests.support.paths import CONFIGS
+from tests.support.processes import PATIENCE, command, start, until
+from world.config.scenario import agent_config
+
+
+class Hosted:
+    """A world of two robots at the pace of the wall clock, and agents started by hand."""
+
+    def __init__(self, where: Path) -> None:
+        self.where, self.log = where, where / "world.log"
+        self.endpoint = f"tcp/127.0.0.1:{free_port()}"
+        self.agents: list[subprocess.Popen[str]] = []
+        words = [str(CONFIGS / "pair.toml"), "--duration", "1000", "--rtf", "1", "-l", self.endpoint]
+        with self.log.open("wb") as stream:
+            self.world = subprocess.Popen(command("world.process", *words), stderr=stream)
+
+    def agent(self, robot: int) -> "subprocess.Popen[str]":
+        words = command("agents.process", "--id", str(robot), "-e", self.endpoint)
+        self.agents.append(start(words, self.where))
+        return self.agents[-1]
+
+    def says(self, what: str, times: int = 1) -> None:
+        """Wait until the world has said something so often."""
+        until(lambda: self.log.read_text().count(what) >= times)
+
+
+@pytest.fixture
+def hosted(tmp_path: Path) -> Iterator[Hosted]:
+    going = Hosted(tmp_path)
+    try:
+        yield going
+    finally:
+        for agent in going.agents:
+            agent.kill()
+            agent.communicate()
+        going.world.kill()
+        going.world.wait()
+
+
+def test_an_agent_that_wakes_when_its_robot_has_another_one_ends_and_the_robot_is_not_lost_with_the_other(
+    hosted: Hosted,
+) -> None:
+    """Equal tokens are one: the death of the other one would not be seen, and nobody could host the robot again."""
+    first = hosted.agent(0)
+    hosted.agent(1)
+    hosted.says("all robots are here")
+    first.send_signal(signal.SIGSTOP)
+    hosted.says("robot 0 is not there")
+    second = hosted.agent(0)
+    hosted.says("robot 0 is back")
+    first.send_signal(signal.SIGCONT)
+    _, complaint = first.communicate(timeout=PATIENCE)
+    assert first.returncode == 1
+    assert complaint.splitlines()[-1] == "fes-agent: error: robot 0 is hosted by another agent already"
+    second.kill()
+    hosted.says("robot 0 is not there", 2)
+    assert "does not answer" not in hosted.log.read_text()  # it was seen by its token, not by its silence
+    hosted.agent(0)
+    hosted.says("robot 0 is back", 2)
+
+
+class Crowded:
+    """A bus on which too many ask at once, for a while."""
+
+    def __init__(self, answer: bytes = b"welcome") -> None:
+        self.asked = 0
+        self.answer = answer
+
+    async def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
+        self.asked += 1
+        if self.asked < 3:
+            raise Busy(key)
+        return self.answer
+
+    def watch(self, key: str, handler: Any) -> None: ...
+
+    def publisher(self, key: str, schema: str, mark: bytes | None = None) -> Any:
+        return lambda payload: None
+
+    def serve(self, key: str, handler: Any) -> None: ...
+
+
+def test_where_all_ask_at_once_whether_they_are_welcome_still_nobody_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("agents.runtime.membership.PATIENCE", 0.0)
+
+    async def main() -> Crowded:
+        crowded = Crowded()
+        agent = Agent(crowded, "test", (0,))  # type: ignore[arg-type]
+        for alive in (True, False, True):
+            agent.membership.on_world("", alive)
+        await agent.membership.confirmed()
+        assert await agent._inbox.wait(1, 0.0) is False  # it raises what has failed
+        return crowded
+
+    assert asyncio.run(main()).asked == 3
+
+
+@pytest.mark.parametrize("another", [False, True])
+def test_an_agent_does_not_take_part_in_another_run_that_has_taken_the_place_of_its_own(another: bool) -> None:
+    """A world that does not know its token yet takes it for a new one, and would have it live by other rules."""
+    welcomes = [
+        messages.encode_welcome(Welcome((0,), agent_config(load("pair.toml", run__seed=seed)))) for seed in (1, 2)
+    ]
+
+    async def main() -> None:
+        crowded = Crowded(welcomes[0])
+        crowded.asked = 3
+        agent = Agent(crowded, "test", (0,))  # type: ignore[arg-type]
+        agent.membership.on_world("", True)
+        await agent.join(1.0)
+        agent.membership.on_world("", False)
+        crowded.answer = welcomes[another]
+        agent.membership.on_world("", True)
+        await agent.membership.confirmed()
+        if another:
+            with pytest.raises(Refused, match="another run has taken the place of this one"):
+                await agent._inbox.wait(1, 0.0)
+        else:
+            assert await agent._inbox.wait(1, 0.0) is False
+
+    asyncio.run(main())

@@ -1,0 +1,189 @@
+"""`fes run` survives its robots: if agents that it started die, it names them and continues."""
+
+import asyncio
+import json
+import os
+import re
+import signal
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from tests.support.paths import CONFIGS
+from tests.support.processes import PATIENCE, STARTING, alive, children, fes, first_report, start, until
+
+BEGUN = "all robots are here"
+
+
+class Run:
+    """A running `fes run`."""
+
+    def __init__(self, where: Path, scenario: str, *words: str) -> None:
+        self.out = where / "out"
+        self.seen: set[int] = set()
+        call = fes("run", str(CONFIGS / scenario), "--headless", "--out", "out", *words)
+        self.running = start(call, where)
+
+    def log(self, name: str = "world") -> str:
+        path = self.out / f"{name}.log"
+        return path.read_text() if path.exists() else ""
+
+    def pid(self, robots: str) -> int:
+        """Process id of the agent of `robots` that runs now."""
+
+        def found() -> list[int]:
+            here = children(self.running.pid)
+            self.seen |= set(here)
+            return [pid for pid, line in here.items() if f" -m agents --id {robots} " in line and alive(pid)]
+
+        return int(until(found)[0])
+
+    def kill(self, *robots: str, how: signal.Signals = signal.SIGKILL) -> None:
+        pids = [self.pid(one) for one in robots]
+        for pid in pids:
+            os.kill(pid, how)
+        until(lambda: not any(alive(pid) for pid in pids))
+
+    def end(self) -> tuple[int, str, list[str]]:
+        """The exit code, standard output, and the messages after the first line; no process may be left."""
+        self.seen |= set(children(self.running.pid))
+        out, err = self.running.communicate(timeout=2 * PATIENCE)
+        until(lambda: not any(alive(pid) for pid in self.seen))
+        first, *said = err.splitlines()
+        assert first.startswith("starting a world and ")
+        return self.running.returncode, out, said
+
+
+@contextmanager
+def under_way(where: Path, scenario: str, *words: str, begun: bool = True) -> Iterator[Run]:
+    run = Run(where, scenario, *words)
+    try:
+        if begun:
+            until(lambda: BEGUN in run.log())
+        yield run
+    finally:
+        if run.running.poll() is None:
+            run.running.kill()
+        run.running.communicate()
+
+
+def warned(robots: str, how: str) -> str:
+    ids = robots.split()[-1]
+    whom = "them" if "-" in ids else "it"
+    said = f"fes-agent --id {ids} {how} (its log: out/agent-{ids}.log)"
+    return f"fes: warning: {robots}: {said}; the run continues without {whom}"
+
+
+def test_agents_that_die_one_and_several_end_no_run_and_the_summary_counts_them(tmp_path: Path) -> None:
+    """By SIGKILL, as the system does where memory is short, told to end by somebody, and by an error of its own."""
+    with under_way(tmp_path, "paper.toml", "--json", "--duration", "8", "--rtf", "4") as run:
+        run.kill("3")
+        run.kill("4", how=signal.SIGTERM)
+        run.kill("7", "8", how=signal.SIGSEGV)
+        code, out, said = run.end()
+    assert code == 0
+    summary = json.loads(out)
+    assert summary["ticks"] == 400
+    gone = [re.search(rf"robot {robot} is not there from tick (\d+) on", run.log()) for robot in (3, 4, 7, 8)]
+    absent = sum(400 - int(match[1]) for match in gone if match)
+    assert summary["unscheduled_absences"] == absent > 0
+    *deaths, last = said
+    assert sorted(deaths) == [
+        warned("robot 3", "was ended by SIGKILL"),
+        warned("robot 4", "ended with exit code 0"),
+        warned("robot 7", "was ended by SIGSEGV"),
+        warned("robot 8", "was ended by SIGSEGV"),
+    ]
+    assert last == (
+        f"fes: warning: unscheduled absences: {absent} robot-ticks; the digest is not that of an undisturbed run"
+    )
+
+
+@pytest.mark.parametrize(
+    ("program", "log", "sign"),
+    [(" -m agents --id 0 ", "world", "robot 0 is not there"), (" -m world ", "agent-0", "left after tick")],
+    ids=["agent", "world"],
+)
+def test_a_process_frozen_for_longer_than_its_lease_is_counted_and_fails_an_expectation(
+    tmp_path: Path, program: str, log: str, sign: str
+) -> None:
+    """As by a debugger, a container's pause or a busy machine; it continues once its session is gone."""
+    scenario = tmp_path / "frozen.toml"
+    expected = '[[expect]]\nof = "unscheduled_absences"\nequals = 0\n'
+    scenario.write_text((CONFIGS / "pair.toml").read_text() + "\n" + expected)
+    with under_way(tmp_path, str(scenario), "--json", "--duration", "24", "--rtf", "4") as run:
+        [pid] = [pid for pid, line in children(run.running.pid).items() if program in line]
+        os.kill(pid, signal.SIGSTOP)
+        until(lambda: sign in run.log(log))
+        os.kill(pid, signal.SIGCONT)
+        code, out, said = run.end()
+    absent = json.loads(out)["unscheduled_absences"]
+    assert code == 2
+    assert absent > 0
+    assert said[-1].startswith(f"fes: warning: unscheduled absences: {absent} robot-ticks; the digest is not that of")
+
+
+def test_with_respawn_a_crew_that_dies_is_there_again_with_all_of_its_robots(tmp_path: Path) -> None:
+    words = ["--agents-per-process", "5", "--respawn", "--duration", "1000", "--rtf", "4"]
+    with under_way(tmp_path, "paper.toml", *words) as run:
+        first = run.pid("5-9")
+        run.kill("5-9")
+        until(lambda: "robot 9 is back from tick" in run.log())
+        assert run.pid("5-9") != first
+        assert all(f"robot {robot} is back from tick" in run.log() for robot in range(5, 10))
+        assert "robot 0 is" not in run.log()
+        run.running.send_signal(signal.SIGINT)
+        code, _, said = run.end()
+    assert code == 1  # it was interrupted
+    why = "fes-agent --id 5-9 was ended by SIGKILL (its log: out/agent-5-9.log)"
+    assert said[0] == f"fes: warning: robots 5-9: {why}; started again in 0.5 s"
+    assert said[1:] == ["fes: error: stopped by SIGINT; what was reached is in out"]
+
+
+def test_an_agent_that_dies_before_the_run_begins_is_named_and_ends_it(tmp_path: Path) -> None:
+    """The world waits for all robots before tick 0; one is held up here, so that the run does not begin."""
+    with under_way(tmp_path, "pair.toml", begun=False) as run:
+        os.kill(run.pid("0"), signal.SIGSTOP)
+        until(lambda: "waiting for the world" in run.log("agent-1"))
+        run.kill("1")
+        code, _, said = run.end()
+    why = "fes-agent --id 1 was ended by SIGKILL (its log: out/agent-1.log)"
+    assert (code, said) == (1, [f"fes: error: {why}; the run cannot begin without it"])
+
+
+def test_a_run_without_an_agent_says_what_it_waits_for(tmp_path: Path) -> None:
+    with under_way(tmp_path, "pair.toml", "--duration", "1000", "--rtf", "1") as run:
+        asyncio.run(first_report(run.out))
+        run.kill("0", "1")
+        assert run.running.stderr is not None
+        said = [run.running.stderr.readline() for _ in range(4)]
+        run.running.send_signal(signal.SIGINT)
+        _, err = run.running.communicate(timeout=PATIENCE)
+    assert said[0] == STARTING.format(2)
+    assert sorted(said[1:3]) == [warned(f"robot {robot}", "was ended by SIGKILL") + "\n" for robot in "01"]
+    endpoint = re.fullmatch(
+        r"fes: warning: no agent is left: the world at (\S+) waits 60 s for one, and then ends\n", said[3]
+    )
+    assert endpoint
+    assert endpoint[1].startswith("tcp/127.0.0.1:")
+    assert err == "fes: error: stopped by SIGINT; what was reached is in out\n"
+
+
+def test_a_world_whose_directory_is_removed_is_named_all_the_same(tmp_path: Path) -> None:
+    with under_way(tmp_path, "pair.toml", "--duration", "4", "--rtf", "2") as run:
+        subprocess.run(["rm", "-r", str(run.out)], check=True)
+        code, _, said = run.end()
+    assert code == 1
+    unread = "its log cannot be read: No such file or directory: out/world.log"
+    assert said == [f"fes: error: fes-world ended with exit code 1 ({unread})"]
+
+
+def test_respawn_is_for_processes(tmp_path: Path) -> None:
+    words = ["run", str(CONFIGS / "pair.toml"), "--backend", "inprocess", "--respawn"]
+    done = subprocess.run(fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
+    rule = "--respawn needs --backend processes: one loop has no processes of its own"
+    assert (done.returncode, done.stderr) == (1, f"fes: error: {rule}\n")
+    assert not list(tmp_path.iterdir())

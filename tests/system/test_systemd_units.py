@@ -1,0 +1,174 @@
+"""The systemd units of deploy/: systemd can read them, and what they start is a run that survives a stop."""
+
+import asyncio
+import json
+import os
+import re
+import shlex
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from console.backends import inprocess
+from console.backends.process_group import free_port
+from console.connect import observer
+from console.keys import certificates
+from fes.protocol import keys
+from fes.transport import bus
+from fes.transport.endpoints import Endpoints
+from tests.support import team_keys
+from tests.support.commands import PROGRAMS
+from tests.support.loop import load
+from tests.support.paths import CONFIGS, ROOT
+from tests.support.processes import PATIENCE, until
+from world.execution.checkpoint import FOLDER, STATE
+
+UNITS = ROOT / "deploy" / "systemd"
+SECONDS = 10.0
+
+Process = subprocess.Popen[Any]
+
+
+def text(name: str) -> str:
+    """A unit, with the programs where they are here."""
+    return (UNITS / name).read_text(encoding="utf-8").replace("/opt/fes/bin/", f"{PROGRAMS}/")
+
+
+def drop_in(name: str) -> str:
+    """What a unit gets beside its own text for a run with certificates."""
+    return text(f"{name}.d/keys.conf")
+
+
+@pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="units: skipped, because there is no systemd")
+@pytest.mark.parametrize("secure", [False, True])
+def test_systemd_finds_nothing_wrong_with_the_units(tmp_path: Path, secure: bool) -> None:
+    names = {"fes-world.service": "fes-world.service", "fes-agent@3.service": "fes-agent@.service"}
+    for installed, name in names.items():
+        (tmp_path / installed).write_text(text(name))
+        if secure:
+            (tmp_path / f"{installed}.d").mkdir()
+            (tmp_path / f"{installed}.d/keys.conf").write_text(drop_in(name))
+    done = subprocess.run(
+        ["systemd-analyze", "verify", *(f"./{name}" for name in names)],
+        cwd=tmp_path, capture_output=True, text=True, env=os.environ | {"SYSTEMD_UNIT_PATH": f"{tmp_path}:"},
+    )  # fmt: skip
+    assert (done.returncode, done.stdout + done.stderr) == (0, "")
+
+
+def command(unit: str, environment: dict[str, str], instance: str = "") -> list[str]:
+    """What a unit starts, its variables and its instance put in as systemd does; the last line of its kind holds."""
+    *_, found = re.findall(r"^ExecStart=((?:.*\\\n)*.*)", unit, re.MULTILINE)
+    words = []
+    for word in shlex.split(found.replace("\\\n", " ")):
+        if word.startswith("$") and word[1:] in environment:  # alone, it is split
+            words += environment[word[1:]].split()
+        else:
+            filled = re.sub(r"\$\{(\w+)\}", lambda match: environment[match[1]], word)
+            words.append(filled.replace("%i", instance))
+    return words
+
+
+def start(unit: str, environment: dict[str, str], log: Path, instance: str = "") -> Process:
+    with log.open("a") as out:
+        return subprocess.Popen(
+            command(unit, environment, instance),
+            cwd=log.parent, env=os.environ | environment, stdin=subprocess.DEVNULL, stdout=out, stderr=out,
+        )  # fmt: skip
+
+
+async def reached(endpoint: str, tick: int) -> None:
+    """Wait until a run has come so far."""
+    async with bus.opened(Endpoints("client", (endpoint,))) as opened:
+        async for report in observer.reports(opened, keys.DEFAULT_RUN, PATIENCE, PATIENCE):
+            if report is not None and report.tick >= tick:
+                return
+
+
+def test_a_world_that_is_stopped_and_started_goes_on_and_its_robots_have_waited(tmp_path: Path) -> None:
+    what = (CONFIGS / "pair.toml").read_text(encoding="utf-8")
+    (tmp_path / "scenario.toml").write_text(re.sub(r"(?m)^duration = \S+", f"duration = {SECONDS}", what))
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    environment = {
+        "STATE_DIRECTORY": str(tmp_path), "FES_SCENARIO": str(tmp_path / "scenario.toml"),
+        "FES_FLAGS": f"-l {endpoint} --rtf 2",
+    }  # fmt: skip
+    own = {"FES_ROUTER": endpoint, "FES_FLAGS": "--timeout 60"}
+    world = start(text("fes-world.service"), environment, tmp_path / "world.log")
+    running = [world, *(start(text("fes-agent@.service"), own, tmp_path / "agents.log", robot) for robot in "01")]
+    try:
+        said = tmp_path / "world.log"
+        until(lambda: "scenario starts" in said.read_text())
+        asyncio.run(reached(endpoint, 20))
+        world.terminate()
+        assert world.wait(PATIENCE) == 0
+        assert (tmp_path / "run" / FOLDER / STATE).exists()
+        running.append(start(text("fes-world.service"), environment, said))
+        assert [process.wait(PATIENCE) for process in running] == [0, 0, 0, 0], said.read_text()
+    finally:
+        for process in running:
+            if process.poll() is None:
+                process.kill()
+                process.wait()
+    assert "scenario goes on at tick" in said.read_text()
+    found = json.loads((tmp_path / "run/summary.json").read_text())
+    assert found["digest"] == inprocess.run(load("pair.toml", run__duration=SECONDS), "pair")["digest"]
+
+
+def variables(unit: str) -> dict[str, str]:
+    """What a unit sets; of two lines with one variable the last holds."""
+    lines = re.findall(r"^Environment=(.*)$", unit, re.MULTILINE)
+    pairs = (pair.partition("=") for line in lines for pair in shlex.split(line))
+    return {name: value for name, _, value in pairs}
+
+
+def handed(unit: str, issued: Path, where: Path) -> None:
+    """The files that a unit is to have, as systemd hands them over: in a directory of their own."""
+    where.mkdir()
+    for name, path in re.findall(r"^LoadCredential=(.*):/etc/fes/keys/(.*)$", unit, re.MULTILINE):
+        shutil.copy(issued / path, where / name)
+        (where / name).chmod(0o440)
+
+
+def test_with_the_drop_ins_a_run_goes_over_tls_each_with_its_own_files(tmp_path: Path) -> None:
+    what = (CONFIGS / "pair.toml").read_text(encoding="utf-8")
+    (tmp_path / "scenario.toml").write_text(re.sub(r"(?m)^duration = \S+", f"duration = {SECONDS}", what))
+    issued = team_keys.directory(tmp_path / "issued", certificates.found(1.0), ["world", "observer", "robot-0-1"])
+    crew = "0-1"
+    units = {
+        "world": text("fes-world.service") + drop_in("fes-world.service"),
+        "agent": text("fes-agent@.service") + drop_in("fes-agent@.service"),
+    }
+    units["world"] = re.sub(
+        r"(?m)^#(LoadCredential=robot-)0-4(.crt:.*robot-)0-4", rf"\g<1>{crew}\g<2>{crew}", units["world"]
+    )
+    running = []
+    port = free_port()
+    for role, unit in units.items():
+        own = tmp_path / role
+        handed(unit.replace("%i", crew), issued, own)
+        unit = unit.replace("%d", str(own)).replace("127.0.0.1:7447", f"127.0.0.1:{port}")
+        environment = variables(unit) | {"STATE_DIRECTORY": str(tmp_path)}
+        if role == "world":
+            environment["FES_SCENARIO"] = str(tmp_path / "scenario.toml")
+        running.append(start(unit, environment, tmp_path / f"{role}.log", crew))
+    try:
+        ends = [process.wait(PATIENCE) for process in running]
+    finally:
+        for process in running:
+            if process.poll() is None:
+                process.kill()
+                process.wait()
+    said = "".join((tmp_path / f"{role}.log").read_text() for role in units)
+    assert ends == [0, 0], said
+    assert "others on this machine" not in said
+    assert f"tls/127.0.0.1:{port}" in said
+    found = json.loads((tmp_path / "run/summary.json").read_text())
+    assert found["digest"] == inprocess.run(load("pair.toml", run__duration=SECONDS), "pair")["digest"]
+    names = {role: {path.name for path in (tmp_path / role).iterdir()} for role in units}
+    assert names == {
+        "world": {"ca.crt", "world.crt", "world.key", "robot-0-1.crt"},
+        "agent": {"ca.crt", "robot-0-1.crt", "robot-0-1.key"},
+    }

@@ -1,0 +1,102 @@
+"""What is said to who takes part over TLS in vain: the certificate is named, where it is at fault."""
+
+import asyncio
+from pathlib import Path
+
+import pytest
+
+from console.doctor import network
+from console.keys import certificates
+from fes.protocol import keys
+from fes.transport.endpoints import Endpoints
+from tests.support import team_keys
+from tests.support.processes import PATIENCE, command, start
+from tests.support.stage import ROLES, RUN, Stage, stage
+
+
+@pytest.fixture(scope="module")
+def issuer() -> certificates.Authority:
+    return certificates.found(1.0)
+
+
+async def said(world: Stage, robots: str, timeout: float, *flags: str) -> str:
+    """The last line of an agent that does not get to its robots."""
+    words = ("--id", robots, "-e", world.endpoint, "--timeout", str(timeout), *flags)
+    agent = start(command("agents.process", *words), world.where)
+    world.running.append(agent)
+    _, lines = await asyncio.to_thread(agent.communicate)
+    assert agent.returncode == 1, lines
+    return str(lines.splitlines()[-1])
+
+
+@pytest.mark.parametrize("robots", ["7", "0-1"])
+def test_an_agent_without_a_role_in_the_run_is_told_where_to_look(
+    tmp_path: Path, issuer: certificates.Authority, robots: str
+) -> None:
+    """Robot 7 of a run of two; and a crew that got its certificate after the world had read those that there were."""
+    keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
+
+    async def main() -> tuple[str, Stage]:
+        async with stage(tmp_path, keyed) as world:
+            team_keys.directory(keyed, issuer, [f"robot-{robots}"])
+            return await said(world, robots, 10.0, *world.flags), world
+
+    line, world = asyncio.run(main())
+    assert line == (
+        f"fes-agent: error: no world of run 'main' appeared within 10 s: {world.endpoint} takes our certificate; "
+        f"a world there logs whether its run has no role 'robot-{robots}'"
+    )
+    assert "no role of this run has its certificate's name" in world.log()
+
+
+def test_an_agent_whose_certificate_expires_while_its_world_is_away_is_told_so(
+    tmp_path: Path, issuer: certificates.Authority
+) -> None:
+    keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
+
+    async def main() -> str:
+        async with stage(tmp_path, keyed) as world:
+            ending = asyncio.ensure_future(said(world, "0", 10.0, *world.flags))
+            async with world.visitor("observer") as observer:
+                while keys.robot_alive(RUN, 0) not in await observer.standing(keys.tree(RUN), PATIENCE):
+                    await asyncio.sleep(0.02)
+            team_keys.write(keyed, "robot-0", certificates.issue(issuer, "robot-0", -1.0))
+            world.running[0].kill()
+            return await ending
+
+    line = asyncio.run(main())
+    assert line.startswith("fes-agent: error: the world of run 'main' left after tick -1: ")
+    assert f"{keyed}/robot-0.crt: the certificate expired on " in line
+
+
+def test_who_comes_without_certificates_is_told_of_keys(tmp_path: Path, issuer: certificates.Authority) -> None:
+    keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
+
+    async def main() -> None:
+        async with stage(tmp_path, keyed) as world:
+            wanted = "it asks for a certificate, and we have none: a world with --keys wants --keys"
+            line = await said(world, "0", 1.0)
+            assert line == f"fes-agent: error: cannot join the network at {world.endpoint}: {wanted}"
+            for endpoint in (world.endpoint, world.endpoint.replace("tls/", "tcp/")):
+                [found], _ = await network.examine(Endpoints("client", (endpoint,), timeout=0.5), RUN, True)
+                assert "--keys" in found.seen
+                assert found.remedy.startswith("fes doctor -e tls/HOST:PORT --keys DIR")
+
+    asyncio.run(main())
+
+
+def test_who_comes_with_certificates_of_another_authority_is_told_of_them(
+    tmp_path: Path, issuer: certificates.Authority
+) -> None:
+    keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
+    other = team_keys.directory(tmp_path / "other", certificates.found(1.0), ["observer"])
+
+    async def main() -> None:
+        async with stage(tmp_path, keyed) as world:
+            own = team_keys.security(other, "observer")
+            foreign = Endpoints("client", (world.endpoint,), timeout=0.5, security=own)
+            [found], _ = await network.examine(foreign, RUN, True)
+            assert "its certificate is not to be trusted" in found.seen
+            assert "of the authority of that world" in found.remedy
+
+    asyncio.run(main())

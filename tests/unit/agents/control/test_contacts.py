@@ -1,0 +1,111 @@
+"""What a robot knows of its peers: from decoded beacons only, and only for a while."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from agents.control import contacts, crew
+from fes.arrays.edges import Edges, no_edges
+from fes.arrays.types import Floats
+from fes.model.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
+from fes.model.contacts import NEVER, Contacts
+from fes.model.sensing import DECODED, LOST, Beacons, Observations
+from tests.support import layouts
+
+IDS = np.arange(3)
+ALL = layouts.edges(IDS, [(i, j) for i in range(3) for j in range(3) if i != j])
+WHERE = layouts.poses([(0.0, 0.0), (30.0, 40.0), (-60.0, 80.0)])
+TIMEOUT = 5
+
+
+def hear(
+    before: Contacts,
+    tick: int,
+    where: Floats,
+    codes: list[int],
+    near: Edges = ALL,
+    links: Edges | None = None,
+) -> Contacts:
+    """The contacts at `tick` after the beacons of the tick before, sent from `where`."""
+    linked = links or no_edges(IDS)
+    estimates = np.array([60.0 + k for k in range(len(linked))])
+    named = np.array([k % 2 == 0 for k in range(len(linked))], dtype=np.bool_)
+    said = Beacons(tick - 1, IDS, where, linked, estimates, named, np.zeros((len(IDS), 0)))
+    sensed = Observations(tick, where + 1.0, near, np.array(codes, dtype=np.uint8))
+    return contacts.update(before, sensed, where, said, TIMEOUT)
+
+
+def test_separations_are_formed_from_two_poses_of_one_tick_and_equal_from_both_ends() -> None:
+    where = layouts.scatter(np.random.default_rng(0), 3, 100.0)
+    known = hear(contacts.nobody(IDS), 1, where, [DECODED] * 6)
+    assert known.separation.tolist() == known.separation[ALL.reverse].tolist()  # to the bit
+    expected = [math.dist(where[i, :2], where[j, :2]) for i, j in sorted(layouts.pairs_of(ALL))]
+    assert known.separation == pytest.approx(expected, rel=1e-15)  # rounding
+
+
+def test_what_a_lost_beacon_said_is_not_known() -> None:
+    first = hear(contacts.nobody(IDS), 1, WHERE, [DECODED, LOST, DECODED, DECODED, LOST, DECODED])
+    assert first.known.tolist() == [True, False, True, True, False, True]
+    assert first.heard.tolist() == [0, NEVER, 0, 0, NEVER, 0]
+    moved = WHERE + 10.0
+    second = hear(first, 2, moved, [LOST, DECODED, LOST, LOST, LOST, DECODED])
+    assert second.heard.tolist() == [0, 1, 0, 0, NEVER, 1]
+    # last heard places: robot 1 of tick 0, robot 2 of tick 1
+    assert second.x[:2].tolist() == [30.0, -50.0]
+    # from where robot 0 was at the tick of the beacon: (10, 10)
+    assert (second.dx[1], second.dy[1]) == (-60.0, 80.0)
+
+
+def test_a_peer_unheard_for_longer_than_the_timeout_is_not_known_until_heard_again() -> None:
+    known = hear(contacts.nobody(IDS), 1, WHERE, [DECODED] * 6)
+    history = []
+    for tick in range(2, 9):
+        known = hear(known, tick, WHERE, [LOST, DECODED, DECODED, DECODED, DECODED, DECODED])
+        history.append(bool(known.known[0]))
+        assert known.known[1:].all()
+    assert history == [True] * 4 + [False] * 3  # heard at tick 0: known up to tick 5
+    assert hear(known, 9, WHERE, [DECODED] * 6).known.all()
+
+
+def test_a_peer_that_left_range_is_forgotten_and_the_others_are_not() -> None:
+    known = hear(contacts.nobody(IDS), 1, WHERE, [DECODED] * 6)
+    near = layouts.edges(IDS, [(0, 1), (1, 0)])
+    without = hear(known, 2, WHERE, [LOST, LOST], near)
+    assert without.heard.tolist() == [0, 0]
+    back = hear(without, 3, WHERE, [LOST] * 6)
+    assert back.heard.tolist() == [0, NEVER, 0, NEVER, NEVER, NEVER]
+    assert back.known.tolist() == [True, False, True, False, False, False]
+
+
+def test_a_beacon_tells_its_estimate_and_choice_for_the_link_to_its_hearer_only() -> None:
+    links = layouts.edges(IDS, [(0, 1), (1, 0), (1, 2)])  # estimates 60, 61, 62; named: yes, no, yes
+    known = hear(contacts.nobody(IDS), 1, WHERE, [DECODED] * 6, links=links)
+    # pairs (0,1), (0,2), (1,0), (1,2), (2,0), (2,1) hear of links (1,0), -, (0,1), -, -, (1,2)
+    assert known.estimates == pytest.approx([61.0, math.nan, 60.0, math.nan, math.nan, 62.0], nan_ok=True)
+    assert known.names_us.tolist() == [False, False, True, False, False, True]
+
+
+def test_two_robots_in_one_place_drive_apart() -> None:
+    config = AgentConfig(
+        dt=0.02,
+        seed=1,
+        objective=ObjectiveConfig(),
+        seeking=SeekingConfig(),
+        formation=FormationConfig(),
+        channel=ChannelConfig(),
+    )
+    team = crew.assemble(config, np.arange(2))
+    near = layouts.edges([0, 1], [(0, 1), (1, 0)])
+    where = layouts.poses([(7.0, 7.0), (7.0, 7.0)])
+    sensed = Observations(3, where, near, np.full(2, DECODED, dtype=np.uint8))
+    ids = np.arange(2)
+    said = Beacons(2, ids, where, no_edges(ids), np.zeros(0), np.zeros(0, dtype=np.bool_), np.zeros((len(ids), 0)))
+    state = crew.start(team)
+    state = dataclasses.replace(state, poses=where)
+    _, _, twists = crew.step(team, state, sensed, said)
+    # psi_ji = pi + psi_ij: the lower id sees the other along +x and backs off; 50 to 90 m, weight 1/2
+    assert np.isfinite(twists).all()
+    assert -45.0 <= twists[0, 0] <= -25.0
+    assert 25.0 <= twists[1, 0] <= 45.0

@@ -1,0 +1,101 @@
+"""Figures say what they claim, and the step study what the default steps rest on."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from console.analysis import command as analysis_command
+from console.analysis import figures, history, step_study
+from console.analysis.history import History
+from console.backends import inprocess
+from fes.errors import FesError
+from tests.support.loop import load
+from world.metrics import summary
+
+
+@pytest.fixture(scope="module")
+def seen() -> History:
+    return history.follow(load("paper.toml", run__duration=12.0))
+
+
+def test_a_history_has_the_digest_of_the_run(seen: History) -> None:
+    assert seen.digest == inprocess.run(load("paper.toml", run__duration=12.0), "paper")["digest"]
+
+
+def test_both_sums_of_figure_six_are_below_tolerance_within_ten_seconds(seen: History) -> None:
+    late = seen.time >= 10.0
+    assert seen.disagreement[late].max() < 0.01
+    assert seen.estimate_error[late].max() < 26 * 0.001  # 26 estimates; the dither's bias is 0.45 mm each
+
+
+def test_figure_one_marks_the_points_of_the_paper() -> None:
+    texts = [text.get_text() for text in figures.outage_figure().axes[0].texts]
+    assert texts == ["A: 68 m, 9.0 %", "B: 105 m, 29.3 %", "C: 150 m, 63.7 %"]
+
+
+def test_figure_three_marks_both_optima() -> None:
+    texts = [text.get_text() for text in figures.index_figure().axes[0].texts]
+    assert texts == ["68.11 m, J = 0.844", "105.38 m, J = 0.391"]
+
+
+def test_trajectories_are_smooth(seen: History) -> None:
+    """No heading of a moving robot jumps: positions turn by at most what a tick's arc can turn."""
+    steps = np.diff(seen.poses[:, :, :2], axis=0)
+    length = np.hypot(steps[..., 0], steps[..., 1])
+    speed = length / 0.02
+    assert speed.max() < 75.0  # m/s; (6) with errors of at most 75 m and mu = 1
+    late = seen.time[:-2] > 1.0
+    assert np.abs(np.diff(speed, axis=0))[late].max() < 5.0  # m/s a tick
+
+
+def test_figures_are_written_as_png_and_svg_and_repeat_to_the_byte(tmp_path: Path, seen: History) -> None:
+    first = figures.save(figures.formation_figure(seen), tmp_path / "one")
+    again = figures.save(figures.formation_figure(seen), tmp_path / "two")
+    assert [path.suffix for path in first] == [".png", ".svg"]
+    assert [path.read_bytes() for path in first] == [path.read_bytes() for path in again]
+    assert first[0].read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_run_is_drawn_from_its_directory_and_only_if_its_digest_comes_out_again(tmp_path: Path) -> None:
+    pair = load("pair.toml", run__duration=2.0)
+    summary.write_scenario(tmp_path, pair)
+    found = inprocess.run(pair, "pair")
+    summary.write(tmp_path, found)
+    analysis_command.plot(str(tmp_path))
+    assert (tmp_path / "formation.svg").exists()
+    assert (tmp_path / "convergence.png").exists()
+    (tmp_path / "summary.json").write_text(json.dumps({**found, "digest": "0" * 64}))
+    with pytest.raises(FesError, match="cannot be executed again bit for bit"):
+        analysis_command.plot(str(tmp_path))
+    with pytest.raises(FesError, match="is not a run directory"):
+        analysis_command.plot(str(tmp_path / "nowhere"))
+
+
+def test_the_default_sub_step_is_far_below_what_matters_and_converges_fast() -> None:
+    for transform in ("none", "log"):
+        errors = [step_study.seeking_error(step, transform) for step in (0.02, 0.01)]
+        assert errors[0] < 1e-5
+        assert errors[1] < errors[0] / 16.0  # better than fourth order
+
+
+def test_a_run_shorter_than_a_dither_period_has_its_separations_drawn_and_the_title_says_it(seen: History) -> None:
+    short = history.follow(load("measured.toml", run__duration=1.0))
+    assert short.averaged
+    linked = [len(links) > 0 for links in short.links]
+    assert any(linked)
+    np.testing.assert_array_equal(np.isfinite(short.separation_error), linked)
+    for tick in (linked.index(True), len(linked) - 1):
+        ends = history.ends_at(short, tick)
+        expected = np.abs(np.hypot(*(ends[:, 0] - ends[:, 1]).T) - short.optimal).max()
+        assert short.separation_error[tick] == pytest.approx(expected, rel=1e-12)
+    titles = [figures.convergence_figure(run).axes[2].get_title() for run in (short, seen)]
+    assert [title.endswith("averaged over a dither period") for title in titles] == [True, False]
+
+
+def test_the_closed_loop_depends_on_the_tick_to_first_order() -> None:
+    closed = load("neighborhood.toml")
+    (_, coarse), (_, fine) = step_study.tick_errors(closed, (0.02, 0.005))
+    assert 2.0 < coarse / fine < 8.0  # 4, were it exactly first order
+    assert coarse < 5.0

@@ -1,0 +1,49 @@
+"""One child of `fes run`: the signals that meet it while it starts, and the report of its end."""
+
+import asyncio
+import os
+import signal
+from pathlib import Path
+
+import pytest
+
+from console.backends.managed_process import Child
+from tests.support.process_groups import FAILURE, child, family
+
+
+def test_a_signal_that_meets_an_interpreter_that_only_just_starts_waits_for_its_handler(tmp_path: Path) -> None:
+    """Before it is set, Python would die of the signal, or print a traceback of its own start."""
+
+    async def main() -> Child:
+        async with family(tmp_path) as kin:
+            await kin.start_agent("0", [])
+            kin.agents[0].signal(signal.SIGINT)
+            async with asyncio.timeout(60.0):
+                await kin.agents[0].process.wait()
+        return kin.agents[0]
+
+    ended = asyncio.run(main())
+    assert (ended.process.returncode, ended.log.read_text()) == (0, "")
+
+
+@pytest.mark.parametrize("log", ["missing", "a folder", "within a file", "unreadable"])
+def test_the_verdict_on_a_child_names_it_whatever_became_of_its_log(tmp_path: Path, log: str) -> None:
+    async def main() -> tuple[str, bool]:
+        one = await child(tmp_path, "fes-world", FAILURE, "fes-world: error: no room\n")
+        await one.process.wait()
+        if log in ("missing", "a folder"):
+            one.log.unlink()
+        if log == "a folder":
+            one.log.mkdir()
+        if log == "within a file":
+            one = Child(one.name, one.process, one.log / "world.log")
+        if log == "unreadable":
+            one.log.chmod(0o000)
+        return one.verdict(), one.was_dismissed
+
+    said, dismissed = asyncio.run(main())
+    if log == "unreadable" and os.geteuid() == 0:  # root reads it
+        assert said == "fes-world: no room"
+        return
+    assert said.startswith("fes-world ended with exit code 1 (its log cannot be read: ")
+    assert dismissed

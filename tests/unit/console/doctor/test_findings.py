@@ -1,0 +1,209 @@
+"""fes doctor: what it says of a machine and of a run, with what remedy; it neither hangs nor disturbs.
+
+What it says of the machine: test_doctor_machine.py.
+"""
+
+import asyncio
+import io
+import json
+import socket
+import time
+from pathlib import Path
+from typing import Any
+
+import msgpack
+import pytest
+from rich.console import Console
+
+from console.backends import inprocess
+from console.doctor import command, network
+from console.doctor.finding import Finding, Status
+from console.doctor.network import Answer
+from fes.errors import MessageError
+from fes.protocol import keys, world_info
+from fes.protocol.world_info import About
+from fes.transport.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
+from tests.support import session
+from tests.support.commands import call, vacant
+from tests.support.loop import load
+from tests.support.session import RUN, client
+
+CHECKS = [
+    *("python", "our names", "packages", "clock", "open files", "run directory"),
+    *("loopback", "port", "loopback only", "endpoint"),
+]
+
+
+def client_of(endpoint: str) -> Endpoints:
+    return Endpoints("client", (endpoint,), timeout=network.PATIENCE)
+
+
+def test_looking_at_a_run_changes_no_digit_and_sees_all_of_it() -> None:
+    paper = load("paper.toml", run__duration=2.0)
+    seen: list[list[Finding]] = []
+
+    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
+        begin.set()
+        for _ in range(3):
+            found, robots = await network.examine(client_of(endpoint), RUN, True)
+            assert robots == 10
+            seen.append(found)
+
+    async def bounded() -> Any:
+        async with asyncio.timeout(60.0):
+            return await session.run(paper, [[robot] for robot in range(10)], disturb)
+
+    summary, server, agents = asyncio.run(bounded())
+    assert summary["digest"] == inprocess.run(paper, "test")["digest"]
+    assert not server.complaints.counts
+    assert not any(agent.complaints.counts for agent in agents)
+    for found in seen:
+        assert [one.check for one in found] == ["endpoint", "alive", "version", "world's clock"]
+        assert {one.status for one in found} == {Status.OK}  # one clock, one installation
+        assert "robots 0-9 of 10" in found[1].seen
+
+
+def test_a_robot_that_is_missing_is_named() -> None:
+    found = network.alive(RUN, [keys.world_alive(RUN), *(keys.robot_alive(RUN, i) for i in (0, 1, 4))], [], 6, True)
+    assert found.status == Status.WARNING
+    waits = "before its first tick a run waits for all, and later those without an agent stand still"
+    assert found.remedy == f"fes-agent --id 2-3, 5: {waits}"
+    assert "robots 0-1, 4 of 6" in found.seen
+
+
+@pytest.mark.parametrize(
+    ("standing", "others", "status", "said"),
+    [
+        ([], [], Status.FAILED, "no world of run 'test', robots: none"),
+        ([keys.robot_alive(RUN, 3)], [], Status.FAILED, "robots: 3"),
+        ([], [keys.world_alive("main")], Status.FAILED, "worlds of other runs: main"),
+        (
+            [keys.world_alive(RUN), keys.claim(RUN, "a"), keys.claim(RUN, "b")],
+            [],
+            Status.FAILED,
+            "more than one world",
+        ),
+    ],
+)
+def test_a_run_without_one_world_has_failed(
+    standing: list[str], others: list[str], status: Status, said: str
+) -> None:
+    found = network.alive(RUN, standing, others, None, True)
+    assert found.status == status
+    assert said in found.seen
+    assert found.remedy
+
+
+def test_a_world_of_another_version_is_a_finding_with_both_versions() -> None:
+    newer = msgpack.packb([1, "9.0", "3.0", 5, 1.0, "a field more"])
+    with pytest.raises(MessageError) as caught:
+        world_info.decode_about(newer)
+    [found] = network.said_by(caught.value)
+    assert (found.status, found.seen) == (Status.FAILED, "About: speaks protocol 2, got version: 1")
+    package, *_ = network.said_by(Answer(0.0, 0.0, About("0.0.1", "1.0", 3, 0.0)))
+    assert package.status == Status.WARNING
+    assert "fes 0.0.1" in package.seen
+
+
+@pytest.mark.parametrize(
+    ("offset", "took", "status"),
+    [
+        (0.05, 0.02, Status.OK),
+        (-0.2, 0.02, Status.WARNING),
+        (3600.0, 0.02, Status.WARNING),
+        (-0.2, 0.4, Status.OK),  # the answer may have come at once, and the question late
+    ],
+)
+def test_the_skew_of_a_clock_is_measured_from_the_middle_of_the_question(
+    offset: float, took: float, status: Status
+) -> None:
+    own = world_info.here(1)
+    *_, found = network.said_by(Answer(100.0, 100.0 + took, own._replace(clock=100.0 + took / 2 + offset)))
+    assert found.status == status
+    assert f"{1e3 * offset:+.1f} ms from ours, known to {500 * took:.1f} ms" in found.seen
+
+
+def test_nobody_at_the_endpoint_fails_only_where_somebody_is_expected() -> None:
+    for wanted, status in ((True, Status.FAILED), (False, Status.OK)):
+        found, robots = asyncio.run(network.examine(client_of(vacant()), RUN, wanted))
+        assert ([one.status for one in found], robots) == ([status], None)
+
+
+@pytest.mark.parametrize(("wanted", "status"), [(True, Status.FAILED), (False, Status.WARNING)])
+def test_a_listener_that_says_nothing_does_not_hold_it_up(wanted: bool, status: Status) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as mute:
+        begun = time.monotonic()
+        endpoints = Endpoints("client", (f"tcp/127.0.0.1:{mute.getsockname()[1]}",), timeout=600.0)
+        found, _ = asyncio.run(network.examine(endpoints, RUN, wanted))
+        assert time.monotonic() - begun < endpoints.timeout / 2.0  # what Zenoh itself would wait
+    assert [(one.status, bool(one.remedy)) for one in found] == [(status, True)]
+
+
+def test_a_world_that_does_not_answer_is_a_warning() -> None:
+    async def main() -> list[Finding]:
+        async with session.router() as (world, endpoint):
+            world.token(keys.world_alive(RUN))
+            world.serve(keys.about(RUN), lambda question: None)
+            async with client(endpoint):
+                return (await network.examine(client_of(endpoint), RUN, True))[0]
+
+    assert [one.status for one in asyncio.run(main())][-1] == Status.WARNING
+
+
+@pytest.mark.parametrize(
+    ("endpoint", "table", "status"),
+    [
+        (DEFAULT_ENDPOINT, "x\n 0: 0100007F:1D17 00000000:0000 0A", Status.OK),  # 7447 = 0x1D17
+        (DEFAULT_ENDPOINT, "x\n 0: 00000000:1D17 00000000:0000 0A", Status.WARNING),
+        (DEFAULT_ENDPOINT, "x\n 0: 00000000:1D17 00000000:0000 01", Status.OK),  # a connection, no listener
+        (DEFAULT_ENDPOINT, "x\n 0: 00000000:1D18 00000000:0000 0A", Status.OK),
+        ("tcp/192.0.2.1:7447", "x", Status.WARNING),
+        ("unixsock-stream//tmp/fes", "x", Status.OK),
+    ],
+)
+def test_a_listener_on_a_network_is_a_warning(endpoint: str, table: str, status: Status) -> None:
+    found = network.exposure(endpoint, table)
+    assert found.status == status
+    assert bool(found.remedy) == (status != Status.OK)
+
+
+def test_the_default_address_is_the_same_over_tls() -> None:
+    assert network.is_default(DEFAULT_ENDPOINT)
+    assert network.is_default(default_endpoint(secure=True))
+    assert not network.is_default("tls/127.0.0.1:7448")
+
+
+def test_a_taken_port_is_a_warning_unless_a_world_has_it() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        endpoint = f"tcp/127.0.0.1:{server.getsockname()[1]}"
+        assert network.port(endpoint, world=False).status == Status.WARNING
+        assert network.port(endpoint, world=True).status == Status.OK
+    assert network.port(endpoint, world=False).status == Status.OK
+
+
+def test_the_command_prints_json_or_a_table_and_its_exit_code_says_whether_anything_failed(tmp_path: Path) -> None:
+    endpoint = vacant()
+    done = call(tmp_path, "fes", "doctor", "-e", endpoint, "--json")
+    assert (done.returncode, done.stderr) == (1, "")
+    found = json.loads(done.stdout)
+    assert [one["check"] for one in found if one["check"] != "extras"] == CHECKS
+    assert all(set(one) == {"check", "status", "seen", "remedy"} for one in found)
+    assert [one["check"] for one in found if one["status"] == "failed"] == ["endpoint"]
+    assert all(bool(one["remedy"]) == (one["status"] != "ok") for one in found)
+    assert list(tmp_path.iterdir()) == []  # it leaves nothing behind
+
+    healthy = call(tmp_path, "fes", "doctor")
+    assert (healthy.returncode, healthy.stderr) == (0, "")
+    taken = network.port(DEFAULT_ENDPOINT, world=False).status == Status.WARNING  # a person's own run, perhaps
+    assert taken or "no run goes on" in " ".join(healthy.stdout.split())
+
+
+def test_the_table_fits_eighty_columns() -> None:
+    long = Finding("world's clock", Status.WARNING, "x" * 300, "y" * 300)
+    screen = Console(width=80, file=io.StringIO())
+    screen.print(command.table([long, Finding("port", Status.OK, "free")]))
+    assert isinstance(screen.file, io.StringIO)
+    lines = screen.file.getvalue().splitlines()
+    assert max(map(len, lines)) <= 80
+    assert sum(line.count("x") for line in lines[2:]) == 300
+    assert sum(line.count("y") for line in lines) == 300

@@ -1,0 +1,112 @@
+"""Payloads that break one rule each, packed by hand: what is refused, and in which words."""
+
+import math
+from typing import Any
+
+import msgpack
+import pytest
+
+from fes.protocol import wire
+from tests.support.payloads import CODECS, refusal
+from tests.support.plain_payloads import PLAIN, float64, int32
+
+NAMES = list(CODECS)
+
+
+BIG = b"\0" * (wire.MAX_PAYLOAD + 1)
+
+BROKEN: list[tuple[str, int, Any, str]] = [
+    *((name, 0, version, "protocol 2") for name in PLAIN for version in (0, 1, None, "2", [2])),
+    *((name, 1, BIG, "longer than 1048576 bytes") for name in PLAIN),
+    *((name, 1, tick, "tick") for name in NAMES[:3] for tick in (-1, 2**53, 1.0, True, None)),
+    *((name, 2, robot, "robot") for name in NAMES[:3] for robot in (-1, 2**31, 4.0, False)),
+    *((name, 3, x, "finite") for name in NAMES[:3] for x in (math.nan, math.inf, -math.inf, 1, True)),
+    *(("Beacon", 6, ids, "ascend") for ids in (int32(9, 2), int32(-1, 2), int32(2, 2))),
+    *(("Beacon", 6, ids, "int32") for ids in (b"123", [2, 9], "abcd", None)),
+    *(("Beacon", 7, found, "2 float64") for found in (b"", float64(1.0), float64(1.0) + b"1", [60.0, 70.0])),
+    *(("Beacon", 7, float64(1.0, bad), "finite") for bad in (math.nan, math.inf, -math.inf)),
+    *(("Command", 6, float64(1.0, bad), "finite") for bad in (math.nan, math.inf)),
+    *(("Command", 7, found, "two numbers a link") for found in (float64(1.0), float64(1.0, 2.0, 3.0))),
+    *(("Command", 7, found, "4 float64") for found in (b"1", float64(1, 2, 3, 4, 5), [1.0] * 4)),
+    *(("Command", 7, float64(1.0, 2.0, 3.0, bad), "finite") for bad in (math.nan, math.inf)),
+    *(("Beacon", 9, found, "64 float64") for found in (b"1", [1.0], float64(*range(65)))),
+    *(("Beacon", 9, float64(bad), "finite") for bad in (math.nan, math.inf)),
+    *(("Beacon", 8, named, "codes") for named in (b"\1", b"\1\2", b"\1\0\0", [1, 0])),
+    *(("Observation", 7, codes, "codes") for codes in (b"", b"\1\3", "\1\1")),
+    *(("Observation", 8, over, "flag") for over in (0, 1, None, "")),
+    *(("Observation", 9, since, "tick") for since in (-1, 1.0, None)),
+    *(("Join", 1, ids, "ascend") for ids in ([5, 4], [4, 4])),
+    *(("Join", 1, ids, "robot") for ids in ([], 4, [-1], [True], [2**31], [1.0], {"a": 4})),
+    *(("Join", 2, agent, "number for the agent") for agent in (-1, True, 1.0, None, 2**62 + 1)),
+    *(("Join", 3, arithmetic, "arithmetic") for arithmetic in (None, 7, b"a", "a\nb", "a" * 201)),
+    *(("Report", 4, numbers, "numbers") for numbers in ([], [1.0] * 6, [1] * 7, [True] * 7, None)),
+    *(("Report", 5, alive, "code") for alive in (b"\1\2", [1, 0])),
+    *(("Report", 6, poses, "float64") for poses in (float64(1.0), b"")),
+    *(("Report", 6, float64(1, 2, 3, 4, 5, bad), "finite") for bad in (math.nan, math.inf)),
+    ("Report", 8, int32(1, 0), "two ends"),
+    *(("Report", at, int32(robot), "between its 2 robots") for at in (7, 8) for robot in (2, -1, 2**31 - 1)),
+    *(("Recall", 1, tick, "tick") for tick in (-1, 2**53, 7.0, None, b"7")),
+    *(("Change", 1, path, "expects a field") for path in ("", "a\nb", 4, None, "a" * 201, "a.a.a.a.a.a.a.a.a")),
+    *(("Change", 2, value, "value as JSON") for value in ("", "{", "[" * 4000, b"1", 1, "1" * 4097, None)),
+    *(("Effect", 4, optimal, "finite") for optimal in (math.nan, math.inf, 68)),
+    *(("Effect", 3, tick, "tick") for tick in (-1, 1.0)),
+    *(("About", at, text, "version") for at in (1, 2) for text in (1, None, "1\n2", "1" * 101)),
+    *(("About", 3, robots, "number of robots") for robots in (0, -1, 2**31, 1.0, True)),
+    *(("About", 4, clock, "finite") for clock in (math.nan, math.inf, 1)),
+    ("Join", 1, list(range(100_001)), "list of robots"),
+    ("Report", 9, [float64(1.0)] * 9, "link arrays"),
+    ("Report", 9, [float64(1.0, 2.0)] * 10, "1 float64"),
+    ("Report", 12, 1, "flag"),
+    *(("Report", 13, value, "missed and late") for value in ([], [b""], b"", None)),
+    *(("Report", 13, [b"", value], "2 int64, or none") for value in (b"1", bytes(8), bytes(24), None)),
+]
+
+
+@pytest.mark.parametrize("name", PLAIN)
+def test_the_layout_is_the_version_and_the_fields_in_order(name: str) -> None:
+    payload: bytes = msgpack.packb(PLAIN[name])
+    assert CODECS[name].encode(CODECS[name].decode(payload)) == payload
+
+
+@pytest.mark.parametrize(("name", "at", "value", "rule"), BROKEN)
+def test_a_broken_field_is_refused_with_its_rule(name: str, at: int, value: Any, rule: str) -> None:
+    fields = PLAIN[name].copy()
+    fields[at] = value
+    said = refusal(name, msgpack.packb(fields))
+    assert said is not None
+    assert rule in said
+
+
+@pytest.mark.parametrize("name", PLAIN)
+def test_a_missing_or_an_additional_field_is_refused(name: str) -> None:
+    for fields in (PLAIN[name][:-1], [*PLAIN[name], 0]):
+        assert f"expects {len(PLAIN[name]) - 1} fields" in str(refusal(name, msgpack.packb(fields)))
+
+
+@pytest.mark.parametrize(
+    ("robots", "config", "rule"),
+    [
+        ([], "{}", "list of robots"),
+        ([-1], "{}", "robot must"),
+        ([0], "", "configuration"),
+        ([0], "[" * 5000, "configuration"),
+        ([0], '{"dt": NaN}', "configuration"),
+        ([0], "x" * 5000, "configuration"),
+        ([0], b"{}", "JSON"),
+    ],
+)
+def test_a_welcome_without_a_configuration_is_refused(robots: list[int], config: object, rule: str) -> None:
+    assert rule in str(refusal("Welcome", msgpack.packb([2, robots, config])))
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("depth", [10, 200, 1000, 1020, 100_000])
+def test_a_deep_nest_of_lists_is_refused(name: str, depth: int) -> None:
+    fields = CODECS[name].fields
+    assert refusal(name, b"\x91" * depth + b"\xc0")
+    assert refusal(name, bytes([0x91 + fields, 1]) + b"\x91" * depth + b"\xc0" * fields)
+
+
+@pytest.mark.parametrize("version", [True, 1.0])
+def test_a_version_that_is_no_integer_is_refused(version: object) -> None:
+    assert refusal("Join", msgpack.packb([version, *PLAIN["Join"][1:]]))

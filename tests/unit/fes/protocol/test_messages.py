@@ -1,0 +1,68 @@
+"""What crosses the wire: every message comes back bit for bit, and bad bytes are one line, never a crash."""
+
+import msgpack
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fes.protocol import wire
+from tests.support.payloads import CODECS, assert_refused_or_a_message, bits, refusal, values
+
+NAMES = list(CODECS)
+
+
+@pytest.mark.parametrize("name", NAMES)
+@settings(max_examples=200)
+@given(data=st.data())
+def test_a_message_comes_back_bit_for_bit(name: str, data: st.DataObject) -> None:
+    codec = CODECS[name]
+    message = data.draw(codec.messages)
+    assert bits(codec.decode(codec.encode(message))) == bits(message)
+
+
+@pytest.mark.parametrize("name", NAMES)
+@settings(max_examples=200)
+@given(payload=st.binary(max_size=80) | values.map(msgpack.packb))
+def test_a_payload_that_is_no_list_of_fields_is_refused(name: str, payload: bytes) -> None:
+    assert refusal(name, payload)
+
+
+@pytest.mark.parametrize("name", NAMES)
+@settings(max_examples=200)
+@given(data=st.data())
+def test_a_payload_with_some_fields_of_any_kind_is_refused_or_a_message(name: str, data: st.DataObject) -> None:
+    codec = CODECS[name]
+    fields = msgpack.unpackb(codec.encode(data.draw(codec.messages)))
+    for at in data.draw(st.sets(st.integers(0, codec.fields), min_size=1, max_size=3)):
+        fields[at] = data.draw(values)
+    assert_refused_or_a_message(name, msgpack.packb(fields))
+
+
+@pytest.mark.parametrize("name", NAMES)
+@settings(max_examples=200)
+@given(data=st.data())
+def test_a_payload_damaged_on_its_way_is_refused_or_a_message(name: str, data: st.DataObject) -> None:
+    codec = CODECS[name]
+    payload = bytearray(codec.encode(data.draw(codec.messages)))
+    begin = data.draw(st.integers(0, len(payload) - 1))
+    payload[begin : begin + data.draw(st.integers(0, 3))] = data.draw(st.binary(max_size=3))
+    assert_refused_or_a_message(name, bytes(payload))
+
+
+@pytest.mark.parametrize("name", NAMES)
+@settings(max_examples=20)
+@given(data=st.data())
+def test_a_payload_cut_short_is_refused(name: str, data: st.DataObject) -> None:
+    payload = CODECS[name].encode(data.draw(CODECS[name].messages))
+    for end in range(len(payload)):
+        assert refusal(name, payload[:end])
+
+
+def test_the_same_bytes_of_ids_give_the_same_array_which_nobody_can_change() -> None:
+    payload = wire.id_bytes(np.array([2, 5, 9]))
+    first, again = wire.ids("Beacon", payload), wire.ids("Beacon", bytes(bytearray(payload)))
+    assert first is again
+    assert first.tolist() == [2, 5, 9]
+    with pytest.raises(ValueError, match="read-only"):
+        first[0] = 7

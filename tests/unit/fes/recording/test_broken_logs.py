@@ -1,0 +1,81 @@
+"""Files that are no whole log: each is one line, whatever is done with it."""
+
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from console.replay import command as replay_command
+from fes.errors import FesError
+from tests.support import recordings
+from tests.support.loop import load
+from tests.support.processes import PATIENCE, command
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    """A recorded run of the measured index, and its summary."""
+    path = tmp_path_factory.mktemp("replay") / "run.mcap"
+    return path, recordings.record(path, load("measured.toml", run__duration=2.0), "measured")
+
+
+Recorded = tuple[Path, dict[str, Any]]
+
+
+def bad(path: Path, good: Path, what: str) -> Path:
+    """Something that is no log, or not a whole one."""
+    if what == "a text file":
+        path.write_text("schema = 1\n")
+    elif what == "cut before the first tick":
+        path.write_bytes(good.read_bytes()[:4000])
+    elif what == "cut":
+        path.write_bytes(good.read_bytes()[:-1000])
+    elif what == "damaged":
+        whole = bytearray(good.read_bytes())
+        whole[len(whole) // 2] ^= 1
+        path.write_bytes(whole)
+    elif what == "a directory":
+        path.mkdir()
+    elif what in ("another version", "somebody else's"):
+
+        def edit(topic: str, tick: int, payload: bytes) -> bytes | None:
+            if topic != "/scenario":
+                return payload
+            told = {**json.loads(payload), "log": 9}
+            return json.dumps(told).encode() if what == "another version" else None
+
+        recordings.rewrite(good, path, edit)
+    return path
+
+
+BAD = {
+    "a text file": "is not a log: it is not an MCAP file",
+    "cut before the first tick": "0 of 100 ticks are there",
+    "cut": "has no end, its run was killed or the file was cut: 100 of 100 ticks are there",
+    "damaged": "the checksum of a chunk differs",
+    "a directory": "has no run.mcap: the run was not recorded",
+    "another version": "is a log of version 9; this fes reads version 2",
+    "somebody else's": "is not a log of a run: it does not begin with its scenario",
+    "nothing": "No such file or directory",
+}
+
+
+@pytest.mark.parametrize(("what", "rule"), BAD.items(), ids=BAD.keys())
+def test_what_is_no_whole_log_is_one_line(recorded: Recorded, tmp_path: Path, what: str, rule: str) -> None:
+    path = bad(tmp_path / "bad", recorded[0], what)
+    with pytest.raises(FesError, match=f"^{path}") as caught:
+        replay_command.replay(path, json_=True, headless=True)
+    assert rule in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_the_program_says_it_in_one_line_and_returns_1(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("hello\n")
+    for words in (["replay", "notes.txt"], ["compare", "notes.txt", "notes.txt"], ["plot", "notes.txt"]):
+        done = subprocess.run(
+            command("console.cli", *words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE
+        )
+        assert (done.returncode, done.stdout) == (1, "")
+        assert done.stderr == "fes: error: notes.txt is not a log: it is not an MCAP file\n"

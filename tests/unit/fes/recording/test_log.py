@@ -1,0 +1,181 @@
+"""The log of a run: what is in it, in which order, how large it is, and that any reader of MCAP understands it."""
+
+import json
+import math
+import struct
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mcap.reader import make_reader
+from mcap.records import Message
+from mcap.stream_reader import StreamReader
+
+from console.backends import inprocess
+from console.replay import log
+from fes.errors import FesError
+from fes.protocol import messages
+from fes.recording import protobuf
+from fes.recording.mcap_file import Container
+from fes.recording.schemas import OWN
+from tests.support import recordings
+from tests.support.loop import load
+from world.config.scenario import Scenario
+
+DURATION = 20.0  # s
+MAX_BYTES = 200.0  # a robot-tick
+
+
+def scenario(name: str) -> Scenario:
+    return load(f"{name}.toml", run__duration=DURATION)
+
+
+@pytest.fixture(scope="module", params=["paper", "measured"])
+def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    path = tmp_path_factory.mktemp("log") / "run.mcap"
+    return path, recordings.record(path, scenario(request.param), request.param)
+
+
+Recorded = tuple[Path, dict[str, Any]]
+
+
+def test_the_digest_is_the_same_whether_a_run_is_recorded_or_not(recorded: Recorded) -> None:
+    _, summary = recorded
+    assert summary["digest"] == inprocess.run(scenario(summary["scenario"]), "test")["digest"]
+
+
+def test_a_robot_tick_takes_at_most_200_bytes(recorded: Recorded) -> None:
+    path, summary = recorded
+    assert path.stat().st_size / (summary["ticks"] * summary["robots"]) <= MAX_BYTES
+
+
+def test_the_librarys_own_readers_accept_it_checksums_and_all(recorded: Recorded) -> None:
+    path, summary = recorded
+    with path.open("rb") as file:
+        linear = [one for one in StreamReader(file, validate_crcs=True).records if isinstance(one, Message)]
+        file.seek(0)
+        reader = make_reader(file, validate_crcs=True)
+        indexed = list(reader.iter_messages())
+        found = reader.get_summary()
+        [metadata] = reader.iter_metadata()
+    assert found is not None
+    assert found.statistics is not None
+    assert found.statistics.message_count == len(linear) == len(indexed)
+    assert json.loads(metadata.metadata["summary"]) == json.loads(json.dumps(summary))
+    counts = Counter(channel.topic for _, channel, _ in indexed)
+    ticks = summary["ticks"]
+    assert [counts[topic] for topic in ("/observations", "/beacons", "/commands")] == [ticks] * 3
+    assert counts["/tf"] == counts["/report"] == counts["/robot/9/state"] == 1 + (ticks - 1 + 4) // 5
+    assert {f"/link/{a}-{b}/state" for a, b, *_ in summary["edges"]} <= counts.keys()
+
+
+def test_messages_stand_in_canonical_order_with_simulated_times(recorded: Recorded) -> None:
+    path, summary = recorded
+    order = [
+        "/observations",
+        "/beacons",
+        "/commands",
+        "/events",
+        "/log",
+        "/report",
+        "/tf",
+        "/scene",
+        "/robot",
+        "/link",
+    ]
+    with path.open("rb") as file:
+        found = [
+            (message.log_time, next(at for at, start in enumerate(order) if channel.topic.startswith(start)))
+            for _, channel, message in make_reader(file).iter_messages(log_time_order=False)
+            if message.log_time > 0 and message.sequence < summary["ticks"]
+        ]
+    assert found == sorted(found)
+    assert {time % 20_000_000 for time, _ in found} == {0}  # ticks of 20 ms
+
+
+def test_a_tick_holds_every_robots_messages_as_they_cross_the_bus(recorded: Recorded) -> None:
+    path, _ = recorded
+    decoders = {
+        "/observations": messages.decode_observation,
+        "/beacons": messages.decode_beacon,
+        "/commands": messages.decode_command,
+    }
+    for topic, tick, payload in recordings.messages(path):
+        if topic in decoders and tick % 100 == 0:
+            found: list[Any] = [decoders[topic](one) for one in recordings.payloads(payload)]
+            assert [(one.tick, one.robot) for one in found] == [(tick, robot) for robot in range(10)]
+
+
+def test_no_json_in_it_has_a_number_that_is_none_and_all_have_the_fields_they_must_have(recorded: Recorded) -> None:
+    def refuse(constant: str) -> None:
+        raise AssertionError(constant)
+
+    with recorded[0].open("rb") as file:
+        found = list(make_reader(file).iter_messages())
+    assert {channel.message_encoding for _, channel, _ in found} == {"json", "protobuf"}
+    for schema, channel, message in found:
+        if channel.message_encoding != "json":
+            continue
+        assert channel.topic in ("/scenario", "/events")
+        assert schema is not None
+        rules = json.loads(schema.data)
+        told = json.loads(message.data, parse_constant=refuse)
+        assert set(rules["required"]) <= told.keys() <= rules["properties"].keys()
+
+
+def test_frames_turn_as_the_robots_do(recorded: Recorded) -> None:
+    path, summary = recorded
+    said = {(topic, tick): payload for topic, tick, payload in recordings.messages(path)}
+    tick = summary["ticks"] - 1
+    transforms = [bytes(value) for _, value in protobuf.fields(said["/tf", tick])]
+    sensed = [messages.decode_observation(one) for one in recordings.payloads(said["/observations", tick])]
+    for transform, observation in zip(transforms, sensed, strict=True):
+        fields = dict(protobuf.fields(transform))
+        assert (fields[2], fields[3]) == (b"map", f"robot_{observation.robot}/base_link".encode())
+        translation, rotation = doubles(fields[4]), doubles(fields[5])
+        x, y, heading = observation.pose
+        assert translation == [x, y, 0.0]
+        assert rotation[:2] == [0.0, 0.0]
+        # the rotation by a unit quaternion (0, 0, z, w) takes x to (w^2 - z^2, 2 w z)
+        z, w = rotation[2:]
+        assert (w * w - z * z, 2.0 * w * z) == pytest.approx((math.cos(heading), math.sin(heading)), abs=1e-12)
+
+
+def doubles(payload: int | bytes) -> list[float]:
+    """The numbers of a flat message."""
+    assert isinstance(payload, bytes)
+    return [struct.unpack("<d", bytes(value))[0] for _, value in protobuf.fields(payload) if isinstance(value, bytes)]
+
+
+def test_what_was_scheduled_is_told_as_an_event(tmp_path: Path) -> None:
+    event = [{"at": 0.5, "set": {"channel.reference_snr": 5e6}}]
+    jump = load("pair.toml", run__duration=1.0, event=event)
+    recordings.record(tmp_path / "run.mcap", jump)
+    said = [json.loads(data) for topic, _, data in recordings.messages(tmp_path / "run.mcap") if topic == "/events"]
+    assert said == [
+        {"tick": 25, "what": "set", "by": "schedule", "path": "channel.reference_snr", "value": 5e6},
+        {"tick": 50, "what": "end"},
+    ]
+
+
+def test_a_file_that_cannot_be_written_is_said_once_and_closed() -> None:
+    file = Container(Path("/dev/full"))
+    file.put("/x", OWN["Report"], b"payload", 0, 0)
+    with pytest.raises(FesError, match=r"^cannot write /dev/full: No space left on device$"):
+        file.settle(at_once=True)
+    for _ in range(3):
+        file.put("/x", OWN["Report"], bytes(1000), 0, 0)
+        file.settle(at_once=True)
+    file.finish("end", {})
+    assert file._waiting <= len(b"payload") + 31  # what cannot be written is not kept either
+    assert file._file.closed
+
+
+def test_a_log_is_read_back_with_its_run(recorded: Recorded) -> None:
+    path, summary = recorded
+    found = log.load(path)
+    assert (found.name, found.backend, found.ended) == (summary["scenario"], "inprocess", "at its end")
+    assert found.scenario == scenario(summary["scenario"])
+    assert found.complaint is None
+    assert found.summary == json.loads(json.dumps(summary))

@@ -1,0 +1,200 @@
+"""Results of another arithmetic are never taken for results of this one."""
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from console.backends import inprocess
+from console.replay import command as replay_command
+from console.replay import compare, log
+from console.replay.reexecution import Mismatch
+from console.sweep import cluster, design, ledger, work
+from fes.errors import FesError
+from fes.protocol import messages, world_info
+from fes.system import fingerprint
+from tests.support import arithmetics, recordings
+from tests.support.arithmetics import OTHER
+from tests.support.commands import PAIR, call, complaint
+from tests.support.loop import load
+from tests.support.paths import CONFIGS
+from tests.support.results import written
+from tests.support.teams import begun
+from world.execution import resume
+
+PAPER = str(CONFIGS / "paper.toml")
+HERE, THERE = fingerprint.text(), fingerprint.text(OTHER)
+
+
+@pytest.fixture
+def elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    """This process has another arithmetic, as it says."""
+    monkeypatch.setattr(fingerprint, "table", lambda: dict(OTHER))
+
+
+def test_it_is_the_same_in_every_process_of_one_machine() -> None:
+    for environment in ({"OPENBLAS_NUM_THREADS": "1", "PYTHONHASHSEED": "1"}, {"OPENBLAS_NUM_THREADS": "4"}):
+        assert arithmetics.of(environment) == HERE
+    assert f"numpy {np.__version__}, arithmetic {fingerprint.table()['fingerprint']}" == HERE
+
+
+USED = ["exp", "expm1", "log", "log1p", "logaddexp", "sin", "cos", "tan", "arctan", "arctan2", "power", "sqrt"]
+USED += ["einsum", "bincount", "linalg.eigvalsh"]
+
+
+@pytest.mark.parametrize("name", USED)
+def test_one_bit_of_one_result_of_one_function_changes_it(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    *path, last = name.split(".")
+    module: Any = getattr(np, path[0]) if path else np
+    function = getattr(module, last)
+
+    def rounded_otherwise(*words: Any) -> Any:
+        found = np.array(function(*words))
+        found[-1] = np.nextafter(found[-1], np.inf)
+        return found
+
+    compute = fingerprint._fingerprint.__wrapped__  # without what it remembers
+    before = compute()
+    monkeypatch.setattr(module, last, rounded_otherwise)
+    assert compute() != before == fingerprint.table()["fingerprint"]
+
+
+def test_what_is_no_arithmetic_is_refused() -> None:
+    wrong: list[Any] = [{}, [], None, 3, {**OTHER, "numpy": 2}, {**OTHER, "core": "x" * 41}]
+    for told in [*wrong, {**OTHER, "fingerprint": "\033[31m"}]:
+        with pytest.raises((KeyError, TypeError, ValueError)):
+            fingerprint.text(told if told is not None else 0)  # type: ignore[arg-type]
+    assert fingerprint.text({**OTHER, "core": "compiled"}) == "numpy 1.0.0, arithmetic 0123456789ab (compiled)"
+
+
+def test_a_summary_tells_it_and_can_be_expected_to(tmp_path: Path) -> None:
+    wanted = {"of": "arithmetic.numpy", "equals": np.__version__}
+    found = written(tmp_path, inprocess.run(load("pair.toml", run__duration=0.1, expect=[wanted]), "pair"))
+    assert found["arithmetic"] == fingerprint.table()
+    assert found["arithmetic"]["core"] == "numpy"
+    assert [one["holds"] for one in found["expectations"]] == [True]
+
+
+def test_a_checkpoint_is_not_resumed_with_another(tmp_path: Path, elsewhere: None) -> None:
+    state = begun(tmp_path / "run")
+    kept = state.read_bytes()
+    resume.load(tmp_path / "run")
+    with pytest.MonkeyPatch.context() as changed:
+        changed.setattr(fingerprint, "table", lambda: {**OTHER, "fingerprint": "ba9876543210"})
+        with pytest.raises(FesError) as caught:
+            resume.load(tmp_path / "run")
+    assert str(caught.value) == (
+        f"{state} was kept with {THERE}; this is numpy 1.0.0, arithmetic ba9876543210: the digits would differ"
+    )
+    assert state.read_bytes() == kept
+
+
+def test_a_sweep_is_not_continued_with_another(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    planned = design.plan(Path(PAIR), [], "0:2", [])
+    with ledger.opened(tmp_path, planned):
+        pass
+    monkeypatch.setattr(fingerprint, "table", lambda: dict(OTHER))
+    with pytest.raises(FesError) as caught, ledger.opened(tmp_path, planned):
+        pass
+    assert str(caught.value) == (
+        f"--out {tmp_path}: it holds a sweep of another arithmetic; "
+        f'sweep.json has arithmetic = "{HERE}", and this is {THERE}'
+    )
+
+
+def test_a_worker_of_another_arithmetic_carries_out_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    planned = design.plan(Path(PAIR), [], "0:1", ["run.duration=0.1"])
+    [batch] = work.batches("pair", planned.runs, 1)
+    wanted = world_info.version(), HERE
+    assert len(cluster._at_worker(wanted, batch)) == 1
+    monkeypatch.setattr(fingerprint, "table", lambda: dict(OTHER))
+    with pytest.raises(FesError) as caught:
+        cluster._at_worker(wanted, batch)
+    assert str(caught.value) == f"a Dask worker has {THERE}, and the sweep is of {HERE}"
+
+
+def test_arithmetic_is_no_column_of_a_table_whose_rows_have_all_the_same() -> None:
+    assert not [name for name in work.scalars({"ticks": 1, "arithmetic": dict(OTHER)}) if name != "ticks"]
+
+
+def test_replay_and_compare_tell_another_processor_from_a_log_that_was_edited(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    here, there, edited = (tmp_path / name for name in ("here.mcap", "there.mcap", "edited.mcap"))
+    pair = load("pair.toml", run__duration=0.2)
+    recordings.record(here, pair)
+    with pytest.MonkeyPatch.context() as changed:
+        changed.setattr(fingerprint, "table", lambda: dict(OTHER))
+        recordings.record(there, pair)
+    # The digits are the same: no line about the arithmetic.
+    assert log.load(there).arithmetic == OTHER
+    found = replay_command.again(log.load(there), everybody=True)
+    assert found["arithmetic"] == OTHER  # as it was recorded
+    assert compare.compare(here, there) == 0
+    assert capsys.readouterr().out == "every message of every tick is the same to the bit\n"
+    # With a difference, there is one.
+
+    def farther(payload: bytes) -> bytes:
+        found = messages.decode_command(payload)
+        return messages.encode_command(found._replace(estimates=found.estimates + 1.0))
+
+    recordings.rewrite(there, edited, recordings.edited("/commands", 6, 1, farther))
+    with pytest.raises(Mismatch, match=r"^tick 6, Command of robot 1: estimates") as caught:
+        replay_command.again(log.load(edited), everybody=True)
+    assert caught.value.__notes__ == [f"recorded with {THERE}; executed with {HERE}"]
+    assert "\n" not in str(caught.value)
+    assert compare.compare(here, edited) == 1
+    said = capsys.readouterr().out.splitlines()
+    assert said[1:] == [f"A was recorded with {HERE}; B was recorded with {THERE}"]
+    assert compare.compare(here, edited, json_=True) == 1
+    assert json.loads(capsys.readouterr().out)["arithmetic"] == [fingerprint.table(), OTHER]
+
+
+def test_a_summary_of_another_arithmetic_than_its_log_is_named(tmp_path: Path) -> None:
+    summary = recordings.record(tmp_path / "a.mcap", load("pair.toml", run__duration=0.1))
+    recordings.rewrite(
+        tmp_path / "a.mcap", tmp_path / "b.mcap", lambda *words: words[2], {**summary, "arithmetic": OTHER}
+    )
+    with pytest.raises(Mismatch, match=r"^summary: arithmetic is "):
+        replay_command.again(log.load(tmp_path / "b.mcap"))
+
+
+def test_real_programs_with_another_arithmetic(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    words = ["sweep", PAIR, "--set", "run.duration=0.2", "--jobs", "1", "--out", "out"]
+    begun(tmp_path / "run")
+    recorded = call(tmp_path, "fes", "run", PAPER, "--duration", "1", "--backend", "inprocess", "--out", "log")
+    with pytest.MonkeyPatch.context() as changed:
+        for name, value in arithmetics.another(tmp_path).items():
+            changed.setenv(name, value)
+        first = call(tmp_path, "fes", *words, "--seeds", "0:1")
+        resumed = call(tmp_path, "fes-world", "--resume", "run")
+        again = call(tmp_path, "fes", "replay", "log", "--all")
+    assert (recorded.returncode, first.returncode) == (0, 0)
+    there = json.loads((tmp_path / "out" / ledger.HEADER).read_text())["arithmetic"]
+    assert there != HERE
+    before = (tmp_path / "out" / ledger.LINES).read_bytes()
+    line = complaint(call(tmp_path, "fes", *words, "--seeds", "0:2"), "fes")
+    assert line.endswith(f'sweep.json has arithmetic = "{there}", and this is {HERE}')
+    assert (tmp_path / "out" / ledger.LINES).read_bytes() == before
+    assert complaint(resumed, "fes-world").endswith(f"was kept with {HERE}; this is {there}: the digits would differ")
+    # The switch decides if a second of ten robots comes out otherwise; the line that follows is the same.
+    if again.returncode == 0:
+        assert again.stderr == ""
+    else:
+        assert again.stderr.splitlines()[1:] == [f"fes: recorded with {HERE}; executed with {there}"]
+
+
+def test_figures_of_a_run_that_comes_out_otherwise_name_both(tmp_path: Path) -> None:
+    run = tmp_path / "run"
+    done = call(
+        tmp_path, "fes", "run", PAIR, "--duration", "0.2", "--backend", "inprocess", "--no-record", "--out", "run"
+    )
+    assert done.returncode == 0
+    summary = json.loads((run / "summary.json").read_text())
+    (run / "summary.json").write_text(json.dumps({**summary, "digest": "0" * 64, "arithmetic": OTHER}))
+    line = complaint(call(tmp_path, "fes", "plot", "run"), "fes")
+    assert line.endswith(f"cannot be executed again bit for bit here: it was made with {THERE}; this is {HERE}")
+    shutil.rmtree(run)

@@ -1,0 +1,249 @@
+"""Impossible endpoints: each has an error line of its own, before anything waits for it."""
+
+import asyncio
+import json
+import os
+import shutil
+import socket
+import subprocess
+import threading
+from pathlib import Path
+
+import pytest
+
+from fes.errors import FesError, TransportError
+from fes.transport import addresses, bus, connection_diagnosis
+from fes.transport.endpoints import Endpoints
+from tests.support.commands import PROGRAMS, call, complaint, vacant
+from tests.support.paths import CONFIGS
+
+NAME = "no.such.host.invalid"
+"""A name that no name server has: `.invalid` is reserved for this."""
+
+BAD = {
+    "bogus": "not an endpoint like tcp/127.0.0.1:7447: bogus",
+    "": "not an endpoint like tcp/127.0.0.1:7447: ",
+    "tcp/": "not an endpoint like tcp/127.0.0.1:7447: tcp/",
+    "tcp/a b:1": "not an endpoint like tcp/127.0.0.1:7447: tcp/a b:1",
+    "foo/127.0.0.1:1": "the protocol of an endpoint is one of tcp, tls, udp, quic, ws, unixsock-stream, unixpipe, "
+    "vsock, serial: foo/127.0.0.1:1",
+    "TCP/127.0.0.1:1": "the protocol of an endpoint is one of tcp, tls, udp, quic, ws, unixsock-stream, unixpipe, "
+    "vsock, serial: TCP/127.0.0.1:1",
+    "tcp/127.0.0.1": "an endpoint ends with its port, as tcp/127.0.0.1:7447 does: tcp/127.0.0.1",
+    "tcp/127.0.0.1:": "an endpoint ends with its port, as tcp/127.0.0.1:7447 does: tcp/127.0.0.1:",
+    "tcp/[::1]": "an endpoint ends with its port, as tcp/127.0.0.1:7447 does: tcp/[::1]",
+    "tcp/127.0.0.1:99999": "a port is a number from 1 to 65535: tcp/127.0.0.1:99999",
+    "tcp/127.0.0.1:65536": "a port is a number from 1 to 65535: tcp/127.0.0.1:65536",
+    "tcp/127.0.0.1:-1": "a port is a number from 1 to 65535: tcp/127.0.0.1:-1",
+    "tcp/127.0.0.1:http": "a port is a number from 1 to 65535: tcp/127.0.0.1:http",
+    "tcp/127.0.0.1:\u0663": "a port is a number from 1 to 65535: tcp/127.0.0.1:\u0663",
+    "tcp/:7447": "an endpoint names a host before its port: tcp/:7447",
+    "tcp/::1:7447": "an IPv6 address needs brackets, tcp/[::1]:7447: tcp/::1:7447",
+    "tls/fe80::1:7447?rel=1": "an IPv6 address needs brackets, tls/[fe80::1]:7447?rel=1: tls/fe80::1:7447?rel=1",
+    "tcp/[lab]:7447": "only an IPv6 address stands in brackets: tcp/[lab]:7447",
+    "tcp/[127.0.0.1]:7447": "only an IPv6 address stands in brackets: tcp/[127.0.0.1]:7447",
+    "tcp/a..b:7447": "the name of a host is up to 253 letters, 1 to 63 between dots: tcp/a..b:7447",
+    f"tcp/{'a' * 64}:1": f"the name of a host is up to 253 letters, 1 to 63 between dots: tcp/{'a' * 64}:1",
+}
+
+GOOD = [
+    "tcp/127.0.0.1:7447", "tls/lab.example:1", "tcp/[::1]:65535", "tcp/[fe80::1%lo]:1", "udp/10.0.0.1:7447?rel=0",
+    "tcp/lab_x:7447#iface=lo", "quic/lab.example.:1", "unixsock-stream//run/fes.sock", "unixpipe/run/fes",
+    "vsock/2:1", "serial//dev/ttyUSB0#baudrate=115200", "ws/localhost:80?x=a:b",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("endpoint", "line"), BAD.items())
+def test_an_endpoint_that_cannot_be_is_refused_by_its_own_line_when_it_is_read(endpoint: str, line: str) -> None:
+    for connect, listen in (((endpoint,), ()), ((), (endpoint,))):
+        with pytest.raises(FesError) as caught:
+            Endpoints("client", connect, listen)
+        assert str(caught.value) == line
+
+
+@pytest.mark.parametrize("endpoint", GOOD)
+def test_an_endpoint_of_zenoh_passes(endpoint: str) -> None:
+    assert Endpoints("client", (endpoint,)).connect == (endpoint,)
+
+
+def test_port_zero_can_be_listened_at_and_not_reached() -> None:
+    assert Endpoints("router", (), ("tcp/127.0.0.1:0",)).listen
+    with pytest.raises(FesError, match=r"^nothing can be reached at port 0: tcp/127.0.0.1:0$"):
+        Endpoints("client", ("tcp/127.0.0.1:0",))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["fes-agent", "--id", "0", "--timeout", "3600", "-e"],
+        ["fes-world", str(CONFIGS / "pair.toml"), "-l"],
+        ["fes", "view", "--timeout", "3600", "-e"],
+        ["fes", "set", "channel.reference_snr=1", "--timeout", "3600", "-e"],
+    ],
+    ids=lambda words: " ".join(words[:2]),
+)
+def test_every_command_refuses_it_without_waiting(words: list[str], tmp_path: Path) -> None:
+    for endpoint in ("tcp/127.0.0.1:99999", "tcp/::1:7447"):
+        assert complaint(call(tmp_path, *words, endpoint), words[0]) == BAD[endpoint]
+
+
+@pytest.mark.parametrize("key", ["connect", "listen"])
+def test_endpoints_of_a_configuration_file_and_of_settings_are_checked_too(key: str, tmp_path: Path) -> None:
+    (tmp_path / "zenoh.json5").write_text(json.dumps({key: {"endpoints": ["tcp/127.0.0.1:99999"]}}))
+    words = ["fes-agent", "--id", "0", "--timeout", "3600", "-m", "peer"]
+    for given in (["-c", "zenoh.json5"], ["--cfg", f'{key}/endpoints:["tcp/127.0.0.1:99999"]']):
+        assert complaint(call(tmp_path, *words, *given), "fes-agent") == BAD["tcp/127.0.0.1:99999"]
+
+
+def test_what_nobody_listens_at_is_the_endpoint_of_the_configuration_file(tmp_path: Path) -> None:
+    endpoint = vacant()
+    (tmp_path / "zenoh.json5").write_text(json.dumps({"connect": {"endpoints": [endpoint]}}))
+    done = call(tmp_path, "fes", "set", "channel.reference_snr=1", "--timeout", "0.3", "-c", "zenoh.json5")
+    assert complaint(done, "fes") == f"nobody listens on {endpoint} (tried for 0.3 s)"
+
+
+def test_a_name_that_does_not_resolve_is_said_at_once_and_at_the_end(tmp_path: Path) -> None:
+    endpoint = f"tcp/{NAME}:7447"
+    words = [str(PROGRAMS / "fes-agent"), "--id", "0", "--timeout", "4", "-e", endpoint]
+    with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as agent:
+        assert agent.stderr is not None
+        waiting, warning, last = agent.stderr.readline(), agent.stderr.readline(), agent.stderr.readline()
+    assert "waiting for the world" in waiting
+    why = f"the name '{NAME}' does not resolve: "
+    assert f"network: {endpoint}: {why}" in warning
+    assert warning.endswith("; trying for 4 s\n")
+    assert last.startswith(f"fes-agent: error: cannot join the network at {endpoint}: {why}")
+    assert last.endswith(" (tried for 4 s)\n")
+    assert agent.returncode == 1
+
+
+def test_a_name_where_a_world_would_listen_is_said(tmp_path: Path) -> None:
+    done = call(tmp_path, "fes-world", str(CONFIGS / "pair.toml"), "-l", f"tcp/{NAME}:7447")
+    assert f"fes-world: error: cannot listen on tcp/{NAME}:7447: the name '{NAME}' does not resolve" in done.stderr
+
+
+def test_an_address_that_is_not_of_this_machine_is_said(tmp_path: Path) -> None:
+    done = call(tmp_path, "fes-world", str(CONFIGS / "pair.toml"), "-l", "tcp/192.0.2.1:7447")
+    assert done.stderr.endswith("cannot listen on tcp/192.0.2.1:7447: Cannot assign requested address\n")
+
+
+def test_a_name_server_that_does_not_answer_holds_nobody_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    answer = threading.Event()
+    monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: answer.wait(60.0))
+    said = addresses.unresolved("tcp/lab.example:7447", patience=0.05)
+    answer.set()
+    assert said == "the name 'lab.example' does not resolve: no name server answers within 0.05 s"
+
+
+def test_an_address_is_not_looked_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("an address was looked up")
+
+    monkeypatch.setattr(socket, "getaddrinfo", refuse)
+    assert [addresses.unresolved(endpoint) for endpoint in ("tcp/[::1]:1", "tcp/127.0.0.1:1", "unixpipe/run/x")] == [
+        ""
+    ] * 3
+
+
+def test_a_network_that_cannot_be_reached_is_named(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def unreachable(*_: object, **__: object) -> None:
+        raise OSError(101, "Network is unreachable")
+
+    def silent(*_: object, **__: object) -> None:
+        raise TimeoutError("timed out")
+
+    monkeypatch.setattr(socket, "create_connection", unreachable)
+    assert connection_diagnosis.complaint("tcp/192.0.2.1:1", {}) == "it cannot be reached: Network is unreachable"
+    monkeypatch.setattr(socket, "create_connection", silent)
+    assert connection_diagnosis.complaint("tcp/192.0.2.1:1", {}) == "nothing answers there within 2 s"
+
+
+@pytest.fixture
+def hosts(tmp_path: Path) -> list[str]:
+    """Before a command: run it where /etc/hosts is the file `hosts` here."""
+    (tmp_path / "hosts").write_text("127.0.0.1 localhost\n")
+    within = ["unshare", "--mount", "sh", "-c", f'mount --bind {tmp_path}/hosts /etc/hosts && exec "$@"', "sh"]
+    if os.geteuid() != 0 or shutil.which("unshare") is None:
+        pytest.skip("only root can put another file over /etc/hosts")
+    if subprocess.run([*within, "true"], capture_output=True).returncode != 0:
+        pytest.skip("no mount namespace can be made here")
+    return within
+
+
+def test_a_name_that_comes_to_resolve_is_joined(hosts: list[str], tmp_path: Path) -> None:
+    """A container may start before the one that it connects to by name: it waits, as for a world."""
+    endpoint = vacant()
+    late = endpoint.replace("127.0.0.1", "late-world.invalid")
+    words = [*hosts, str(PROGRAMS / "fes-agent"), "--id", "0", "--timeout", "60", "-e", late]
+    scenario = [str(CONFIGS / "pair.toml"), "--set", "robots.poses=[[0.0, 0.0, 0.0]]", "--duration", "0.2"]
+    with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as agent:
+        assert agent.stderr is not None
+        agent.stderr.readline()
+        assert "does not resolve" in agent.stderr.readline()
+        with (tmp_path / "hosts").open("a") as file:
+            file.write("127.0.0.1 late-world.invalid\n")
+        world = call(tmp_path, "fes-world", *scenario, "-l", endpoint)
+        assert world.returncode == 0, world.stderr
+        assert agent.stderr.read().endswith("agent.0: the run is over\n")
+    assert agent.returncode == 0
+
+
+def test_a_namespace_that_would_make_keys_too_long_is_refused() -> None:
+    ends = Endpoints("client", (vacant(),), settings=(f'namespace:"{"a" * 70_000}"',), timeout=0.1)
+
+    async def join() -> None:
+        async with bus.opened(ends):
+            pass
+
+    with pytest.raises(FesError, match=r"^Zenoh's setting `namespace` has at most 1000 letters"):
+        asyncio.run(join())
+
+
+@pytest.mark.parametrize("nesting", ["[", "{a:"])
+def test_brackets_that_would_end_zenoh_are_refused(nesting: str, tmp_path: Path) -> None:
+    """Zenoh's parser would overflow the stack, which is a signal and not an error."""
+    close = {"[": "]", "{a:": "1}"}[nesting]
+    deep = nesting * 50_000 + close[:-1] + close[-1] * 50_000
+    (tmp_path / "deep.json5").write_text(f'{{"metadata": {deep}}}')
+    words = ["fes-agent", "--id", "0", "-e", vacant(), "--timeout", "0.1"]
+    line = complaint(call(tmp_path, *words, "-c", "deep.json5"), "fes-agent")
+    assert line == "cannot read the Zenoh configuration deep.json5: has more than 1000 brackets within each other"
+    line = complaint(call(tmp_path, *words, "--cfg", f"metadata:{deep[:100_000]}"), "fes-agent")
+    assert line.startswith("--cfg metadata:[[[" if nesting == "[" else "--cfg metadata:{a:")
+    assert line.endswith("no such setting, or its value is not JSON5")
+    assert len(line) < 300
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("{".encode("utf-16"), "is UTF-16 text: save it as UTF-8"),
+        ("{/* \u00e9 */}".encode("latin-1"), "is not UTF-8, line 1 has the byte 0xe9: save it as UTF-8"),
+        (b'{\n  "mode": ]}', "line 2, column 11: expected array, boolean, null"),
+        (b"{", "line 1, column 2: expected identifier or string"),
+    ],
+)
+def test_a_configuration_file_that_zenoh_cannot_read_is_told_by_place_and_rule(
+    content: bytes, said: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "zenoh.json5"
+    path.write_bytes(content)
+    ends = Endpoints("client", (vacant(),), config_file=path, timeout=0.1)
+
+    async def join() -> None:
+        async with bus.opened(ends):
+            pass
+
+    with pytest.raises(TransportError) as caught:
+        asyncio.run(join())
+    assert str(caught.value).startswith(f"cannot read the Zenoh configuration {path}: {said}")
+
+
+@pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"])
+def test_a_configuration_file_may_begin_with_a_byte_order_mark(mark: bytes, tmp_path: Path) -> None:
+    endpoint = vacant()
+    (tmp_path / "zenoh.json5").write_bytes(mark + json.dumps({"connect": {"endpoints": [endpoint]}}).encode())
+    done = call(tmp_path, "fes", "set", "channel.reference_snr=1", "--timeout", "0.3", "-c", "zenoh.json5")
+    assert complaint(done, "fes") == f"nobody listens on {endpoint} (tried for 0.3 s)"

@@ -1,0 +1,153 @@
+"""What scenarios expect of their runs, and the exit code 2."""
+
+import json
+import math
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from console.backends import inprocess
+from fes.errors import ScenarioError
+from tests.support.loop import load
+from tests.support.paths import CONFIGS
+from tests.support.processes import LOOP, PATIENCE, STARTING, fes
+from world.config import expectations
+from world.config.expectations import ExpectConfig
+from world.metrics import deadlines
+
+SUMMARY: dict[str, Any] = {
+    "separation_error_rms": 0.4,
+    "links_connected_always": True,
+    "disagreement": None,
+    "scenario": "pair",
+    "time_to": {"estimate_1m": 3.0, "separation_1m": None},
+    "tracking": [{"rmse": 1.0}, {"rmse": 2.0}],
+    "deadlines": None,
+}
+
+
+@pytest.mark.parametrize(
+    ("table", "holds"),
+    [
+        ({"of": "separation_error_rms", "below": 0.5}, True),
+        ({"of": "separation_error_rms", "below": 0.4}, False),
+        ({"of": "separation_error_rms", "above": 0.3, "below": 0.5}, True),
+        ({"of": "separation_error_rms", "above": 0.4}, False),
+        ({"of": "links_connected_always", "equals": True}, True),
+        ({"of": "links_connected_always", "equals": False}, False),
+        ({"of": "scenario", "equals": "pair"}, True),
+        ({"of": "disagreement", "below": 9.0}, False),
+        ({"of": "deadlines.missed.0", "below": 9.0}, False),
+        ({"of": "time_to.separation_1m", "below": 9.0}, False),
+        ({"of": "time_to.estimate_1m", "below": 3.5}, True),
+        ({"of": "tracking.1.rmse", "above": 1.5}, True),
+        ({"of": "tracking.-1.rmse", "equals": 2.0}, True),
+        ({"of": "tracking.2.rmse", "above": 0.0}, False),
+    ],
+)
+def test_an_expectation_holds_if_all_its_bounds_do(table: dict[str, Any], holds: bool) -> None:
+    [verdict] = expectations.verdicts([ExpectConfig.model_validate(table)], SUMMARY)
+    assert verdict["holds"] is holds
+
+
+def test_an_expectation_without_a_bound_is_refused_in_one_line() -> None:
+    with pytest.raises(ScenarioError, match="give at least one of below, above and equals"):
+        load("pair.toml", expect=[{"of": "separation_error_rms"}])
+
+
+def test_a_key_that_no_summary_has_is_refused_in_one_line_with_the_nearest_one() -> None:
+    with pytest.raises(ScenarioError, match=r"no 'separation_eror_rms'; did you mean 'separation_error_rms'\?$"):
+        load("pair.toml", expect=[{"of": "separation_eror_rms", "below": 1.0}])
+    with pytest.raises(ScenarioError, match=r"no 'no\\nsuch'$"):
+        load("pair.toml", expect=[{"of": "no\nsuch.key", "below": 1.0}])
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ({"of": "time_to.estimte_1m", "below": 5.0}, "no 'time_to.estimte_1m'; did you mean 'time_to.estimate_1m'?"),
+        ({"of": "time_to.\n", "below": 5.0}, "no 'time_to.\\n'"),
+        ({"of": "deadlines.mised_share", "below": 0.1}, "did you mean 'deadlines.missed_share'?"),
+        ({"of": "tracking.0.rms", "below": 0.1}, "did you mean 'tracking.0.rmse'?"),
+        (
+            {"of": "tracking.rmse", "below": 0.1},
+            "'tracking' is a list: give the place of an entry, from 0, got 'rmse'",
+        ),
+        ({"of": "tracking.²", "below": 0.1}, "got '²'"),
+        ({"of": "edges.0.5", "below": 0.1}, "'edges.0' has 5 entries, no '5'"),
+        ({"of": "ticks.0", "equals": 5.0}, "'ticks' is a number, and has no '0'"),
+        ({"of": "ticks.", "equals": 5.0}, "'ticks' is a number, and has no ''"),
+        ({"of": "edges", "below": 5.0}, "'edges' is no single value: name one in it, such as 'edges.0.0'"),
+        ({"of": "time_to", "below": 5.0}, "such as 'time_to.disagreement_1m'"),
+        ({"of": "tracking.1", "equals": 5.0}, "such as 'tracking.1.at'"),
+        ({"of": "disk_connected_always", "below": 5.0}, "'disk_connected_always' is true or false: give equals"),
+        ({"of": "digest", "above": 5.0}, "'digest' is a text: give equals"),
+        ({"of": "digest", "equals": 5.0}, "never equal to 5.0"),
+        ({"of": "ticks", "equals": "5"}, "never equal to '5'"),
+        ({"of": "ticks", "equals": math.nan}, "never equal to nan"),
+        ({"of": "disk_connected_always", "equals": 2.0}, "never equal to 2.0"),
+        ({"of": "ticks", "above": 5.0, "below": 5.0}, "nothing is above 5.0 and below 5.0"),
+        ({"of": "ticks", "above": 5.0, "equals": 4.0}, "nothing is above 5.0 and equal to 4.0"),
+    ],
+)
+def test_what_no_summary_can_meet_is_refused_at_the_start_in_one_line(table: dict[str, Any], said: str) -> None:
+    with pytest.raises(ScenarioError) as caught:
+        load("pair.toml", expect=[table])
+    assert said in str(caught.value)
+    assert str(caught.value).isprintable()
+
+
+def kinds(shape: expectations.Shape, value: Any) -> bool:
+    """Whether a part of a summary is of the shape that can be expected of it."""
+    if isinstance(shape, dict):
+        return set(shape) == set(value) and all(kinds(shape[key], value[key]) for key in shape)
+    if isinstance(shape, list):
+        return all(kinds(shape[0], one) for one in value)
+    if isinstance(shape, tuple):
+        return all(kinds(*both) for both in zip(shape, value, strict=True))
+    of = {expectations.NUMBER: (int, float, type(None)), expectations.FLAG: (bool,), expectations.TEXT: (str,)}
+    return type(value) in of[shape]
+
+
+def test_a_summary_has_what_can_be_expected_and_nothing_else() -> None:
+    found = inprocess.run(load("paper.toml", run__duration=1.0), "keys")
+    del found["expectations"]
+    assert found["edges"]
+    assert found["radio"]
+    assert found.pop("deadlines") is None  # of a live clock
+    found["deadlines"] = deadlines.none(10).table()
+    assert kinds(expectations.SUMMARY, found)
+
+
+def test_the_summary_counts_how_long_links_were_apart() -> None:
+    gone = [{"at": 4.0, "kill": [4]}]
+    what = load("neighborhood.toml", run__duration=8, event=gone, expect=[{"of": "links_gap_longest", "below": 3.0}])
+    found = inprocess.run(what, "gap")
+    # peers let go of robot 4 after the timeout of a second, and link up anew about then
+    assert 0.0 < found["links_gap_longest"] < 3.0
+    assert found["expectations"] == [
+        {"of": "links_gap_longest", "expected": "below 3.0", "seen": found["links_gap_longest"], "holds": True}
+    ]
+    assert not expectations.unmet(found)
+
+
+@pytest.mark.parametrize("backend", ["inprocess", "processes"])
+def test_a_run_that_is_not_as_expected_exits_with_two_and_shows_what_was_seen(backend: str, tmp_path: Path) -> None:
+    words = ["run", str(CONFIGS / "pair.toml"), "--duration", "1", "--headless", "--backend", backend]
+    wish = 'expect=[{of="ticks", equals=50}, {of="estimate_error_max", below=1e-9}]'
+    done = subprocess.run(fes(*words, "--set", wish), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
+    assert (done.returncode, done.stderr) == (2, (LOOP if backend == "inprocess" else STARTING).format(2))
+    lines = done.stdout.splitlines()
+    assert any("ticks" in line and "equal to 50" in line and "holds" in line for line in lines)
+    assert any("estimate_error_max" in line and "does not hold" in line for line in lines)
+    kept = json.loads((tmp_path / "runs/latest/summary.json").read_text())
+    assert [verdict["holds"] for verdict in kept["expectations"]] == [True, False]
+
+
+def test_deadlines_are_expected_of_a_live_clock_only() -> None:
+    wanted = [{"of": "deadlines.missed_share", "below": 0.1}]
+    assert load("pair.toml", run__clock="live", expect=wanted).expect
+    with pytest.raises(ScenarioError, match=r"'deadlines.missed_share' is of a live clock only"):
+        load("pair.toml", expect=wanted)

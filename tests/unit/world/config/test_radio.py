@@ -1,0 +1,147 @@
+"""Jammed discs, and what is told of a channel: to an oracle, to observers, to a file, to who mistypes it."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fes.errors import ScenarioError
+from fes.model.config import ChannelConfig
+from fes.model.sensing import CLOSED, DECODED, LOST, Telemetry
+from tests.support import layouts
+from tests.support.radios import EVERYTHING, Pair, ledger, stand, started, team
+from world.config import scenario
+from world.config.radio import RadioConfig
+from world.config.scenario import Scenario
+from world.metrics import report_builder, summary
+from world.metrics.collector import Account
+from world.simulation import truth
+from world.simulation.truth import State
+
+
+def test_receivers_in_a_jammed_disc_hear_nobody_and_are_heard_outside() -> None:
+    # robots 0 and 1 stand in the disc, 1 on its very edge; 2 and 3 outside
+    jam = {"x": 0.0, "y": 0.0, "radius": 50.0}
+    world, state = started(team([(10, 0), (0, 50), (0, 50.01), (80, 0)], model="perfect", jammers=[jam]))
+    state = stand(world, state, 200)
+    for (receiver, _), decoded in ledger(state, "decoded").items():
+        assert decoded == (0 if receiver in (0, 1) else 199)
+    assert set(ledger(state, "sent").values()) == {199}
+
+
+def test_a_disc_leaves_its_factor_of_the_reception_and_discs_multiply() -> None:
+    jams = [
+        {"x": 0.0, "y": 0.0, "radius": 20.0, "reception_factor": 0.6},
+        {"x": 15.0, "y": 0.0, "radius": 20.0, "reception_factor": 0.5},
+    ]
+    world, state = started(team([(-10, 0), (10, 0), (100, 0)], jammers=jams))
+    ticks = 6000
+    state = stand(world, state, ticks)
+    factor = {0: 0.6, 1: 0.6 * 0.5, 2: 1.0}
+    where = {0: -10.0, 1: 10.0, 2: 100.0}
+    found = ledger(state, "probability")
+    for (receiver, sender), decoded in ledger(state, "decoded").items():
+        p = math.exp(-3e-7 * abs(where[receiver] - where[sender]) ** 3) * factor[receiver]
+        assert found[receiver, sender] == pytest.approx(p, rel=1e-13)  # roundings
+        sigma = math.sqrt(p * (1.0 - p) / (ticks - 1))
+        assert decoded / (ticks - 1) == pytest.approx(p, abs=4.0 * sigma)  # binomial
+
+
+def test_a_robot_is_jammed_where_it_is_at_the_tick_of_the_beacon() -> None:
+    # robot 0 drives through the disc at 1 m a tick: inside from -2 m to 2 m, at ticks 3 to 7
+    jam = {"x": 0.0, "y": 0.0, "radius": 2.0}
+    world, state = started(team([(-5, 0), (0, 60)], model="perfect", jammers=[jam]))
+    said = []
+    for _ in range(12):
+        state = truth.step(world, state, np.array([[50.0, 0.0], [0.0, 0.0]]))
+        said.append(ledger(state, "reception")[0, 1])
+    # what tick + 1 reports was sent at tick, so LOST is reported at ticks 4 to 8
+    assert said == [CLOSED, DECODED, DECODED, *[LOST] * 5, *[DECODED] * 4]
+
+
+def report_outage(state: State, what: Scenario, pairs: list[Pair]) -> list[float]:
+    """The outage that a report shows of links (a, b), a < b, that both sides use."""
+    links = layouts.edges(range(len(state.poses)), [*pairs, *((b, a) for a, b in pairs)])
+    sums, said = Account(what), Telemetry(links, np.full(len(links), 70.0), np.zeros((2, 0)))
+    sums.add(state, np.zeros((len(state.poses), 2)), said)
+    report = report_builder.build(sums, "test", np.ones(len(state.poses), dtype=np.uint8), 1.0, 1.0)
+    assert list(zip(report.a.tolist(), report.b.tolist(), strict=True)) == pairs
+    return [float(outage) for outage in report.outage]
+
+
+def test_a_report_shows_the_true_outage_both_ways_averaged() -> None:
+    jam = {"x": 0.0, "y": 0.0, "radius": 10.0, "reception_factor": 0.25}
+    bursts = {"bad_share": 0.2, "mean_length": 1.0, "loss": 0.5}
+    what = team([(0, 0), (60, 0), (140, 0), (160, 0)], jammers=[jam], bursts=bursts)
+    world, state = started(what)
+
+    def p(r: float) -> float:
+        return math.exp(-3e-7 * r**3) * 0.9
+
+    before = [1.0 - p(60.0), 1.0 - p(160.0), 1.0 - p(80.0)]  # nothing was sent: the formula, for want of better
+    assert report_outage(state, what, [(0, 1), (0, 3), (1, 2)]) == pytest.approx(before, rel=1e-12)  # roundings
+    # robot 0 is jammed; robots 0 and 3 are out of range: the formula still
+    after = [1.0 - p(60.0) * (0.25 + 1.0) / 2.0, 1.0 - p(160.0), 1.0 - p(80.0)]
+    found = report_outage(stand(world, state), what, [(0, 1), (0, 3), (1, 2)])
+    assert found == pytest.approx(after, rel=1e-12)
+
+
+def test_a_report_shows_the_outage_of_a_shadowed_link() -> None:
+    what = team([(0, 0), (60, 0), (100, 30)], shadowing={"deviation": 8.0})
+    world, state = started(what)
+    state = stand(world, state)
+    p = ledger(state, "probability")
+    found = report_outage(state, what, [(0, 1), (0, 2), (1, 2)])
+    assert found == pytest.approx([1.0 - p[0, 1], 1.0 - p[0, 2], 1.0 - p[1, 2]], rel=1e-12)
+    plain = 1.0 - np.exp(-3e-7 * np.array([60.0, math.hypot(100, 30), 50.0]) ** 3)
+    assert (abs(found - plain) > 1e-3).all()
+
+
+def test_an_oracle_is_told_the_formula_and_nothing_laid_over_it() -> None:
+    what = team([(0, 0), (60, 0)], **EVERYTHING)
+    told = scenario.agent_config(what).channel
+    assert type(told) is ChannelConfig
+    assert told == ChannelConfig(model="logistic", logistic_midpoint=90.0)
+
+
+def test_the_channel_of_a_run_directory_is_the_one_that_was_run(tmp_path: Path) -> None:
+    for channel in (EVERYTHING, {"jammers": EVERYTHING["jammers"]}, {"bursts": EVERYTHING["bursts"]}, {}):
+        ran = team([(0, 0), (60, 0)], **channel)
+        summary.write_scenario(tmp_path, ran)
+        again = scenario.load(tmp_path / "scenario.toml")
+        assert again == ran
+        assert again.channel == RadioConfig.model_validate(channel)
+
+
+JAMMER = {"x": 0.0, "y": 0.0, "radius": 1.0}
+UNKNOWN = "unknown field 'channel.{}'; did you mean 'channel.{}'?"
+
+
+@pytest.mark.parametrize(
+    ("channel", "message"),
+    [
+        ({"shadowing": {}}, "channel.shadowing.deviation: is required"),
+        (
+            {"shadowing": {"deviation": -1.0}},
+            "channel.shadowing.deviation: must be greater than or equal to 0, got -1.0",
+        ),
+        ({"shadowing": {"deviaton": 6.0}}, UNKNOWN.format("shadowing.deviaton", "shadowing.deviation")),
+        ({"burst": {}}, UNKNOWN.format("burst", "bursts")),
+        ({"bursts": {"bad_shar": 0.5}}, UNKNOWN.format("bursts.bad_shar", "bursts.bad_share")),
+        ({"jammers": [{"radus": 1.0}]}, UNKNOWN.format("jammers.0.radus", "jammers.radius")),
+        ({"jammers": [{**JAMMER, "radius": 0.0}]}, "channel.jammers.0.radius: must be greater than 0, got 0.0"),
+        ({"jammers": [JAMMER, {**JAMMER, "x": math.nan}]}, "channel.jammers.1.x: must be a finite number, got nan"),
+        (
+            {"jammers": [{**JAMMER, "reception_factor": 1.5}]},
+            "channel.jammers.0.reception_factor: must be less than or equal to 1, got 1.5",
+        ),
+        ({"logistic_width": 0.0}, "channel.logistic_width: must be greater than or equal to 0.001, got 0.0"),
+        ({"model": "rician"}, "channel.model: must be 'rayleigh', 'logistic' or 'perfect', got 'rician'"),
+    ],
+)
+def test_a_channel_that_cannot_be_is_refused_in_one_line(channel: dict[str, Any], message: str) -> None:
+    with pytest.raises(ScenarioError) as caught:
+        team([(0, 0)], **channel)
+    assert str(caught.value) == f"here: {message}"

@@ -1,0 +1,143 @@
+"""No part of a scenario is changed or dropped silently: durations, events, delays, channels that are told."""
+
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from console.backends import inprocess
+from fes.protocol.channel_change import Effect, decode_effect, encode_effect
+from tests.support.loop import load
+from tests.support.paths import CONFIGS
+from tests.support.processes import LOOP, PATIENCE, STARTING, fes
+from world.config import remarks
+from world.execution.run import Course
+
+MEASURED = {"seeking__index": "measured"}
+
+
+@pytest.mark.parametrize("path", sorted(CONFIGS.rglob("*.toml")), ids=lambda path: path.stem)
+def test_the_scenarios_that_come_with_it_are_run_as_they_are_written(path: Path) -> None:
+    name = str(path.relative_to(CONFIGS))
+    assert remarks.of(load(name)) == []
+
+
+CASES: dict[str, tuple[dict[str, Any], list[str]]] = {
+    "a duration that is rounded down": (
+        {"run__dt": 0.3, "run__duration": 1.0, "seeking__sub_step": 0.01},
+        ["run.duration 1 s is not a multiple of run.dt 0.3 s: 3 ticks are run, 0.9 s"],
+    ),
+    "one of less than a tick": (
+        {"run__duration": 0.001},
+        ["run.duration 0.001 s is not a multiple of run.dt 0.02 s: 1 ticks are run, 0.02 s"],
+    ),
+    "an event after the end, and one at it": (
+        {"run__duration": 0.4, "event": [{"at": 99.0, "kill": [0]}, {"at": 0.4, "world_away": 1.0}]},
+        ["event at 99, 0.4 s is not before the end of the run at 0.4 s: it never acts"],
+    ),
+    "an event between two ticks": (
+        {"event": [{"at": 0.013, "kill": [0]}]},
+        ["event at 0.013 s is not a multiple of run.dt 0.02 s: it acts at 0.02 s"],
+    ),
+    "seven of them": (
+        {"event": [{"at": at + 0.005, "set": {"channel.jammers": []}} for at in range(7)]},
+        [
+            "event at 0.005, 1.005, 2.005, 3.005, 4.005 and 2 more s is not a multiple of run.dt 0.02 s: "
+            "it acts at 0, 1, 2, 3, 4 and 2 more s"
+        ],
+    ),
+    "a delay": (
+        {"event": [{"at": 1.0, "transmitter": {"robot": 0, "delay": 0.05}}]},
+        ["transmitter: delay 0.05 s is not a multiple of run.dt 0.02 s: it is 0.04 s"],
+    ),
+    "a channel that the robots are told": (
+        {"event": [{"at": 1.0, "set": {"channel.reference_snr": 5e6}}]},
+        [f"the channel is set at 1 s, but {remarks.UNNOTICED}"],
+    ),
+    "one that they measure": ({**MEASURED, "event": [{"at": 1.0, "set": {"channel.reference_snr": 5e6}}]}, []),
+    "what is no part of what they are told": (
+        {"event": [{"at": 1.0, "set": {"channel.partition": [[0], [1]]}}]},
+        [],
+    ),
+    "what they are told already": ({"event": [{"at": 1.0, "set": {"channel.reference_snr": 1e7}}]}, []),
+    "a decimal fraction that is none in binary": (
+        {"run__dt": 0.1, "run__duration": 0.3, "event": [{"at": 0.2, "kill": [0]}]},
+        [],
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_each_kind_of_thing_that_is_not_run_as_written_has_its_line(case: str) -> None:
+    settings, lines = CASES[case]
+    assert remarks.of(load("pair.toml", **settings)) == lines
+
+
+def test_what_the_lines_say_is_what_is_run() -> None:
+    """The times of the cases above, of a run."""
+    short = load("pair.toml", **CASES["a duration that is rounded down"][0])
+    assert inprocess.run(short, "pair")["simulated_s"] == pytest.approx(0.9)
+    moved = load("pair.toml", run__duration=0.1, event=[{"at": 0.013, "kill": [0]}])
+    assert [tick.state.present[0] for tick in inprocess.ticks(moved)] == [True, False, False, False, False]
+    late = load("pair.toml", run__duration=0.1, event=[{"at": 0.1, "kill": [0]}])
+    assert all(tick.state.present[0] for tick in inprocess.ticks(late))
+
+
+def test_fes_run_says_them_with_both_backends_and_fes_world_in_its_log(tmp_path: Path) -> None:
+    words = [str(CONFIGS / "pair.toml"), "--duration", "0.05", "--set", "event=[{at = 9.0, kill = [0]}]"]
+    said = [
+        "run.duration 0.05 s is not a multiple of run.dt 0.02 s: 2 ticks are run, 0.04 s",
+        "event at 9 s is not before the end of the run at 0.04 s: it never acts",
+    ]
+    for backend, first in (("inprocess", LOOP), ("processes", STARTING)):
+        call = fes("run", *words, "--backend", backend, "--json", "--out", backend)
+        done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
+        assert done.returncode == 0
+        assert done.stderr == first.format(2) + "".join(f"fes: warning: {line}\n" for line in said)
+        assert json.loads(done.stdout)["ticks"] == 2
+    logged = (tmp_path / "processes" / "world.log").read_text().splitlines()
+    assert [line.partition(" world: ")[2] for line in logged[:2]] == said
+
+
+def test_fes_sweep_says_them_once_for_all_of_its_cells(tmp_path: Path) -> None:
+    words = ["--seeds", "0:3", "--set", "run.duration=0.05", "--axis", "formation.rule=disk,two_nearest"]
+    call = fes("sweep", str(CONFIGS / "pair.toml"), *words, "--out", "/dev/null")  # it cannot go further there
+    done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
+    assert done.returncode == 1
+    line = "fes: warning: run.duration 0.05 s is not a multiple of run.dt 0.02 s: 2 ticks are run, 0.04 s\n"
+    assert done.stderr.startswith(line)
+    assert done.stderr.count("\n") == 2
+
+
+@pytest.mark.parametrize(
+    ("settings", "path", "value", "unnoticed"),
+    [
+        ({}, "channel.reference_snr", 5e6, True),
+        ({}, "channel.model", "perfect", True),
+        ({}, "channel.reference_snr", 1e7, False),  # as they were told
+        ({}, "channel.jammers", [{"x": 0.0, "y": 0.0, "radius": 5.0}], False),
+        (MEASURED, "channel.reference_snr", 5e6, False),
+        ({"seeking__index": "sampled", "seeking__index_transform": "none"}, "channel.reference_snr", 5e6, False),
+    ],
+)
+def test_the_answer_to_a_change_says_whether_the_robots_go_on_with_what_they_were_told(
+    settings: dict[str, Any], path: str, value: Any, unnoticed: bool
+) -> None:
+    course = Course(load("pair.toml", **settings))
+    effect = course.change(path, value)
+    assert effect.unnoticed is unnoticed
+    assert decode_effect(encode_effect(effect)) == effect
+
+
+def test_a_channel_that_is_set_back_is_noticed_by_nobody_as_nothing_is_wrong_with_it() -> None:
+    course = Course(load("pair.toml"))
+    assert course.change("channel.reference_snr", 5e6).unnoticed
+    assert not course.change("channel.reference_snr", 1e7).unnoticed
+    assert isinstance(course.change("channel.spectral_efficiency", 2.0), Effect)
+
+
+def test_the_scenario_that_is_named_is_one_whose_robots_measure() -> None:
+    assert "configs/measured-jump.toml" in remarks.UNNOTICED
+    assert load("measured-jump.toml").seeking.index == "measured"

@@ -1,0 +1,114 @@
+"""A checkpoint that is not finished: the one before it, and all notes since, are what a run is gone on from."""
+
+import contextlib
+import os
+import resource
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from fes.errors import FesError
+from tests.support.loop import load
+from tests.support.teams import Team
+from world.execution import resume
+from world.execution.checkpoint import FOLDER, STATE, TRAIL, Keeper
+from world.execution.run import Course
+
+
+@contextlib.contextmanager
+def files_up_to(size: int) -> Iterator[None]:
+    """The system lets no file grow beyond `size` [bytes]: it writes what fits, and then refuses."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+@contextlib.contextmanager
+def failing(name: str, number: int = 0) -> Iterator[None]:
+    """A call to the system fails, after so many that do not."""
+    done, left = getattr(os, name), [number]
+
+    def refused(*words: object) -> None:
+        left[0] -= 1
+        if left[0] < 0:
+            raise OSError(5, "Input/output error")
+        done(*words)
+
+    with pytest.MonkeyPatch.context() as broken:
+        broken.setattr(os, name, refused)
+        yield
+
+
+@pytest.fixture
+def kept(tmp_path: Path) -> tuple[Course, Keeper]:
+    """A run of five ticks, kept at its first."""
+    course, keeper = Course(load("pair.toml")), Keeper(tmp_path, 1e9, "pair", "main")
+    keeper.begin(course)
+    team = Team(course.scenario)
+    for _ in range(5):
+        team.step(course)
+    return course, keeper
+
+
+HOW = ["the disk is full", "the trail is not synced", "it is not synced", "it is not renamed"]
+
+
+@pytest.mark.parametrize("how", HOW)
+def test_where_a_checkpoint_fails_halfway_the_one_before_it_and_all_notes_are_there(
+    tmp_path: Path, kept: tuple[Course, Keeper], how: str
+) -> None:
+    course, keeper = kept
+    state = tmp_path / FOLDER / STATE
+    before = state.read_bytes()
+    broken = {
+        HOW[0]: files_up_to(len(before) // 2),
+        HOW[1]: failing("fsync"),
+        HOW[2]: failing("fsync", 1),
+        HOW[3]: failing("replace"),
+    }
+    with broken[how], pytest.raises(FesError, match=r"^cannot keep a checkpoint: "):
+        keeper.save(course, {}, 0.1, at_once=True)
+    assert state.read_bytes() == before
+    course.attend(course.world.ids != 1)  # goes into the new journal
+    keeper.close(course)
+    snapshot = resume.load(tmp_path)
+    assert (snapshot.number, snapshot.state.tick) == (1, 0)
+    again, other, _ = resume.course(tmp_path, snapshot, None, 1e9)
+    assert again.state.tick == 5
+    assert again.state.present.tolist() == [True, False]
+    assert again.state.poses.tobytes() == course.state.poses.tobytes()
+    assert again.sums.tally.digest.text() == course.sums.tally.digest.text()
+    other.discard(again)
+
+
+def test_a_checkpoint_takes_the_place_of_the_one_before_it_when_all_of_it_is_on_the_disk(
+    tmp_path: Path, kept: tuple[Course, Keeper], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    course, keeper = kept
+    synced: set[tuple[int, int]] = set()  # which file, and how much of it
+    fsync, replace, replaced = os.fsync, os.replace, list[tuple[int, int]]()
+
+    def of(path: Path) -> tuple[int, int]:
+        return path.stat().st_ino, path.stat().st_size
+
+    def sync(number: int) -> None:
+        fsync(number)
+        synced.add((os.fstat(number).st_ino, os.fstat(number).st_size))
+
+    def take_its_place(part: Path, whole: Path) -> None:
+        replaced.append(of(part))
+        assert replaced[-1] in synced
+        assert of(tmp_path / FOLDER / TRAIL) in synced  # without it there is no digest
+        replace(part, whole)
+
+    monkeypatch.setattr(os, "fsync", sync)
+    monkeypatch.setattr(os, "replace", take_its_place)
+    keeper.save(course, {}, 0.1, at_once=True)
+    keeper.close(course)
+    assert replaced == [of(tmp_path / FOLDER / STATE)]
+    assert sorted(path.name for path in (tmp_path / FOLDER).iterdir()) == ["journal-2", STATE, TRAIL]
+    assert resume.load(tmp_path).state.tick == 5

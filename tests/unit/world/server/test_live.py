@@ -1,0 +1,246 @@
+"""The live clock's rules, tick by tick: what is held, what is late, and what is skipped."""
+
+import asyncio
+import logging
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from agents.runtime.outbox import Mouth
+from agents.runtime.tick_source import Turns
+from agents.runtime.world_liveliness import Presence
+from console.backends import inprocess
+from console.dashboard import header
+from fes.protocol import keys, messages
+from fes.protocol.messages import Command, Observation
+from fes.protocol.report import decode_report, encode_report
+from fes.transport.drop_log import Complaints
+from fes.transport.inbox import Inbox
+from tests.support.clocks import Clock
+from tests.support.frames import a_report
+from tests.support.loop import load
+from world.metrics import report_builder
+from world.metrics.collector import Account
+from world.metrics.deadlines import COMMAND_TIMEOUT, Deadlines, none
+from world.server import live
+from world.server.live import WARM_UP, Live
+from world.server.lockstep import Lockstep
+from world.simulation import truth
+from world.simulation.truth import State
+
+NOTHING = np.zeros(0, dtype=np.int64)
+TICK = 0.02  # s
+
+
+def command(robot: int, tick: int, speed: float = 1.0) -> bytes:
+    return messages.encode_command(Command(tick, robot, (speed, 0.0), NOTHING, np.zeros(0), np.zeros(0)))
+
+
+class Everybody:
+    """An attendance that notes what it is told."""
+
+    def __init__(self) -> None:
+        self.silent: list[list[int]] = []
+        self.heard: list[int] = []
+
+    def hang(self, silent: Any) -> None:
+        self.silent.append(np.flatnonzero(silent).tolist())
+
+    def woke(self, robot: int) -> bool:
+        self.heard.append(robot)
+        return False
+
+
+def world_of_two() -> tuple[State, Deadlines, Everybody]:
+    world = truth.create(load("pair.toml", run__clock="live"))
+    return truth.start(world), none(2), Everybody()
+
+
+def warm(everybody: Any, deadlines: Deadlines) -> tuple[Inbox, Live]:
+    """A live clock whose ticks in lockstep are over, and where its commands come in."""
+    inbox, complaints = Inbox(asyncio.get_running_loop()), Complaints(logging.getLogger("test"))
+    lockstep = Lockstep(inbox, everybody, complaints, lambda robot, payload: None)
+    clock = Live(lockstep, inbox, everybody, complaints, deadlines, TICK)
+    clock._left = 0
+    return inbox, clock
+
+
+def spoken(said: dict[int, list[bytes]], ticks: int) -> tuple[list[list[int]], Deadlines, Everybody]:
+    """For each tick the tick of the command that each of two robots follows, -1 for none; `said` by tick."""
+    state, deadlines, everybody = world_of_two()
+    found: list[list[int]] = []
+
+    async def main() -> None:
+        inbox, clock = warm(everybody, deadlines)
+        clock._end_of_tick = lambda: asyncio.sleep(0)  # type: ignore[method-assign]
+        for tick in range(ticks):
+            for payload in said.get(tick, []):
+                inbox.put(keys.command("test", messages.decode_command(payload).robot), payload)
+            now = replace(state, tick=tick)
+            answers, present = await clock.collect(now, [b"", b""])
+            assert present.all()
+            ticks_of = np.array([answer[0].tick if answer else -1 for answer in answers])
+            deadlines.add(tick, now.present, ticks_of)
+            found.append(ticks_of.tolist())
+
+    asyncio.run(main())
+    return found, deadlines, everybody
+
+
+class WarmUp:
+    """A lockstep in which only robot 0 answers."""
+
+    def __init__(self) -> None:
+        self.ticks: list[int] = []
+
+    async def collect(self, state: State, sent: list[bytes]) -> Any:
+        self.ticks.append(state.tick)
+        payload = command(0, state.tick)
+        return [(messages.decode_command(payload), payload), None], np.array([True, False])
+
+
+def test_the_first_ticks_of_a_live_clock_are_in_lockstep_and_their_last_command_holds_on() -> None:
+    state, deadlines, everybody = world_of_two()
+    warm_up = WarmUp()
+
+    async def main() -> list[tuple[list[int], list[bool]]]:
+        inbox, complaints = Inbox(asyncio.get_running_loop()), Complaints(logging.getLogger("test"))
+        clock = Live(warm_up, inbox, everybody, complaints, deadlines, TICK)  # type: ignore[arg-type]
+        found = []
+        for tick in range(7, 7 + WARM_UP + 1):  # a world that goes on warms up, too
+            answers, present = await clock.collect(replace(state, tick=tick), [b"", b""])
+            found.append(([answer[0].tick if answer else -1 for answer in answers], present.tolist()))
+        return found
+
+    *warm, live_one = asyncio.run(main())
+    assert warm_up.ticks == list(range(7, 7 + WARM_UP))
+    assert warm == [([tick, -1], [True, False]) for tick in warm_up.ticks]
+    assert live_one == ([warm_up.ticks[-1], -1], [True, True])
+
+
+def test_the_last_command_is_held_until_it_is_too_old_and_then_the_robot_stops() -> None:
+    ticks = 40
+    always = {tick: [command(0, tick)] for tick in range(ticks)}
+    always[0].append(command(1, 0))
+    found, deadlines, everybody = spoken(always, ticks)
+    alive = round(COMMAND_TIMEOUT / TICK + 0.4999)  # ticks for which a command holds
+    assert [robots[0] for robots in found] == list(range(ticks))
+    assert [robots[1] for robots in found] == [0] * alive + [-1] * (ticks - alive)
+    assert deadlines.due.tolist() == [ticks, ticks]
+    assert deadlines.missed.tolist() == [0, ticks - 1]
+    assert deadlines.stopped.tolist() == [0, ticks - alive]
+    assert deadlines.late.tolist() == [0, 0]
+    assert everybody.silent == []
+
+
+def test_what_comes_late_is_counted_once_and_followed_from_then_on() -> None:
+    said = {
+        0: [command(0, 0), command(1, 0)],
+        1: [command(0, 1)],
+        2: [command(1, 1), command(0, 2), command(0, 2), command(0, 1)],  # late, in time, and again
+        3: [command(0, 3), command(1, 3)],
+    }
+    found, deadlines, _ = spoken(said, 4)
+    assert found == [[0, 0], [1, 0], [2, 1], [3, 3]]
+    assert deadlines.missed.tolist() == [0, 2]
+    assert deadlines.late.tolist() == [0, 1]
+    assert deadlines.table()["missed_share"] == 2 / 8
+
+
+def test_who_says_nothing_for_long_is_left_out() -> None:
+    ticks = round(live.HANG_TIMEOUT / TICK) + 1
+    _, _, everybody = spoken({tick: [command(0, tick)] for tick in range(ticks)}, ticks)
+    assert everybody.silent == [[1]]
+
+
+def test_a_command_of_a_tick_to_come_is_refused() -> None:
+    found, deadlines, _ = spoken({0: [command(0, 1), command(1, 0)]}, 2)
+    assert found == [[-1, 0], [-1, 0]]
+    assert deadlines.late.tolist() == [0, 0]
+
+
+def test_an_agent_answers_the_newest_tick_and_counts_those_it_skipped() -> None:
+    async def main() -> tuple[list[int], Turns]:
+        loop = asyncio.get_running_loop()
+        inbox = Inbox(loop)
+        turns = Turns((0, 1), inbox, Mouth.__new__(Mouth), Complaints(logging.getLogger("test")))
+        world = Presence("the world", inbox)
+
+        def sense(robot: int, tick: int, since: int = 0, over: bool = False) -> None:
+            sensed = Observation(tick, robot, (0.0, 0.0, 0.0), NOTHING, NOTHING.astype(np.uint8), over, since)
+            inbox.put(keys.observation("test", robot), messages.encode_observation(sensed))
+
+        answered = []
+        for tick in (0, 1, 2):
+            sense(0, tick)
+        sense(1, 0)
+        sense(1, 1)  # robot 1's of tick 2 is on its way
+        async for observations in turns.live(world):
+            assert {one.tick for one in observations} == {turns.tick}
+            answered.append(turns.tick)
+            if turns.tick == 1:
+                for tick in (2, 3, 4, 5):
+                    sense(1, tick)
+                    sense(0, tick)
+            elif turns.tick == 5:
+                for robot in (0, 1):
+                    sense(robot, 900, since=900)  # it was away: nothing was skipped
+            elif turns.tick == 900:
+                sense(0, 901, over=True)
+        return answered, turns
+
+    answered, turns = asyncio.run(main())
+    assert answered == [1, 5, 900]
+    assert turns.skipped == 3
+
+
+class Nobody:
+    """A bus on which nobody listens."""
+
+    def publisher(self, key: str, schema: str, mark: bytes | None = None) -> Any:
+        return lambda payload: None
+
+    def serve(self, key: str, handler: Any) -> None: ...
+
+
+def test_a_mouth_that_skips_ticks_forgets_as_much() -> None:
+    mouth = Mouth(Nobody(), "test", (0,), Complaints(logging.getLogger("test")))  # type: ignore[arg-type]
+    for tick in range(0, 3000, 3):
+        mouth.say(tick, [(0, b"beacon", b"command")])
+    assert len(mouth._commands) <= 2
+    assert len(mouth._beacons) <= 2
+
+
+def test_a_world_that_is_late_slips_and_gives_every_robot_a_whole_tick(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, deadlines, everybody = world_of_two()
+    wall = Clock(monkeypatch, "world.server.live", lambda sleep: 0.5 if sleep == 2 else 0.001)
+
+    async def main() -> None:
+        _, clock = warm(everybody, deadlines)
+        for _ in range(4):
+            await clock._end_of_tick()
+
+    asyncio.run(main())
+    assert wall.slept == pytest.approx([0.02, 0.019, 0.02, 0.019])
+    assert deadlines.slipped == pytest.approx(0.5)
+
+
+def test_a_report_tells_of_what_was_missed_and_came_late_until_its_tick() -> None:
+    sums = Account(load("pair.toml", run__clock="live"))
+    for tick in inprocess.ticks(load("pair.toml", run__duration=0.1)):
+        sums.add(tick.state, tick.twists, tick.telemetry, np.array([tick.state.tick, 1]))
+    assert sums.deadlines is not None
+    sums.deadlines.late[1] = 2
+    report = report_builder.build(sums, "test", np.ones(2, dtype=np.uint8), 0.0, 0.0)
+    told = decode_report(encode_report(report))
+    assert told.missed.tolist() == [0, 3]  # from tick 2 to 4
+    assert told.late.tolist() == [0, 2]
+
+
+def test_the_dashboard_shows_what_was_missed_and_whose_it_was() -> None:
+    report = a_report([(0.0, 0.0), (1.0, 0.0)], missed=np.array([1, 4]), late=np.array([0, 3]))
+    shown = "".join(text for text, *_ in header.header(report, 120)[1])
+    assert "live, deadlines missed 5, 22.73%, robot 1 4" in shown
+    assert "late 3" in shown
