@@ -1,8 +1,8 @@
-"""What may keep a run from starting, or from being seen: fes doctor.
+"""fes doctor: what may keep a run from starting, or from being seen.
 
-command     the command, and its table
-finding     one check and what it saw
+command       the command, and its table
+finding       one check and its result
 installation  our packages, and other packages that have their names
-machine     Python, packages, files, clock, the loopback interface
-network     who listens, who is alive, and what the world says of itself
+machine       Python, packages, files, clock, the loopback interface
+network       ports, tokens, and the world's description of itself
 """

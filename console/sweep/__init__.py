@@ -1,14 +1,13 @@
-"""Many runs of a scenario: fes sweep.
+"""fes sweep: many runs of a scenario.
 
 command     the command, from its arguments to its files
-design      the design of the experiment: axes, seeds, cells, runs and their keys
-stack       several runs as one array program
-work        what is handed to a worker, and what it hands back
+design      design of the experiment: axes, seeds, cells, runs and their keys
+work        what a worker gets, and what it returns
 local       workers on this machine
 cluster     workers of a Dask cluster
-ledger      what is done, kept through every interruption
-table       one row a run, as CSV or Parquet
-comparison  what the rows say: cells, and paired differences between them
-report      the same as a person reads it
-picture     the same as a figure
+ledger      finished runs, kept through every interruption
+table       one row per run, as CSV or Parquet
+comparison  cells, and paired differences between them
+report      the comparison as a table
+picture     the comparison as a figure
 """

@@ -1,4 +1,4 @@
-"""The floors of the house: who may import whom, proved from the source and in a fresh interpreter."""
+"""Layers: which package may import which, proved from the source and in a fresh interpreter."""
 
 import ast
 import subprocess
@@ -9,13 +9,41 @@ from pathlib import Path
 import pytest
 
 from tests.support.paths import ROOT
-from tests.support.source import ROOMS, importers, imports, modules
+from tests.support.source import PACKAGES, arrows, importers, imports, modules, package
 
-BELOW = {"fes": set[str](), "agents": {"fes"}, "world": {"fes"}, "console": {"fes", "agents", "world"}}
 FORMULA_READERS = {"world.simulation.channel", "world.metrics.report_builder", "agents.laws.oracle"}
 """Modules that may know the channel's formula; `world.metrics.optimum` has it in decimals. Observers see the true
 outage."""
-MAPPED = (*ROOMS, "console/doctor", "console/sweep")
+MAPPED = [str(path.parent.relative_to(ROOT)) for top in PACKAGES for path in (ROOT / top).rglob("__init__.py")]
+LAYERS = (
+    {"fes.errors", "fes.arrays"},
+    {"fes.model", "fes.system"},
+    {"fes.protocol"},
+    {"fes.transport", "fes.recording"},
+    {"fes.process"},
+    {"agents.laws", "world.config"},
+    {"agents.control", "world.simulation"},
+    {"agents.runtime", "world.metrics"},
+    {"agents.process", "world.execution"},
+    {"agents.__main__", "world.server"},
+    {"world.process"},
+    {"world.__main__", "console.guide", "console.schema", "console.terminal"},
+    {"console.keys"},
+    {"console.connect"},
+    {"console.dashboard", "console.doctor"},
+    {"console.backends", "console.replay"},
+    {"console.analysis"},
+    {"console.sweep"},
+    {"console.cli"},
+    {"console.__main__"},
+)
+"""Sub-packages from the bottom up: each imports only from layers below its own, never from its own layer.
+Of the tops, neither agents nor world imports the other."""
+LAWS = {"fes.arrays", "fes.model"}
+"""All that the laws import of the project."""
+SHELLS = ("agents.runtime", "agents.process", "world.server", "world.process")
+"""The only packages of an agent or a world that import asyncio, or the transport."""
+LARGEST_FOLDER = 12
 LONGEST_FILE = 260
 
 
@@ -31,15 +59,40 @@ def at_import(path: Path) -> Iterator[ast.stmt]:
         waiting += ast.iter_child_nodes(node)
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_a_room_imports_only_what_lies_below_it(room: str) -> None:
-    seen = set()
-    for name, path in modules(room).items():
-        for imported in imports(ast.parse(path.read_text(encoding="utf-8"))):
-            other = imported.partition(".")[0]
-            seen.add(other)
-            assert other not in {*ROOMS, "tests"} - {room} - BELOW[room], f"{name} imports {imported}"
-    assert "dataclasses" in seen or "numpy" in seen, "the room was not read"
+def test_a_package_imports_only_from_the_layers_below_its_own() -> None:
+    assert sum(len(layer) for layer in LAYERS) == len(set().union(*LAYERS))
+    found = arrows()
+    assert set(found) == set().union(*LAYERS)
+    below: set[str] = set()
+    for layer in LAYERS:
+        for name in layer:
+            assert found[name] <= below, f"{name} imports {found[name] - below}"
+        below |= layer
+
+
+def test_neither_agents_nor_world_imports_the_other_and_no_package_its_tests() -> None:
+    found = arrows()
+    for first, second in (("agents.", "world."), ("world.", "agents.")):
+        for name in found:
+            if name.startswith(first):
+                assert not [imported for imported in found[name] if imported.startswith(second)], name
+    assert not importers("tests")
+
+
+def test_the_laws_import_nothing_but_arrays_and_the_model() -> None:
+    assert arrows()["agents.laws"] == LAWS
+
+
+@pytest.mark.parametrize("library", ["asyncio", "fes.transport"])
+def test_only_the_shells_wait_or_communicate(library: str) -> None:
+    found = {package(name) for name in below_console(importers(library)) if not name.startswith("fes.")}
+    assert found <= set(SHELLS)
+    assert {"agents.runtime", "world.server"} <= found
+
+
+@pytest.mark.parametrize("folder", MAPPED)
+def test_no_folder_holds_more_than_about_a_dozen_files(folder: str) -> None:
+    assert len([path for path in (ROOT / folder).glob("*.py") if path.stem != "__init__"]) <= LARGEST_FOLDER
 
 
 def below_console(names: set[str]) -> set[str]:
@@ -108,23 +161,23 @@ print(*(name for name in sys.modules if name in ("agents.laws.oracle", "fes.mode
     assert said[1:] in ([], [""])
 
 
-@pytest.mark.parametrize(("name", "path"), modules(*ROOMS, "tests", "bench").items(), ids=lambda value: str(value))
+@pytest.mark.parametrize(("name", "path"), modules(*PACKAGES, "tests", "bench").items(), ids=lambda value: str(value))
 def test_no_file_is_longer_than_one_sitting(name: str, path: Path) -> None:
     assert len(path.read_text(encoding="utf-8").splitlines()) <= LONGEST_FILE, name
 
 
-@pytest.mark.parametrize("room", MAPPED)
-def test_a_rooms_init_is_its_docstring_and_nothing_else(room: str) -> None:
-    tree = ast.parse((ROOT / room / "__init__.py").read_text(encoding="utf-8"))
+@pytest.mark.parametrize("folder", MAPPED)
+def test_a_packages_init_is_its_docstring_and_nothing_else(folder: str) -> None:
+    tree = ast.parse((ROOT / folder / "__init__.py").read_text(encoding="utf-8"))
     assert len(tree.body) == 1
     assert ast.get_docstring(tree)
 
 
-@pytest.mark.parametrize("room", MAPPED)
-def test_the_map_in_a_rooms_docstring_names_every_module_of_the_room_and_no_other(room: str) -> None:
-    tree = ast.parse((ROOT / room / "__init__.py").read_text(encoding="utf-8"))
+@pytest.mark.parametrize("folder", MAPPED)
+def test_the_map_in_a_packages_docstring_names_every_module_of_it_and_no_other(folder: str) -> None:
+    tree = ast.parse((ROOT / folder / "__init__.py").read_text(encoding="utf-8"))
     lines = (ast.get_docstring(tree) or "").splitlines()[2:]
     # a map's line: a name, two spaces or more, what it holds; a longer text goes on, indented
     mapped = {line.split()[0] for line in lines if line and not line.startswith(" ")}
-    rooms_within = {path.parent.name for path in (ROOT / room).glob("*/__init__.py")}
-    assert mapped == {path.stem for path in (ROOT / room).glob("*.py")} - {"__init__"} | rooms_within
+    packages_within = {path.parent.name for path in (ROOT / folder).glob("*/__init__.py")}
+    assert mapped == {path.stem for path in (ROOT / folder).glob("*.py")} - {"__init__"} | packages_within

@@ -34,9 +34,8 @@ from world.server.server import Server
 SHORT = {"run__duration": 2.0}
 
 
-def as_json(summary: dict[str, Any]) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(json.dumps(summary))
-    return found
+def as_json(summary: dict[str, Any]) -> Any:
+    return json.loads(json.dumps(summary))
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,7 @@ from fes.system import strict_json
 from tests.support import recordings
 from tests.support.commands import PAIR, call
 from tests.support.loop import load
-from tests.support.source import ROOMS, modules
+from tests.support.source import PACKAGES, modules
 from world.metrics import summary
 
 BAD = (math.nan, math.inf, -math.inf)
@@ -49,7 +49,7 @@ def filled(value: Any, bad: float) -> Any:
 
 def test_only_one_module_of_the_product_touches_the_json_library() -> None:
     users = set()
-    for name, path in modules(*ROOMS).items():
+    for name, path in modules(*PACKAGES).items():
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             imported = [one.name for one in node.names] if isinstance(node, ast.Import) else []
             if isinstance(node, ast.ImportFrom):

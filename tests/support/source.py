@@ -1,4 +1,4 @@
-"""The project's own source: modules and what they import."""
+"""The project's own source: modules, what they import, and the packages that they are in."""
 
 import ast
 from collections.abc import Iterator
@@ -6,12 +6,12 @@ from pathlib import Path
 
 from tests.support.paths import ROOT
 
-ROOMS = ("fes", "agents", "world", "console")
+PACKAGES = ("fes", "agents", "world", "console")
 
 
-def modules(*rooms: str) -> dict[str, Path]:
+def modules(*packages: str) -> dict[str, Path]:
     """Dotted name and file of every module, a package by its own name."""
-    paths = [path for room in rooms for path in sorted((ROOT / room).rglob("*.py"))]
+    paths = [path for package in packages for path in sorted((ROOT / package).rglob("*.py"))]
     names = [".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__") for path in paths]
     return dict(zip(names, paths, strict=True))
 
@@ -31,8 +31,25 @@ def imports(tree: ast.AST) -> Iterator[str]:
 def importers(of: str) -> set[str]:
     """The modules of the project that import `of` or something in it."""
     found = set()
-    for name, path in modules(*ROOMS).items():
+    for name, path in modules(*PACKAGES).items():
         wanted = imports(ast.parse(path.read_text(encoding="utf-8")))
         if any(imported == of or imported.startswith(f"{of}.") for imported in wanted):
             found.add(name)
     return found
+
+
+def package(module: str) -> str:
+    """The sub-package of a module, such as fes.arrays; a module right in a top package is one of its own."""
+    return ".".join(module.split(".")[:2])
+
+
+def arrows() -> dict[str, set[str]]:
+    """Each sub-package -> the other sub-packages that it imports something from."""
+    known = {name: path for name, path in modules(*PACKAGES).items() if "." in name}
+    packages = {package(name) for name in known}
+    found: dict[str, set[str]] = {one: set() for one in packages}
+    for name, path in known.items():
+        for imported in imports(ast.parse(path.read_text(encoding="utf-8"))):
+            if package(imported) in packages:
+                found[package(name)].add(package(imported))
+    return {name: wanted - {name} for name, wanted in found.items()}

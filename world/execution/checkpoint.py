@@ -11,7 +11,6 @@ Checkpoint k is written beside the run while journal k is already in use, and re
 journals before k are then of no use. So at every moment a checkpoint and all notes since are there.
 """
 
-import asyncio
 import contextlib
 import logging
 import os
@@ -19,6 +18,7 @@ import secrets
 import shutil
 import threading
 import time
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -54,7 +54,8 @@ class Keeper:
         self._period, self._name, self._run = period, name, run
         self._number = number
         self._saved = time.monotonic()
-        self._writing: asyncio.Future[None] | None = None
+        self._writing: Future[None] | None = None
+        self._writer = ThreadPoolExecutor(1, "checkpoint")
         self._lock = threading.Lock()
         self._written = 0
         self._journal: Journal | None = None
@@ -143,7 +144,7 @@ class Keeper:
         if at_once:
             self._write(self._number, told, files)
         else:
-            self._writing = asyncio.get_running_loop().run_in_executor(None, self._write, self._number, told, files)
+            self._writing = self._writer.submit(self._write, self._number, told, files)
 
     def losses(self, course: Course) -> list[str]:
         """One text per file of the current checkpoint that was removed or cut from outside."""
@@ -160,6 +161,7 @@ class Keeper:
         with contextlib.suppress(OSError), self._lock:
             for loss in self.losses(course):
                 _logger.warning("%s during the run: it could not have been resumed", loss)
+        self._writer.shutdown(wait=False, cancel_futures=True)
         with self._lock:
             self._written = self._number + 1  # whatever is still to be written is not
             course.note = lambda note: None

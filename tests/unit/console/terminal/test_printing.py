@@ -25,7 +25,7 @@ from tests.support import recordings
 from tests.support.commands import PAIR
 from tests.support.frames import a_history, a_report
 from tests.support.loop import load
-from tests.support.source import ROOMS, modules
+from tests.support.source import PACKAGES, modules
 from world.execution.recorder import Recorder
 
 EVIL = "\x1b]0;PWNED\x07\x1b[2J[bold red]x[/] :smile: [/b]\r\n\x9b2J\u202e"
@@ -185,7 +185,7 @@ def test_a_figure_takes_no_name_for_a_formula(tmp_path: Path, monkeypatch: pytes
 def test_only_one_module_makes_consoles_and_one_takes_the_screen_and_lines_are_printed_by_one_function() -> None:
     """In the others `print` gets JSON, which has no control characters."""
     makers: dict[str, set[str]] = {"Console": set(), "Live": set(), "print": set()}
-    for name, path in modules(*ROOMS).items():
+    for name, path in modules(*PACKAGES).items():
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in makers):
                 continue

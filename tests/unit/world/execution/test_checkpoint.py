@@ -143,10 +143,10 @@ class Trap:
 HARM = {
     "a call": pickle.dumps(Trap()),
     "an import": b"ctrap\nanything\n.",
-    "a function of the world": b"cworld.checkpoint\nclear\n(Vtrapped\ntR.",
-    "what the world imports": b"cworld.checkpoint\nshutil\n.",
-    "a class that others made": b"cworld.checkpoint\nPath\n(Vtrapped\ntR.",
-    "a class of the world that is no table": b"cworld.checkpoint\nKeeper\n.",
+    "a function of the world": b"cworld.execution.checkpoint\nclear\n(Vtrapped\ntR.",
+    "what the world imports": b"cworld.execution.checkpoint\nshutil\n.",
+    "a class that others made": b"cworld.execution.checkpoint\nPath\n(Vtrapped\ntR.",
+    "a class of the world that is no table": b"cworld.execution.checkpoint\nKeeper\n.",
 }
 
 
