@@ -14,20 +14,20 @@ import numpy as np
 
 from agents.control import contacts, crew, transmitter
 from agents.runtime import marshalling
-from agents.runtime.beacon_subscriptions import Radio
-from agents.runtime.marshalling import Assembly
+from agents.runtime.beacon_subscriptions import BeaconSubscriptions
+from agents.runtime.marshalling import MessageAssembler
 from agents.runtime.membership import PATIENCE, Membership
-from agents.runtime.outbox import Mouth
-from agents.runtime.tick_source import Turns
+from agents.runtime.outbox import Outbox
+from agents.runtime.tick_source import TickSource
 from fes import process
-from fes.errors import Absent, FesError, Refused
+from fes.errors import FesError, Rejected, Unavailable
 from fes.model.sensing import Observations
 from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon, Welcome
 from fes.system import output
 from fes.transport import bus, identity
 from fes.transport.bus import Bus
-from fes.transport.drop_log import Complaints
+from fes.transport.drop_log import DropLog
 from fes.transport.endpoints import Endpoints
 from fes.transport.identity import Identity
 from fes.transport.inbox import Inbox
@@ -42,15 +42,15 @@ class Agent:
     def __init__(self, opened: Bus, run: str, robots: tuple[int, ...]) -> None:
         name = f"agent.{robots[0]}" if len(robots) == 1 else f"agent.{robots[0]}-{robots[-1]}"
         self.logger = logging.getLogger(name)
-        self.complaints = Complaints(self.logger)
-        self.radio = Radio(opened, run, keys.span(robots), self.complaints)
+        self.complaints = DropLog(self.logger)
+        self.radio = BeaconSubscriptions(opened, run, keys.span(robots), self.complaints)
         self._bus = opened
         self._run = run
         self._robots = robots
         self._inbox = Inbox(asyncio.get_running_loop())
         self.membership = Membership(opened, run, robots, self._inbox, lambda: self._turns.tick)
-        self._mouth = Mouth(opened, run, robots, self.complaints, self.membership.join.mark)
-        self._turns = Turns(robots, self._inbox, self._mouth, self.complaints, self.membership.on_quiet)
+        self._mouth = Outbox(opened, run, robots, self.complaints, self.membership.join.mark)
+        self._turns = TickSource(robots, self._inbox, self._mouth, self.complaints, self.membership.on_quiet)
         self._late = 0
 
     async def join(self, timeout: float) -> Welcome:
@@ -60,9 +60,9 @@ class Agent:
     async def live(self, welcome: Welcome) -> None:
         """The robots' life: one step a tick, until the world says that the run is over."""
         ids = np.array(welcome.robots, dtype=np.int64)
-        robots = crew.assemble(welcome.config, ids)
+        robots = crew.create(welcome.config, ids)
         state = crew.start(robots)
-        stack = Assembly(ids)
+        stack = MessageAssembler(ids)
         for robot in self._robots:
             self._bus.subscribe(keys.observation(self._run, robot), self._inbox.put)
         for robot in self._robots:  # last of all: a token says that everything above is in place
@@ -103,7 +103,7 @@ class Agent:
             if len(found) == len(absent):
                 break
             if not (await world.comes_back() if refused else await world.stays()):
-                raise Absent(f"a beacon that decoded did not arrive at tick {observations.tick}")
+                raise Unavailable(f"a beacon that decoded did not arrive at tick {observations.tick}")
         return heard
 
     def certified(self, endpoints: Endpoints, directory: Path) -> str:
@@ -137,10 +137,10 @@ async def lease(opened: Bus, run: str, timeout: float) -> int:
         left = end - time.monotonic()
         try:
             answer = await opened.ask(keys.lease(run), b"", max(left, PATIENCE))
-        except (Absent, Refused) as error:
+        except (Unavailable, Rejected) as error:
             if left <= PATIENCE:
-                never = Absent(f"no world of run '{run}' leases robots here (asked for {timeout:g} s)")
-                raise error if isinstance(error, Refused) else never from None
+                never = Unavailable(f"no world of run '{run}' leases robots here (asked for {timeout:g} s)")
+                raise error if isinstance(error, Rejected) else never from None
             await asyncio.sleep(PATIENCE)  # a world may come, or a robot be left by its agent
         else:
             return messages.decode_lease(answer)
@@ -162,9 +162,9 @@ async def serve(flags: argparse.Namespace) -> int:
             welcome = await agent.join(flags.timeout)
             await agent.live(welcome)
             agent.logger.info("the run is over")
-        except Absent as absent:
+        except Unavailable as absent:
             if flags.keys and (why := agent.certified(endpoints, flags.keys)):
-                raise Absent(f"{absent}: {why}") from None
+                raise Unavailable(f"{absent}: {why}") from None
             raise
         finally:
             agent.complaints.log_total(agent.overflow)

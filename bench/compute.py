@@ -20,7 +20,7 @@ def rate(scenario: Scenario, ticks: int, skip: int) -> float:
     """In-process ticks per second over `ticks` ticks, after `skip`."""
     world = truth.create(scenario)
     state = truth.start(world)
-    robots = crew.assemble(agent_config(scenario), world.ids)
+    robots = crew.create(agent_config(scenario), world.ids)
     minds, said = crew.start(robots), silence()
     begun = 0.0
     for tick in range(skip + ticks):

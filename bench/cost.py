@@ -23,7 +23,7 @@ from fes.protocol import keys
 from fes.transport import bus
 from fes.transport.endpoints import Endpoints
 from world.config.scenario import load
-from world.execution.run import Course
+from world.execution.run import Run
 from world.server.server import Server
 
 FIRST, LAST = 30, 130
@@ -126,9 +126,7 @@ async def pace(delay: float) -> float:
     """Ticks per second of two robots behind a relay."""
     port = free_port()
     async with bus.opened(Endpoints("router", (), (f"tcp/127.0.0.1:{port}",))) as opened, relayed(port, delay) as far:
-        server = Server(
-            opened, Course(load(Path("configs/pair.toml"), {"run.duration": 2.0})), "pair", keys.DEFAULT_RUN
-        )
+        server = Server(opened, Run(load(Path("configs/pair.toml"), {"run.duration": 2.0})), "pair", keys.DEFAULT_RUN)
         agents = [asyncio.ensure_future(_live(f"tcp/127.0.0.1:{far}", robot, Counts())) for robot in range(2)]
         await server.gather()
         begun = time.perf_counter()

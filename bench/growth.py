@@ -23,7 +23,7 @@ from fes.transport.bus import Bus, Gate, Handler, Mailbox
 from fes.transport.endpoints import Endpoints
 from world.config.scenario import Scenario, load
 from world.execution.recorder import Recorder
-from world.execution.run import Course
+from world.execution.run import Run
 from world.server.server import Server
 from world.simulation import truth
 from world.simulation.truth import State
@@ -126,7 +126,7 @@ async def _measure(scenario: Scenario) -> Grown:
     counts: Counts = Counter()
     port, robots = free_port(), scenario.robots.number
     async with bus.opened(Endpoints("router", (), (f"tcp/127.0.0.1:{port}",))) as opened, asyncio.timeout(120.0):
-        server = Server(Counted(opened, counts, "beacon heard"), Course(scenario), "growth", RUN)
+        server = Server(Counted(opened, counts, "beacon heard"), Run(scenario), "growth", RUN)
         agents = [asyncio.ensure_future(_live(port, robot, counts)) for robot in range(robots)]
         await server.gather()
         running = asyncio.ensure_future(server.run())

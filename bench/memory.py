@@ -31,7 +31,7 @@ from fes.transport.endpoints import Endpoints
 from world.config.scenario import load
 from world.execution.recorder import Recorder
 from world.metrics import report_builder
-from world.metrics.collector import Account
+from world.metrics.collector import MetricsCollector
 
 SCENARIO = Path("configs/measured.toml")
 READINGS = 20
@@ -55,10 +55,10 @@ def in_one_loop(ticks: int, recorded: bool) -> None:
     at: list[int] = []
     memory: list[float] = []
     alive = np.ones(scenario.robots.number, dtype=np.uint8)
-    paper, shown = Console(file=io.StringIO(), width=120, height=40), frame.History()
+    paper, shown = Console(file=io.StringIO(), width=120, height=40), frame.ReportHistory()
     with tempfile.TemporaryDirectory() as folder:
         recorder = Recorder(Path(folder) / NAME, scenario, "memory", "inprocess") if recorded else None
-        sums = Account(scenario)
+        sums = MetricsCollector(scenario)
         for done, tick in enumerate(inprocess.ticks(scenario), 1):
             sums.add(tick.state, tick.twists, tick.telemetry)
             if recorder is not None:
@@ -99,7 +99,7 @@ async def _watch(pids: dict[str, int], endpoint: str, minutes: float) -> None:
     """Look at reports as the dashboard does, and at everybody's memory."""
     at: list[int] = []
     memory: dict[str, list[float]] = {name: [] for name in (*pids, "viewer")}
-    paper, shown = Console(file=io.StringIO(), width=120, height=40), frame.History()
+    paper, shown = Console(file=io.StringIO(), width=120, height=40), frame.ReportHistory()
     begun = time.monotonic()
     async with bus.opened(Endpoints("client", (endpoint,), timeout=30.0)) as opened:
         async for report in observer.reports(opened, keys.DEFAULT_RUN, 60.0, 1.0):

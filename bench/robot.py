@@ -12,12 +12,12 @@ import numpy as np
 
 from agents.control import crew
 from agents.runtime import marshalling
-from agents.runtime.marshalling import Assembly
+from agents.runtime.marshalling import MessageAssembler
 from fes.model.sensing import Telemetry
 from fes.protocol import messages
 from fes.protocol.messages import Observation
 from world.config.scenario import agent_config, load
-from world.metrics.collector import Account
+from world.metrics.collector import MetricsCollector
 from world.simulation import truth
 
 
@@ -47,11 +47,11 @@ def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
     world = truth.create(scenario)
     state = truth.start(world)
     config, ids = agent_config(scenario), world.ids.tolist()
-    crews = [crew.assemble(config, np.array([robot])) for robot in ids]
+    crews = [crew.create(config, np.array([robot])) for robot in ids]
     minds = [crew.start(one) for one in crews]
-    stacks = [Assembly(np.array([robot])) for robot in ids]
-    everybody = Assembly(world.ids)
-    sums = Account(scenario)
+    stacks = [MessageAssembler(np.array([robot])) for robot in ids]
+    everybody = MessageAssembler(world.ids)
+    sums = MetricsCollector(scenario)
     costs, clock = Costs(), time.perf_counter
     spoken: dict[int, bytes] = {}
     for tick in range(skip + ticks):

@@ -71,15 +71,15 @@ class TransportError(FesError):
     """The bus could not be opened, or broke."""
 
 
-class Absent(FesError):
+class Unavailable(FesError):
     """Somebody who was waited for did not come, or left."""
 
 
-class Refused(FesError):
+class Rejected(FesError):
     """The world turned a robot away."""
 
 
-class Busy(Refused):
+class Overloaded(Rejected):
     """Too many ask at once: who asks again later may be heard."""
 
 

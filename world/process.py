@@ -25,10 +25,10 @@ from fes.transport import bus, identity
 from world.config import expectations, remarks
 from world.config.scenario import Scenario, load, parse_override
 from world.execution import resume
-from world.execution.checkpoint import FOLDER, PERIOD, Keeper, clear, is_kept
+from world.execution.checkpoint import FOLDER, PERIOD, CheckpointWriter, clear, is_kept
 from world.execution.directory_lock import alone
 from world.execution.recorder import Recorder
-from world.execution.run import Course
+from world.execution.run import Run
 from world.execution.snapshot import Snapshot
 from world.metrics import summary
 from world.server import access, audit, claim
@@ -120,14 +120,14 @@ def _recorder(flags: argparse.Namespace, start: Start) -> AbstractContextManager
 
 def _course(
     flags: argparse.Namespace, start: Start, recorder: Recorder | None
-) -> tuple[Course, Keeper | None, float]:
+) -> tuple[Run, CheckpointWriter | None, float]:
     """The run, from its start or from where it was left, who keeps it, and the time since tick 0 [s]."""
     if start.kept is not None:
         return resume.course(flags.out, start.kept, recorder, flags.checkpoint or math.inf)
-    course = Course(start.scenario, recorder)
+    course = Run(start.scenario, recorder)
     if flags.out is None or not flags.checkpoint:
         return course, None, 0.0
-    keeper = Keeper(flags.out, flags.checkpoint, start.name, start.run)
+    keeper = CheckpointWriter(flags.out, flags.checkpoint, start.name, start.run)
     keeper.begin(course)
     return course, keeper, 0.0
 

@@ -47,7 +47,7 @@ class Crew:
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class CrewState:
     """What a crew carries from tick to tick."""
 
     poses: Floats
@@ -64,7 +64,7 @@ class State:
     """What late transmitters have still to send."""
 
 
-def assemble(config: AgentConfig, ids: Ints) -> Crew:
+def create(config: AgentConfig, ids: Ints) -> Crew:
     """The crew of robots `ids` [n], ascending, of a run with `config`; raises FesError for settings out of bounds."""
     try:
         stability.check(config.dt, config.seeking, config.formation)
@@ -77,7 +77,7 @@ def assemble(config: AgentConfig, ids: Ints) -> Crew:
     return Crew(config, ids, seeker, timeout, statistics, clocks.of(config, ids), transmitter.of(config, ids))
 
 
-def start(crew: Crew) -> State:
+def start(crew: Crew) -> CrewState:
     """The state of a crew that has sensed and heard nothing yet."""
     nobody = contacts.nobody(crew.ids)
     never = np.full(len(crew.ids), np.iinfo(np.int64).max // 2)
@@ -85,17 +85,17 @@ def start(crew: Crew) -> State:
     if not _pooled(crew):
         known = packet_counting.nothing(packet_counting.ALONE, 0)
     none = links.none(nobody)
-    return State(np.zeros((len(crew.ids), 3)), nobody, Witnesses(nobody.edges), none, known, never, never, {})
+    return CrewState(np.zeros((len(crew.ids), 3)), nobody, Witnesses(nobody.edges), none, known, never, never, {})
 
 
-def forget(crew: Crew, state: State, who: Bools) -> State:
+def forget(crew: Crew, state: CrewState, who: Bools) -> CrewState:
     """The state in which the robots `who` [n] know nothing, as if their process had just been started."""
     blank = start(crew)
     used = links.forget(state.links, who)
     measured = packet_counting.forget(state.reception, who if _pooled(crew) else who[state.links.edges.rows])
     if not _pooled(crew):
         measured = packet_counting.carry(measured, state.links.edges, used.edges)
-    return State(
+    return CrewState(
         np.where(who[:, None], blank.poses, state.poses),
         contacts.forget(state.contacts, who),
         state.witnesses,
@@ -107,7 +107,7 @@ def forget(crew: Crew, state: State, who: Bools) -> State:
     )
 
 
-def telemetry(crew: Crew, state: State) -> Telemetry:
+def telemetry(crew: Crew, state: CrewState) -> Telemetry:
     """What the robots have to say of themselves in their last beacons, and have learnt until then."""
     edges = state.links.edges
     learnt = np.zeros((2, 0))
@@ -118,7 +118,9 @@ def telemetry(crew: Crew, state: State) -> Telemetry:
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # any settings may occur; twists are checked
-def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -> tuple[State, Beacons, Floats]:
+def step(
+    crew: Crew, state: CrewState, observations: Observations, heard: Beacons
+) -> tuple[CrewState, Beacons, Floats]:
     """One tick: from what the robots sense now and heard of the last tick, to what they say and do.
 
     Returns the next state, the beacons of this tick as they go on the air, and the twists [n, 2] [m/s, rad/s].
@@ -157,7 +159,7 @@ def step(crew: Crew, state: State, observations: Observations, heard: Beacons) -
     beacons = Beacons(tick, crew.ids, bounded(observations.poses, MAX_TOLD), used.edges, said, named, statistics)
     beacons, unsent = transmitter.send(crew.transmitters, state.unsent, beacons)
     used = replace(used, state=_seek(crew, tick, known, used, measured), said=said)
-    return State(observations.poses, known, witnesses, used, measured, since, begun, unsent), beacons, twists
+    return CrewState(observations.poses, known, witnesses, used, measured, since, begun, unsent), beacons, twists
 
 
 def _desired(crew: Crew, tick: int, links: Links) -> Floats:
@@ -181,7 +183,7 @@ def _learners(crew: Crew, edges: Edges) -> Ints:
     return edges.rows if _pooled(crew) else np.arange(len(edges))
 
 
-def _measure(crew: Crew, state: State, tick: int, known: Contacts, links: Links, heard: Beacons) -> Reception:
+def _measure(crew: Crew, state: CrewState, tick: int, known: Contacts, links: Links, heard: Beacons) -> Reception:
     """What the robots know of the channel after the beacons of the last tick."""
     config, before = crew.config.seeking, state.reception
     at, separation, decoded = beacon_counting.slots(state.contacts, known, tick, links.among)
@@ -223,7 +225,7 @@ def _held(sample: Floats) -> Index:
 
 
 def _relink(
-    crew: Crew, state: State, tick: int, known: Contacts, among: Bools, begun: Ints, heard: Beacons
+    crew: Crew, state: CrewState, tick: int, known: Contacts, among: Bools, begun: Ints, heard: Beacons
 ) -> tuple[Links, Ints]:
     """The links among the contacts `among` [m] now, and since when each robot has any [n]."""
     old = state.links

@@ -33,7 +33,7 @@ class Transmitters:
     """Tick, robot and whether its beacons are damaged from that tick on, in order of time."""
 
 
-class Words(NamedTuple):
+class RepeatedBeacons(NamedTuple):
     """What one transmitter was given at one tick."""
 
     pose: Floats
@@ -43,7 +43,7 @@ class Words(NamedTuple):
     statistics: Floats
 
 
-Memory = Mapping[int, tuple[Words, ...]]
+Memory = Mapping[int, tuple[RepeatedBeacons, ...]]
 """Row of a late transmitter -> what it was given, the oldest first."""
 
 
@@ -120,13 +120,13 @@ def _now(changes: tuple[tuple[int, int, int], ...], tick: int) -> dict[int, int]
     return {who: value for at, who, value in changes if at <= tick}
 
 
-def _words(said: Beacons, row: int) -> Words:
+def _words(said: Beacons, row: int) -> RepeatedBeacons:
     span = said.links.spans[row]
     links, estimates, named = said.links.peers[span], said.estimates[span], said.named[span]
-    return Words(said.poses[row], links, estimates, named, said.statistics[row])
+    return RepeatedBeacons(said.poses[row], links, estimates, named, said.statistics[row])
 
 
-def _with(said: Beacons, old: Mapping[int, Words]) -> Beacons:
+def _with(said: Beacons, old: Mapping[int, RepeatedBeacons]) -> Beacons:
     """What was said, the robots at the rows of `old` with other words."""
     poses, statistics, links = said.poses.copy(), said.statistics.copy(), said.links
     for row, words in old.items():

@@ -3,21 +3,21 @@
 import asyncio
 from collections.abc import Collection
 
-from fes.errors import Absent, Busy, MessageError, Refused
+from fes.errors import MessageError, Overloaded, Rejected, Unavailable
 from fes.protocol import keys, messages, wire
 from fes.protocol.messages import Beacon
 from fes.transport import bus
 from fes.transport.bus import Bus, Mailbox
-from fes.transport.drop_log import Complaints
+from fes.transport.drop_log import DropLog
 
 RECALL_TIMEOUT = 2.0
 """A world that does not repeat a beacon within this time [s] is asked again."""
 
 
-class Radio:
+class BeaconSubscriptions:
     """One mailbox for each peer in range."""
 
-    def __init__(self, opened: Bus, run: str, robots: str, complaints: Complaints) -> None:
+    def __init__(self, opened: Bus, run: str, robots: str, complaints: DropLog) -> None:
         """`robots` are those of this process, as `fes.protocol.keys.span` writes them."""
         self._bus = opened
         self._run, self._robots = run, robots
@@ -60,9 +60,9 @@ class Radio:
         try:
             payload = await self._bus.ask(key, messages.encode_recall(tick), RECALL_TIMEOUT)
             beacon = messages.decode_beacon(payload)
-        except (Absent, Busy):
+        except (Unavailable, Overloaded):
             return True
-        except (Refused, MessageError):
+        except (Rejected, MessageError):
             return False
         if (beacon.robot, beacon.tick) != (peer, tick):
             return False

@@ -11,7 +11,7 @@ from fes.protocol import messages
 from fes.protocol.messages import Beacon, Command, Observation
 
 
-class Assembly:
+class MessageAssembler:
     """Stacks the messages of one process; keeps arrays that did not change, so that nobody recomputes."""
 
     def __init__(self, ids: Ints) -> None:

@@ -6,8 +6,8 @@ import secrets
 import time
 from collections.abc import Callable
 
-from agents.runtime.world_liveliness import Presence
-from fes.errors import Absent, Busy, MessageError, Refused
+from agents.runtime.world_liveliness import WorldLiveliness
+from fes.errors import MessageError, Overloaded, Rejected, Unavailable
 from fes.protocol import keys, messages
 from fes.protocol.messages import MAX_AGENT, Join, Welcome
 from fes.system import fingerprint
@@ -30,7 +30,7 @@ class Membership:
     def __init__(self, bus: Bus, run: str, robots: tuple[int, ...], inbox: Inbox, tick: Callable[[], int]) -> None:
         """`tick` returns the last tick that was answered. A refusal after the join fails the `inbox`."""
         self.join = Join(robots, secrets.randbelow(MAX_AGENT), fingerprint.text())
-        self.world = Presence(f"the world of run '{run}'", inbox)
+        self.world = WorldLiveliness(f"the world of run '{run}'", inbox)
         self._bus, self._run, self._inbox, self._tick = bus, run, inbox, tick
         self._key = keys.welcome(run, keys.span(robots))
         self._question = messages.encode_join(self.join)
@@ -47,7 +47,7 @@ class Membership:
             try:
                 answer = await self._bus.ask(self._key, self._question, ANSWER_TIMEOUT)
                 break
-            except (Absent, Busy):  # it may just have left; or all agents of a large team ask at once
+            except (Unavailable, Overloaded):  # it may just have left; or all agents of a large team ask at once
                 if time.monotonic() > end:
                     raise
                 await asyncio.sleep(self._spread(0.0))
@@ -90,11 +90,11 @@ class Membership:
             try:
                 answer = await self._bus.ask(self._key, self._question, ANSWER_TIMEOUT)
                 if self._welcomed not in (b"", answer):
-                    self._inbox.fail(Refused("another run has taken the place of this one"))
+                    self._inbox.fail(Rejected("another run has taken the place of this one"))
                 return
-            except (Absent, Busy):
+            except (Unavailable, Overloaded):
                 await asyncio.sleep(self._spread(1.0))
-            except Refused as refused:
+            except Rejected as refused:
                 self._inbox.fail(refused)
                 return
         logging.getLogger("agent").warning("the world does not say whether this agent is still welcome")

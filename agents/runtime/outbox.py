@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 from fes.errors import MessageError
 from fes.protocol import keys, messages
-from fes.transport.bus import Bus, Question
-from fes.transport.drop_log import Complaints
+from fes.transport.bus import Bus, Query
+from fes.transport.drop_log import DropLog
 
 Put = Callable[[bytes], None]
 
@@ -13,12 +13,10 @@ REMEMBERED = 2
 """Ticks whose beacons can be recalled: who misses one asks within the next tick, as the barrier waits for it."""
 
 
-class Mouth:
+class Outbox:
     """What the robots of a process say."""
 
-    def __init__(
-        self, bus: Bus, run: str, robots: tuple[int, ...], complaints: Complaints, mark: bytes = b""
-    ) -> None:
+    def __init__(self, bus: Bus, run: str, robots: tuple[int, ...], complaints: DropLog, mark: bytes = b"") -> None:
         """`mark` is that of the Join: the world takes commands from no other process of these robots."""
         self._complaints = complaints
         self._beacon: dict[int, Put] = {}
@@ -56,7 +54,7 @@ class Mouth:
     def _listen(self, bus: Bus, key: str, robot: int) -> None:
         """Tell a beacon again to who asks for it by its tick."""
 
-        def on_question(question: Question) -> None:
+        def on_question(question: Query) -> None:
             try:
                 tick = messages.decode_recall(question.payload)
             except MessageError as error:

@@ -3,12 +3,12 @@
 import time
 from collections.abc import AsyncIterator, Callable
 
-from agents.runtime.outbox import Mouth
-from agents.runtime.world_liveliness import Presence
-from fes.errors import Absent, MessageError
+from agents.runtime.outbox import Outbox
+from agents.runtime.world_liveliness import WorldLiveliness
+from fes.errors import MessageError, Unavailable
 from fes.protocol import keys, messages
 from fes.protocol.messages import Observation
-from fes.transport.drop_log import Complaints
+from fes.transport.drop_log import DropLog
 from fes.transport.inbox import Inbox
 
 SILENCE_TIMEOUT = 3600.0
@@ -18,15 +18,15 @@ QUIET = 5.0
 """After each silence of this length [s] an agent asks the world whether it is still welcome."""
 
 
-class Turns:
+class TickSource:
     """The observations of each tick that is to be answered, one per robot in id order."""
 
     def __init__(
         self,
         robots: tuple[int, ...],
         inbox: Inbox,
-        mouth: Mouth,
-        complaints: Complaints,
+        mouth: Outbox,
+        complaints: DropLog,
         on_quiet: Callable[[], None] = lambda: None,
     ) -> None:
         """`on_quiet` is called after each time QUIET without a message."""
@@ -39,7 +39,7 @@ class Turns:
         self.skipped = 0
         """Ticks that nobody answered, as a newer one was there already."""
 
-    async def lockstep(self, world: Presence) -> AsyncIterator[list[Observation]]:
+    async def lockstep(self, world: WorldLiveliness) -> AsyncIterator[list[Observation]]:
         """Every tick. Those that come again are answered again."""
         waiting: dict[int, Observation] = {}
         while True:
@@ -65,7 +65,7 @@ class Turns:
                 yield [waiting[robot] for robot in self._robots]
                 waiting.clear()
 
-    async def live(self, world: Presence) -> AsyncIterator[list[Observation]]:
+    async def live(self, world: WorldLiveliness) -> AsyncIterator[list[Observation]]:
         """The newest tick of which every robot's observation is here."""
         newest: dict[int, dict[int, Observation]] = {}
         while True:
@@ -90,7 +90,7 @@ class Turns:
     def _behind(self, key: str, tick: int) -> None:
         """A world that is back asks for a tick that is forgotten: if it does so again, it cannot go on with us."""
         if tick == self._forgotten:
-            raise Absent(f"the world is back at tick {tick}, and {self.tick} was answered")
+            raise Unavailable(f"the world is back at tick {tick}, and {self.tick} was answered")
         self._forgotten = tick
         self._complaints.add("Observation: is not for this tick", f"{key}: tick {tick}")
 
@@ -99,7 +99,7 @@ class Turns:
         end = time.monotonic() + SILENCE_TIMEOUT
         while not await self._inbox.wait(count, QUIET):
             if time.monotonic() >= end:
-                raise Absent(f"the world said nothing for {SILENCE_TIMEOUT:g} s after tick {self.tick}")
+                raise Unavailable(f"the world said nothing for {SILENCE_TIMEOUT:g} s after tick {self.tick}")
             self._on_quiet()
         for key, payload in self._inbox.drain():
             observation = self._read(key, payload)

@@ -3,7 +3,7 @@
 import asyncio
 import logging
 
-from fes.errors import Absent
+from fes.errors import Unavailable
 from fes.transport.inbox import Inbox
 
 GRACE = 5.0
@@ -13,7 +13,7 @@ RETRY = 0.2
 """[s]"""
 
 
-class Presence:
+class WorldLiveliness:
     """The world, as its liveliness token tells of it. While it is away the robots of an agent stand still."""
 
     def __init__(self, name: str, inbox: Inbox) -> None:
@@ -36,7 +36,7 @@ class Presence:
             async with asyncio.timeout(timeout):
                 await self._here.wait()
         except TimeoutError:
-            raise Absent(f"no {self._name.removeprefix('the ')} appeared within {self.patience:g} s") from None
+            raise Unavailable(f"no {self._name.removeprefix('the ')} appeared within {self.patience:g} s") from None
 
     def told(self, alive: bool, tick: int) -> None:
         """Its token came or went, after `tick` was answered."""
@@ -51,7 +51,7 @@ class Presence:
         elif self._here.is_set():
             self._here.clear()
             self._logger.info("%s left after tick %d: waiting %g s for it", self._name, tick, self.patience)
-            gone = Absent(f"{self._name} left after tick {tick}")
+            gone = Unavailable(f"{self._name} left after tick {tick}")
             self._giving_up = self._loop.call_later(self.patience, self._inbox.fail, gone)
 
     @property

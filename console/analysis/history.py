@@ -14,7 +14,7 @@ from fes.arrays.types import Floats
 from fes.model.sensing import Telemetry
 from world.config.scenario import Scenario
 from world.metrics import link_errors
-from world.metrics.collector import Account, dither_period
+from world.metrics.collector import MetricsCollector, dither_period
 from world.simulation.truth import State
 
 
@@ -59,9 +59,9 @@ class Moment(Protocol):
 
 def follow(scenario: Scenario) -> History:
     """Run a scenario in process, and keep its history."""
-    sums = Account(scenario)
+    sums = MetricsCollector(scenario)
 
-    def accounted() -> Iterator[tuple[Moment, Account]]:
+    def accounted() -> Iterator[tuple[Moment, MetricsCollector]]:
         for tick in inprocess.ticks(scenario):
             sums.add(tick.state, tick.twists, tick.telemetry)
             yield tick, sums
@@ -74,9 +74,9 @@ def recorded(log: Log) -> History:
     return gather(log.scenario, reexecution.accounted(log))
 
 
-def gather(scenario: Scenario, moments: Iterable[tuple[Moment, Account]]) -> History:
+def gather(scenario: Scenario, moments: Iterable[tuple[Moment, MetricsCollector]]) -> History:
     """The history of a run that is gone through, tick by tick with the account up to it; of one tick at least."""
-    last = Account(scenario)
+    last = MetricsCollector(scenario)
     poses, links, rows = [], [], []
     for tick, sums in moments:
         last = sums

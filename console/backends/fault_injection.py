@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from console.connect import observer
-from fes.errors import Absent
+from fes.errors import Unavailable
 from fes.protocol.report import Report
 from fes.transport.bus import Bus
 from world.config.events import Planned
@@ -27,7 +27,7 @@ STALLED = 1.0
 
 
 @dataclass(frozen=True)
-class Hands:
+class ProcessControl:
     """What can be done to the agent of an `--id`."""
 
     kill: Callable[[str], Awaitable[None]]
@@ -39,7 +39,7 @@ class Hands:
     """The world dies, and another goes on after so long [s]."""
 
 
-async def enact(bus: Bus, run: str, timeout: float, scenario: Scenario, hands: Hands, alone: bool) -> None:
+async def enact(bus: Bus, run: str, timeout: float, scenario: Scenario, hands: ProcessControl, alone: bool) -> None:
     """Follow a run until it is over, and do to its processes what their robots and its world go through.
 
     What only robots go through is done where each has a process `alone`.
@@ -55,7 +55,7 @@ async def enact(bus: Bus, run: str, timeout: float, scenario: Scenario, hands: H
     stopped: dict[int, int | None] = {}
     over = False
     try:
-        with contextlib.suppress(Absent):  # it left early: that is for others to tell
+        with contextlib.suppress(Unavailable):  # it left early: that is for others to tell
             async for report in observer.reports(bus, run, timeout, STALLED):
                 while report is not None and due and report.tick >= due[0][0]:
                     tick, planned = due.pop(0)

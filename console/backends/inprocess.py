@@ -13,12 +13,12 @@ from fes.arrays.types import Floats
 from fes.errors import FesError, ScenarioError
 from fes.model.sensing import Beacons, Telemetry, of_those, silence
 from fes.protocol.report import Report
-from fes.recording.layout import Said
+from fes.recording.layout import TickPayloads
 from world.config.scenario import Scenario, agent_config
 from world.execution import marshalling as world_marshalling
 from world.execution.recorder import Recorder
 from world.metrics import report_builder, summary
-from world.metrics.collector import Account
+from world.metrics.collector import MetricsCollector
 from world.simulation import truth
 from world.simulation.truth import State
 
@@ -48,7 +48,7 @@ def ticks(scenario: Scenario) -> Iterator[Tick]:
     """All ticks of a scenario, in order."""
     world = truth.create(scenario)
     state = truth.start(world)
-    robots = crew.assemble(agent_config(scenario), world.ids)
+    robots = crew.create(agent_config(scenario), world.ids)
     minds, said = crew.start(robots), silence()
     present = state.present
     for _ in range(scenario.ticks):
@@ -68,14 +68,14 @@ def tick(state: State, said: Beacons, twists: Floats, told: Telemetry) -> Tick:
     return Tick(state, said, truth.held(state, twists), shown)
 
 
-def said(tick: Tick) -> Said:
+def said(tick: Tick) -> TickPayloads:
     """What would have crossed the bus at a tick, to the byte."""
     present, legible = tick.state.present, tick.state.legible
     spoken = list(agent_marshalling.payloads(tick.said, tick.twists, tick.telemetry))
     sensed = world_marshalling.observations(truth.observe(tick.state), present, tick.state.since)
     beacons = [beacon if whole else b"" for (_, beacon, _), whole in zip(spoken, legible.tolist(), strict=True)]
     commands = [command if here else b"" for (_, _, command), here in zip(spoken, present.tolist(), strict=True)]
-    return Said(sensed, beacons, commands)
+    return TickPayloads(sensed, beacons, commands)
 
 
 def run(
@@ -92,7 +92,7 @@ def run(
     was reached, at the end or when a signal stops the run. With `rtf` the run is paced to that many simulated seconds
     a second. `recorder` gets every tick.
     """
-    sums = Account(scenario)
+    sums = MetricsCollector(scenario)
     alive = np.ones(scenario.robots.number, dtype=np.uint8)
     begun = told_at = time.perf_counter()
     told = 0

@@ -27,7 +27,7 @@ LONGEST = 300
 
 
 @dataclass(frozen=True, eq=False)
-class Child:
+class ManagedProcess:
     """One child process."""
 
     name: str
@@ -97,7 +97,7 @@ class NotStarted:
         return f"{self.name} cannot be started: {self.reason}"
 
 
-async def start(name: str, module: str, arguments: list[str], log: Path, robots: str = "") -> Child:
+async def start(name: str, module: str, arguments: list[str], log: Path, robots: str = "") -> ManagedProcess:
     """A new child, which ends when this process does; it appends to its `log`. Raises OSError."""
     with log.open("ab") as stream:
         # A child inherits the mask, so that no signal meets a half-started interpreter: `fes.system.signals.hold`
@@ -125,10 +125,10 @@ async def start(name: str, module: str, arguments: list[str], log: Path, robots:
             if before == signal.SIG_IGN:
                 signal.signal(signal.SIGINT, before)
             signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
-    return Child(name, process, log, robots)
+    return ManagedProcess(name, process, log, robots)
 
 
-async def ended(children: Iterable[Child], timeout: float) -> bool:
+async def ended(children: Iterable[ManagedProcess], timeout: float) -> bool:
     """Wait until all of them have ended, up to `timeout` [s]; True if they have."""
     try:
         async with asyncio.timeout(timeout):

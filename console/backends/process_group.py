@@ -10,7 +10,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 from console.backends import managed_process
-from console.backends.managed_process import Child, NotStarted, ended
+from console.backends.managed_process import ManagedProcess, NotStarted, ended
 from fes.errors import reason
 from world.execution.checkpoint import is_kept
 
@@ -27,20 +27,20 @@ BEGUN = b"all robots are here"
 """The world logs this when the run begins."""
 
 
-class Family:
+class ProcessGroup:
     """A world and its agents."""
 
     def __init__(self, directory: Path) -> None:
         self.directory = directory
-        self.world: Child | None = None
-        self.agents: list[Child] = []
-        self.killed: set[Child] = set()
+        self.world: ManagedProcess | None = None
+        self.agents: list[ManagedProcess] = []
+        self.killed: set[ManagedProcess] = set()
         """Children killed by us, as the scenario wants: they are not missed."""
         self.successor_due = False
         """True while another world is about to resume the run."""
         self.not_resumed = ""
         """Reason why no other world resumes the run, in one line; empty if there is none."""
-        self.ends: asyncio.Queue[Child | NotStarted] = asyncio.Queue()
+        self.ends: asyncio.Queue[ManagedProcess | NotStarted] = asyncio.Queue()
         """The children that have ended, and the agents that could not be started again, in order."""
         self._begun = False
         self._arguments: dict[str, list[str]] = {}
@@ -50,7 +50,7 @@ class Family:
         """Agents that are about to be restarted, by their robots."""
 
     @property
-    def children(self) -> list[Child]:
+    def children(self) -> list[ManagedProcess]:
         """All of them."""
         return ([self.world] if self.world else []) + self.agents
 
@@ -137,7 +137,7 @@ class Family:
         """Resume the agent of `robots`."""
         self._signal_agent(robots, signal.SIGCONT)
 
-    def watch(self, watched: Child) -> None:
+    def watch(self, watched: ManagedProcess) -> None:
         """Put a child into `ends` when it has ended."""
 
         async def watch() -> None:
@@ -218,7 +218,7 @@ class Family:
 
 
 @asynccontextmanager
-async def ended_with_block(family: Family) -> AsyncIterator[None]:
+async def ended_with_block(family: ProcessGroup) -> AsyncIterator[None]:
     """A block at whose end all children end, however it ends."""
     try:
         yield

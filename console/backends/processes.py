@@ -11,8 +11,8 @@ from typing import Any
 from rich.console import Console
 
 from console.backends import fault_injection, process_group
-from console.backends.process_group import Family
-from console.backends.restart_limits import Respawn
+from console.backends.process_group import ProcessGroup
+from console.backends.restart_limits import RestartLimit
 from console.backends.supervisor import Supervisor
 from console.connect import observer, run_directory
 from console.connect.run_directory import Address, RunDirectory
@@ -122,7 +122,7 @@ async def _run(
                 async with _faults(family, launch, scenario, address, resuming):
                     for ids in groups:
                         await family.start_agent(ids, joining)
-                    again = Respawn() if launch.respawn else None
+                    again = RestartLimit() if launch.respawn else None
                     supervisor = Supervisor(family, warnings.add, _deserted(scenario, endpoint), again)
                     await _attend(supervisor, launch, address, console)
             finally:
@@ -130,10 +130,10 @@ async def _run(
 
 
 @contextlib.asynccontextmanager
-async def _family(directory: RunDirectory) -> AsyncIterator[Family]:
+async def _family(directory: RunDirectory) -> AsyncIterator[ProcessGroup]:
     """The children of a run. A second signal waits for none of them. It lets a world that has begun close by itself,
     and leaves nothing of one that has not."""
-    family = Family(directory.path)
+    family = ProcessGroup(directory.path)
 
     def abandon() -> None:
         if family.has_begun:
@@ -152,7 +152,7 @@ async def _family(directory: RunDirectory) -> AsyncIterator[Family]:
 
 @contextlib.asynccontextmanager
 async def _faults(
-    family: Family, launch: Launch, scenario: Scenario, address: Address, resuming: list[str]
+    family: ProcessGroup, launch: Launch, scenario: Scenario, address: Address, resuming: list[str]
 ) -> AsyncIterator[None]:
     """While the block lasts, processes die and hang as scheduled: the world's, and robots' if each has its own."""
     alone = launch.agents_per_process == 1
@@ -162,7 +162,7 @@ async def _faults(
 
     async def follow() -> None:
         async with bus.opened(_visitor(address)) as opened:
-            hands = fault_injection.Hands(
+            hands = fault_injection.ProcessControl(
                 family.kill_agent,
                 family.start_agent_again,
                 family.stop_agent,

@@ -13,7 +13,7 @@ MOST = 5
 
 
 @dataclass
-class Respawn:
+class RestartLimit:
     """The agents of one run, by what their `--id` says."""
 
     _short: dict[str, int] = field(default_factory=dict)

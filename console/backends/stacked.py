@@ -24,7 +24,7 @@ from fes.model.config import AgentConfig
 from fes.model.sensing import Beacons, Observations, Telemetry, silence
 from world.config.scenario import Scenario, agent_config
 from world.metrics import summary
-from world.metrics.collector import Account
+from world.metrics.collector import MetricsCollector
 from world.simulation import truth
 from world.simulation.truth import State
 
@@ -40,7 +40,7 @@ def run(scenarios: Sequence[Scenario], name: str, watch: Callable[[int], None] |
 
     `watch`, if given, is called after each tick with the ticks that are done, of all runs together.
     """
-    sums = [Account(scenario) for scenario in scenarios]
+    sums = [MetricsCollector(scenario) for scenario in scenarios]
     begun = time.perf_counter()
     for number, together in enumerate(ticks(scenarios), 1):
         for one, tick in zip(sums, together, strict=True):
@@ -102,7 +102,7 @@ def _assemble(scenarios: Sequence[Scenario], places: _Places) -> Crew:
         for first in places.first[:-1].tolist()
         for fault in config.faults
     ]
-    together = crew.assemble(config.model_copy(update={"faults": faults}), np.arange(places.first[-1]))
+    together = crew.create(config.model_copy(update={"faults": faults}), np.arange(places.first[-1]))
     drawn = [clocks.drawn(agent_config(scenario), own) for scenario, own in zip(scenarios, places.own, strict=True)]
     return replace(
         together,

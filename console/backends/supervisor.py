@@ -8,9 +8,9 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from console.backends.managed_process import Child, NotStarted, ended
-from console.backends.process_group import DISMISSAL, Family
-from console.backends.restart_limits import MOST, Respawn
+from console.backends.managed_process import ManagedProcess, NotStarted, ended
+from console.backends.process_group import DISMISSAL, ProcessGroup
+from console.backends.restart_limits import MOST, RestartLimit
 from fes.errors import FesError
 from fes.process import SUCCESS, UNMET
 
@@ -18,7 +18,7 @@ SETTLING = 2.0
 """Time [s] for the world to end, or for the run to begin, before a dead agent is held to be the cause."""
 
 
-class ChildFailed(FesError):
+class ProcessFailed(FesError):
     """A child process ended as it should not have, and its run with it."""
 
 
@@ -26,14 +26,14 @@ class ChildFailed(FesError):
 class Supervisor:
     """Follows the children of a run to its end."""
 
-    family: Family
+    family: ProcessGroup
     warn: Callable[[str], None]
     """Called with one line for each agent that dies."""
     deserted: str = "no agent is left"
     """The line for a run of which no agent is left."""
-    respawn: Respawn | None = None
+    respawn: RestartLimit | None = None
     """Limits on restarts of agents that die; None if they are not restarted."""
-    _ended: set[Child] = field(default_factory=set)
+    _ended: set[ManagedProcess] = field(default_factory=set)
     """The agents whose end is known here."""
 
     async def finish(self) -> None:
@@ -47,14 +47,14 @@ class Supervisor:
                 await self._lose(gone.robots, gone.verdict(), lived=0.0)
             elif gone in self.family.agents:
                 await self._miss(gone)
-        assert isinstance(gone, Child)  # it is the world
+        assert isinstance(gone, ManagedProcess)  # it is the world
         if self.family.not_resumed:
-            raise ChildFailed(self.family.not_resumed)
+            raise ProcessFailed(self.family.not_resumed)
         if gone not in self.family.killed and gone.process.returncode not in (SUCCESS, UNMET):
-            raise ChildFailed(gone.verdict())
+            raise ProcessFailed(gone.verdict())
         await ended(self.family.agents, DISMISSAL)
 
-    async def _miss(self, agent: Child) -> None:
+    async def _miss(self, agent: ManagedProcess) -> None:
         """Handle the end of an agent while the world runs; raises ChildFailed."""
         self._ended.add(agent)
         if agent in self.family.killed or (agent.process.returncode == SUCCESS and agent.was_dismissed):
@@ -88,6 +88,6 @@ class Supervisor:
         """
         world = self.family.world
         if world is not None and await ended([world], SETTLING) and world.process.returncode != SUCCESS:
-            raise ChildFailed(world.verdict())
+            raise ProcessFailed(world.verdict())
         if not self.family.has_begun:
-            raise ChildFailed(f"{why}; the run cannot begin without it")
+            raise ProcessFailed(f"{why}; the run cannot begin without it")

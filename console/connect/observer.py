@@ -6,7 +6,7 @@ import math
 from collections import deque
 from collections.abc import AsyncIterator
 
-from fes.errors import Absent, MessageError
+from fes.errors import MessageError, Unavailable
 from fes.protocol import keys, world_info
 from fes.protocol.report import Report, decode_report
 from fes.transport.bus import Bus
@@ -77,6 +77,6 @@ async def reports(bus: Bus, run: str, timeout: float, idle: float) -> AsyncItera
             return
         if not here and loop.time() - since > (max(RETURN, timeout) if latest is not None else timeout):
             what = f"left after tick {latest.tick}" if latest is not None else f"did not appear within {timeout:g} s"
-            raise Absent(f"the world of run '{run}' {what}")
+            raise Unavailable(f"the world of run '{run}' {what}")
         if quiet:
             yield None

@@ -9,9 +9,9 @@ from console.connect.options import Cfg, Config, Connect, OperatorKeys
 from console.connect.run_directory import Visitor
 from console.terminal import printing, progress
 from fes import process
-from fes.errors import Absent
+from fes.errors import Unavailable
 from fes.protocol import channel_change, keys
-from fes.protocol.channel_change import Change
+from fes.protocol.channel_change import ParameterChange
 from fes.system import strict_json
 from fes.transport import bus
 from fes.transport.identity import OPERATOR
@@ -31,7 +31,7 @@ def set_command(
     ] = 5.0,
 ) -> int:
     """Change the channel of a run that goes on (by default the latest one started in this folder)."""
-    changes = [channel_change.encode_change(Change(*parse_override(text))) for text in what]
+    changes = [channel_change.encode_change(ParameterChange(*parse_override(text))) for text in what]
     endpoints = run_directory.reach(Visitor(OPERATOR, certificates, run, timeout), connect, config, cfg)
 
     async def ask() -> int:
@@ -40,8 +40,8 @@ def set_command(
                 try:
                     with progress.waiting("waiting for the world's answer"):
                         answer = await opened.ask(keys.change(run), one, timeout)
-                except Absent:
-                    raise Absent(f"no world of run '{run}' answers at {endpoints.shown}") from None
+                except Unavailable:
+                    raise Unavailable(f"no world of run '{run}' answers at {endpoints.shown}") from None
                 effect = channel_change.decode_effect(answer)
                 printing.line(
                     f"{effect.path} = {strict_json.dumps(effect.value)} from tick {effect.tick} on; "

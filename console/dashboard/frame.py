@@ -28,7 +28,7 @@ _CHART = (4, 14)  # lines of the chart of reception
 _LEAST_COLUMN = 20  # lines from which on the panels have room for it
 
 
-class History:
+class ReportHistory:
     """The latest Report, and the worst of each bin of ticks of the run so far.
 
     A bin is one tick wide at first. Whenever the run outgrows the bins, pairs of them become one.
@@ -98,7 +98,7 @@ class History:
         self._changed[:half] = changed[0::2] | changed[1::2]
 
 
-def render(history: History, width: int, height: int) -> RenderableType:
+def render(history: ReportHistory, width: int, height: int) -> RenderableType:
     """One frame of exactly `width` x `height` cells."""
     width, height = max(1, width), max(1, height)
     if history.latest is None:
@@ -116,7 +116,7 @@ def _waiting(width: int, height: int) -> list[Line]:
     return [*blank, [styled(" " * ((width - len(text)) // 2) + text, "dim")]]
 
 
-def _wide(history: History, report: Report, width: int, height: int) -> list[Line]:
+def _wide(history: ReportHistory, report: Report, width: int, height: int) -> list[Line]:
     """The map on the left, the other panels on the right."""
     most = max(_SIDE[1], links_panel.full_width(report))
     side = max(min(links_panel.needed_width(report), _SIDE[0]), min(int(0.43 * width), most))
@@ -127,7 +127,7 @@ def _wide(history: History, report: Report, width: int, height: int) -> list[Lin
     return [*header(report, width, history.silence), *([*one, styled(" " * _GAP), *other] for one, other in rows)]
 
 
-def _narrow(history: History, report: Report, width: int, height: int) -> list[Line]:
+def _narrow(history: ReportHistory, report: Report, width: int, height: int) -> list[Line]:
     """The map above the other panels, if there is room for it."""
     lines, body = header(report, width, history.silence), height - 2
     chart = 1 + reception_panel.BESIDES + _CHART[0] if reception_panel.is_measured(report) else 0
@@ -138,7 +138,7 @@ def _narrow(history: History, report: Report, width: int, height: int) -> list[L
     return lines + _column(history, report, width, body - tall, may_grow=False)
 
 
-def _column(history: History, report: Report, width: int, height: int, may_grow: bool) -> list[Line]:
+def _column(history: ReportHistory, report: Report, width: int, height: int, may_grow: bool) -> list[Line]:
     """Convergence, reception, links and connectivity in `height` lines; reception goes first, then the last."""
     learnt = _reception(report, width, height)
     height -= len(learnt)

@@ -11,7 +11,7 @@ from typing import Self
 from rich.console import Console, RenderableType
 
 from console.connect import observer
-from console.dashboard.frame import History, render
+from console.dashboard.frame import ReportHistory, render
 from console.terminal import screen
 from console.terminal.screen import Draw
 from fes.errors import FesError, reason
@@ -30,7 +30,7 @@ class Screen:
 
     def __init__(self, console: Console, below: int = 0) -> None:
         """`below` lines will be printed after the last frame, and are to fit under it."""
-        self.history = History()
+        self.history = ReportHistory()
         self._console = console
         self._below = below
         self._draw: Draw = lambda frame: None

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from console.doctor.finding import Finding, failed, ok, warning
-from fes.errors import Absent, FesError, MessageError, Refused, TransportError, reason
+from fes.errors import FesError, MessageError, Rejected, TransportError, Unavailable, reason
 from fes.protocol import keys, world_info
 from fes.protocol.wire import PROTOCOL
-from fes.protocol.world_info import About
+from fes.protocol.world_info import WorldInfo
 from fes.transport import bus, health
 from fes.transport.bus import Bus
 from fes.transport.connection_diagnosis import SLOW
@@ -76,10 +76,10 @@ class Answer(NamedTuple):
 
     asked: float
     heard: float
-    world_info: About
+    world_info: WorldInfo
 
 
-Silence = MessageError | Absent | Refused
+Silence = MessageError | Unavailable | Rejected
 
 
 async def examine(endpoints: Endpoints, run: str, wanted: bool) -> tuple[list[Finding], int | None]:
@@ -93,7 +93,7 @@ async def examine(endpoints: Endpoints, run: str, wanted: bool) -> tuple[list[Fi
             standing = await opened.standing(keys.tree(run), PATIENCE)
             others = [] if endpoints.security else await opened.standing(keys.world_alive("*"), PATIENCE)
             answer = await _ask(opened, run) if keys.world_alive(run) in standing else None
-    except (TransportError, TimeoutError, Absent) as error:
+    except (TransportError, TimeoutError, Unavailable) as error:
         said = str(error) or f"{endpoints.shown} is open, but does not speak Zenoh, {SLOW}"
         if wanted:
             return [failed("endpoint", said, remedy(said))], None
@@ -147,7 +147,7 @@ async def _ask(opened: Bus, run: str) -> Answer | Silence:
     try:
         payload = await opened.ask(keys.about(run), b"", PATIENCE)
         return Answer(asked, time.time(), world_info.decode_about(payload))
-    except (MessageError, Absent, Refused) as error:
+    except (MessageError, Unavailable, Rejected) as error:
         return error
 
 
@@ -181,7 +181,7 @@ def said_by(answer: Answer | Silence) -> Iterator[Finding]:
     if not isinstance(answer, Answer):
         yield warning("version", f"the world does not say its version ({answer})", same)
         return
-    own, other = world_info.here(1), answer.world_info
+    own, other = world_info.of_this_process(1), answer.world_info
     seen = f"protocol {PROTOCOL}, fes {other.package}, zenoh {other.zenoh}"
     if (own.package, own.zenoh) != (other.package, other.zenoh):
         yield warning("version", f"{seen} there; fes {own.package}, zenoh {own.zenoh} here", same)

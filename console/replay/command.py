@@ -12,13 +12,13 @@ from console.dashboard import summary
 from console.replay import log as logs
 from console.replay import player, reexecution
 from console.replay.log import Log
-from console.replay.reexecution import Robots
+from console.replay.reexecution import ReplayedRobots
 from console.terminal import printing, progress
 from fes import process
 from fes.errors import FesError
 from fes.recording.layout import AT_ITS_END
 from fes.system import strict_json
-from world.metrics.collector import Account
+from world.metrics.collector import MetricsCollector
 
 
 def replay(
@@ -69,7 +69,7 @@ def alone(log: Log, robot: int, told: Callable[[], None] = lambda: None) -> int:
     robots = log.scenario.robots.number
     if robot >= robots:
         raise FesError(f"--robot {robot}: the run has robots 0 to {robots - 1}")
-    own, ticks = Robots(log, [robot]), 0
+    own, ticks = ReplayedRobots(log, [robot]), 0
     for tick in log.ticks():
         own.step(tick)
         ticks += 1
@@ -84,8 +84,8 @@ def again(log: Log, everybody: bool = False, told: Callable[[], None] = lambda: 
 
     Raises Mismatch where a message comes out otherwise, and FesError where a Report or the summary does.
     """
-    robots = Robots(log, range(log.scenario.robots.number)) if everybody else None
-    elapsed, found = 0.0, Account(log.scenario)
+    robots = ReplayedRobots(log, range(log.scenario.robots.number)) if everybody else None
+    elapsed, found = 0.0, MetricsCollector(log.scenario)
     for moment, sums in reexecution.accounted(log):
         if robots is not None:
             robots.step(moment.recorded)

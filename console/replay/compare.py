@@ -14,7 +14,7 @@ from console.terminal import printing, progress
 from fes import process
 from fes.errors import FesError
 from fes.protocol import keys
-from fes.recording.ticks import Tick
+from fes.recording.ticks import LoggedTick
 from fes.system import fingerprint, strict_json
 
 MISSING = "nothing"
@@ -99,14 +99,14 @@ def first_difference(one: Log, other: Log, robots: Collection[int] | None = None
 
 
 def _of_messages(
-    number: int, one: Tick | None, other: Tick | None, robots: Collection[int] | None
+    number: int, one: LoggedTick | None, other: LoggedTick | None, robots: Collection[int] | None
 ) -> Difference | None:
     if one is None or other is None:
         return Difference(number, "run", None, "this tick", *_there(one, other))
     return between(number, one.said, other.said, robots)
 
 
-def _aside(number: int, one: Tick | None, other: Tick | None) -> Difference | None:
+def _aside(number: int, one: LoggedTick | None, other: LoggedTick | None) -> Difference | None:
     """The first difference of two ticks whose messages are the same."""
     assert one is not None
     assert other is not None

@@ -9,7 +9,7 @@ import numpy as np
 from fes.errors import MessageError
 from fes.protocol import messages
 from fes.protocol.report import Report
-from fes.recording.layout import Said
+from fes.recording.layout import TickPayloads
 from fes.system import strict_json
 
 _DECODERS: dict[str, Callable[[bytes], Any]] = {
@@ -45,7 +45,9 @@ class Difference(NamedTuple):
         return f"tick {self.tick}, {self.message}{whose}: {self.field} is {values}"
 
 
-def between(tick: int, one: Said, other: Said, robots: Container[int] | None = None) -> Difference | None:
+def between(
+    tick: int, one: TickPayloads, other: TickPayloads, robots: Container[int] | None = None
+) -> Difference | None:
     """The first difference of two ticks: Observations before Beacons before Commands, the lowest robot first.
 
     With `robots`, of their messages only.

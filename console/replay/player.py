@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from rich.console import Console, Group, RenderableType
 from rich.text import Text
 
-from console.dashboard.frame import History, render
+from console.dashboard.frame import ReportHistory, render
 from console.replay import reexecution
 from console.replay.log import Log
 from console.terminal import screen
@@ -38,7 +38,7 @@ class Player:
         self.over = False
         self.tick = -1
         """That is shown."""
-        self.history = History()
+        self.history = ReportHistory()
         self._wanted = 0.0
         self._stride = 1 + log.scenario.robots.number * self.ticks // _KEPT
         self._reports = _reports(log)
@@ -87,7 +87,7 @@ class Player:
         self._wanted = max(at, 0.0)
         if self._due() < self.tick:
             seen = self._kept[: self._due() // self._stride + 1]
-            self.history, self.tick = History(), -1
+            self.history, self.tick = ReportHistory(), -1
             for _ in seen:
                 self._show_next()
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from agents.control import contacts, crew, transmitter
 from agents.runtime import marshalling as agent_marshalling
-from agents.runtime.marshalling import Assembly
+from agents.runtime.marshalling import MessageAssembler
 from console.replay.difference import Difference, between, of_payloads, of_reports
 from console.replay.log import Log
 from fes.arrays.types import Floats, Ints
@@ -20,16 +20,16 @@ from fes.model.sensing import Telemetry
 from fes.protocol import messages
 from fes.protocol.messages import Beacon, Command, Observation
 from fes.protocol.report import Report
-from fes.recording.layout import Said
-from fes.recording.ticks import Tick
+from fes.recording.layout import TickPayloads
+from fes.recording.ticks import LoggedTick
 from fes.system import fingerprint, strict_json
 from world.config import events
 from world.config.scenario import agent_config
 from world.execution import marshalling as world_marshalling
-from world.execution.marshalling import Told
+from world.execution.marshalling import CommandBatch
 from world.execution.recorder import report_period
 from world.metrics import report_builder
-from world.metrics.collector import Account
+from world.metrics.collector import MetricsCollector
 from world.metrics.summary import summarize
 from world.simulation import truth
 from world.simulation.truth import State
@@ -49,10 +49,10 @@ class Mismatch(FesError):
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class ReplayedTick:
     """One tick, as the world went through it again."""
 
-    recorded: Tick
+    recorded: LoggedTick
     state: State
     twists: Floats
     """[n, 2] [m/s, rad/s]"""
@@ -61,14 +61,14 @@ class Moment:
     """Tick of the command that each robot follows [n], -1 for none."""
 
 
-def world(log: Log) -> Iterator[Moment]:
+def world(log: Log) -> Iterator[ReplayedTick]:
     """Every tick of a log, the world moved by the recorded Commands.
 
     Raises Mismatch where an Observation comes out otherwise, and FesError where the log is damaged.
     """
     again = truth.create(log.scenario)
-    state, told = truth.start(again), Told(again.ids)
-    before: Moment | None = None
+    state, told = truth.start(again), CommandBatch(again.ids)
+    before: ReplayedTick | None = None
     live = log.scenario.run.clock == "live"
     for tick in log.ticks():
         if before is not None:  # only now: after the last recorded tick nobody knows what would have come
@@ -92,17 +92,17 @@ def world(log: Log) -> Iterator[Moment]:
             commands[robot] = command
         twists, telemetry = told.read(commands)
         spoken = np.array([-1 if command is None else command.tick for command in commands])
-        before = Moment(tick, state, twists, telemetry, spoken)
+        before = ReplayedTick(tick, state, twists, telemetry, spoken)
         yield before
 
 
-def accounted(log: Log) -> Iterator[tuple[Moment, Account]]:
+def accounted(log: Log) -> Iterator[tuple[ReplayedTick, MetricsCollector]]:
     """Every tick of a log as `world` has it, and the account up to it.
 
     Raises Mismatch if a Report or, after the last tick, the summary comes out otherwise, and FesError if a Report is
     missing.
     """
-    sums, elapsed, period = Account(log.scenario), 0.0, report_period(log.scenario)
+    sums, elapsed, period = MetricsCollector(log.scenario), 0.0, report_period(log.scenario)
     for moment in world(log):
         sums.add(moment.state, moment.twists, moment.telemetry, moment.spoken)
         number, recorded = moment.recorded.number, moment.recorded.report
@@ -115,7 +115,7 @@ def accounted(log: Log) -> Iterator[tuple[Moment, Account]]:
     _check_summary(log, summary(log, sums, elapsed))
 
 
-def summary(log: Log, sums: Account, elapsed: float = 0.0) -> dict[str, Any]:
+def summary(log: Log, sums: MetricsCollector, elapsed: float = 0.0) -> dict[str, Any]:
     """The summary of the ticks in `sums`, with what is of the machine taken from the log, or from `elapsed` [s]."""
     wall = (log.summary or {}).get("wall_s")
     wall = float(wall) if isinstance(wall, int | float) and abs(wall) < YEARS else elapsed
@@ -130,21 +130,21 @@ def summary(log: Log, sums: Account, elapsed: float = 0.0) -> dict[str, Any]:
     return {**found, "arithmetic": dict(log.arithmetic)}
 
 
-class Robots:
+class ReplayedRobots:
     """Some robots of a log, executed again tick by tick by their own code."""
 
     def __init__(self, log: Log, ids: Collection[int]) -> None:
         if log.scenario.run.clock == "live":
             raise FesError(f"{log.path} is of the live clock: what came too late for a robot is not in it")
         robots = np.array(sorted(ids), dtype=np.int64)
-        self._crew = crew.assemble(agent_config(log.scenario), robots)
+        self._crew = crew.create(agent_config(log.scenario), robots)
         self._state = crew.start(self._crew)
-        self._stack = Assembly(robots)
+        self._stack = MessageAssembler(robots)
         self._robots = robots.tolist()
         self._log = log
-        self._before: Tick | None = None
+        self._before: LoggedTick | None = None
 
-    def step(self, tick: Tick) -> None:
+    def step(self, tick: LoggedTick) -> None:
         """Go through a tick, and compare each Beacon and Command; raises Mismatch."""
         here = [robot for robot in self._robots if tick.said.observations[robot]]
         sensed = dict(
@@ -184,14 +184,14 @@ def _absent(tick: int, robot: int) -> Observation:
     return Observation(tick, robot, (0.0, 0.0, 0.0), nothing, nothing.astype(np.uint8), over=False, since=0)
 
 
-def report(sums: Account, like: Report) -> Report:
+def report(sums: MetricsCollector, like: Report) -> Report:
     """The Report of the last tick of `sums`, with what is of the machine taken from `like`."""
     if sums.deadlines is not None and len(like.late):
         sums.deadlines.late = like.late
     return report_builder.build(sums, like.scenario, like.alive, like.elapsed, like.ticks_per_s)
 
 
-def _check_report(log: Log, sums: Account, recorded: Report) -> None:
+def _check_report(log: Log, sums: MetricsCollector, recorded: Report) -> None:
     """Raise Mismatch unless the Report of the last tick of `sums` is the recorded one."""
     found = of_reports(recorded, report(sums, recorded))
     if found is not None:
@@ -209,7 +209,7 @@ def _check_summary(log: Log, found: dict[str, Any]) -> None:
             raise Mismatch(log, f"summary: {key} is {told[0]} in the log and {told[1]} executed again")
 
 
-def _check_schedule(log: Log, tick: Tick) -> None:
+def _check_schedule(log: Log, tick: LoggedTick) -> None:
     """Raise Mismatch unless the log says that at this tick was set what the scenario schedules."""
     planned = list(log.scenario.changes.get(tick.number, {}).items())
     if tick.scheduled != planned:
@@ -217,7 +217,7 @@ def _check_schedule(log: Log, tick: Tick) -> None:
 
 
 def _decoded(
-    tick: Tick, decode: Callable[[bytes], T], payloads: list[bytes], robots: Iterable[int], held: bool = False
+    tick: LoggedTick, decode: Callable[[bytes], T], payloads: list[bytes], robots: Iterable[int], held: bool = False
 ) -> list[T]:
     """The messages of some robots at a tick; raises FesError where one is missing, damaged or another's.
 
@@ -240,7 +240,7 @@ def _decoded(
     return found
 
 
-def _compare(log: Log, tick: Tick, again: Said) -> None:
+def _compare(log: Log, tick: LoggedTick, again: TickPayloads) -> None:
     found = between(tick.number, tick.said, again)
     if found is not None:
         raise Mismatch(log, found)

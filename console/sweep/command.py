@@ -11,7 +11,7 @@ import typer
 from console.analysis import figures
 from console.connect.options import SET
 from console.sweep import cluster, comparison, design, ledger, local, picture, report, table, work
-from console.sweep.comparison import Difference, Spread
+from console.sweep.comparison import PairedDifference, Spread
 from console.sweep.design import Design
 from console.sweep.ledger import Ledger
 from console.sweep.table import Format, Row
@@ -122,7 +122,7 @@ def _cell(planned: Design, one: Spread) -> Row:
     return dict(zip(planned.axes, planned.cells[found.pop("cell")].values, strict=True)) | found
 
 
-def _contrast(planned: Design, one: Difference) -> Row:
+def _contrast(planned: Design, one: PairedDifference) -> Row:
     """A row of differences.csv: along which axis, between which values, at which values of the other axes."""
     base, other = (dict(zip(planned.axes, planned.cells[cell].values, strict=True)) for cell in (one.base, one.other))
     axis = planned.axes[one.axis]

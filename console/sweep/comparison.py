@@ -37,7 +37,7 @@ class Spread:
 
 
 @dataclass(frozen=True)
-class Difference:
+class PairedDifference:
     """An outcome in one cell minus the same in another, at the same seeds."""
 
     axis: int
@@ -82,7 +82,7 @@ def spreads(design: Design, rows: list[Row]) -> Iterator[Spread]:
             yield Spread(cell, outcome, len(numbers), len(there), mean, median, largest)
 
 
-def differences(design: Design, rows: list[Row]) -> Iterator[Difference]:
+def differences(design: Design, rows: list[Row]) -> Iterator[PairedDifference]:
     """Every outcome, for each axis at each of its values but the first, against the first, the other axes held."""
     columns = {outcome: values(design, rows, outcome) for outcome in outcomes(design, rows)}
     for axis, base, other in _contrasts(design):
@@ -90,13 +90,13 @@ def differences(design: Design, rows: list[Row]) -> Iterator[Difference]:
             yield difference(axis, base, other, outcome, by_cell[base], by_cell[other])
 
 
-def difference(axis: int, base: int, other: int, outcome: str, before: Floats, after: Floats) -> Difference:
+def difference(axis: int, base: int, other: int, outcome: str, before: Floats, after: Floats) -> PairedDifference:
     """The paired difference after - before [seeds]."""
     has, had = np.isfinite(after), np.isfinite(before)
     paired = (after - before)[has & had]
     mean, low, high = interval(paired)
     only_base, only_other = (int(np.count_nonzero(one)) for one in (had & ~has, has & ~had))
-    return Difference(axis, base, other, outcome, len(paired), only_base, only_other, mean, low, high)
+    return PairedDifference(axis, base, other, outcome, len(paired), only_base, only_other, mean, low, high)
 
 
 def interval(sample: Floats) -> tuple[float, float, float]:

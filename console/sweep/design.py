@@ -36,7 +36,7 @@ class Cell:
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class SweepRun:
     """One row of the table."""
 
     cell: int
@@ -59,10 +59,12 @@ class Design:
     seeds: list[int]
 
     @cached_property
-    def runs(self) -> list[Run]:
+    def runs(self) -> list[SweepRun]:
         """Cell by cell in the order of the axes, in each by seed."""
         return [
-            Run(at, seed, seeded(cell.scenario, seed)) for at, cell in enumerate(self.cells) for seed in self.seeds
+            SweepRun(at, seed, seeded(cell.scenario, seed))
+            for at, cell in enumerate(self.cells)
+            for seed in self.seeds
         ]
 
     def values(self, axis: int) -> list[Value]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from console.analysis import figures
 from console.sweep import comparison
-from console.sweep.comparison import Difference
+from console.sweep.comparison import PairedDifference
 from console.sweep.design import Design
 from console.sweep.table import Row
 
@@ -34,7 +34,7 @@ def drawable(design: Design, rows: list[Row]) -> bool:
     return bool(_outcomes(design, rows))
 
 
-def sweep_figure(design: Design, rows: list[Row], differences: list[Difference]) -> "Figure":
+def sweep_figure(design: Design, rows: list[Row], differences: list[PairedDifference]) -> "Figure":
     """Above, by level, the share of a cell's runs that have reached it; below, what the cells differ by."""
     names = _outcomes(design, rows)
     cells = range(min(len(design.cells), MOST_CELLS))
@@ -84,7 +84,7 @@ def _shares(axes: "Axes", design: Design, times: Any) -> None:
     axes.grid(alpha=0.3)
 
 
-def _intervals(axes: "Axes", found: list[Difference]) -> None:
+def _intervals(axes: "Axes", found: list[PairedDifference]) -> None:
     axes.axvline(0.0, color=figures.INK, linewidth=0.8, linestyle=":")
     for at, one in enumerate(found):
         color, _ = STYLES[one.other % len(STYLES)]

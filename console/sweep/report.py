@@ -7,7 +7,7 @@ from rich.table import Table
 from rich.text import Text
 
 from console.sweep import comparison
-from console.sweep.comparison import Difference, Spread
+from console.sweep.comparison import PairedDifference, Spread
 from console.sweep.design import Design
 from console.terminal.formatting import UNKNOWN
 from console.terminal.printing import cell
@@ -19,7 +19,7 @@ SHOWN = ("time_to.", "separation_error_max")
 """How the names of the outcomes begin that are shown; the files have all."""
 
 
-def render(design: Design, spreads: list[Spread], differences: list[Difference]) -> RenderableType:
+def render(design: Design, spreads: list[Spread], differences: list[PairedDifference]) -> RenderableType:
     """Each cell by itself, and the paired differences between cells."""
     found = dict.fromkeys(one.outcome for one in spreads)
     names = [name for shown in SHOWN for name in found if name.startswith(shown)]
@@ -40,7 +40,7 @@ def _cells(design: Design, names: list[str], spreads: list[Spread]) -> Table:
     return _cut(table, len(rows), "cells.csv")
 
 
-def _differences(design: Design, names: list[str], differences: list[Difference]) -> Table:
+def _differences(design: Design, names: list[str], differences: list[PairedDifference]) -> Table:
     table = _table("paired difference", "pairs", "mean", f"{100 * comparison.CONFIDENCE:g} % interval")
     rows = [one for name in names for one in differences if one.outcome == name]
     for at, one in enumerate(rows[:MOST_ROWS]):

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from console.backends import inprocess, stacked
-from console.sweep.design import Run, Value
+from console.sweep.design import SweepRun, Value
 from fes.errors import FesError
 from world.config.scenario import Scenario
 
@@ -62,9 +62,9 @@ class Workers:
     """Yields the results of each batch as it ends; Watch is called meanwhile."""
 
 
-def batches(name: str, runs: Sequence[Run], workers: int) -> list[Batch]:
+def batches(name: str, runs: Sequence[SweepRun], workers: int) -> list[Batch]:
     """The runs in batches that are alike, as many as keep all workers busy to the end."""
-    groups: list[tuple[Any, list[Run]]] = []
+    groups: list[tuple[Any, list[SweepRun]]] = []
     cell = None
     for run in runs:
         if run.cell != cell:
@@ -113,7 +113,7 @@ def _alone(name: str, key: str, scenario: Scenario) -> Done:
         return Done(key, {}, str(error))
 
 
-def _cut(name: str, runs: list[Run], workers: int) -> Iterator[Batch]:
+def _cut(name: str, runs: list[SweepRun], workers: int) -> Iterator[Batch]:
     """Equal shares: each as large as a stack may be, and a number of them that the workers divide evenly."""
     robots = sum(run.scenario.robots.number for run in runs) / len(runs)
     most = max(1, min(MOST_RUNS, int(MOST_ROBOTS / robots)))

@@ -155,7 +155,7 @@ class FormationConfig(Table):
     """A peer unheard for this long [s] is no longer a contact."""
 
 
-class EquipmentConfig(Table):
+class FaultConfig(Table):
     """All that is wrong with a robot's transmitter and clock from a tick on, until the next one of its robot."""
 
     tick: int = Field(ge=0)
@@ -188,7 +188,7 @@ class AgentConfig(Table):
     clock: Clock = "lockstep"
     clock_skew: NonNegative = 0.0
     """How far each robot's own clock may be off the team's [s]; a robot draws its skew from the seed."""
-    faults: list[EquipmentConfig] = Field(default=[])
+    faults: list[FaultConfig] = Field(default=[])
     """What goes wrong with the robots' own equipment, by tick. It makes the equipment fail: no robot reads it."""
 
 

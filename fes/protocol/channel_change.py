@@ -18,7 +18,7 @@ DEEPEST_PATH = 8
 """Names in a path; each is a table within the one before."""
 
 
-class Change(NamedTuple):
+class ParameterChange(NamedTuple):
     """What is to be set."""
 
     path: str
@@ -27,7 +27,7 @@ class Change(NamedTuple):
     """As in a scenario: a number, a string, a list or a table."""
 
 
-class Effect(NamedTuple):
+class ChangeResult(NamedTuple):
     """What holds now."""
 
     path: str
@@ -41,7 +41,7 @@ class Effect(NamedTuple):
     """True if the robots were told another channel, and do not notice the change."""
 
 
-def encode_change(message: Change) -> bytes:
+def encode_change(message: ParameterChange) -> bytes:
     """The payload of a Change; raises MessageError for a value that JSON has no word for."""
     try:
         text = strict_json.dumps(message.value, refuse=True)
@@ -51,24 +51,26 @@ def encode_change(message: Change) -> bytes:
     return wire.pack(message.path, text)
 
 
-def decode_change(payload: bytes) -> Change:
+def decode_change(payload: bytes) -> ParameterChange:
     """The Change in a payload; raises MessageError."""
     path, value = wire.unpack("Change", payload, 2)
-    return Change(_path("Change", path), _value("Change", value, LONGEST))
+    return ParameterChange(_path("Change", path), _value("Change", value, LONGEST))
 
 
-def encode_effect(message: Effect) -> bytes:
+def encode_effect(message: ChangeResult) -> bytes:
     """The payload of an Effect."""
     return wire.pack(message.path, strict_json.dumps(message.value), *message[2:])
 
 
-def decode_effect(payload: bytes) -> Effect:
+def decode_effect(payload: bytes) -> ChangeResult:
     """The Effect in a payload; raises MessageError."""
     name = "Effect"
     path, value, tick, optimal, unnoticed = wire.unpack(name, payload, 5)
     wire.finite(name, (optimal,))
     wire.check(name, type(unnoticed) is bool, "unnoticed must be true or false", unnoticed)
-    return Effect(_path(name, path), _value(name, value, LONGEST_EFFECT), wire.tick(name, tick), optimal, unnoticed)
+    return ChangeResult(
+        _path(name, path), _value(name, value, LONGEST_EFFECT), wire.tick(name, tick), optimal, unnoticed
+    )
 
 
 def _path(name: str, path: Any) -> str:

@@ -12,7 +12,7 @@ LONGEST = 100
 """Longest version [characters]."""
 
 
-class About(NamedTuple):
+class WorldInfo(NamedTuple):
     """A world, at the moment it was asked."""
 
     package: str
@@ -25,9 +25,9 @@ class About(NamedTuple):
     """The world's clock [s since 1970, UTC]."""
 
 
-def here(robots: int) -> About:
+def of_this_process(robots: int) -> WorldInfo:
     """What this process says of itself."""
-    return About(installed(distribution.NAME), installed("eclipse-zenoh"), robots, time.time())
+    return WorldInfo(installed(distribution.NAME), installed("eclipse-zenoh"), robots, time.time())
 
 
 def version() -> str:
@@ -45,12 +45,12 @@ def installed(package: str) -> str:
         return "unknown"
 
 
-def encode_about(message: About) -> bytes:
+def encode_about(message: WorldInfo) -> bytes:
     """The payload of an About."""
     return wire.pack(*message)
 
 
-def decode_about(payload: bytes) -> About:
+def decode_about(payload: bytes) -> WorldInfo:
     """The About in a payload; raises MessageError, whose value is the version if that is what differs."""
     name = "About"
     package, zenoh, robots, clock = wire.unpack(name, payload, 4)
@@ -58,7 +58,7 @@ def decode_about(payload: bytes) -> About:
         wire.check(name, type(text) is str and len(text) <= LONGEST and text.isprintable(), "expects a version", text)
     wire.check(name, type(robots) is int and 0 < robots <= wire.MAX_ID, "expects a number of robots", robots)
     wire.finite(name, (clock,))
-    return About(package, zenoh, robots, clock)
+    return WorldInfo(package, zenoh, robots, clock)
 
 
 def speaks_otherwise(error: MessageError) -> bool:

@@ -15,7 +15,7 @@ MAX_JSON = records.SMALL
 """Longest JSON text [bytes]: a longer summary is only in summary.json."""
 
 
-class Said(NamedTuple):
+class TickPayloads(NamedTuple):
     """The payloads of one tick, in id order; an empty one was missed."""
 
     observations: list[bytes]

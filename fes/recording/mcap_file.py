@@ -41,7 +41,7 @@ Schema = Message | dict[str, Any]
 """Of a topic: a type of Protocol Buffers, or a JSON schema."""
 
 
-class Container:
+class McapFile:
     """A file of messages, in the order in which they are put; raises FesError where it cannot be written."""
 
     def __init__(self, path: Path) -> None:

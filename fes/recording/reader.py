@@ -16,11 +16,11 @@ from fes.errors import FesError
 from fes.recording import schemas, ticks
 from fes.recording.layout import AT_ITS_END, NAME, SUMMARY
 from fes.recording.records import Reader
-from fes.recording.ticks import Tick
+from fes.recording.ticks import LoggedTick
 from fes.system import fingerprint, strict_json
 
 
-class Robots(Protocol):
+class RobotNumber(Protocol):
     """The robots of a scenario."""
 
     @property
@@ -32,7 +32,7 @@ class Recorded(Protocol):
     """A scenario, as far as reading its log needs it."""
 
     @property
-    def robots(self) -> Robots:
+    def robots(self) -> RobotNumber:
         """The robots."""
 
     @property
@@ -59,7 +59,7 @@ class Log(Generic[S]):
     arithmetic: Mapping[str, str] = field(default_factory=fingerprint.table)
     """The arithmetic with which it was recorded."""
 
-    def ticks(self) -> Iterator[Tick]:
+    def ticks(self) -> Iterator[LoggedTick]:
         """Its ticks, in order; of a log without an end those that are whole. Raises FesError."""
         there = 0
         try:

@@ -11,7 +11,7 @@ from mcap.records import Channel, Message
 from fes.errors import FesError, MessageError
 from fes.protocol.report import Report, decode_report
 from fes.recording import protobuf
-from fes.recording.layout import MAX_JSON, Said
+from fes.recording.layout import MAX_JSON, TickPayloads
 from fes.recording.records import Reader
 from fes.system import strict_json
 
@@ -24,11 +24,11 @@ _MAX_EVENTS = 10_000  # per tick
 UNREADABLE = (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError, OverflowError)
 
 
-class Tick(NamedTuple):
+class LoggedTick(NamedTuple):
     """All that was said at one tick."""
 
     number: int
-    said: Said
+    said: TickPayloads
     changes: list[tuple[str, Any]]
     """What persons set of the channel: path and value."""
     scheduled: list[tuple[str, Any]]
@@ -39,7 +39,7 @@ class Tick(NamedTuple):
     """At one of several ticks."""
 
 
-def read(path: Path, robots: int) -> Iterator[Tick]:
+def read(path: Path, robots: int) -> Iterator[LoggedTick]:
     """The ticks of a file; raises FesError, or one of what is unreadable."""
     for number, found in itertools.groupby(_numbered(path), key=itemgetter(0)):
         said, set_ = dict[str, list[bytes]](), {"person": list[tuple[str, Any]](), "schedule": []}
@@ -66,8 +66,8 @@ def read(path: Path, robots: int) -> Iterator[Tick]:
         for topic in _EVIDENCE:
             if topic not in said:
                 raise FesError(f"{path}: tick {number} has no message on {topic}")
-        all_ = Said(*(said[topic] for topic in _EVIDENCE))
-        yield Tick(number, all_, set_["person"], set_["schedule"], attended, report)
+        all_ = TickPayloads(*(said[topic] for topic in _EVIDENCE))
+        yield LoggedTick(number, all_, set_["person"], set_["schedule"], attended, report)
 
 
 def _numbered(path: Path) -> Iterator[tuple[int, str, bytes]]:

@@ -16,7 +16,7 @@ from typing import Any
 import zenoh
 import zenoh.handlers
 
-from fes.errors import Absent, Busy, FesError, Refused
+from fes.errors import FesError, Overloaded, Rejected, Unavailable
 from fes.transport import session
 from fes.transport.endpoints import Endpoints
 
@@ -47,7 +47,7 @@ Gate = Callable[[str, bytes], bool]
 
 
 @dataclass(frozen=True)
-class Question:
+class Query:
     """A query that waits for its answer."""
 
     key: str
@@ -155,18 +155,18 @@ class Bus:
         self._session.liveliness().get(key, callback, timeout=timeout)
         await done.wait()
         if failed:
-            raise Absent(f"the router does not say within {timeout:g} s who is alive on {key}")
+            raise Unavailable(f"the router does not say within {timeout:g} s who is alive on {key}")
         return sorted(found)
 
-    def serve(self, key: str, handler: Callable[[Question], None]) -> None:
+    def serve(self, key: str, handler: Callable[[Query], None]) -> None:
         """Call `handler` on the loop with each question asked on `key`.
 
         QUESTIONS of one asker may wait. The last part of a key names the asker, so that a flood of one robot does not
         crowd out the others. A FesError that the handler raises refuses the question.
         """
-        waiting: dict[str, deque[Question]] = {}
+        waiting: dict[str, deque[Query]] = {}
 
-        def answer(asker: str, asked: deque[Question]) -> None:
+        def answer(asker: str, asked: deque[Query]) -> None:
             question = asked.popleft()
             if not asked:
                 waiting.pop(asker, None)
@@ -180,12 +180,12 @@ class Bus:
             asker = name.rpartition("/")[2]
             asked = waiting.get(asker)
             if (asked is None and len(waiting) >= ASKERS) or (asked is not None and len(asked) >= QUESTIONS):
-                Question(name, b"", query).refuse(CROWDED)
+                Query(name, b"", query).refuse(CROWDED)
                 return
             if asked is None:
                 asked = waiting.setdefault(asker, deque())
             payload = query.payload.to_bytes() if query.payload is not None else b""
-            asked.append(Question(name, payload, query))
+            asked.append(Query(name, payload, query))
             self._loop.call_soon_threadsafe(answer, asker, asked)
 
         self._held.append(self._session.declare_queryable(key, zenoh.handlers.Callback(on_query, indirect=False)))
@@ -206,14 +206,16 @@ class Bus:
         self._session.get(key, callback, payload=payload, timeout=timeout)
         reply = await future
         if reply is None:
-            raise Absent(f"nobody answers on {key}")
+            raise Unavailable(f"nobody answers on {key}")
         if reply.ok is not None:
             return reply.ok.payload.to_bytes()
         said = reply.err.payload.to_bytes() if reply.err is not None else b""
         if said.startswith(REFUSED):
             why = said.removeprefix(REFUSED).decode(errors="replace")
-            raise Busy(why) if why == CROWDED else Refused(why)
-        raise Absent(f"nobody answered on {key} within {timeout:g} s")  # Zenoh's own word for it is an error reply
+            raise Overloaded(why) if why == CROWDED else Rejected(why)
+        raise Unavailable(
+            f"nobody answered on {key} within {timeout:g} s"
+        )  # Zenoh's own word for it is an error reply
 
 
 @asynccontextmanager

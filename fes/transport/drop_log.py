@@ -13,7 +13,7 @@ LONGEST_LINE = 300
 """Longest line, and kind, [characters] of a message; its key may be 65,535 bytes of anything."""
 
 
-class Complaints:
+class DropLog:
     """Messages that were dropped, by kind. Bad input is a line in the log, never the end of a tick loop."""
 
     def __init__(self, logger: logging.Logger, most: int = MAX_KINDS, other: str = "other") -> None:

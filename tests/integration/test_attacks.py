@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from fes.errors import Refused
+from fes.errors import Rejected
 from fes.protocol import keys, messages, wire
 from fes.protocol.messages import Join
 from tests.support import session
@@ -24,7 +24,7 @@ from tests.support.attackers import (
 )
 from tests.support.loop import load
 from tests.support.session import PATIENCE, RUN, client
-from world.execution.run import Course
+from world.execution.run import Run
 from world.server.server import Server
 
 
@@ -85,7 +85,7 @@ def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds(monkeypa
 
     async def main() -> None:
         async with session.router() as (opened, endpoint), client(endpoint) as puppet:
-            server = Server(opened, Course(endless), "test", RUN)
+            server = Server(opened, Run(endless), "test", RUN)
             for robot in (0, 1):
                 await session.appear(puppet, robot)
             await server.gather()
@@ -140,7 +140,7 @@ def test_who_claims_a_taken_robot_and_leaves_ends_nothing() -> None:
         begin.set()
         for _ in range(3):
             async with client(endpoint) as impostor:
-                with pytest.raises(Refused, match="robot 2 is hosted by another agent already"):
+                with pytest.raises(Rejected, match="robot 2 is hosted by another agent already"):
                     await impostor.ask(keys.welcome(RUN, "2"), messages.encode_join(Join((2,), 7)), PATIENCE)
                 for robot in (2, 77):
                     impostor.token(keys.robot_alive(RUN, robot))
@@ -156,7 +156,7 @@ def test_a_key_cannot_forge_a_log_line(caplog: pytest.LogCaptureFixture) -> None
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
-            with pytest.raises(Refused):
+            with pytest.raises(Rejected):
                 await vandal.ask(forged, messages.encode_join(Join((3,), 1)), PATIENCE)
 
     with caplog.at_level(logging.WARNING):

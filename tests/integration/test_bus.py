@@ -6,9 +6,9 @@ from collections.abc import Awaitable, Callable
 
 import pytest
 
-from fes.errors import Absent, FesError, Refused, TransportError
+from fes.errors import FesError, Rejected, TransportError, Unavailable
 from fes.transport import bus
-from fes.transport.bus import Question
+from fes.transport.bus import Query
 from fes.transport.endpoints import Endpoints
 from tests.support.session import PATIENCE, client, router
 
@@ -123,7 +123,7 @@ def test_tokens_are_seen_when_they_come_when_they_stood_before_and_when_they_go(
 
 def test_a_question_is_answered_refused_or_left_alone() -> None:
     async def main() -> None:
-        def on_question(question: Question) -> None:
+        def on_question(question: Query) -> None:
             if question.payload == b"yes?":
                 question.answer(b"yes", "x")
             else:
@@ -132,13 +132,13 @@ def test_a_question_is_answered_refused_or_left_alone() -> None:
         async with router() as (world, endpoint), client(endpoint) as agent:
             world.serve("desk", on_question)
             assert await agent.ask("desk", b"yes?", PATIENCE) == b"yes"
-            with pytest.raises(Refused, match=r"^no, because$"):
+            with pytest.raises(Rejected, match=r"^no, because$"):
                 await agent.ask("desk", b"no?", PATIENCE)
-            with pytest.raises(Absent, match="nobody answers on nowhere"):
+            with pytest.raises(Unavailable, match="nobody answers on nowhere"):
                 await agent.ask("nowhere", b"", PATIENCE)
-            kept: list[Question] = []
+            kept: list[Query] = []
             world.serve("asleep", kept.append)
-            with pytest.raises(Absent, match=r"nobody answered on asleep within 0.3 s"):
+            with pytest.raises(Unavailable, match=r"nobody answered on asleep within 0.3 s"):
                 await agent.ask("asleep", b"", 0.3)
 
     run(main)

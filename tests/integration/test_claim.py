@@ -12,7 +12,7 @@ import pytest
 
 from bench.own_router import SOURCE
 from console.backends.process_group import free_port
-from fes.errors import Absent, Refused
+from fes.errors import Rejected, Unavailable
 from fes.protocol import keys
 from fes.transport import bus
 from fes.transport.endpoints import Endpoints
@@ -52,7 +52,7 @@ def test_of_worlds_that_start_at_the_same_time_at_most_one_starts() -> None:
             try:
                 await claim.claim(opened, f"{RUN}{round_}", connected=False)
                 started = True
-            except Refused:
+            except Rejected:
                 started = False
             await decided.wait()  # it stays, so that who comes later sees it
             return started
@@ -78,7 +78,7 @@ def test_of_worlds_that_start_one_after_the_other_the_first_one_starts() -> None
                 try:
                     await claim.claim(opened, RUN, connected=False)
                     started.append(True)
-                except Refused:
+                except Rejected:
                     started.append(False)
             return started
 
@@ -96,7 +96,7 @@ def test_of_two_routers_that_find_each_other_at_most_one_starts() -> None:
             ):
                 claims = [claim.claim(opened, RUN, connected=True) for opened in (one, two)]
                 outcomes = await asyncio.gather(*claims, return_exceptions=True)
-                assert all(outcome is None or isinstance(outcome, Refused) for outcome in outcomes)
+                assert all(outcome is None or isinstance(outcome, Rejected) for outcome in outcomes)
                 started.append(sum(outcome is None for outcome in outcomes))
         return started
 
@@ -121,7 +121,7 @@ def test_a_world_without_a_claim_is_seen_by_its_token() -> None:
     async def main() -> None:
         async with router() as (world, endpoint), client(endpoint) as newcomer:
             world.token(keys.world_alive(RUN))
-            with pytest.raises(Refused, match=re.escape(REFUSAL)):
+            with pytest.raises(Rejected, match=re.escape(REFUSAL)):
                 await claim.claim(newcomer, RUN, connected=True)
 
     asyncio.run(main())
@@ -138,7 +138,9 @@ def test_a_world_that_cannot_see_whether_there_is_another_one_does_not_start(mon
             await claim.claim(one, RUN, connected=False)
             between.send_signal(signal.SIGSTOP)
             try:
-                with pytest.raises(Absent, match=r"^the router does not say within 0.5 s who is alive on fes/test/"):
+                with pytest.raises(
+                    Unavailable, match=r"^the router does not say within 0.5 s who is alive on fes/test/"
+                ):
                     await claim.claim(two, RUN, connected=False)
             finally:
                 between.send_signal(signal.SIGCONT)

@@ -11,7 +11,7 @@ from console.connect import run_directory
 from console.replay import log
 from fes.errors import FesError
 from fes.recording import layout, mcap_file, records
-from fes.recording.mcap_file import Container
+from fes.recording.mcap_file import McapFile
 from fes.recording.records import Reader
 from fes.recording.schemas import OWN
 from fes.system import files
@@ -70,7 +70,7 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path: Path) -> None:
 def test_nothing_is_written_that_a_reader_would_refuse(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert records.LIMIT * 63 // 64 >= mcap_file.LARGEST > 10 * mcap_file.CHUNK
     monkeypatch.setattr(mcap_file, "LARGEST", 1000)
-    file = Container(tmp_path / "run.mcap")
+    file = McapFile(tmp_path / "run.mcap")
     file.put("/x", OWN["Report"], bytes(1001), 0, 0)
     with pytest.raises(
         FesError, match=r"a tick takes 1,032 bytes, of at most 1,000: --no-record runs without a log$"
@@ -85,7 +85,7 @@ def test_no_log_is_written_that_unpacks_to_more_than_a_reader_takes(
     monkeypatch.setattr(records, "FREE", 1 << 20)
     monkeypatch.setattr(records, "RATIO", 200)
     path = tmp_path / "run.mcap"
-    file = Container(path)
+    file = McapFile(path)
     with pytest.raises(FesError, match=r"it is so uniform that [\d,]+ bytes take [\d,]+: --no-record runs"):  # noqa: PT012
         for tick in range(1000):
             file.put("/x", OWN["Report"], bytes(20_000), tick, tick)

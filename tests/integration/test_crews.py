@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from agents.process import Agent
-from agents.runtime.outbox import Mouth
+from agents.runtime.outbox import Outbox
 from console.replay import command as replay_command
 from console.replay import log
 from fes.protocol import keys
@@ -84,17 +84,17 @@ def test_a_crew_goes_with_the_first_of_its_tokens_and_is_taken_in_with_the_last(
 def test_a_crew_of_which_one_robot_is_mute_is_left_out_and_taken_in_when_that_one_speaks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    mute, say, repeat = asyncio.Event(), Mouth.say, Mouth.repeat
-    unsaid: list[tuple[Mouth, int, Any]] = []
+    mute, say, repeat = asyncio.Event(), Outbox.say, Outbox.repeat
+    unsaid: list[tuple[Outbox, int, Any]] = []
 
-    def half_said(mouth: Mouth, tick: int, said: Any) -> None:
+    def half_said(mouth: Outbox, tick: int, said: Any) -> None:
         if mute.is_set() and said[0][0] == 0:
             unsaid.append((mouth, tick, said[1:]))
             said = said[:1]
         say(mouth, tick, said)
 
-    monkeypatch.setattr(Mouth, "say", half_said)
-    monkeypatch.setattr(Mouth, "repeat", lambda *asked: None if mute.is_set() else repeat(*asked))
+    monkeypatch.setattr(Outbox, "say", half_said)
+    monkeypatch.setattr(Outbox, "repeat", lambda *asked: None if mute.is_set() else repeat(*asked))
 
     async def story(server: Server, agents: Any, endpoint: str) -> None:
         await until(server, lambda state: state.tick >= 20)

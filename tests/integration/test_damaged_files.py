@@ -26,7 +26,7 @@ def test_no_damage_to_a_checkpoint_a_log_or_a_sweep_is_silent_or_a_traceback(tmp
 
 
 def test_a_real_world_does_not_resume_a_damaged_run_and_changes_nothing(tmp_path: Path) -> None:
-    run = damage.Run(tmp_path, load("pair.toml", run__duration=0.4))
+    run = damage.StoredRun(tmp_path, load("pair.toml", run__duration=0.4))
     for name in ("checkpoint/state", "checkpoint/trail", "checkpoint/journal-2", "run.mcap"):
         shutil.rmtree(run.work, ignore_errors=True)
         shutil.copytree(run.killed, run.work)

@@ -7,34 +7,34 @@ import pytest
 
 from console.doctor import network
 from fes.protocol import keys
-from fes.transport.bus import Question
+from fes.transport.bus import Query
 from fes.transport.endpoints import Endpoints
 from tests.support import session
 from tests.support.loop import load
 from tests.support.session import PATIENCE, RUN
-from world.execution.run import Course
+from world.execution.run import Run
 from world.server.server import Server
 
 
 def test_the_doctor_asks_a_world_once_and_nobody_else(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(network, "PATIENCE", PATIENCE)
     asked, said = Counter[str](), list[str]()
-    answer, refuse = Question.answer, Question.refuse
+    answer, refuse = Query.answer, Query.refuse
 
-    def answered(question: Question, payload: bytes, schema: str) -> None:
+    def answered(question: Query, payload: bytes, schema: str) -> None:
         asked[question.key] += 1
         answer(question, payload, schema)
 
-    def refused(question: Question, why: str) -> None:
+    def refused(question: Query, why: str) -> None:
         asked[question.key] += 1
         refuse(question, why)
 
-    monkeypatch.setattr(Question, "answer", answered)
-    monkeypatch.setattr(Question, "refuse", refused)
+    monkeypatch.setattr(Query, "answer", answered)
+    monkeypatch.setattr(Query, "refuse", refused)
 
     async def main() -> None:
         async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
-            Server(opened, Course(load("pair.toml")), "test", RUN)
+            Server(opened, Run(load("pair.toml")), "test", RUN)
             async with session.client(endpoint) as watcher:
                 watcher.subscribe("**", lambda key, payload: said.append(key))
                 _, robots = await network.examine(Endpoints("client", (endpoint,)), RUN, True)

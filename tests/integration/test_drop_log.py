@@ -9,16 +9,16 @@ from pathlib import Path
 import pytest
 
 from console.backends.process_group import free_port
-from fes.errors import Refused
+from fes.errors import Rejected
 from fes.protocol import keys
-from fes.transport.drop_log import MAX_KINDS, Complaints
+from fes.transport.drop_log import MAX_KINDS, DropLog
 from tests.support import session
 from tests.support.paths import CONFIGS
 from tests.support.processes import PATIENCE, command, until
 
 
 def test_a_sender_that_makes_up_kinds_fills_neither_memory_nor_log(caplog: pytest.LogCaptureFixture) -> None:
-    complaints = Complaints(logging.getLogger("test"))
+    complaints = DropLog(logging.getLogger("test"))
     for number in range(10 * MAX_KINDS):
         complaints.add(f"kind {number}", f"line {number}")
     assert len(complaints.counts) == MAX_KINDS + 1
@@ -44,7 +44,7 @@ def test_the_totals_of_a_world_and_of_an_agent_are_one_line_at_their_end(tmp_pat
         async with session.client(endpoint) as vandal:
             for _ in range(3):
                 vandal._session.put(keys.observation(keys.DEFAULT_RUN, 0), b"\xc1 junk")
-                with pytest.raises(Refused):  # the answer takes no other way than what was put before
+                with pytest.raises(Rejected):  # the answer takes no other way than what was put before
                     await vandal.ask(keys.welcome(keys.DEFAULT_RUN, "1"), b"\xc1 junk", PATIENCE)
 
     try:

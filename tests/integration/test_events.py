@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from console.backends import inprocess
-from fes.errors import MessageError, Refused, ScenarioError
+from fes.errors import MessageError, Rejected, ScenarioError
 from fes.protocol import channel_change, keys, wire
-from fes.protocol.channel_change import Change
+from fes.protocol.channel_change import ParameterChange
 from tests.support import session
 from tests.support.loop import load
 from world.config import events
@@ -104,19 +104,19 @@ def test_a_person_changes_a_running_world_and_the_run_can_be_run_again_with_what
             begin.set()
 
             async def ask(path: str, value: Any) -> Any:
-                question = channel_change.encode_change(Change(path, value))
+                question = channel_change.encode_change(ParameterChange(path, value))
                 return channel_change.decode_effect(
                     await terminal.ask(keys.change(session.RUN), question, session.PATIENCE)
                 )
 
             answers.append(await ask("channel.reference_snr", 5e6))
-            with pytest.raises(Refused, match="must be greater than 0, got -5"):
+            with pytest.raises(Rejected, match="must be greater than 0, got -5"):
                 await ask("channel.reference_snr", -5)
-            with pytest.raises(Refused, match="only fields like"):
+            with pytest.raises(Rejected, match="only fields like"):
                 await ask("seeking.law", "paper")
             jammers = [{"x": float(at), "y": 0.0, "radius": 1.0} for at in range(100)]
             answers.append(await ask("channel.jammers", jammers))
-            with pytest.raises(Refused, match="expects 2 fields"):
+            with pytest.raises(Rejected, match="expects 2 fields"):
                 await terminal.ask(keys.change(session.RUN), wire.pack("x"), session.PATIENCE)
 
     summary, server, _ = asyncio.run(session.run(scenario, [[0], [1]], disturb))
@@ -136,12 +136,12 @@ def test_what_an_event_that_is_scheduled_would_make_impossible_is_refused_and_th
     bursts = {"bad_share": 0.1, "mean_length": 1.0, "loss": 0.5}
     later = {"at": 3.0, "set": {"channel.bursts.bad_share": 0.9}}
     scenario = load("pair.toml", run__duration=4.0, channel__bursts=bursts, event=[later])
-    short = Change("channel.bursts.mean_length", 0.1)
+    short = ParameterChange("channel.bursts.mean_length", 0.1)
     events.changed(scenario.channel, {short.path: short.value}, scenario.run.dt)  # now it is possible
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with session.client(endpoint) as terminal:
-            with pytest.raises(Refused, match=r"^channel\.bursts\.mean_length, with what is scheduled: event: set"):
+            with pytest.raises(Rejected, match=r"^channel\.bursts\.mean_length, with what is scheduled: event: set"):
                 await terminal.ask(keys.change(session.RUN), channel_change.encode_change(short), session.PATIENCE)
 
     summary, server, _ = asyncio.run(session.run(scenario, [[0], [1]], disturb))
@@ -151,7 +151,7 @@ def test_what_an_event_that_is_scheduled_would_make_impossible_is_refused_and_th
 
 def test_a_value_that_no_message_can_carry_is_one_line() -> None:
     with pytest.raises(MessageError, match="expects finite numbers, words, lists or tables"):
-        channel_change.encode_change(Change("channel.reference_snr", datetime.date(2020, 1, 1)))
+        channel_change.encode_change(ParameterChange("channel.reference_snr", datetime.date(2020, 1, 1)))
 
 
 def test_an_event_that_changes_nothing_begins_nothing() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from agents.control import crew
 from agents.runtime import marshalling as agent_marshalling
-from agents.runtime.marshalling import Assembly
+from agents.runtime.marshalling import MessageAssembler
 from fes.arrays.types import Floats
 from fes.errors import MessageError
 from fes.model.sensing import MAX_TOLD, MAX_TWIST, Beacons, bounded, silence
@@ -18,9 +18,9 @@ from fes.protocol.report import decode_report, encode_report
 from tests.support.loop import load
 from world.config.scenario import agent_config
 from world.execution import marshalling as world_marshalling
-from world.execution.run import Answer, Course
+from world.execution.run import Answer, Run
 from world.metrics import report_builder, summary
-from world.metrics.collector import Account
+from world.metrics.collector import MetricsCollector
 from world.simulation import truth
 
 HOSTILE, FIRST, TICKS = 4, 40, 90
@@ -58,7 +58,7 @@ def test_no_number_in_a_beacon_leaves_a_peer_without_a_twist(law: str, field: st
     name, settings = LAWS[law]
     what = load(name, **settings)
     world = truth.create(what)
-    state, robots = truth.start(world), crew.assemble(agent_config(what), world.ids)
+    state, robots = truth.start(world), crew.create(agent_config(what), world.ids)
     minds, said = crew.start(robots), silence()
     for tick in range(TICKS):
         minds, said, twists = crew.step(robots, minds, truth.observe(state), said)
@@ -93,8 +93,8 @@ def test_no_beacon_and_no_command_that_is_valid_stops_a_peer_or_the_world(law: s
     """25 ticks of such messages, encoded and decoded, with everything that the world makes of them."""
     choose, (name, settings) = np.random.default_rng(seed), LAWS[law]
     what = load(name, run__duration=0.9, run__seed=seed, **settings)
-    course, stack = Course(what), Assembly(np.arange(10))
-    robots = crew.assemble(agent_config(what), course.world.ids)
+    course, stack = Run(what), MessageAssembler(np.arange(10))
+    robots = crew.create(agent_config(what), course.world.ids)
     minds, heard = crew.start(robots), silence()
     while not course.is_over:
         tick, sent = course.state.tick, course.observations(course.state.present)
@@ -116,8 +116,8 @@ def test_no_beacon_and_no_command_that_is_valid_stops_a_peer_or_the_world(law: s
 @pytest.mark.parametrize("twist", [[MAX_TWIST, 0.0], [-MAX_TWIST, MAX_TWIST], [0.0, -MAX_TWIST]])
 def test_no_command_makes_a_pose_or_a_report_that_is_not_finite(twist: list[float]) -> None:
     what = load("measured.toml", run__duration=4.0)
-    world, sums = truth.create(what), Account(what)
-    state, robots = truth.start(world), crew.assemble(agent_config(what), world.ids)
+    world, sums = truth.create(what), MetricsCollector(what)
+    state, robots = truth.start(world), crew.create(agent_config(what), world.ids)
     minds, said = crew.start(robots), silence()
     for tick in range(what.ticks):
         minds, said, twists = crew.step(robots, minds, truth.observe(state), said)

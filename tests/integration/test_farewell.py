@@ -5,12 +5,12 @@ import time
 
 import pytest
 
-from fes.errors import Absent
+from fes.errors import Unavailable
 from tests.support import session
 from tests.support.loop import load
 from tests.support.proxy import Link, link
 from tests.support.session import PATIENCE, RUN
-from world.execution.run import Course
+from world.execution.run import Run
 from world.server import farewell
 from world.server.server import Server
 
@@ -24,7 +24,7 @@ async def end_with(fault: str, seconds: float) -> tuple[float, object]:
     """
     scenario = load("pair.toml", run__duration=LAST * 0.02)
     async with session.router() as (opened, endpoint), link(endpoint) as faulty, asyncio.timeout(PATIENCE):
-        server = Server(opened, Course(scenario), "test", RUN)
+        server = Server(opened, Run(scenario), "test", RUN)
         agents = [
             asyncio.ensure_future(session.live(one, [robot])) for robot, one in enumerate((endpoint, faulty.endpoint))
         ]
@@ -59,7 +59,7 @@ def test_a_world_lingers_for_a_bounded_time(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr("tests.support.session.live", lambda endpoint, robots: impatient(endpoint, robots))
     lingered, outcome = asyncio.run(end_with("cut", 20.0))
     assert lingered >= 0.5
-    assert isinstance(outcome, Absent)
+    assert isinstance(outcome, Unavailable)
 
 
 live = session.live

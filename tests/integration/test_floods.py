@@ -7,7 +7,7 @@ import pytest
 import zenoh
 
 from console.connect import observer
-from fes.errors import Absent, Busy, FesError, Refused
+from fes.errors import FesError, Overloaded, Rejected, Unavailable
 from fes.protocol import channel_change, keys, messages, wire
 from fes.protocol.messages import Join
 from fes.transport import bus
@@ -118,7 +118,7 @@ def test_a_flood_of_questions_is_refused_and_changes_no_digit() -> None:
             (keys.welcome(RUN, "2-3"), messages.encode_join(Join((2, 3), 7))),
             (keys.welcome(RUN, "2-3"), b"\xc1 junk"),
             (keys.welcome(RUN, "2-3"), reversioned(messages.encode_join(Join((2, 3), 7)))),
-            (keys.change(RUN), channel_change.encode_change(channel_change.Change("channel.no_such", 1.0))),
+            (keys.change(RUN), channel_change.encode_change(channel_change.ParameterChange("channel.no_such", 1.0))),
             (keys.change(RUN), wire.pack("channel.reference_snr", "NaN")),
             (keys.change(RUN), wire.pack("channel" + ".a" * 1500, "1")),
             (keys.recall(RUN, 4), wire.pack("tick")),
@@ -128,7 +128,7 @@ def test_a_flood_of_questions_is_refused_and_changes_no_digit() -> None:
             begin.set()
             asked = [vandal.ask(*questions[number % len(questions)], PATIENCE) for number in range(FLOOD // 10)]
             for outcome in await asyncio.gather(*asked, return_exceptions=True):
-                assert isinstance(outcome, Refused), outcome
+                assert isinstance(outcome, Rejected), outcome
                 refused.append(str(outcome))
 
     server, _ = attacked(disturb)
@@ -144,13 +144,13 @@ def test_a_flood_of_questions_is_refused_and_changes_no_digit() -> None:
 
 
 def test_more_questions_than_may_wait_are_refused_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    refused, refuse = threading.Semaphore(0), bus.Question.refuse
+    refused, refuse = threading.Semaphore(0), bus.Query.refuse
 
-    def counted(question: bus.Question, reason: str) -> None:
+    def counted(question: bus.Query, reason: str) -> None:
         refuse(question, reason)
         refused.release()
 
-    monkeypatch.setattr(bus.Question, "refuse", counted)
+    monkeypatch.setattr(bus.Query, "refuse", counted)
 
     async def main() -> list[str]:
         async with session.router() as (world, endpoint), client(endpoint) as asker:
@@ -177,7 +177,7 @@ def test_agents_that_all_ask_at_once_when_their_world_comes_ask_again(
         nonlocal busy
         try:
             return await ask(asker, key, payload, timeout)
-        except Busy:
+        except Overloaded:
             busy += 1
             raise
 
@@ -205,7 +205,7 @@ def test_an_observer_shows_what_it_can_read_through_a_flood_of_junk_reports() ->
                         seen.append(report.tick)
                         if len(seen) > 1:
                             break
-            except (Absent, FesError):
+            except (Unavailable, FesError):
                 pass
             await flooding
 

@@ -6,9 +6,9 @@ import os
 import threading
 from pathlib import Path
 
-from agents.runtime.beacon_subscriptions import Radio
+from agents.runtime.beacon_subscriptions import BeaconSubscriptions
 from fes.protocol import keys
-from fes.transport.drop_log import Complaints
+from fes.transport.drop_log import DropLog
 from tests.support.session import PATIENCE, RUN, client, router
 
 TURNS = 10_000
@@ -35,7 +35,7 @@ def test_ten_thousand_encounters_leave_no_thread_no_subscription_and_no_memory()
 
     async def main() -> None:
         async with router() as (world, endpoint), client(endpoint) as agent:
-            radio = Radio(agent, RUN, "0", Complaints(logging.getLogger("agent.0")))
+            radio = BeaconSubscriptions(agent, RUN, "0", DropLog(logging.getLogger("agent.0")))
             put = world.publisher(keys.beacon(RUN, 1), "x")
             before = (0, 0, 0, 0.0)
             for turn in range(TURNS):

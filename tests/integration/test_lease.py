@@ -11,16 +11,16 @@ import pytest
 
 from agents import process
 from console.backends import inprocess
-from fes.errors import Absent, Refused
+from fes.errors import Rejected, Unavailable
 from fes.protocol import keys, messages
 from fes.protocol.messages import Join
-from fes.transport.drop_log import Complaints
+from fes.transport.drop_log import DropLog
 from tests.support import session
 from tests.support.loop import load
 from tests.support.session import RUN, client
 from world.config.scenario import agent_config
-from world.execution.run import Course
-from world.server.registry import LEASE, Roster
+from world.execution.run import Run
+from world.server.registry import LEASE, AgentRegistry
 from world.server.server import Server
 
 
@@ -50,7 +50,7 @@ def test_agents_without_an_id_take_the_lowest_free_robots_and_the_digest_is_the_
 
     async def main() -> Any:
         async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
-            server = Server(opened, Course(scenario), "test", RUN)
+            server = Server(opened, Run(scenario), "test", RUN)
             named = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 3)]
             await here(server, 0, 3)
             others = [asyncio.ensure_future(any_robot(endpoint)) for _ in range(8)]
@@ -68,13 +68,13 @@ def test_agents_without_an_id_take_the_lowest_free_robots_and_the_digest_is_the_
 def test_a_robot_is_free_again_when_its_agent_is_gone_and_until_then_nobody_gets_it() -> None:
     async def main() -> None:
         async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
-            server = Server(opened, Course(load("pair.toml", run__duration=1000.0)), "test", RUN)
+            server = Server(opened, Run(load("pair.toml", run__duration=1000.0)), "test", RUN)
             first = asyncio.ensure_future(any_robot(endpoint))
             await here(server, 0)
             second = asyncio.ensure_future(any_robot(endpoint))
             await here(server, 1)
             async with client(endpoint) as third:
-                with pytest.raises(Refused, match=r"^all 2 robots are hosted already$"):
+                with pytest.raises(Rejected, match=r"^all 2 robots are hosted already$"):
                     await process.lease(third, RUN, 0.5)
                 first.cancel()
                 assert await process.lease(third, RUN, session.PATIENCE) == 0
@@ -90,19 +90,19 @@ def test_who_is_promised_a_robot_and_does_not_come_loses_it_again(monkeypatch: p
 
     async def main() -> None:
         async with session.router() as (opened, endpoint), client(endpoint) as asker:
-            Server(opened, Course(load("pair.toml")), "test", RUN)
+            Server(opened, Run(load("pair.toml")), "test", RUN)
 
             async def joined(agent: int) -> str:
                 join = messages.encode_join(Join((0,), agent))
                 try:
                     await asker.ask(keys.welcome(RUN, "0"), join, session.PATIENCE)
-                except Refused as refused:
+                except Rejected as refused:
                     return str(refused)
                 return "welcome"
 
             assert [await process.lease(asker, RUN, 0.5) for _ in range(2)] == [0, 1]
             now[0] += LEASE - 0.1
-            with pytest.raises(Refused, match=r"^all 2 robots are hosted already$"):
+            with pytest.raises(Rejected, match=r"^all 2 robots are hosted already$"):
                 await process.lease(asker, RUN, 0.5)
             now[0] += 0.2
             assert await process.lease(asker, RUN, 0.5) == 0
@@ -120,10 +120,10 @@ def test_who_is_promised_a_robot_and_does_not_come_loses_it_again(monkeypatch: p
 def test_a_world_that_goes_on_leases_no_robot_whose_agent_may_still_find_it() -> None:
     async def main() -> None:
         async with session.router() as (opened, endpoint), client(endpoint) as spare:
-            scenario, complaints = load("pair.toml"), Complaints(logging.getLogger("test"))
+            scenario, complaints = load("pair.toml"), DropLog(logging.getLogger("test"))
             hosts = {robot: Join((robot,), 7) for robot in (0, 1)}
-            Roster(opened, RUN, 2, agent_config(scenario), complaints, hosts)
-            with pytest.raises(Refused, match=r"^all 2 robots are hosted already$"):
+            AgentRegistry(opened, RUN, 2, agent_config(scenario), complaints, hosts)
+            with pytest.raises(Rejected, match=r"^all 2 robots are hosted already$"):
                 await process.lease(spare, RUN, 0.5)
 
     asyncio.run(main())
@@ -133,7 +133,7 @@ def test_a_world_that_goes_on_leases_no_robot_whose_agent_may_still_find_it() ->
 def test_without_a_world_there_is_nothing_to_lease() -> None:
     async def main() -> None:
         async with session.router() as (_, endpoint), client(endpoint) as lonely:
-            with pytest.raises(Absent, match=r"^no world of run 'test' leases robots here \(asked for 0.5 s\)$"):
+            with pytest.raises(Unavailable, match=r"^no world of run 'test' leases robots here \(asked for 0.5 s\)$"):
                 await process.lease(lonely, RUN, 0.5)
 
     asyncio.run(main())

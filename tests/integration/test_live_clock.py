@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from agents.runtime.beacon_subscriptions import Radio
-from agents.runtime.outbox import Mouth
+from agents.runtime.beacon_subscriptions import BeaconSubscriptions
+from agents.runtime.outbox import Outbox
 from console.backends.process_group import free_port
 from console.replay import command as replay_command
 from console.replay import log
@@ -26,7 +26,7 @@ from tests.support.processes import PATIENCE, fes, start
 from tests.support.processes import command as command_line
 from world.config.scenario import Scenario
 from world.execution.recorder import Recorder
-from world.execution.run import Course
+from world.execution.run import Run
 from world.server.live import WARM_UP
 from world.server.server import Server
 
@@ -67,7 +67,7 @@ def live_through(scenario: Scenario, path: Path, story: Any) -> dict[str, Any]:
     async def main() -> dict[str, Any]:
         async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
             with Recorder(path, scenario, "test", "processes") as recorder:
-                server = Server(opened, Course(scenario, recorder), "test", session.RUN)
+                server = Server(opened, Run(scenario, recorder), "test", session.RUN)
                 agents = [
                     asyncio.ensure_future(session.live(endpoint, [robot])) for robot in range(scenario.robots.number)
                 ]
@@ -106,10 +106,10 @@ def test_nobody_waits_for_a_robot_that_says_nothing_and_it_stops(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("world.server.live.HANG_TIMEOUT", 1.0)
-    mute, say = asyncio.Event(), Mouth.say
-    unsaid: list[tuple[Mouth, int, Any]] = []
+    mute, say = asyncio.Event(), Outbox.say
+    unsaid: list[tuple[Outbox, int, Any]] = []
     monkeypatch.setattr(
-        Mouth, "say", lambda *what: unsaid.append(what) if mute.is_set() and what[2][0][0] == 1 else say(*what)
+        Outbox, "say", lambda *what: unsaid.append(what) if mute.is_set() and what[2][0][0] == 1 else say(*what)
     )
     seen: dict[str, Any] = {}
 
@@ -146,8 +146,10 @@ def test_nobody_waits_for_a_robot_that_says_nothing_and_it_stops(
 def test_a_beacon_that_comes_too_late_is_lost_and_counted_and_nobody_asks_for_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    heard = Radio.heard
-    monkeypatch.setattr(Radio, "heard", lambda radio, tick: heard(radio, tick) if tick < WARM_UP + 5 else [])
+    heard = BeaconSubscriptions.heard
+    monkeypatch.setattr(
+        BeaconSubscriptions, "heard", lambda radio, tick: heard(radio, tick) if tick < WARM_UP + 5 else []
+    )
     near = load("pair.toml", channel__model="perfect", run__duration=1.0, run__clock="live")
 
     async def main() -> Any:

@@ -9,7 +9,7 @@ import pytest
 
 from agents.process import Agent
 from console.backends import inprocess
-from fes.errors import Absent, Refused
+from fes.errors import Rejected, Unavailable
 from fes.protocol import keys, messages
 from fes.protocol.messages import Command, Join
 from tests.support import attackers, session
@@ -17,7 +17,7 @@ from tests.support.attackers import arrived
 from tests.support.loop import load
 from tests.support.session import PATIENCE, RUN, client
 from world.config.scenario import Scenario
-from world.execution.run import Course
+from world.execution.run import Run
 from world.server.server import Server
 
 SHORT = {"run__duration": 3.0}
@@ -143,7 +143,7 @@ def test_who_asks_for_a_taken_or_unknown_robot_is_refused_and_the_run_goes_on(
                 agent = Agent(opened, RUN, tuple(robots))
                 try:
                     await agent.join(PATIENCE)
-                except Refused as refused:
+                except Rejected as refused:
                     refusals.append(str(refused))
 
     summary, _, _ = run(paper, [[i] for i in range(10)], disturb)
@@ -158,7 +158,7 @@ def test_a_world_that_everybody_left_says_so(monkeypatch: pytest.MonkeyPatch) ->
 
     async def main() -> None:
         async with session.router() as (opened, endpoint):
-            server = Server(opened, Course(endless), "test", RUN)
+            server = Server(opened, Run(endless), "test", RUN)
             agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
             await server.gather()
             running = asyncio.ensure_future(server.run())
@@ -166,7 +166,7 @@ def test_a_world_that_everybody_left_says_so(monkeypatch: pytest.MonkeyPatch) ->
                 await asyncio.sleep(0.01)
             for agent in agents:
                 agent.cancel()
-            with pytest.raises(Absent, match=r"^nobody is there any more: the world waited 1 s at tick \d+$"):
+            with pytest.raises(Unavailable, match=r"^nobody is there any more: the world waited 1 s at tick \d+$"):
                 await asyncio.wait_for(running, PATIENCE)
 
     asyncio.run(main())
@@ -180,7 +180,7 @@ def test_junk_does_not_keep_a_hung_robot_alive(monkeypatch: pytest.MonkeyPatch) 
 
     async def main() -> None:
         async with session.router() as (opened, endpoint), client(endpoint) as silent, client(endpoint) as vandal:
-            server = Server(opened, Course(endless), "test", RUN)
+            server = Server(opened, Run(endless), "test", RUN)
             for robot in (0, 1):
                 await session.appear(silent, robot)
             await server.gather()
@@ -190,7 +190,7 @@ def test_junk_does_not_keep_a_hung_robot_alive(monkeypatch: pytest.MonkeyPatch) 
                 await asyncio.sleep(0.01)
                 if running.done():
                     break
-            with pytest.raises(Absent, match=r"^nobody is there any more: the world waited 1 s at tick 1$"):
+            with pytest.raises(Unavailable, match=r"^nobody is there any more: the world waited 1 s at tick 1$"):
                 await asyncio.wait_for(running, PATIENCE)
 
     asyncio.run(main())
@@ -201,7 +201,7 @@ def test_an_agent_whose_world_leaves_says_so() -> None:
 
     async def main() -> None:
         async with session.router() as (opened, endpoint):
-            server = Server(opened, Course(endless), "test", RUN)
+            server = Server(opened, Run(endless), "test", RUN)
             agents = [asyncio.ensure_future(session.live(endpoint, [robot], timeout=2.0)) for robot in (0, 1)]
             await server.gather()
             running = asyncio.ensure_future(server.run())
@@ -209,7 +209,7 @@ def test_an_agent_whose_world_leaves_says_so() -> None:
                 await asyncio.sleep(0.01)
             running.cancel()
         for agent in agents:
-            with pytest.raises(Absent, match=r"^the world of run 'test' left after tick \d+$"):
+            with pytest.raises(Unavailable, match=r"^the world of run 'test' left after tick \d+$"):
                 await asyncio.wait_for(agent, PATIENCE)
 
     asyncio.run(main())
@@ -218,7 +218,7 @@ def test_an_agent_whose_world_leaves_says_so() -> None:
 def test_without_a_world_an_agent_gives_up_and_says_what_it_waited_for() -> None:
     async def main() -> None:
         async with session.router() as (_, endpoint):
-            with pytest.raises(Absent, match=r"^no world of run 'test' appeared within 0.2 s$"):
+            with pytest.raises(Unavailable, match=r"^no world of run 'test' appeared within 0.2 s$"):
                 await session.live(endpoint, [0], timeout=0.2)
 
     asyncio.run(main())

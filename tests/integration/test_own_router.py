@@ -21,7 +21,7 @@ from tests.support import team_keys
 from tests.support.commands import call
 from tests.support.loop import load
 from tests.support.session import PATIENCE
-from world.execution.run import Course
+from world.execution.run import Run
 from world.server.server import Server
 
 RUN = "lab"
@@ -57,7 +57,7 @@ async def live(keyed: Path, robot: int, endpoint: str) -> None:
 async def carried(keyed: Path, near: str, far: str) -> str:
     """The digest of a run with the world at one router and its robots at another, or the same."""
     async with client(keyed, "world", near) as opened, asyncio.timeout(PATIENCE):
-        server = Server(opened, Course(load("pair.toml", run__duration=2.0)), "pair", RUN)
+        server = Server(opened, Run(load("pair.toml", run__duration=2.0)), "pair", RUN)
         agents = [asyncio.ensure_future(live(keyed, robot, far)) for robot in range(2)]
         await server.gather()
         await server.run()

@@ -5,25 +5,25 @@ import contextlib
 
 import pytest
 
-from agents.runtime.beacon_subscriptions import Radio
+from agents.runtime.beacon_subscriptions import BeaconSubscriptions
 from console.backends import inprocess
-from fes.errors import Absent, Refused
+from fes.errors import Rejected, Unavailable
 from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon
 from tests.support import session
 from tests.support.loop import load
 from tests.support.session import PATIENCE, RUN, client
-from world.execution.run import Course
+from world.execution.run import Run
 from world.server.server import Server
 
 
 def deaf_at_tick_40(monkeypatch: pytest.MonkeyPatch) -> None:
-    heard = Radio.heard
+    heard = BeaconSubscriptions.heard
 
-    def hear(radio: Radio, tick: int) -> list[Beacon]:
+    def hear(radio: BeaconSubscriptions, tick: int) -> list[Beacon]:
         return [beacon for beacon in heard(radio, tick) if tick != 40]
 
-    monkeypatch.setattr(Radio, "heard", hear)
+    monkeypatch.setattr(BeaconSubscriptions, "heard", hear)
 
 
 def test_a_beacon_that_does_not_arrive_is_asked_for_again(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -42,13 +42,13 @@ def test_a_beacon_that_cannot_be_had_is_an_error_and_no_other_digest(monkeypatch
 
     async def main() -> None:
         async with session.router() as (opened, endpoint):
-            server = Server(opened, Course(near), "test", RUN)
+            server = Server(opened, Run(near), "test", RUN)
             agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
             await server.gather()
-            with pytest.raises(Absent, match=r"^nobody is there any more: the world waited 1 s at tick 42$"):
+            with pytest.raises(Unavailable, match=r"^nobody is there any more: the world waited 1 s at tick 42$"):
                 await asyncio.wait_for(server.run(), PATIENCE)
             for agent in agents:
-                with pytest.raises(Absent, match=r"a beacon that decoded did not arrive at tick 41"):
+                with pytest.raises(Unavailable, match=r"a beacon that decoded did not arrive at tick 41"):
                     await asyncio.wait_for(agent, PATIENCE)
 
     asyncio.run(main())
@@ -68,7 +68,7 @@ def test_the_world_repeats_a_beacon_as_its_peers_got_it_without_a_log_too() -> N
                     await asyncio.sleep(0)
                     continue
                 question = messages.encode_recall(messages.decode_beacon(sample[1]).tick)
-                with contextlib.suppress(Refused):  # not judged yet, or forgotten already
+                with contextlib.suppress(Rejected):  # not judged yet, or forgotten already
                     repeated.append(await robot.ask(keys.held_beacon(RUN, 1, "0"), question, PATIENCE) == sample[1])
 
     asyncio.run(session.run(load("pair.toml", run__duration=20.0), [[0], [1]], disturb))
@@ -80,7 +80,7 @@ def test_the_world_refuses_to_repeat_what_it_does_not_hold(robot: int | str, tic
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as opened:
             rule = f"^the world holds no beacon of robot {robot} from tick {tick}$"
-            with pytest.raises(Refused, match=rule):
+            with pytest.raises(Rejected, match=rule):
                 await opened.ask(keys.held_beacon(RUN, robot, "0"), messages.encode_recall(tick), PATIENCE)
 
     asyncio.run(session.run(load("pair.toml", run__duration=0.2), [[0], [1]], disturb))

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from agents.process import Agent
-from agents.runtime.outbox import Mouth
+from agents.runtime.outbox import Outbox
 from console.backends import inprocess
 from console.replay import command as replay_command
 from console.replay import log
@@ -29,9 +29,9 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
 ) -> None:
     for patience in ("ANSWER_TIMEOUT", "ASK_AGAIN"):  # its token alone tells the barrier
         monkeypatch.setattr(f"world.server.lockstep.{patience}", 1e6)
-    dying, say, unsaid = asyncio.Event(), Mouth.say, list[int]()
+    dying, say, unsaid = asyncio.Event(), Outbox.say, list[int]()
     monkeypatch.setattr(
-        Mouth, "say", lambda *what: unsaid.append(what[1]) if dying.is_set() and what[2][0][0] == 4 else say(*what)
+        Outbox, "say", lambda *what: unsaid.append(what[1]) if dying.is_set() and what[2][0][0] == 4 else say(*what)
     )
     seen: dict[str, Any] = {}
 
@@ -71,18 +71,18 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
 def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_when_it_speaks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asleep, say = asyncio.Event(), Mouth.say
-    delayed: list[tuple[Mouth, int, Any]] = []
+    asleep, say = asyncio.Event(), Outbox.say
+    delayed: list[tuple[Outbox, int, Any]] = []
 
-    def sleepy(mouth: Mouth, tick: int, said: Any) -> None:
+    def sleepy(mouth: Outbox, tick: int, said: Any) -> None:
         if asleep.is_set() and said[0][0] == 1:
             delayed.append((mouth, tick, said))
         else:
             say(mouth, tick, said)
 
-    repeat = Mouth.repeat
-    monkeypatch.setattr(Mouth, "say", sleepy)
-    monkeypatch.setattr(Mouth, "repeat", lambda *asked: None if asleep.is_set() else repeat(*asked))
+    repeat = Outbox.repeat
+    monkeypatch.setattr(Outbox, "say", sleepy)
+    monkeypatch.setattr(Outbox, "repeat", lambda *asked: None if asleep.is_set() else repeat(*asked))
     seen = []
 
     async def story(server: Server, agents: Any, endpoint: str) -> None:
@@ -127,9 +127,9 @@ def test_scheduled_deaths_have_one_digest_in_one_loop_and_over_zenoh(name: str, 
 def test_answers_of_a_robot_that_was_dead_by_schedule_may_come_when_it_takes_part_again(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    delayed, say = [], Mouth.say
+    delayed, say = [], Outbox.say
 
-    def slow(mouth: Mouth, tick: int, said: Any) -> None:
+    def slow(mouth: Outbox, tick: int, said: Any) -> None:
         if said[0][0] == 6 and 70 <= tick < 80:  # nobody waits for these; it is back from tick 80 on
             delayed.append((mouth, tick, said))
             return
@@ -137,7 +137,7 @@ def test_answers_of_a_robot_that_was_dead_by_schedule_may_come_when_it_takes_par
             say(*delayed.pop(0))
         say(mouth, tick, said)
 
-    monkeypatch.setattr(Mouth, "say", slow)
+    monkeypatch.setattr(Outbox, "say", slow)
     dying = load("paper.toml", run__duration=2.4, event=DEADS)
 
     async def bounded() -> Any:
@@ -176,10 +176,10 @@ def test_a_team_that_hangs_as_one_is_taken_in_again_when_it_speaks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Nobody is there to wait for then but those who hang."""
-    asleep, say, repeat = asyncio.Event(), Mouth.say, Mouth.repeat
-    delayed: list[tuple[Mouth, int, Any]] = []
-    monkeypatch.setattr(Mouth, "say", lambda *what: delayed.append(what) if asleep.is_set() else say(*what))
-    monkeypatch.setattr(Mouth, "repeat", lambda *asked: None if asleep.is_set() else repeat(*asked))
+    asleep, say, repeat = asyncio.Event(), Outbox.say, Outbox.repeat
+    delayed: list[tuple[Outbox, int, Any]] = []
+    monkeypatch.setattr(Outbox, "say", lambda *what: delayed.append(what) if asleep.is_set() else say(*what))
+    monkeypatch.setattr(Outbox, "repeat", lambda *asked: None if asleep.is_set() else repeat(*asked))
 
     async def story(server: Server, agents: Any, endpoint: str) -> None:
         await until(server, lambda state: state.tick >= 20)

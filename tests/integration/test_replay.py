@@ -22,7 +22,7 @@ from console.replay import compare, log
 from console.replay.reexecution import Mismatch
 from fes.errors import FesError
 from fes.protocol import channel_change, keys, messages
-from fes.protocol.channel_change import Change
+from fes.protocol.channel_change import ParameterChange
 from fes.system import fingerprint
 from tests.support import recordings, session
 from tests.support.loop import load
@@ -99,7 +99,7 @@ def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with session.client(endpoint) as person:
             begin.set()
-            wish = channel_change.encode_change(Change("channel.reference_snr", 2e6))
+            wish = channel_change.encode_change(ParameterChange("channel.reference_snr", 2e6))
             await person.ask(keys.change(session.RUN), wish, PATIENCE)
 
     async def run() -> tuple[dict[str, Any], Server]:

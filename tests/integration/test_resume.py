@@ -14,9 +14,9 @@ from fes.recording.layout import NAME
 from tests.support.loop import load
 from tests.support.teams import Team
 from world.execution import resume
-from world.execution.checkpoint import FOLDER, Keeper
+from world.execution.checkpoint import FOLDER, CheckpointWriter
 from world.execution.recorder import Recorder
-from world.execution.run import Course
+from world.execution.run import Run
 from world.metrics import summary
 
 
@@ -42,8 +42,8 @@ def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, r
     first.mkdir()
     team, logs = Team(scenario), dict[int, list[tuple[str, int, bytes]]]()
     with Recorder(first / NAME, scenario, name, "processes") as recorder:
-        course = Course(scenario, recorder if recorded else None)
-        keeper = Keeper(first, 1e9, name, "main")
+        course = Run(scenario, recorder if recorded else None)
+        keeper = CheckpointWriter(first, 1e9, name, "main")
         keeper.begin(course)
         for tick in range(scenario.ticks):
             if tick == 13:
@@ -91,9 +91,9 @@ def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, r
 
 def test_a_damaged_log_is_one_line(tmp_path: Path) -> None:
     scenario = load("pair.toml", run__duration=0.2)
-    team, keeper = Team(scenario), Keeper(tmp_path, 1e9, "pair", "main")
+    team, keeper = Team(scenario), CheckpointWriter(tmp_path, 1e9, "pair", "main")
     with suppress(FesError), Recorder(tmp_path / NAME, scenario, "pair", "processes") as recorder:
-        course = Course(scenario, recorder)
+        course = Run(scenario, recorder)
         keeper.begin(course)
         for _ in range(5):
             team.step(course)

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from fes.arrays.types import Bools
-from fes.errors import FesError, Refused
+from fes.errors import FesError, Rejected
 from fes.protocol import keys
 from tests.support import session
 from tests.support.loop import load
 from tests.support.session import RUN
-from world.execution.checkpoint import Keeper
-from world.execution.run import Course
+from world.execution.checkpoint import CheckpointWriter
+from world.execution.run import Run
 from world.server.server import Server
 
 
@@ -24,14 +24,14 @@ def test_a_world_does_not_start_with_robots_whose_agents_it_has_not_accepted() -
 
     async def main() -> None:
         async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
-            server = Server(opened, Course(load("pair.toml", run__duration=0.2)), "test", RUN)
+            server = Server(opened, Run(load("pair.toml", run__duration=0.2)), "test", RUN)
             gathering = asyncio.ensure_future(server.gather())
             async with session.client(endpoint) as stale:
                 for robot in (0, 1):
                     stale.token(keys.robot_alive(RUN, robot))
                 while not server._roster.alive.all():
                     await asyncio.sleep(0.01)
-                with pytest.raises(Refused, match="robot 1 is hosted by an agent of an earlier world"):
+                with pytest.raises(Rejected, match="robot 1 is hosted by an agent of an earlier world"):
                     await session.live(endpoint, [1])
                 assert not gathering.done()
             while server._roster.alive.any():
@@ -48,13 +48,13 @@ def test_a_world_does_not_start_with_robots_whose_agents_it_has_not_accepted() -
 def test_a_world_that_cannot_keep_who_joins_ends_instead_of_waiting_for_ever(tmp_path: Path) -> None:
     async def main() -> None:
         async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
-            course, keeper = Course(load("pair.toml")), Keeper(tmp_path, 1e9, "test", RUN)
+            course, keeper = Run(load("pair.toml")), CheckpointWriter(tmp_path, 1e9, "test", RUN)
             keeper.begin(course)
             assert keeper._journal is not None
             keeper._journal.close()
             keeper._journal._file = Path("/dev/full").open("ab", buffering=0)  # noqa: SIM115 (the keeper closes it)
             gathering = asyncio.ensure_future(Server(opened, course, "test", RUN, keeper=keeper).gather())
-            with pytest.raises(Refused, match="No space left on device"):
+            with pytest.raises(Rejected, match="No space left on device"):
                 await session.live(endpoint, [0])
             with pytest.raises(FesError, match="No space left on device"):
                 await gathering
@@ -68,7 +68,7 @@ def test_who_comes_back_when_a_world_goes_on_takes_part_from_its_second_tick() -
 
     async def main() -> tuple[Server, list[Bools]]:
         async with session.router() as (opened, endpoint), asyncio.timeout(100.0):
-            course, took = Course(load("pair.toml", run__duration=0.4)), list[Bools]()
+            course, took = Run(load("pair.toml", run__duration=0.4)), list[Bools]()
             course.state = replace(course.state, tick=5, present=np.array([True, False]), since=np.array([5, 0]))
             server, take = Server(opened, course, "test", RUN), course.take
 

@@ -17,7 +17,7 @@ from console.sweep import ledger, table, work
 from console.sweep.table import Format
 from fes.errors import FesError, MessageError
 from fes.protocol import channel_change, wire
-from fes.protocol.channel_change import Change
+from fes.protocol.channel_change import ParameterChange
 from fes.system import strict_json
 from tests.support import recordings
 from tests.support.commands import PAIR, call
@@ -92,7 +92,7 @@ def test_a_log_whose_summary_is_no_json_is_refused_in_one_line(tmp_path: Path) -
 @pytest.mark.parametrize("bad", BAD)
 def test_a_value_that_is_not_finite_cannot_be_asked_for(bad: float) -> None:
     with pytest.raises(MessageError, match="expects finite numbers"):
-        channel_change.encode_change(Change("channel.reference_snr", bad))
+        channel_change.encode_change(ParameterChange("channel.reference_snr", bad))
 
 
 @pytest.mark.parametrize("bad", BAD)

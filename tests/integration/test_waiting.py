@@ -18,8 +18,8 @@ from tests.support.loop import load
 from tests.support.session import PATIENCE, RUN
 from world.config.scenario import Scenario
 from world.execution import checkpoint, resume
-from world.execution.checkpoint import Keeper
-from world.execution.run import Answer, Course
+from world.execution.checkpoint import CheckpointWriter
+from world.execution.run import Answer, Run
 from world.server.live import WARM_UP
 from world.server.lockstep import Lockstep
 from world.server.server import Server
@@ -34,7 +34,7 @@ async def due(scenario: Scenario, comes: bool) -> tuple[str, dict[str, Any]]:
     Returns the robots that the world then waited for, and the summary; robot 1 `comes` when it is waited for.
     """
     async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
-        server = Server(opened, Course(scenario), "test", RUN)
+        server = Server(opened, Run(scenario), "test", RUN)
         agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
         await server.gather()
         late, waits = server._attendance.due, list[str]()
@@ -89,9 +89,9 @@ def test_a_robot_that_is_due_and_does_not_come_is_missed_and_the_run_continues(
     assert caplog.messages.count(late) == 1
 
 
-def gone_on_with(scenario: Scenario, tick: int) -> Course:
+def gone_on_with(scenario: Scenario, tick: int) -> Run:
     """A run in which all took part, as a world finds it that goes on at a tick."""
-    course = Course(scenario)
+    course = Run(scenario)
     course.state = replace(course.state, tick=tick)
     return course
 
@@ -158,7 +158,7 @@ def test_a_live_run_whose_world_dies_goes_on_in_lockstep_at_a_tick_that_its_robo
         """A world that dies when its robots have answered a tick that it has no note of; returns that tick."""
         dies, for_ever = asyncio.Event(), asyncio.Event()
         async with bus.opened(Endpoints("router", (), (endpoint,))) as opened:
-            course, keeper = Course(scenario), Keeper(tmp_path, 1e9, "test", RUN)
+            course, keeper = Run(scenario), CheckpointWriter(tmp_path, 1e9, "test", RUN)
             keeper.begin(course)
             server = Server(opened, course, "test", RUN, keeper=keeper)
             agents += [asyncio.ensure_future(host(robot, robots)) for robot in (0, 1)]
@@ -186,7 +186,7 @@ def test_a_live_run_whose_world_dies_goes_on_in_lockstep_at_a_tick_that_its_robo
             robots.append(agent)
             await agent.live(await agent.join(PATIENCE))
 
-    async def second() -> tuple[int, Course]:
+    async def second() -> tuple[int, Run]:
         """Its successor; returns from which tick on."""
         async with bus.opened(Endpoints("router", (), (endpoint,))) as opened:
             course, keeper, elapsed = resume.course(tmp_path, resume.load(tmp_path), None, 1e9)
@@ -198,7 +198,7 @@ def test_a_live_run_whose_world_dies_goes_on_in_lockstep_at_a_tick_that_its_robo
             keeper.discard(course)
             return begun, course
 
-    async def main() -> tuple[int, int, Course]:
+    async def main() -> tuple[int, int, Run]:
         agents, robots = list["asyncio.Task[None]"](), list[Agent]()
         async with asyncio.timeout(PATIENCE):
             died = await first(agents, robots)

@@ -21,7 +21,7 @@ from fes.model.config import FormationConfig, Table
 from tests.support.loop import load
 from world.config.scenario import Scenario
 from world.metrics import summary as summaries
-from world.metrics.collector import Account
+from world.metrics.collector import MetricsCollector
 from world.simulation import unicycle
 
 SMALLEST, LARGEST = 5e-324, 1.7e308
@@ -148,7 +148,7 @@ def error_of(settings: dict[str, Any]) -> str:
     """Run six ticks of the pair to their summary; the error that ended it, or nothing."""
     try:
         what = load("pair.toml", **settings)
-        sums = Account(what)
+        sums = MetricsCollector(what)
         for tick in itertools.islice(inprocess.ticks(what), 6):
             sums.add(tick.state, tick.twists, tick.telemetry)
         summaries.summarize(sums, "pair", "inprocess", 1.0)

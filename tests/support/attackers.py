@@ -13,7 +13,7 @@ import numpy as np
 
 from agents.process import Agent
 from console.backends import inprocess
-from fes.errors import Refused
+from fes.errors import Rejected
 from fes.protocol import keys, messages, wire
 from fes.protocol.messages import Beacon, Command, Join, Observation
 from fes.transport.bus import Bus
@@ -80,7 +80,7 @@ async def arrived(opened: Bus) -> None:
     """Wait until what was declared and put is with world and robots: these questions take no other way."""
     await opened.ask(keys.about(RUN), b"", session.PATIENCE)
     for robot in range(ROBOTS):
-        with contextlib.suppress(Refused):
+        with contextlib.suppress(Rejected):
             await opened.ask(keys.recall(RUN, robot), messages.encode_recall(10**9), session.PATIENCE)
 
 

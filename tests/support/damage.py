@@ -28,9 +28,9 @@ from tests.support.paths import CONFIGS
 from tests.support.teams import Team
 from world.config.scenario import Scenario
 from world.execution import resume
-from world.execution.checkpoint import Keeper
+from world.execution.checkpoint import CheckpointWriter
 from world.execution.recorder import Recorder
-from world.execution.run import Course
+from world.execution.run import Run
 from world.metrics import summary
 
 KEPT, FLUSHED, KILLED = 0.4, 0.6, 0.7
@@ -73,7 +73,7 @@ def comparable(found: dict[str, Any]) -> str:
     return json.dumps({name: value for name, value in found.items() if name not in work.WALL_CLOCK})
 
 
-class Run:
+class StoredRun:
     """A run that was killed, and its results if it is not killed."""
 
     def __init__(self, where: Path, scenario: Scenario) -> None:
@@ -85,7 +85,7 @@ class Run:
         self.answered = killed - 1
         team, self.teams = Team(scenario), list[Team]()
         with Recorder(whole / NAME, scenario, "test", "processes") as recorder:
-            course, keeper = Course(scenario, recorder), Keeper(whole, 1e9, "test", "main")
+            course, keeper = Run(scenario, recorder), CheckpointWriter(whole, 1e9, "test", "main")
             keeper.begin(course)
             for tick in range(scenario.ticks):
                 if tick == kept:
@@ -183,7 +183,7 @@ def outcome(what: Callable[[str, bytes], Outcome], name: str, changed: bytes) ->
 
 def trials(where: Path, scenario: Scenario) -> dict[str, tuple[bytes, str, Callable[[str, bytes], Outcome]]]:
     """For each file that is changed: its content, its name, and the use of the changed file."""
-    run, sweep = Run(where, scenario), Sweep(where / "sweep")
+    run, sweep = StoredRun(where, scenario), Sweep(where / "sweep")
     kept = {str(path.relative_to(run.killed)): path.read_bytes() for path in run.files}
     return {
         **{name: (whole, name, run.resumed) for name, whole in kept.items()},

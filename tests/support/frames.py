@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.segment import Segment
 
 from agents.control import crew
-from console.dashboard.frame import History, render
+from console.dashboard.frame import ReportHistory, render
 from fes.arrays.types import Floats, Ints
 from fes.model import outage
 from fes.model.sensing import silence
@@ -88,19 +88,19 @@ def measured(report: Report, level: float, exponent: float) -> Report:
     return replace(report, learnt_reception=learnt, learnt_level=level * links, learnt_exponent=exponent * links)
 
 
-def a_history(*reports: Report) -> History:
-    history = History()
+def a_history(*reports: Report) -> ReportHistory:
+    history = ReportHistory()
     for report in reports:
         history.add(report)
     return history
 
 
-def pieces(history: History, width: int, height: int) -> list[list[Segment]]:
+def pieces(history: ReportHistory, width: int, height: int) -> list[list[Segment]]:
     console = Console(width=width, height=height, file=io.StringIO(), force_terminal=True)
     return console.render_lines(render(history, width, height), console.options, pad=False)
 
 
-def frame(history: History, width: int = 100, height: int = 30) -> list[str]:
+def frame(history: ReportHistory, width: int = 100, height: int = 30) -> list[str]:
     """What is printed, line by line."""
     console = Console(width=width, height=height, file=io.StringIO())
     console.print(render(history, width, height))
@@ -144,7 +144,7 @@ def play() -> list[Report]:
     """Reports of the first 3 s of the paper's ten robots."""
     setup = scenario.load(PAPER, {})
     world = truth.create(setup)
-    team = crew.assemble(scenario.agent_config(setup), world.ids)
+    team = crew.create(scenario.agent_config(setup), world.ids)
     state, robots, said = truth.start(world), crew.start(team), silence()
     best = optimum.optimal_separation(setup.objective, setup.channel)
     reports = []

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from agents.process import Agent
-from agents.runtime.outbox import Mouth
+from agents.runtime.outbox import Outbox
 from console.backends.process_group import free_port
 from fes.errors import FesError
 from fes.recording.layout import NAME
@@ -18,17 +18,17 @@ from tests.support.loop import load
 from tests.support.session import PATIENCE, RUN
 from world.config.scenario import Scenario
 from world.execution import journal
-from world.execution.checkpoint import FOLDER, Keeper
+from world.execution.checkpoint import FOLDER, CheckpointWriter
 from world.execution.recorder import Recorder
-from world.execution.run import Course
+from world.execution.run import Run
 from world.server import access
 from world.server.server import Server
 
 ROBOTS, HOSTILE, FIRST = 10, 4, 40
 """Robot 4 stands in the middle of the ten, and is hostile from tick 40 on."""
 
-Said = list[tuple[int, bytes, bytes]]
-Attack = Callable[[Mouth, int, Said], None]
+TickPayloads = list[tuple[int, bytes, bytes]]
+Attack = Callable[[Outbox, int, TickPayloads], None]
 """The words of a robot at a tick from FIRST on, instead of (robot, beacon, command)."""
 
 Beside = Callable[[Bus], Awaitable[None]]
@@ -52,12 +52,12 @@ def scenario(**overrides: object) -> Scenario:
     return load("measured.toml", run__duration=1.6, **overrides)
 
 
-class Turncoat(Mouth):
+class Turncoat(Outbox):
     """Speaks correctly until tick FIRST, then as an `attack` demands."""
 
     attack: Attack
 
-    def say(self, tick: int, said: Said) -> None:
+    def say(self, tick: int, said: TickPayloads) -> None:
         if tick >= FIRST:
             self.attack(self, tick, said)
         else:
@@ -84,8 +84,8 @@ async def _run(where: Path, keyed: Path, attack: Attack, beside: Beside | None) 
     world = Endpoints("router", (), (endpoint,), security={**team_keys.security(keyed, "world"), **rules})
     async with bus.opened(world) as opened:
         with Recorder(where / NAME, what, "hostile", "processes") as recorder:
-            course = Course(what, recorder)
-            keeper = Keeper(where, 1e9, "hostile", RUN)
+            course = Run(what, recorder)
+            keeper = CheckpointWriter(where, 1e9, "hostile", RUN)
             keeper.begin(course)
             server = Server(opened, course, "hostile", RUN, keeper=keeper, guarded=True)
             agents = [

@@ -15,10 +15,10 @@ from fes.model.config import AgentConfig, ChannelConfig, FormationConfig, Object
 from fes.model.sensing import MAX_TOLD, MAX_TWIST
 from fes.protocol import channel_change, messages, world_info
 from fes.protocol import report as reports
-from fes.protocol.channel_change import Change, Effect
+from fes.protocol.channel_change import ChangeResult, ParameterChange
 from fes.protocol.messages import Beacon, Command, Join, Observation, Welcome
 from fes.protocol.report import Report
-from fes.protocol.world_info import About
+from fes.protocol.world_info import WorldInfo
 
 
 class Codec(NamedTuple):
@@ -121,15 +121,15 @@ crews = st.sets(robots, min_size=1, max_size=9).map(lambda ids: tuple(sorted(ids
 words = st.text(st.characters(codec="ascii", categories=["L", "N", "P"]), max_size=20)
 joins = st.builds(Join, crews, st.integers(0, messages.MAX_AGENT), words)
 
-abouts = st.builds(About, words, words, st.integers(1, 2**31 - 1), finite)
+abouts = st.builds(WorldInfo, words, words, st.integers(1, 2**31 - 1), finite)
 paths = st.from_regex(r"channel(\.[a-z_]{1,12}){1,3}", fullmatch=True)
 settings = st.recursive(
     st.none() | st.booleans() | st.integers(-(2**53), 2**53) | finite | st.text(max_size=20),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
     max_leaves=5,
 )
-changes = st.builds(Change, paths, settings)
-effects = st.builds(Effect, paths, settings, ticks, finite, st.booleans())
+changes = st.builds(ParameterChange, paths, settings)
+effects = st.builds(ChangeResult, paths, settings, ticks, finite, st.booleans())
 
 CODECS = {
     "Observation": Codec(messages.encode_observation, messages.decode_observation, observations(), 9),

@@ -8,10 +8,10 @@ from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 
 from console.backends import process_group
-from console.backends.managed_process import Child
-from console.backends.process_group import Family
-from console.backends.restart_limits import Respawn
-from console.backends.supervisor import ChildFailed, Supervisor
+from console.backends.managed_process import ManagedProcess
+from console.backends.process_group import ProcessGroup
+from console.backends.restart_limits import RestartLimit
+from console.backends.supervisor import ProcessFailed, Supervisor
 
 ENDLESS = "import signal; signal.pause()"
 SUCCESS, FAILURE = "raise SystemExit(0)", "raise SystemExit(1)"
@@ -37,26 +37,26 @@ process.run("slow", main, exit_with_stdin=True)
 
 
 @contextlib.asynccontextmanager
-async def family(where: Path) -> AsyncIterator[Family]:
-    kin = Family(where)
+async def family(where: Path) -> AsyncIterator[ProcessGroup]:
+    kin = ProcessGroup(where)
     async with process_group.ended_with_block(kin):
         yield kin
 
 
-async def child(where: Path, name: str, code: str, said: str = "", robots: str = "") -> Child:
+async def child(where: Path, name: str, code: str, said: str = "", robots: str = "") -> ManagedProcess:
     """A process in place of a program; `said` is in its log."""
     log = where / f"{name}.log"
     log.write_text(said)
     started = await asyncio.create_subprocess_exec(sys.executable, "-c", code, stdin=subprocess.PIPE, cwd=where)
-    return Child(name, started, log, robots)
+    return ManagedProcess(name, started, log, robots)
 
 
-async def world(kin: Family, code: str, said: str = "") -> None:
+async def world(kin: ProcessGroup, code: str, said: str = "") -> None:
     kin.world = await child(kin.directory, "fes-world", code, said)
     kin.watch(kin.world)
 
 
-async def agent(kin: Family, robots: str, code: str, said: str = "") -> Child:
+async def agent(kin: ProcessGroup, robots: str, code: str, said: str = "") -> ManagedProcess:
     kin.agents.append(await child(kin.directory, f"fes-agent --id {robots}", code, said, robots))
     kin.watch(kin.agents[-1])
     return kin.agents[-1]
@@ -68,24 +68,24 @@ async def until(holds: Callable[[], object]) -> None:
             await asyncio.sleep(0.01)
 
 
-async def finished(kin: Family, respawn: Respawn | None = None) -> tuple[str, list[str]]:
+async def finished(kin: ProcessGroup, respawn: RestartLimit | None = None) -> tuple[str, list[str]]:
     """The error of a run, if it failed, and its warnings."""
     said: list[str] = []
     try:
         await Supervisor(kin, said.append, "nobody is left", respawn).finish()
-    except ChildFailed as failed:
+    except ProcessFailed as failed:
         return str(failed), said
     return "", said
 
 
-class Impatient(Respawn):
+class Impatient(RestartLimit):
     """At once, twice."""
 
     def delay(self, robots: str, lived: float) -> float | None:
         return 0.01 if super().delay(robots, 0.0) in (0.5, 1.0) else None
 
 
-class Tireless(Respawn):
+class Tireless(RestartLimit):
     """At once, for ever."""
 
     def delay(self, robots: str, lived: float) -> float | None:

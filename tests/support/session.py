@@ -15,7 +15,7 @@ from fes.transport.bus import Bus
 from fes.transport.endpoints import Endpoints
 from world.config.scenario import Scenario
 from world.execution.recorder import Recorder
-from world.execution.run import Course
+from world.execution.run import Run
 from world.server.server import Server
 from world.simulation.truth import State
 
@@ -71,7 +71,7 @@ async def run(
     `begin` is set, or it is done, and is not over before it is done. `recorder` gets every tick.
     """
     async with router() as (opened, endpoint):
-        server = Server(opened, Course(scenario, recorder), "test", RUN)
+        server = Server(opened, Run(scenario, recorder), "test", RUN)
         agents = [asyncio.ensure_future(live(endpoint, robots)) for robots in groups]
         await server.gather()
         if disturb is not None:

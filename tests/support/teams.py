@@ -10,8 +10,8 @@ from fes.model.sensing import silence
 from fes.protocol import messages
 from tests.support.loop import load
 from world.config.scenario import Scenario, agent_config
-from world.execution.checkpoint import FOLDER, Keeper
-from world.execution.run import Answer, Course
+from world.execution.checkpoint import FOLDER, CheckpointWriter
+from world.execution.run import Answer, Run
 from world.simulation import truth
 
 
@@ -19,10 +19,10 @@ class Team:
     """A crew in one loop with a course."""
 
     def __init__(self, scenario: Scenario) -> None:
-        self.crew = crew.assemble(agent_config(scenario), np.arange(scenario.robots.number))
+        self.crew = crew.create(agent_config(scenario), np.arange(scenario.robots.number))
         self.minds, self.said = crew.start(self.crew), silence()
 
-    def step(self, course: Course) -> None:
+    def step(self, course: Run) -> None:
         """Go through one tick."""
         anew = course.state.since == course.state.tick
         if anew.any() and course.state.tick > 0:
@@ -42,8 +42,8 @@ class Team:
 def begun(where: Path) -> Path:
     """A run directory with a checkpoint."""
     where.mkdir()
-    course = Course(load("pair.toml"))
-    keeper = Keeper(where, 1e9, "pair", "main")
+    course = Run(load("pair.toml"))
+    keeper = CheckpointWriter(where, 1e9, "pair", "main")
     keeper.begin(course)
     keeper.close(course)
     return where / FOLDER / "state"

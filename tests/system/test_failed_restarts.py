@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 
 from console.backends import process_group
-from console.backends.managed_process import Child
+from console.backends.managed_process import ManagedProcess
 from console.backends.process_group import BEGUN
 from console.backends.supervisor import Supervisor
 from tests.support.process_groups import ENDLESS, SLOW, Impatient, family, finished, until, world
 
 
-async def refused(*_: object, **__: object) -> Child:
+async def refused(*_: object, **__: object) -> ManagedProcess:
     raise OSError(11, "Resource temporarily unavailable")
 
 

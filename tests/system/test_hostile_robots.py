@@ -11,19 +11,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from agents.runtime.outbox import Mouth
+from agents.runtime.outbox import Outbox
 from console.backends import inprocess
 from console.keys import certificates
 from console.replay import command as replay_command
 from console.replay import compare, log
-from fes.errors import Absent, Refused
+from fes.errors import Rejected, Unavailable
 from fes.protocol import keys, messages, wire
 from fes.recording.layout import NAME
 from fes.transport import bus
 from fes.transport.bus import Bus
 from tests.support import hostile, team_keys
 from tests.support.attackers import command, reversioned
-from tests.support.hostile import FIRST, HOSTILE, ROBOTS, Attack, Outcome, Said, scenario
+from tests.support.hostile import FIRST, HOSTILE, ROBOTS, Attack, Outcome, TickPayloads, scenario
 from tests.support.session import RUN
 from world.execution import resume
 from world.execution.recorder import Recorder
@@ -44,25 +44,25 @@ def altered(payload: bytes) -> bytes:
     return messages.encode_beacon(beacon._replace(pose=(beacon.pose[0] + 1.0, *beacon.pose[1:])))
 
 
-def keep(mouth: Mouth, tick: int, said: Said, beacon: bytes | None) -> None:
+def keep(mouth: Outbox, tick: int, said: TickPayloads, beacon: bytes | None) -> None:
     """Remember a tick as `say` does, with another beacon, or with none."""
     mouth._commands[tick] = {robot: payload for robot, _, payload in said}
     if beacon is not None:
         mouth._beacons[tick] = {robot: beacon for robot, _, _ in said}
 
 
-def mute(mouth: Mouth, tick: int, said: Said) -> None:
+def mute(mouth: Outbox, tick: int, said: TickPayloads) -> None:
     keep(mouth, tick, said, None)
     mouth._command[HOSTILE](said[0][2])
 
 
-def junk(mouth: Mouth, tick: int, said: Said) -> None:
+def junk(mouth: Outbox, tick: int, said: TickPayloads) -> None:
     keep(mouth, tick, said, b"\xc1 junk")
     mouth._beacon[HOSTILE](b"\xc1 junk")
     mouth._command[HOSTILE](said[0][2])
 
 
-def refuse_the_recall(mouth: Mouth, tick: int, said: Said) -> None:
+def refuse_the_recall(mouth: Outbox, tick: int, said: TickPayloads) -> None:
     """The beacon is pushed out of every mailbox, and not repeated."""
     keep(mouth, tick, said, None)
     mouth._beacon[HOSTILE](said[0][1])
@@ -71,28 +71,28 @@ def refuse_the_recall(mouth: Mouth, tick: int, said: Said) -> None:
     mouth._command[HOSTILE](said[0][2])
 
 
-def speak_another_version(mouth: Mouth, tick: int, said: Said) -> None:
+def speak_another_version(mouth: Outbox, tick: int, said: TickPayloads) -> None:
     other = reversioned(said[0][1])
     keep(mouth, tick, said, other)
     mouth._beacon[HOSTILE](other)
     mouth._command[HOSTILE](said[0][2])
 
 
-def contradict_itself(mouth: Mouth, tick: int, said: Said) -> None:
+def contradict_itself(mouth: Outbox, tick: int, said: TickPayloads) -> None:
     keep(mouth, tick, said, said[0][1])
     mouth._beacon[HOSTILE](said[0][1])
     mouth._beacon[HOSTILE](altered(said[0][1]))
     mouth._command[HOSTILE](said[0][2])
 
 
-def contradict_itself_later(mouth: Mouth, tick: int, said: Said) -> None:
+def contradict_itself_later(mouth: Outbox, tick: int, said: TickPayloads) -> None:
     """The second beacon of a tick arrives after the first was judged, and used by peers."""
     if tick > FIRST:
         mouth._beacon[HOSTILE](altered(mouth._beacons[tick - 1][HOSTILE]))
-    Mouth.say(mouth, tick, said)
+    Outbox.say(mouth, tick, said)
 
 
-def speak_ahead(mouth: Mouth, tick: int, said: Said) -> None:
+def speak_ahead(mouth: Outbox, tick: int, said: TickPayloads) -> None:
     """A beacon of a later tick comes before its time, which peers might keep for that tick."""
     if tick == FIRST:
         mouth._beacon[HOSTILE](said[0][1])
@@ -101,10 +101,10 @@ def speak_ahead(mouth: Mouth, tick: int, said: Said) -> None:
         mouth._command[HOSTILE](said[0][2])
         keep(mouth, tick, said, said[0][1])
     else:
-        Mouth.say(mouth, tick, said)
+        Outbox.say(mouth, tick, said)
 
 
-def name_a_stranger(mouth: Mouth, tick: int, said: Said) -> None:
+def name_a_stranger(mouth: Outbox, tick: int, said: TickPayloads) -> None:
     """A beacon with a link to a robot that does not exist."""
     beacon = messages.decode_beacon(said[0][1])
     ids, numbers = np.array([500]), np.array([70.0])
@@ -165,8 +165,8 @@ def test_a_robot_at_fault_is_excluded_and_the_others_lose_no_digit(
     assert replay_command.again(recorded, everybody=True)["digest"] == outcome.summary["digest"] == resumed(outcome)
 
 
-def honest(mouth: Mouth, tick: int, said: Said) -> None:
-    Mouth.say(mouth, tick, said)
+def honest(mouth: Outbox, tick: int, said: TickPayloads) -> None:
+    Outbox.say(mouth, tick, said)
 
 
 async def accuse(second: Bus) -> None:
@@ -175,12 +175,12 @@ async def accuse(second: Bus) -> None:
         for robot in sorted(OTHERS):
             try:
                 await second.ask(keys.held_beacon(RUN, robot, str(HOSTILE)), messages.encode_recall(tick), 0.2)
-            except (Refused, Absent):
+            except (Rejected, Unavailable):
                 continue
         second._session.get(keys.recall(RUN, 5), payload=messages.encode_recall(tick), timeout=0.1)  # not allowed
 
 
-def push_out(mouth: Mouth, tick: int, said: Said) -> None:
+def push_out(mouth: Outbox, tick: int, said: TickPayloads) -> None:
     """Junk pushes its beacon out of every mailbox, so that all peers must ask the world; it repeats the beacon."""
     keep(mouth, tick, said, said[0][1])
     mouth._beacon[HOSTILE](said[0][1])

@@ -150,7 +150,7 @@ def test_any_override_axis_seeds_and_change_is_taken_or_refused_in_one_line(text
     def set_() -> None:
         path, value = parse_override(text)
         scenario.load(CONFIGS / "pair.toml", {path: value})
-        channel_change.encode_change(channel_change.Change(path, value))
+        channel_change.encode_change(channel_change.ParameterChange(path, value))
 
     line(set_)
     line(lambda: design.parse_axis(text))

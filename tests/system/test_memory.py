@@ -11,14 +11,14 @@ from console.backends import inprocess
 from console.dashboard import frame
 from tests.support.loop import load
 from world.metrics import report_builder
-from world.metrics.collector import Account
+from world.metrics.collector import MetricsCollector
 
 TICKS, WARM_UP = 40_000, 10_000
 
 
 def test_world_robots_account_and_dashboard_of_a_long_run_keep_their_size() -> None:
     scenario = load("pair.toml", run__duration=TICKS * 0.02)
-    sums, shown = Account(scenario), frame.History()
+    sums, shown = MetricsCollector(scenario), frame.ReportHistory()
     paper, alive, before = Console(file=io.StringIO(), width=80, height=24), np.ones(2, dtype=np.uint8), 0.0
     for done, tick in enumerate(inprocess.ticks(scenario), 1):
         sums.add(tick.state, tick.twists, tick.telemetry)

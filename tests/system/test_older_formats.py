@@ -22,9 +22,9 @@ from tests.support.loop import load
 from tests.support.paths import FORMATS
 from tests.support.teams import Team
 from world.execution import resume, snapshot
-from world.execution.checkpoint import FOLDER, JOIN, STATE, Keeper
+from world.execution.checkpoint import FOLDER, JOIN, STATE, CheckpointWriter
 from world.execution.recorder import Recorder
-from world.execution.run import Course
+from world.execution.run import Run
 
 KEPT = FORMATS
 
@@ -91,7 +91,11 @@ def layout(where: Path) -> str:
     scenario = load("measured.toml", run__duration=0.2, channel__bursts={"bad_share": 0.2, "mean_length": 0.1})
     (where / "run").mkdir()
     with Recorder(where / "run" / NAME, scenario, "x", "processes") as recorder:
-        course, keeper, team = Course(scenario, recorder), Keeper(where / "run", 1e9, "x", "main"), Team(scenario)
+        course, keeper, team = (
+            Run(scenario, recorder),
+            CheckpointWriter(where / "run", 1e9, "x", "main"),
+            Team(scenario),
+        )
         keeper.begin(course)
         keeper.note([JOIN, [0, 1], 7])
         for _ in range(5):

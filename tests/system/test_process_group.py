@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from console.backends import process_group, supervisor
-from console.backends.managed_process import Child
+from console.backends.managed_process import ManagedProcess
 from console.backends.process_group import BEGUN
 from tests.support.process_groups import (
     ENDLESS,
@@ -160,7 +160,7 @@ def test_an_agent_that_dies_each_time_is_started_again_a_few_times_and_then_give
 
 
 def test_no_agent_that_waits_to_be_started_again_is_started_when_all_ends(tmp_path: Path) -> None:
-    async def main() -> list[Child]:
+    async def main() -> list[ManagedProcess]:
         async with family(tmp_path) as kin:
             await world(kin, SLOW)
             await kin.start_agent("0", ["--no-such-flag"])
@@ -176,7 +176,7 @@ def test_no_agent_that_waits_to_be_started_again_is_started_when_all_ends(tmp_pa
 def test_an_agent_that_is_stopped_at_the_end_is_told_to_end_and_not_killed(tmp_path: Path) -> None:
     """It would wait for a world that is over; once continued, it ends as it was told to."""
 
-    async def main() -> Child:
+    async def main() -> ManagedProcess:
         async with family(tmp_path) as kin:
             (tmp_path / "go").touch()
             stopped = await agent(kin, "0", SLOW)

@@ -11,7 +11,7 @@ import pytest
 
 from agents.process import Agent
 from console.backends.process_group import free_port
-from fes.errors import Busy, Refused
+from fes.errors import Overloaded, Rejected
 from fes.protocol import messages
 from fes.protocol.messages import Welcome
 from tests.support.loop import load
@@ -86,7 +86,7 @@ class Crowded:
     async def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
         self.asked += 1
         if self.asked < 3:
-            raise Busy(key)
+            raise Overloaded(key)
         return self.answer
 
     def watch(self, key: str, handler: Any) -> None: ...
@@ -130,7 +130,7 @@ def test_an_agent_does_not_take_part_in_another_run_that_has_taken_the_place_of_
         agent.membership.on_world("", True)
         await agent.membership.confirmed()
         if another:
-            with pytest.raises(Refused, match="another run has taken the place of this one"):
+            with pytest.raises(Rejected, match="another run has taken the place of this one"):
                 await agent._inbox.wait(1, 0.0)
         else:
             assert await agent._inbox.wait(1, 0.0) is False

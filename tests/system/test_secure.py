@@ -16,9 +16,9 @@ from console.backends.process_group import free_port
 from console.doctor import network
 from console.doctor.finding import Status
 from console.keys import certificates
-from fes.errors import Absent, TransportError
+from fes.errors import TransportError, Unavailable
 from fes.protocol import channel_change, keys
-from fes.protocol.channel_change import Change
+from fes.protocol.channel_change import ParameterChange
 from fes.transport import bus
 from fes.transport.bus import Bus
 from fes.transport.endpoints import Endpoints
@@ -80,8 +80,8 @@ def test_each_forgery_is_refused_and_logged_once_and_the_run_is_the_same(
             for role, act, key in FORGERIES:
                 ACTS[act](who[role], key)
             for role, key in (("observer", keys.change(RUN)), ("robot-1", keys.welcome(RUN, "0"))):
-                question = channel_change.encode_change(Change("channel.reference_snr", 1.0))
-                with pytest.raises(Absent):
+                question = channel_change.encode_change(ParameterChange("channel.reference_snr", 1.0))
+                with pytest.raises(Unavailable):
                     await who[role].ask(key, question, 1.0)
             while world.log().count("it has no right to it") < len(FORGERIES) + 2:
                 await asyncio.sleep(0.02)
@@ -142,7 +142,7 @@ def test_robots_observers_and_operators_do_what_they_may(tmp_path: Path, issuer:
             assert report[0] == keys.report(RUN)
             assert set(seen) == {keys.robot_alive(RUN, 0), keys.robot_alive(RUN, 1)}
             async with world.visitor("operator") as operator:
-                question = channel_change.encode_change(Change("channel.reference_snr", 5e6))
+                question = channel_change.encode_change(ParameterChange("channel.reference_snr", 5e6))
                 effect = channel_change.decode_effect(await operator.ask(keys.change(RUN), question, PATIENCE))
                 assert effect.value == 5e6
             assert await world.over(), world.log()

@@ -19,9 +19,9 @@ from tests.support.loop import load
 from tests.support.processes import fes, start, until
 from tests.support.teams import Team
 from world.execution import resume
-from world.execution.checkpoint import FOLDER, STATE, TRAIL, Keeper
+from world.execution.checkpoint import FOLDER, STATE, TRAIL, CheckpointWriter
 from world.execution.recorder import Recorder
-from world.execution.run import Course
+from world.execution.run import Run
 
 
 def grow(path: Path) -> None:
@@ -44,7 +44,7 @@ def test_a_log_that_somebody_changes_is_told_of_when_the_run_is_over(tmp_path: P
     change, told = HOW[how]
     with contextlib.ExitStack() as stack:
         recorder = stack.enter_context(Recorder(path, scenario, "pair", "inprocess"))
-        course, team = Course(scenario, recorder), Team(scenario)
+        course, team = Run(scenario, recorder), Team(scenario)
         while not course.is_over:
             if course.state.tick == 10:
                 recorder.pause()
@@ -87,7 +87,7 @@ def test_a_checkpoint_that_somebody_changes_is_told_of_at_the_end(
     tmp_path: Path, what: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     scenario = load("pair.toml", run__duration=0.4)
-    course, team, keeper = Course(scenario), Team(scenario), Keeper(tmp_path, 1e9, "pair", "main")
+    course, team, keeper = Run(scenario), Team(scenario), CheckpointWriter(tmp_path, 1e9, "pair", "main")
     keeper.begin(course)
     folder = tmp_path / FOLDER
     removed = dict(zip(KINDS, (folder / TRAIL, folder / "journal-1", folder / STATE), strict=False))
@@ -107,7 +107,7 @@ def test_a_checkpoint_that_somebody_changes_is_told_of_at_the_end(
 
 
 def test_no_checkpoint_is_made_of_a_trail_that_is_gone(tmp_path: Path) -> None:
-    course, keeper = Course(load("pair.toml")), Keeper(tmp_path, 1e9, "pair", "main")
+    course, keeper = Run(load("pair.toml")), CheckpointWriter(tmp_path, 1e9, "pair", "main")
     keeper.begin(course)
     team = Team(course.scenario)
     for _ in range(5):
@@ -126,7 +126,7 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
     first.mkdir()
     team = Team(scenario)
     with Recorder(first / NAME, scenario, "pair", "processes") as recorder:
-        course, keeper = Course(scenario, recorder), Keeper(first, 1e9, "pair", "main")
+        course, keeper = Run(scenario, recorder), CheckpointWriter(first, 1e9, "pair", "main")
         keeper.begin(course)
         for _ in range(10):
             team.step(course)

@@ -9,7 +9,7 @@ from pydantic import Field
 from fes.arrays.types import Bools, Floats
 from fes.errors import ScenarioError
 from fes.model import counts
-from fes.model.config import MAX_DELAY, MAX_SKEW, EquipmentConfig, Table
+from fes.model.config import MAX_DELAY, MAX_SKEW, FaultConfig, Table
 
 RobotId = Annotated[int, Field(ge=0)]
 
@@ -74,12 +74,12 @@ def transmissions(parts: Iterable[tuple[int, Part]], robots: int) -> dict[int, T
     return found
 
 
-def told(parts: Iterable[tuple[int, Part]], dt: float) -> list[EquipmentConfig]:
+def told(parts: Iterable[tuple[int, Part]], dt: float) -> list[FaultConfig]:
     """What the robots' own equipment does, of `parts` by tick, in order; each is a whole condition from then on."""
-    now: dict[int, EquipmentConfig] = {}
+    now: dict[int, FaultConfig] = {}
     found = []
     for tick, part in parts:
-        before = now.get(part.robot, EquipmentConfig(tick=tick, robot=part.robot))
+        before = now.get(part.robot, FaultConfig(tick=tick, robot=part.robot))
         if isinstance(part, TransmitterConfig):
             change: dict[str, object] = {"delay": counts.ticks(part.delay, dt), "corrupt": part.corrupt}
         else:

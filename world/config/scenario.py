@@ -12,7 +12,7 @@ from fes.model import counts, stability
 from fes.model.config import (
     AgentConfig,
     Clock,
-    EquipmentConfig,
+    FaultConfig,
     FormationConfig,
     ObjectiveConfig,
     SeekingConfig,
@@ -125,7 +125,7 @@ class Scenario(Table):
         return faults.transmissions(events.parts(self.event, robots, self.run.dt), robots)
 
     @property
-    def faults(self) -> list[EquipmentConfig]:
+    def faults(self) -> list[FaultConfig]:
         """What agents are told of their robots' equipment, in order of time."""
         return faults.told(events.parts(self.event, self.robots.number, self.run.dt), self.run.dt)
 

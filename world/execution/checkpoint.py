@@ -28,7 +28,7 @@ from fes.recording import hashed_file
 from fes.recording.layout import NAME
 from world.execution import snapshot
 from world.execution.journal import Journal
-from world.execution.run import TICK, Course
+from world.execution.run import TICK, Run
 from world.execution.snapshot import Snapshot
 
 FOLDER = "checkpoint"
@@ -43,7 +43,7 @@ JOIN = "join"
 """Kind of a note beside those of a course: [JOIN, robots, agent, arithmetic]; the agent hosts them from now on."""
 
 
-class Keeper:
+class CheckpointWriter:
     """Keeps a run in the folder of its run directory."""
 
     def __init__(
@@ -69,7 +69,7 @@ class Keeper:
         self.renewed: set[int] = set()
         """Robots whose agents have joined, and answered no tick yet."""
 
-    def begin(self, course: Course) -> None:
+    def begin(self, course: Run) -> None:
         """Keep a run that begins, in a run directory that was cleared."""
         try:
             self._folder.mkdir()
@@ -79,7 +79,7 @@ class Keeper:
 
     def follow(
         self,
-        course: Course,
+        course: Run,
         trail: BinaryIO,
         hosts: dict[int, Join],
         renewed: set[int],
@@ -107,7 +107,7 @@ class Keeper:
         if self._journal is not None and self._journal.failure is not None:
             raise self._journal.failure
 
-    def save(self, course: Course, hosts: dict[int, Join], elapsed: float, *, at_once: bool = False) -> None:
+    def save(self, course: Run, hosts: dict[int, Join], elapsed: float, *, at_once: bool = False) -> None:
         """Keep the run as it is between two ticks, beside it or `at_once`; raises FesError where that fails."""
         if self._writing is not None and self._writing.done():
             self._writing.result()
@@ -146,7 +146,7 @@ class Keeper:
         else:
             self._writing = self._writer.submit(self._write, self._number, told, files)
 
-    def losses(self, course: Course) -> list[str]:
+    def losses(self, course: Run) -> list[str]:
         """One text per file of the current checkpoint that was removed or cut from outside."""
         journal, state, path = self._journal, self._state, self._folder / STATE
         if journal is None or journal.failure is not None:
@@ -156,7 +156,7 @@ class Keeper:
             found.append(f"{path} was removed or replaced")
         return [one for one in found if one is not None]
 
-    def close(self, course: Course) -> None:
+    def close(self, course: Run) -> None:
         """Keep no more of a run."""
         with contextlib.suppress(OSError), self._lock:
             for loss in self.losses(course):
@@ -170,12 +170,12 @@ class Keeper:
                 self._journal.close()
                 self._journal = None
 
-    def discard(self, course: Course) -> None:
+    def discard(self, course: Run) -> None:
         """The run is over: there is nothing to go on from."""
         self.close(course)
         clear(self._folder.parent)
 
-    def _loss_of_trail(self, course: Course) -> str | None:
+    def _loss_of_trail(self, course: Run) -> str | None:
         assert self._trail is not None
         self._trail.flush()
         path = self._folder / TRAIL

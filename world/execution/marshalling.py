@@ -61,7 +61,7 @@ def command(key: str, payload: bytes | None, robots: int) -> Command:
 _NOTHING = Command(0, 0, (0.0, 0.0), np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
 
 
-class Told:
+class CommandBatch:
     """The commands of a tick as arrays; links that did not change stay the same object."""
 
     def __init__(self, ids: Ints) -> None:

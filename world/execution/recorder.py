@@ -21,13 +21,13 @@ from fes.model import counts
 from fes.protocol import world_info
 from fes.protocol.report import encode_report
 from fes.recording import schemas, viewer_topics
-from fes.recording.layout import AT_ITS_END, MAX_JSON, SUMMARY, Said
-from fes.recording.mcap_file import Container, Schema
+from fes.recording.layout import AT_ITS_END, MAX_JSON, SUMMARY, TickPayloads
+from fes.recording.mcap_file import McapFile, Schema
 from fes.recording.schemas import FOXGLOVE, OWN
 from fes.system import fingerprint, strict_json
 from world.config.scenario import Scenario
 from world.metrics import report_builder
-from world.metrics.collector import Account
+from world.metrics.collector import MetricsCollector
 
 _ENDED = 4096  # bytes; room beside a summary for how the run ended
 
@@ -39,7 +39,7 @@ MAX_VIEWED = 256
 
 
 @dataclass(frozen=True)
-class Unfinished:
+class LogPosition:
     """A log up to one tick, to be gone on with."""
 
     size: int
@@ -62,7 +62,7 @@ class Recorder:
         scenario: Scenario,
         name: str,
         backend: str,
-        before: tuple[Path, Unfinished] | None = None,
+        before: tuple[Path, LogPosition] | None = None,
     ) -> None:
         """`before` is the log so far, in another file, where a run is gone on with."""
         self.path = path
@@ -76,7 +76,7 @@ class Recorder:
         self._excluded: dict[int, list[tuple[list[int], str]]] = {}
         self._tick = -1
         self._told = (0, 0.0)
-        self._file = Container(path)
+        self._file = McapFile(path)
         if before is None:
             self._begin(backend)
             return
@@ -100,7 +100,9 @@ class Recorder:
                 raise FesError(said)
             logging.getLogger("world").warning("%s", said)
 
-    def add(self, account: Account, twists: Floats, said: Said, alive: Bytes, elapsed: float) -> None:
+    def add(
+        self, account: MetricsCollector, twists: Floats, said: TickPayloads, alive: Bytes, elapsed: float
+    ) -> None:
         """Add the last tick of `account`, `elapsed` [s; wall clock] after tick 0, and what made it.
 
         `twists` [n, 2]; `alive` [n].
@@ -140,9 +142,9 @@ class Recorder:
         """The number of the open file."""
         return self._file.fileno
 
-    def pause(self) -> Unfinished:
+    def pause(self) -> LogPosition:
         """The log up to the last tick that was added: from now on a reader finds all of it."""
-        return Unfinished(
+        return LogPosition(
             self._file.close_chunk(),
             self._file.sha256,
             self._tick,
@@ -205,7 +207,7 @@ class Recorder:
         self._put("/events", schemas.EVENT, strict_json.dumps(event).encode())
         self._remark(viewer_topics.INFO, f"{path} = {value}, by {by}")
 
-    def _report(self, account: Account, twists: Floats, alive: Bytes, elapsed: float) -> None:
+    def _report(self, account: MetricsCollector, twists: Floats, alive: Bytes, elapsed: float) -> None:
         (told_at, then), ticks = self._told, account.tally.ticks
         self._told = ticks, elapsed
         rate = (ticks - told_at) / (elapsed - then) if elapsed > then else 0.0

@@ -15,9 +15,9 @@ from fes.recording import records
 from fes.recording.layout import NAME
 from fes.system import files
 from world.execution import checkpoint, journal, snapshot
-from world.execution.checkpoint import FOLDER, JOIN, STATE, TRAIL, Keeper
-from world.execution.recorder import Recorder, Unfinished
-from world.execution.run import ATTEND, EXCLUDE, SET, TICK, Course
+from world.execution.checkpoint import FOLDER, JOIN, STATE, TRAIL, CheckpointWriter
+from world.execution.recorder import LogPosition, Recorder
+from world.execution.run import ATTEND, EXCLUDE, SET, TICK, Run
 from world.execution.snapshot import Snapshot
 
 
@@ -47,7 +47,7 @@ def _notes(directory: Path, kept: Snapshot) -> Iterator[tuple[int, list[Any]]]:
     return journal.chained(checkpoint.journals(directory, kept.number), kept.number, kept.notes)
 
 
-def _check_log(path: Path, log: Unfinished) -> None:
+def _check_log(path: Path, log: LogPosition) -> None:
     """Raise FesError unless a log begins as the checkpoint knew it, and OSError if it cannot be read."""
     deque(records.Reader(path, log.size), maxlen=0)  # its errors name the place
     if files.sha256(path, log.size) != log.sha256:
@@ -74,13 +74,15 @@ def recorder(directory: Path, kept: Snapshot) -> Recorder | None:
         raise FesError(f"the log of {directory} cannot be continued: {why}") from None
 
 
-def course(directory: Path, kept: Snapshot, recorder: Recorder | None, period: float) -> tuple[Course, Keeper, float]:
+def course(
+    directory: Path, kept: Snapshot, recorder: Recorder | None, period: float
+) -> tuple[Run, CheckpointWriter, float]:
     """The run as it was when its world ended, who keeps it from now on, and the time since tick 0 [s].
 
     Raises FesError. Since the checkpoint it has been noted what came from outside: the rest is a function of that.
     """
     try:
-        run = Course(kept.scenario, recorder)
+        run = Run(kept.scenario, recorder)
     except ScenarioError:  # such as too little memory: no fault of the checkpoint
         raise
     except Exception as error:
@@ -104,7 +106,7 @@ def course(directory: Path, kept: Snapshot, recorder: Recorder | None, period: f
         run.sums.tally.digest.close()
         raise _refusal(directory, error) from None
     number = checkpoint.last(directory, kept.number)
-    keeper = Keeper(directory, period, kept.name, kept.run, number=number, notes=notes)
+    keeper = CheckpointWriter(directory, period, kept.name, kept.run, number=number, notes=notes)
     keeper.follow(run, trail, hosts, renewed, elapsed)
     return run, keeper, elapsed
 
@@ -119,7 +121,7 @@ def _refusal(directory: Path, error: Exception) -> FesError:
     return FesError(f"the notes in {directory / FOLDER} are damaged: {' '.join(why.split())}")
 
 
-def _again(run: Course, note: list[Any], elapsed: float) -> float:
+def _again(run: Run, note: list[Any], elapsed: float) -> float:
     """Go through what was noted, `elapsed` [s; wall clock] after tick 0; returns how long after it then is."""
     kind, tick, *rest = note
     if tick != run.state.tick:

@@ -12,15 +12,15 @@ import numpy as np
 
 from fes.arrays.types import Bools, Bytes, Floats, Ints
 from fes.model.sensing import Telemetry, untold
-from fes.protocol.channel_change import Effect
+from fes.protocol.channel_change import ChangeResult
 from fes.protocol.messages import Command
-from fes.recording.layout import Said
+from fes.recording.layout import TickPayloads
 from world.config import events, remarks
 from world.config.scenario import Scenario, with_event
 from world.execution import marshalling
-from world.execution.marshalling import Told
+from world.execution.marshalling import CommandBatch
 from world.execution.recorder import Recorder
-from world.metrics.collector import Account
+from world.metrics.collector import MetricsCollector
 from world.metrics.optimum import optimal_separation
 from world.simulation import crowd, truth
 from world.simulation.truth import State
@@ -52,7 +52,7 @@ class _Gone(NamedTuple):
     elapsed: float
 
 
-class Course:
+class Run:
     """The state of one run, moved by the robots' commands."""
 
     def __init__(self, scenario: Scenario, recorder: Recorder | None = None) -> None:
@@ -60,7 +60,7 @@ class Course:
         """With what persons have set until now."""
         self.world = truth.create(scenario)
         self.state = truth.start(self.world)
-        self.sums = Account(scenario)
+        self.sums = MetricsCollector(scenario)
         self.said: Telemetry = untold(self.world.ids)
         self.recorder = recorder
         self.excluded: dict[int, str] = {}
@@ -69,7 +69,7 @@ class Course:
         """Tick -> the payload of each robot's Beacon, of the last HELD ticks; empty for a robot that took no part."""
         self.note: Note = lambda note: None
         """Called with each note, as soon as what it is about holds."""
-        self._told = Told(self.world.ids)
+        self._told = CommandBatch(self.world.ids)
         self._gone: _Gone | None = None
 
     @property
@@ -99,7 +99,7 @@ class Course:
         for robot in robots:
             self.excluded.pop(robot, None)
 
-    def change(self, path: str, value: Any, replayed: bool = False) -> Effect:
+    def change(self, path: str, value: Any, replayed: bool = False) -> ChangeResult:
         """Set a field of the channel from this tick on; raises ScenarioError if it cannot be set.
 
         A change that was accepted before is `replayed`, however much memory is free now.
@@ -115,7 +115,7 @@ class Course:
         if self.recorder is not None:
             self.recorder.change(tick, path, value)
         unnoticed = remarks.is_unnoticed(scenario.seeking, scenario.channel.formula, channel.formula)
-        return Effect(path, value, tick, optimal_separation(self.scenario.objective, channel), unnoticed)
+        return ChangeResult(path, value, tick, optimal_separation(self.scenario.objective, channel), unnoticed)
 
     def observations(self, addressed: Bools) -> list[bytes]:
         """The payload of each robot's Observation of this tick, in id order; empty for all but `addressed` [n]."""
@@ -147,5 +147,5 @@ class Course:
         gone, self._gone = self._gone, None
         self.sums.add(gone.state, gone.twists, self.said, gone.spoken)
         if self.recorder is not None:
-            said = Said(gone.observations, gone.beacons, gone.commands)
+            said = TickPayloads(gone.observations, gone.beacons, gone.commands)
             self.recorder.add(self.sums, gone.twists, said, gone.alive, gone.elapsed)

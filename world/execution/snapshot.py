@@ -23,10 +23,10 @@ from fes.protocol import world_info
 from fes.protocol.messages import Join
 from fes.system import files, fingerprint, strict_json
 from world.config.scenario import Scenario
-from world.execution.recorder import Unfinished
-from world.metrics.collector import Account
+from world.execution.recorder import LogPosition
+from world.metrics.collector import MetricsCollector
 from world.metrics.digest import Digest
-from world.metrics.period_average import Breathing
+from world.metrics.period_average import PeriodAverage
 from world.metrics.tracking import Tracking
 from world.simulation.truth import State
 
@@ -38,7 +38,7 @@ LARGEST = 1 << 30
 
 _FIRST = re.compile(rb"fes checkpoint (\d{1,9})")
 
-_PLAIN = (Account, Breathing, Digest, Tracking)
+_PLAIN = (MetricsCollector, PeriodAverage, Digest, Tracking)
 _OTHERS = {
     ("collections", "deque"),
     ("numpy", "dtype"),
@@ -67,7 +67,7 @@ class Snapshot:
     now: Scenario
     """The scenario with all that persons have set since."""
     state: State
-    sums: Account
+    sums: MetricsCollector
     hosts: dict[int, Join]
     """The last Join that was accepted for each robot."""
     renewed: list[int]
@@ -76,7 +76,7 @@ class Snapshot:
     """Robots that are excluded, and why."""
     beacons: dict[int, list[bytes]]
     """Tick -> the Beacons that peers may still ask for, by robot."""
-    log: Unfinished | None
+    log: LogPosition | None
     elapsed: float
     """Wall-clock time since tick 0 [s]."""
     notes: int
@@ -88,12 +88,12 @@ _KINDS: dict[str, Any] = {
     **dict.fromkeys(("name", "run"), str),
     **dict.fromkeys(("scenario", "now"), Scenario),
     "state": State,
-    "sums": Account,
+    "sums": MetricsCollector,
     "hosts": dict,
     "renewed": list,
     "excluded": dict,
     "beacons": dict,
-    "log": Unfinished | None,
+    "log": LogPosition | None,
     "elapsed": float,
 }
 """Types of its fields."""

@@ -12,15 +12,15 @@ from world.config import events
 from world.config.radio import RadioConfig
 from world.config.scenario import Scenario
 from world.metrics import deadlines, link_errors
-from world.metrics.link_errors import Tally
+from world.metrics.link_errors import LinkErrors
 from world.metrics.optimum import optimal_separation
-from world.metrics.period_average import Breathing
+from world.metrics.period_average import PeriodAverage
 from world.metrics.tracking import Tracking
 from world.simulation.channel import Radio
 from world.simulation.truth import State
 
 
-class Account:
+class MetricsCollector:
     """Sums up a run; `add` is called once for each tick, in order."""
 
     state: State
@@ -33,11 +33,11 @@ class Account:
 
     def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
-        self.tally = Tally(scenario.run.dt)
+        self.tally = LinkErrors(scenario.run.dt)
         self.tracking = Tracking(scenario.run.dt)
         self.optimal = math.nan
         """r* of the channel at the last tick [m]."""
-        self._breathing = Breathing(dither_period(scenario))
+        self._breathing = PeriodAverage(dither_period(scenario))
         self._channel: RadioConfig | None = None
         self.deadlines = deadlines.none(scenario.robots.number) if scenario.run.clock == "live" else None
         """Where the clock is live."""

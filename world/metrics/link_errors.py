@@ -47,7 +47,7 @@ class Graph:
 
 
 @dataclass(eq=False)
-class Tally:
+class LinkErrors:
     """Sums up a run, tick by tick; `add` is called once for each tick, in order."""
 
     dt: float

@@ -15,7 +15,7 @@ MOST_BLOCKS = 20
 """A period is summed up in at most so many blocks, so that its average is renewed as often."""
 
 
-class Breathing:
+class PeriodAverage:
     """The average of each link's separation over the latest whole period; `add` is called at each tick."""
 
     def __init__(self, period: int) -> None:

@@ -10,7 +10,7 @@ from fes.model import outage
 from fes.protocol.report import Report
 from world.config.radio import RadioConfig
 from world.metrics import link_errors
-from world.metrics.collector import Account
+from world.metrics.collector import MetricsCollector
 from world.simulation import bursts
 from world.simulation.truth import State
 
@@ -19,7 +19,7 @@ PERIOD = 0.1
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a run may diverge: it is shown as it is
-def build(account: Account, name: str, alive: Bytes, elapsed: float, ticks_per_s: float) -> Report:
+def build(account: MetricsCollector, name: str, alive: Bytes, elapsed: float, ticks_per_s: float) -> Report:
     """The report of the last tick of `account`; `elapsed` [s] and `ticks_per_s` [1/s] are wall-clock.
 
     A robot whose agent is `alive` [n] is shown as such if it takes part: who waits to come back does not yet.

@@ -15,12 +15,12 @@ from fes.system import fingerprint, strict_json
 from world.config import expectations
 from world.config.scenario import Scenario
 from world.metrics import graphs, link_errors
-from world.metrics.collector import Account
+from world.metrics.collector import MetricsCollector
 from world.simulation.channel import Radio
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def summarize(account: Account, name: str, backend: str, wall: float) -> dict[str, Any]:
+def summarize(account: MetricsCollector, name: str, backend: str, wall: float) -> dict[str, Any]:
     """The summary of a run up to the last tick of `account`; `wall` is how long it took [s].
 
     A number that does not exist or is not finite is None.

@@ -19,7 +19,7 @@ QUANTITIES = ("error", "disagreement", "separation", "index")
 
 
 @dataclass(eq=False)
-class Stretch:
+class Segment:
     """The time from the start, or from one change of the channel, to the next."""
 
     since: int
@@ -42,12 +42,12 @@ class Tracking:
 
     def __init__(self, dt: float) -> None:
         self._dt = dt
-        self.stretches: list[Stretch] = []
+        self.stretches: list[Segment] = []
         self.error = math.nan
         """Mean estimate less r* at the last tick [m]; NaN while there are no estimates."""
 
     @property
-    def now(self) -> Stretch:
+    def now(self) -> Segment:
         """The stretch that goes on."""
         return self.stretches[-1]
 
@@ -77,7 +77,7 @@ class Tracking:
         separations' error, averaged over a dither period [m]; `index`: mean over links of the true J.
         """
         if changed or not self.stretches:
-            self.stretches.append(Stretch(tick, optimal))
+            self.stretches.append(Segment(tick, optimal))
         here, self.error = self.now, error
         hold = HOLD_AT_START if len(self.stretches) == 1 else HOLD_AFTER_CHANGE
         if not abs(error) < NEAR:
@@ -98,7 +98,7 @@ class Tracking:
         """For each stretch what the summary says of it; None where it was too short."""
         return [self._row(stretch) for stretch in self.stretches]
 
-    def _row(self, stretch: Stretch) -> dict[str, Any]:
+    def _row(self, stretch: Segment) -> dict[str, Any]:
         def mean(sums: dict[str, float], name: str) -> float | None:
             return sums[name] / stretch.counts[name] if stretch.counts[name] else None
 

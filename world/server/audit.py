@@ -17,7 +17,7 @@ from collections import Counter
 from collections.abc import AsyncIterator, Iterable
 
 from fes.transport import bus
-from fes.transport.drop_log import Complaints
+from fes.transport.drop_log import DropLog
 
 LEVELS = "off,zenoh::net::routing::interceptor::access_control=trace,zenoh_link_tls=warn"
 PIPE = 1 << 20
@@ -59,8 +59,8 @@ class Audit:
 
     def __init__(self, logger: logging.Logger, roles: Iterable[str]) -> None:
         """For a run that has these `roles`; whoever else is named, even by a forged line, is one of the others."""
-        self._connections, self._others = Complaints(logger), Complaints(logger, KINDS_OF_ONE)
-        self._by_role = {role: Complaints(logger, KINDS_OF_ONE, f"{role}: other") for role in roles}
+        self._connections, self._others = DropLog(logger), DropLog(logger, KINDS_OF_ONE)
+        self._by_role = {role: DropLog(logger, KINDS_OF_ONE, f"{role}: other") for role in roles}
         self._rest = b""
         self._names: dict[bytes, str] = {}
         self._caching: dict[bytes, tuple[bytes, bytes, set[bytes]]] = {}
@@ -76,7 +76,7 @@ class Audit:
         for each in self._each():
             each.log_total()
 
-    def _each(self) -> list[Complaints]:
+    def _each(self) -> list[DropLog]:
         return [self._connections, *self._by_role.values(), self._others]
 
     def feed(self, block: bytes) -> None:

@@ -11,12 +11,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from fes.arrays.types import Bools
-from fes.errors import Absent, Busy, MessageError, Refused
+from fes.errors import MessageError, Overloaded, Rejected, Unavailable
 from fes.protocol import keys, messages, wire
 from fes.protocol.messages import Beacon
 from fes.transport import bus
-from fes.transport.bus import Bus, Question
-from fes.transport.drop_log import Complaints, shown
+from fes.transport.bus import Bus, Query
+from fes.transport.drop_log import DropLog, shown
 
 RECALL_TIMEOUT = 2.0
 """A robot that does not repeat its beacon within this time [s] has none."""
@@ -36,7 +36,7 @@ class BeaconTap:
         opened: Bus,
         run: str,
         robots: int,
-        complaints: Complaints,
+        complaints: DropLog,
         judged: Mapping[int, list[bytes]],
         guarded: bool = False,
     ) -> None:
@@ -91,7 +91,7 @@ class BeaconTap:
         faults |= self._faults.pop(tick, {})
         return found, {robot: shown(why) for robot, why in faults.items() if legible[robot]}
 
-    def _on_recall(self, question: Question) -> None:
+    def _on_recall(self, question: Query) -> None:
         """Answer a robot that misses a beacon with the copy by which its sender was judged."""
         tick, robot = messages.decode_recall(question.payload), question.key.split("/")[-2]
         beacons = {str(sender): payload for sender, payload in enumerate(self._judged.get(tick, [])) if payload}
@@ -136,9 +136,9 @@ class BeaconTap:
                 payload = await self._bus.ask(key, messages.encode_recall(tick), left)
                 beacon = self._decoded(payload, robot)
                 break
-            except (Busy, Absent):  # its queue may be crowded, or its session be new
+            except (Overloaded, Unavailable):  # its queue may be crowded, or its session be new
                 await asyncio.sleep(RETRY)
-            except Refused as refused:
+            except Rejected as refused:
                 return f"{missing}, and it refused to repeat it: {refused}"
             except MessageError as error:
                 return f"{missing}, and it repeated junk: {error}"

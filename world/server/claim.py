@@ -8,7 +8,7 @@ both see each other, and neither starts: a person starts one again, where two wo
 import asyncio
 import uuid
 
-from fes.errors import Refused
+from fes.errors import Rejected
 from fes.protocol import keys
 from fes.transport.bus import Bus
 
@@ -29,4 +29,6 @@ async def claim(bus: Bus, run: str, *, connected: bool) -> None:
         await asyncio.sleep(SETTLING)
     others = set(await bus.standing(keys.world_tokens(run), TIMEOUT)) - {own}
     if others:
-        raise Refused(f"another world of run '{run}' is here, or starts just now (--run gives this one another name)")
+        raise Rejected(
+            f"another world of run '{run}' is here, or starts just now (--run gives this one another name)"
+        )

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from fes.arrays.types import Bools
-from world.server.registry import Roster
+from world.server.registry import AgentRegistry
 
 LINGER = 5.0
 """A world whose run is over stays at most this long [s] for robots that have not heard of it."""
@@ -26,7 +26,7 @@ class Farewell:
     a robot that may not know: its agent would wait for a world that never returns, and may reconnect in a moment.
     """
 
-    def __init__(self, observe: Sequence[Callable[[bytes], None]], roster: Roster) -> None:
+    def __init__(self, observe: Sequence[Callable[[bytes], None]], roster: AgentRegistry) -> None:
         """`observe` puts a robot's observation, by id."""
         self._observe, self._roster = observe, roster
         self._payloads: list[bytes] = []

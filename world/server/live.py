@@ -11,13 +11,13 @@ import numpy as np
 
 from fes.arrays.types import Bools
 from fes.errors import MessageError
-from fes.transport.drop_log import Complaints
+from fes.transport.drop_log import DropLog
 from fes.transport.inbox import Inbox
 from world.execution import marshalling
 from world.execution.run import Answer
 from world.metrics.deadlines import COMMAND_TIMEOUT, Deadlines
 from world.server.lockstep import Lockstep
-from world.server.participation import Attendance
+from world.server.participation import Participation
 from world.simulation.truth import State
 
 WARM_UP = 25
@@ -28,15 +28,15 @@ HANG_TIMEOUT = 2.0
 """A living robot that says nothing for this long [s] is left out until it speaks again, and then begins anew."""
 
 
-class Live:
+class LiveClock:
     """The end of each tick, and the last command of each robot."""
 
     def __init__(
         self,
         warm_up: Lockstep,
         inbox: Inbox,
-        attendance: Attendance,
-        complaints: Complaints,
+        attendance: Participation,
+        complaints: DropLog,
         deadlines: Deadlines,
         dt: float,
     ) -> None:

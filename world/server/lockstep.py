@@ -8,13 +8,13 @@ from collections.abc import Callable
 import numpy as np
 
 from fes.arrays.types import Bools
-from fes.errors import Absent, MessageError
+from fes.errors import MessageError, Unavailable
 from fes.protocol.messages import Command
-from fes.transport.drop_log import Complaints
+from fes.transport.drop_log import DropLog
 from fes.transport.inbox import Inbox
 from world.execution import marshalling
 from world.execution.run import Answer
-from world.server.participation import Attendance
+from world.server.participation import Participation
 from world.simulation.truth import State
 
 ANSWER_TIMEOUT = 10.0
@@ -35,7 +35,7 @@ class Lockstep:
     """The barrier of each tick, and its pace."""
 
     def __init__(
-        self, inbox: Inbox, attendance: Attendance, complaints: Complaints, ask: Ask, pace: float | None = None
+        self, inbox: Inbox, attendance: Participation, complaints: DropLog, ask: Ask, pace: float | None = None
     ) -> None:
         """`pace` is the wall-clock time of a tick [s], on average: who falls behind catches up. None: full speed."""
         self._inbox, self._attendance = inbox, attendance
@@ -56,7 +56,7 @@ class Lockstep:
         while (missing := self._attendance.missing(state)) or (due := self._attendance.due(state)):
             left = end - time.monotonic()
             if left <= 0.0 and missing:
-                raise Absent(f"{missing}: the world waited {RETURN_TIMEOUT:g} s at tick {state.tick}")
+                raise Unavailable(f"{missing}: the world waited {RETURN_TIMEOUT:g} s at tick {state.tick}")
             if left <= 0.0:
                 self._logger.warning(
                     "robots %s are due at tick %d and did not come within %g s: the run continues without them",

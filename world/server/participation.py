@@ -11,15 +11,15 @@ import numpy as np
 from fes.arrays.types import Bools
 from world.config import events
 from world.config.scenario import Scenario
-from world.server.registry import Roster
+from world.server.registry import AgentRegistry
 from world.simulation.truth import State
 
 
-class Attendance:
+class Participation:
     """The robots that are there, and those that ought to be."""
 
     def __init__(
-        self, roster: Roster, scenario: Scenario, excluded: Mapping[int, str] = MappingProxyType({})
+        self, roster: AgentRegistry, scenario: Scenario, excluded: Mapping[int, str] = MappingProxyType({})
     ) -> None:
         """`excluded` maps robots at fault, which take no part, to their faults; it may change later."""
         self._roster, self._excluded = roster, excluded

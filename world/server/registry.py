@@ -13,9 +13,9 @@ from fes.errors import FesError, MessageError
 from fes.model.config import AgentConfig, own
 from fes.protocol import keys, messages
 from fes.protocol.messages import Join, Welcome
-from fes.protocol.world_info import encode_about, here
-from fes.transport.bus import Bus, Question
-from fes.transport.drop_log import Complaints
+from fes.protocol.world_info import encode_about, of_this_process
+from fes.transport.bus import Bus, Query
+from fes.transport.drop_log import DropLog
 
 RESUME_TIMEOUT = 10.0
 """A world that goes on with a run expects its robots for this long [s], and leases them to nobody; they try to find
@@ -25,7 +25,7 @@ LEASE = 5.0
 """A robot that was promised to an agent is free again if no liveliness token follows within this time [s]."""
 
 
-class Roster:
+class AgentRegistry:
     """The robots of a run, and the agents that host them."""
 
     def __init__(
@@ -34,7 +34,7 @@ class Roster:
         run: str,
         robots: int,
         config: AgentConfig,
-        complaints: Complaints,
+        complaints: DropLog,
         hosts: Mapping[int, Join] = MappingProxyType({}),
         renewed: Iterable[int] = (),
         excluded: Mapping[int, str] = MappingProxyType({}),
@@ -62,7 +62,9 @@ class Roster:
         self._told: Callable[[int, bool], None] | None = None
         bus.serve(keys.welcome(run, "*"), self._on_question)
         bus.serve(keys.lease(run), self._on_request)
-        bus.serve(keys.about(run), lambda question: question.answer(encode_about(here(robots)), "fes.About"))
+        bus.serve(
+            keys.about(run), lambda question: question.answer(encode_about(of_this_process(robots)), "fes.About")
+        )
         bus.watch(keys.robot_alive(run, "*"), self._on_token)
 
     def report_to(self, on_token: Callable[[int, bool], None]) -> None:
@@ -73,7 +75,7 @@ class Roster:
         """The robots that share a process with this one: they come and go together."""
         return self.hosts[robot].robots if robot in self.hosts else (robot,)
 
-    def _on_request(self, question: Question) -> None:
+    def _on_request(self, question: Query) -> None:
         """Lease the lowest free robot to an agent that has none: nobody else is given it while it comes to join."""
         now = time.monotonic()
         for robot in range(len(self.alive)):
@@ -83,7 +85,7 @@ class Roster:
                 return
         question.refuse(f"all {len(self.alive)} robots are hosted already")
 
-    def _on_question(self, question: Question) -> None:
+    def _on_question(self, question: Query) -> None:
         try:
             join = messages.decode_join(question.payload)
         except MessageError as error:
@@ -135,8 +137,10 @@ class Roster:
             return
         self.alive[robot] = alive
         self._promised.pop(robot, None)
-        here = [one in self.hosts and self.alive[list(self.group(one))].all() for one in range(len(self.alive))]
-        self.whole = np.array(here, dtype=np.bool_)
+        complete = [
+            one in self.hosts and self.alive[list(self.group(one))].all() for one in range(len(self.alive))
+        ]
+        self.whole = np.array(complete, dtype=np.bool_)
         self.changed.set()
         if self._told is not None:
             self._told(robot, alive)

@@ -15,21 +15,21 @@ from fes.protocol.channel_change import decode_change, encode_effect
 from fes.protocol.messages import Join
 from fes.protocol.report import encode_report
 from fes.system import fingerprint
-from fes.transport.bus import Bus, Question
-from fes.transport.drop_log import Complaints
+from fes.transport.bus import Bus, Query
+from fes.transport.drop_log import DropLog
 from fes.transport.inbox import Inbox
 from world.config.scenario import Scenario, agent_config
 from world.execution import marshalling
-from world.execution.checkpoint import JOIN, Keeper
-from world.execution.run import Answer, Course
+from world.execution.checkpoint import JOIN, CheckpointWriter
+from world.execution.run import Answer, Run
 from world.metrics import report_builder, summary
 from world.server.beacon_tap import BeaconTap
 from world.server.command_gate import CommandGate
 from world.server.farewell import Farewell
-from world.server.live import Live
+from world.server.live import LiveClock
 from world.server.lockstep import Lockstep
-from world.server.participation import Attendance
-from world.server.registry import RESUME_TIMEOUT, Roster
+from world.server.participation import Participation
+from world.server.registry import RESUME_TIMEOUT, AgentRegistry
 
 
 class Server:
@@ -38,18 +38,18 @@ class Server:
     def __init__(
         self,
         bus: Bus,
-        course: Course,
+        course: Run,
         name: str,
         run: str,
         rtf: float | None = None,
-        keeper: Keeper | None = None,
+        keeper: CheckpointWriter | None = None,
         elapsed: float = 0.0,
         guarded: bool = False,
     ) -> None:
         """`elapsed` [s; wall clock] since tick 0, where the run is resumed; `guarded` by access control."""
         self.course, self.name = course, name
         self.logger = logging.getLogger("world")
-        self.complaints = Complaints(self.logger)
+        self.complaints = DropLog(self.logger)
         robots = range(course.scenario.robots.number)
         self._keeper = keeper
         self.keep: Callable[[Scenario], None] = lambda scenario: None
@@ -62,11 +62,11 @@ class Server:
         config = agent_config(course.scenario)
         self._gate = CommandGate(run, hosts)
         bus.subscribe(keys.command(run, "*"), self._inbox.put, self._gate.admits)
-        self._roster = Roster(bus, run, len(robots), config, self.complaints, hosts, renewed, course.excluded)
+        self._roster = AgentRegistry(bus, run, len(robots), config, self.complaints, hosts, renewed, course.excluded)
         self._roster.on_join = self._on_join
         bus.serve(keys.change(run), self._on_change)
         bus.token(keys.world_alive(run))  # last: it says that everything above is in place
-        self._attendance = Attendance(self._roster, course.scenario, course.excluded)
+        self._attendance = Participation(self._roster, course.scenario, course.excluded)
         self._farewell = Farewell(self._observe, self._roster)
         self._clock = self._make_clock(None if rtf is None else course.scenario.run.dt / rtf)
         self._elapsed = elapsed
@@ -156,14 +156,14 @@ class Server:
         if self._keeper is not None:
             self._keeper.save(self.course, self._roster.hosts, self.elapsed, at_once=True)
 
-    def _make_clock(self, pace: float | None) -> Lockstep | Live:
+    def _make_clock(self, pace: float | None) -> Lockstep | LiveClock:
         lockstep = Lockstep(self._inbox, self._attendance, self.complaints, self._ask, pace)
         deadlines, dt = self.course.sums.deadlines, self.course.scenario.run.dt
         if deadlines is None:
             return lockstep
-        return Live(lockstep, self._inbox, self._attendance, self.complaints, deadlines, dt)
+        return LiveClock(lockstep, self._inbox, self._attendance, self.complaints, deadlines, dt)
 
-    def _on_change(self, question: Question) -> None:
+    def _on_change(self, question: Query) -> None:
         """Somebody wants the channel to be another one; it is from the tick that goes on, beacons of it included."""
         try:
             change = decode_change(question.payload)

@@ -19,7 +19,7 @@ from fes.model import outage
 from fes.model.sensing import CLOSED, OPENING_TICKS
 from world.config.radio import JammerConfig, RadioConfig, ShadowingConfig
 from world.simulation import bursts, shadowing
-from world.simulation.draw_cache import Draws
+from world.simulation.draw_cache import DrawCache
 from world.simulation.neighbor_list import Proximity
 
 _FARTHEST = 100.0  # powers of ten by which shadowing moves an effective separation at most: numbers stay finite
@@ -31,8 +31,8 @@ class Medium:
 
     dt: float
     """Tick length [s]."""
-    fading: Draws
-    bursts: Draws
+    fading: DrawCache
+    bursts: DrawCache
     waves: shadowing.Modes
 
 
@@ -79,7 +79,7 @@ _FRESH: dict[str, Any] = {
 
 def medium(seed: int, dt: float) -> Medium:
     """The medium of a run with ticks of `dt` [s]."""
-    fading, states = (Draws(draws.key(seed, stream)) for stream in ("channel", "bursts"))
+    fading, states = (DrawCache(draws.key(seed, stream)) for stream in ("channel", "bursts"))
     return Medium(dt, fading, states, shadowing.modes(seed))
 
 

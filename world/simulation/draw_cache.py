@@ -10,7 +10,7 @@ _BLOCK = 128  # ticks of numbers drawn at a time: drawing costs per pair, not pe
 _MOST = 1 << 24  # numbers held at most
 
 
-class Draws:
+class DrawCache:
     """Uniform numbers for the pairs in range, drawn ahead in blocks of ticks.
 
     A cache, not a state: every number is a function of (seed, tick, sender, receiver).

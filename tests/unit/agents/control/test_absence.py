@@ -14,7 +14,7 @@ from tests.support.loop import load
 from tests.support.results import contract_digest
 from world.config.scenario import Scenario, agent_config
 from world.metrics import report_builder
-from world.metrics.collector import Account
+from world.metrics.collector import MetricsCollector
 from world.simulation import truth
 
 GONE: list[dict[str, Any]] = [{"at": 1.0, "kill": [4, 6]}, {"at": 2.4, "restart": [4]}, {"at": 2.6, "restart": [6]}]
@@ -26,7 +26,7 @@ def with_new_processes(what: Scenario) -> str:
     world = truth.create(what)
     state = truth.start(world)
     config, ids = agent_config(what), world.ids.tolist()
-    parts = [crews.assemble(config, np.array([robot])) for robot in ids]
+    parts = [crews.create(config, np.array([robot])) for robot in ids]
     minds, said = [crews.start(part) for part in parts], [silence()] * len(ids)
     ticks, present = [], state.present
     for _ in range(what.ticks):
@@ -121,7 +121,7 @@ def test_a_death_that_cannot_be_is_one_line(events: list[dict[str, Any]], rule: 
 
 def test_a_report_shows_as_alive_who_takes_part_and_not_whose_agent_only_stands_by() -> None:
     scenario = load("pair.toml", run__duration=0.4, event=[{"at": 0.2, "kill": [1]}])
-    sums, shown = Account(scenario), []
+    sums, shown = MetricsCollector(scenario), []
     for tick in inprocess.ticks(scenario):
         sums.add(tick.state, tick.twists, tick.telemetry)
         shown.append(report_builder.build(sums, "test", np.ones(2, dtype=np.uint8), 0.0, 0.0).alive.tolist())

@@ -96,7 +96,7 @@ def test_two_robots_in_one_place_drive_apart() -> None:
         formation=FormationConfig(),
         channel=ChannelConfig(),
     )
-    team = crew.assemble(config, np.arange(2))
+    team = crew.create(config, np.arange(2))
     near = layouts.edges([0, 1], [(0, 1), (1, 0)])
     where = layouts.poses([(7.0, 7.0), (7.0, 7.0)])
     sensed = Observations(3, where, near, np.full(2, DECODED, dtype=np.uint8))

@@ -5,10 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from agents.runtime.beacon_subscriptions import Radio
+from agents.runtime.beacon_subscriptions import BeaconSubscriptions
 from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon
-from fes.transport.drop_log import Complaints
+from fes.transport.drop_log import DropLog
 
 NOTHING = np.zeros(0)
 NOBODY = np.zeros(0, dtype=np.int64)
@@ -20,12 +20,12 @@ def beacon(tick: int, x: float = 0.0, robot: int = 5) -> bytes:
     )
 
 
-def heard(*rounds: tuple[int, list[bytes | None]]) -> tuple[list[list[tuple[int, float]]], Complaints]:
+def heard(*rounds: tuple[int, list[bytes | None]]) -> tuple[list[list[tuple[int, float]]], DropLog]:
     """For each tick that is asked for, with what has come until then: tick and x of the beacons that are heard."""
     waiting: list[bytes | None] = []
-    key, complaints = keys.beacon("test", 5), Complaints(logging.getLogger("test"))
+    key, complaints = keys.beacon("test", 5), DropLog(logging.getLogger("test"))
     box = SimpleNamespace(take=lambda: (key, waiting.pop(0)) if waiting else None)
-    radio = Radio(SimpleNamespace(mailbox=lambda key: box), "test", "0", complaints)  # type: ignore[arg-type]
+    radio = BeaconSubscriptions(SimpleNamespace(mailbox=lambda key: box), "test", "0", complaints)  # type: ignore[arg-type]
     radio.tune({5})
     found = []
     for tick, came in rounds:

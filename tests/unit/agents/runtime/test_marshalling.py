@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.runtime.marshalling import Assembly, payloads
+from agents.runtime.marshalling import MessageAssembler, payloads
 from fes.arrays.types import Bytes, Floats, Ints
 from fes.model.sensing import MAX_TOLD, MAX_TWIST, Beacons, Telemetry, bounded
 from fes.protocol import messages
@@ -58,7 +58,7 @@ def test_beacons_split_into_payloads_and_stacked_again_are_the_same_bits(
     crew: set[int], pairs: Pairs, seed: int
 ) -> None:
     said, twists = say(crew, pairs, seed)
-    again = Assembly(said.ids).beacons(7, sent(said, twists))
+    again = MessageAssembler(said.ids).beacons(7, sent(said, twists))
     assert again.tick == said.tick
     for name in ("ids", "poses", "estimates", "named", "statistics"):
         assert bits(getattr(again, name)) == bits(getattr(said, name)), name
@@ -83,7 +83,7 @@ def test_each_command_holds_its_own_robots_twist_and_telemetry(crew: set[int], p
 
 def test_the_edges_are_the_same_object_while_nobody_changes_a_link() -> None:
     crew, pairs = {0, 3, 90}, {(0, 3), (3, 0), (3, 90)}
-    stack = Assembly(np.array([0, 3, 90]))
+    stack = MessageAssembler(np.array([0, 3, 90]))
     first, moved, changed = (
         stack.beacons(tick, sent(*say(crew, links, seed=tick, tick=tick)))
         for tick, links in ((1, pairs), (2, pairs), (3, pairs - {(3, 90)}))
@@ -98,7 +98,7 @@ def test_the_edges_are_the_same_object_while_nobody_changes_a_link() -> None:
 
 def test_a_sender_that_falls_silent_makes_new_edges_without_it() -> None:
     crew, pairs = {0, 3, 90}, {(0, 3), (3, 0), (90, 3)}
-    stack, heard = Assembly(np.array([0, 3, 90])), sent(*say(crew, pairs, seed=1))
+    stack, heard = MessageAssembler(np.array([0, 3, 90])), sent(*say(crew, pairs, seed=1))
     whole, part = stack.beacons(7, heard), stack.beacons(7, heard[:2])
     assert part.links is not whole.links
     assert part.ids.tolist() == [0, 3]
@@ -106,12 +106,12 @@ def test_a_sender_that_falls_silent_makes_new_edges_without_it() -> None:
 
 
 def test_no_beacon_at_all_is_silence() -> None:
-    nothing = Assembly(np.array([5])).beacons(7, [])
+    nothing = MessageAssembler(np.array([5])).beacons(7, [])
     assert (len(nothing.ids), len(nothing.links), nothing.poses.shape) == (0, 0, (0, 3))
 
 
 def test_observations_come_back_in_id_order_and_keep_their_edges_while_nobody_comes_or_goes() -> None:
-    stack = Assembly(np.array([3, 8]))
+    stack = MessageAssembler(np.array([3, 8]))
 
     def sense(tick: int, near: list[int]) -> list[Observation]:
         codes = np.full(len(near), 2, dtype=np.uint8)

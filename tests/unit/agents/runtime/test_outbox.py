@@ -5,9 +5,9 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
-from agents.runtime.outbox import Mouth
+from agents.runtime.outbox import Outbox
 from fes.protocol import keys, messages
-from fes.transport.drop_log import Complaints
+from fes.transport.drop_log import DropLog
 
 Desk = Callable[[Any], None]
 
@@ -38,7 +38,7 @@ class Kept:
 def test_the_last_two_ticks_can_be_recalled_and_answered_again_and_no_older_one() -> None:
     """A peer that is a tick behind asks for what was said before the last word."""
     kept = Kept()
-    mouth = Mouth(kept, "test", (4, 7), Complaints(logging.getLogger("test")))  # type: ignore[arg-type]
+    mouth = Outbox(kept, "test", (4, 7), DropLog(logging.getLogger("test")))  # type: ignore[arg-type]
     for tick in range(10):
         mouth.say(tick, [(robot, b"beacon %d of %d" % (tick, robot), b"command %d" % tick) for robot in (4, 7)])
     assert [kept.recall(7, tick) for tick in (9, 8)] == ["beacon 9 of 7", "beacon 8 of 7"]

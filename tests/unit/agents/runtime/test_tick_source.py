@@ -7,19 +7,19 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from agents.runtime.tick_source import Turns
-from agents.runtime.world_liveliness import Presence
-from fes.errors import Absent
+from agents.runtime.tick_source import TickSource
+from agents.runtime.world_liveliness import WorldLiveliness
+from fes.errors import Unavailable
 from fes.protocol import keys, messages
 from fes.protocol.messages import Observation
-from fes.transport.drop_log import Complaints
+from fes.transport.drop_log import DropLog
 from fes.transport.inbox import Inbox
 
 NOTHING = np.zeros(0, dtype=np.int64)
 ODD = "Observation: is not for this tick"
 
 
-class Said:
+class TickPayloads:
     """A mouth that remembers the last two ticks, and notes what it repeats."""
 
     def __init__(self) -> None:
@@ -34,18 +34,18 @@ class Said:
 
 
 Sense = Callable[..., None]
-Scene = Callable[[int, Sense, Presence], None]
+Scene = Callable[[int, Sense, WorldLiveliness], None]
 """What is sensed when a tick is being answered; the last one is over."""
 
 
-def play(scene: Scene) -> tuple[list[int], Said, Complaints]:
+def play(scene: Scene) -> tuple[list[int], TickPayloads, DropLog]:
     """The ticks that were answered, what was repeated, and what was odd, while tick 0 and then a scene come."""
-    mouth, complaints = Said(), Complaints(logging.getLogger("test"))
+    mouth, complaints = TickPayloads(), DropLog(logging.getLogger("test"))
     answered: list[int] = []
 
     async def main() -> None:
         inbox = Inbox(asyncio.get_running_loop())
-        turns, world = Turns((3,), inbox, mouth, complaints), Presence("the world", inbox)  # type: ignore[arg-type]
+        turns, world = TickSource((3,), inbox, mouth, complaints), WorldLiveliness("the world", inbox)  # type: ignore[arg-type]
 
         def sense(tick: int, since: int = 0, over: bool = False) -> None:
             sensed = Observation(tick, 3, (0.0, 0.0, 0.0), NOTHING, NOTHING.astype(np.uint8), over, since)
@@ -64,7 +64,7 @@ def play(scene: Scene) -> tuple[list[int], Said, Complaints]:
 
 
 def test_what_comes_early_is_refused_and_does_not_take_the_place_of_what_is_next() -> None:
-    def scene(tick: int, sense: Sense, world: Presence) -> None:
+    def scene(tick: int, sense: Sense, world: WorldLiveliness) -> None:
         for early in (2, 10**6):
             sense(tick + early)
         sense(tick + 1, over=tick == 3)
@@ -76,7 +76,7 @@ def test_what_comes_early_is_refused_and_does_not_take_the_place_of_what_is_next
 
 
 def test_what_comes_again_is_answered_again_and_what_is_older_is_refused() -> None:
-    def scene(tick: int, sense: Sense, world: Presence) -> None:
+    def scene(tick: int, sense: Sense, world: WorldLiveliness) -> None:
         for late in (0, 1, 2):
             sense(max(0, tick - late))
         sense(tick + 1, over=tick == 2)
@@ -88,7 +88,7 @@ def test_what_comes_again_is_answered_again_and_what_is_older_is_refused() -> No
 
 
 def test_a_world_that_is_back_is_answered_one_tick_before_the_last_too_and_ends_who_cannot() -> None:
-    def scene(tick: int, sense: Sense, world: Presence) -> None:
+    def scene(tick: int, sense: Sense, world: WorldLiveliness) -> None:
         if tick == 2:
             world.is_new = True
             sense(1)
@@ -96,7 +96,7 @@ def test_a_world_that_is_back_is_answered_one_tick_before_the_last_too_and_ends_
 
     assert play(scene)[1].repeated == [1]
 
-    def too_old(tick: int, sense: Sense, world: Presence) -> None:
+    def too_old(tick: int, sense: Sense, world: WorldLiveliness) -> None:
         if tick < 3:
             sense(tick + 1)
             return
@@ -104,12 +104,12 @@ def test_a_world_that_is_back_is_answered_one_tick_before_the_last_too_and_ends_
         sense(1)
         sense(1)
 
-    with pytest.raises(Absent, match=r"^the world is back at tick 1, and 3 was answered$"):
+    with pytest.raises(Unavailable, match=r"^the world is back at tick 1, and 3 was answered$"):
         play(too_old)
 
 
 def test_who_was_away_goes_on_where_it_is_told_that_it_takes_part_again() -> None:
-    def scene(tick: int, sense: Sense, world: Presence) -> None:
+    def scene(tick: int, sense: Sense, world: WorldLiveliness) -> None:
         sense(900 if tick == 0 else 901, since=900, over=tick > 0)
 
     answered, _, complaints = play(scene)

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from console.backends.managed_process import Child
+from console.backends.managed_process import ManagedProcess
 from tests.support.process_groups import FAILURE, child, family
 
 
 def test_a_signal_that_meets_an_interpreter_that_only_just_starts_waits_for_its_handler(tmp_path: Path) -> None:
     """Before it is set, Python would die of the signal, or print a traceback of its own start."""
 
-    async def main() -> Child:
+    async def main() -> ManagedProcess:
         async with family(tmp_path) as kin:
             await kin.start_agent("0", [])
             kin.agents[0].signal(signal.SIGINT)
@@ -36,7 +36,7 @@ def test_the_verdict_on_a_child_names_it_whatever_became_of_its_log(tmp_path: Pa
         if log == "a folder":
             one.log.mkdir()
         if log == "within a file":
-            one = Child(one.name, one.process, one.log / "world.log")
+            one = ManagedProcess(one.name, one.process, one.log / "world.log")
         if log == "unreadable":
             one.log.chmod(0o000)
         return one.verdict(), one.was_dismissed

@@ -4,7 +4,7 @@ import pytest
 
 from console.backends import stacked
 from console.sweep import work
-from console.sweep.design import Run
+from console.sweep.design import SweepRun
 from tests.support.loop import load
 from tests.support.results import alone, without_wall_clock
 from world.config.scenario import Scenario
@@ -32,8 +32,8 @@ def test_runs_with_different_teams_and_different_channels_can_share_a_stack() ->
     assert [without_wall_clock(summary) for summary in stacked.run(scenarios, "x")] == alone(scenarios)
 
 
-def runs(*scenarios: Scenario) -> list[Run]:
-    return [Run(cell, seed, one) for cell, one in enumerate(scenarios) for seed in range(10)]
+def runs(*scenarios: Scenario) -> list[SweepRun]:
+    return [SweepRun(cell, seed, one) for cell, one in enumerate(scenarios) for seed in range(10)]
 
 
 def test_only_runs_whose_robots_are_told_the_same_share_a_batch() -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from console.backends import fault_injection
 from console.connect import observer
-from fes.errors import Absent, MessageError
+from fes.errors import MessageError, Unavailable
 from fes.protocol.report import Report, encode_report
 from tests.support import jumping_clock as jumps
 from tests.support.frames import a_report
@@ -59,7 +59,7 @@ def seen(timeout: float, *acts: tuple[float, bool | bytes], busy: float = 0.0) -
                 if one is not None:
                     ticks.append(one.tick)
                     await asyncio.sleep(busy)
-        except (Absent, MessageError) as error:
+        except (Unavailable, MessageError) as error:
             return ticks, error, loop.time()
         finally:
             await acting
@@ -92,7 +92,7 @@ def test_a_world_is_not_missed_while_the_reader_is_busy() -> None:
 
 def test_a_world_that_does_not_follow_is_missed_from_when_the_reader_is_back() -> None:
     _, error, when = seen(5.0, (1.0, True), (2.0, report(7)), (3.0, False), busy=20.0)
-    assert isinstance(error, Absent)
+    assert isinstance(error, Unavailable)
     assert observer.RETURN < when - 22.0 <= observer.RETURN + 2 * IDLE
 
 
@@ -132,7 +132,7 @@ def test_a_robot_that_is_to_wake_is_not_killed_when_the_world_is_lost_from_sight
     async def reports(*words: Any) -> AsyncIterator[Report]:
         yield a_report([(0.0, 0.0)], tick=150, ticks_per_s=50.0)
         if lost:
-            raise Absent("the world left")
+            raise Unavailable("the world left")
 
     async def kill(ids: str) -> None:
         done.append(f"kill {ids}")
@@ -144,6 +144,6 @@ def test_a_robot_that_is_to_wake_is_not_killed_when_the_world_is_lost_from_sight
         return lambda ids: done.append(f"{verb} {ids}")
 
     monkeypatch.setattr("console.connect.observer.reports", reports)
-    hands = fault_injection.Hands(kill, kill, note("stop"), note("proceed"), away)
+    hands = fault_injection.ProcessControl(kill, kill, note("stop"), note("proceed"), away)
     jumps.run(fault_injection.enact(None, "test", 1.0, scenario, hands, alone=True))  # type: ignore[arg-type]
     assert done == did

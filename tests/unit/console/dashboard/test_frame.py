@@ -10,7 +10,7 @@ import pytest
 from rich.cells import cell_len
 
 from console.dashboard import panels
-from console.dashboard.frame import CAPACITY, History
+from console.dashboard.frame import CAPACITY, ReportHistory
 from fes.protocol.report import Report
 from tests.support import frames
 from tests.support.frames import SIZES, TINY, a_history, a_report, a_swarm, bar_heights, frame, measured
@@ -24,7 +24,7 @@ def played() -> list[Report]:
 @pytest.mark.parametrize(("width", "height"), SIZES + TINY)
 @pytest.mark.parametrize("robots", [None, 0, 1, 2, 10, 100, 1000])
 def test_a_frame_has_exactly_the_size_asked_for(robots: int | None, width: int, height: int) -> None:
-    history = History() if robots is None else a_history(a_swarm(robots))
+    history = ReportHistory() if robots is None else a_history(a_swarm(robots))
     lines = frame(history, width, height)
     assert [cell_len(line) for line in lines] == [width] * height
 
@@ -38,7 +38,7 @@ def test_so_has_a_frame_of_a_measured_run(robots: int, width: int, height: int) 
 
 
 def test_before_the_first_report_it_waits() -> None:
-    assert "waiting for the world" in "".join(frame(History(), 80, 24))
+    assert "waiting for the world" in "".join(frame(ReportHistory(), 80, 24))
 
 
 def test_numbers_that_do_not_exist_are_drawn_as_such() -> None:

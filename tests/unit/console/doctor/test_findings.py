@@ -21,7 +21,7 @@ from console.doctor.finding import Finding, Status
 from console.doctor.network import Answer
 from fes.errors import MessageError
 from fes.protocol import keys, world_info
-from fes.protocol.world_info import About
+from fes.protocol.world_info import WorldInfo
 from fes.transport.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
 from tests.support import session
 from tests.support.commands import call, vacant
@@ -100,7 +100,7 @@ def test_a_world_of_another_version_is_a_finding_with_both_versions() -> None:
         world_info.decode_about(newer)
     [found] = network.said_by(caught.value)
     assert (found.status, found.seen) == (Status.FAILED, "About: speaks protocol 2, got version: 1")
-    package, *_ = network.said_by(Answer(0.0, 0.0, About("0.0.1", "1.0", 3, 0.0)))
+    package, *_ = network.said_by(Answer(0.0, 0.0, WorldInfo("0.0.1", "1.0", 3, 0.0)))
     assert package.status == Status.WARNING
     assert "fes 0.0.1" in package.seen
 
@@ -117,7 +117,7 @@ def test_a_world_of_another_version_is_a_finding_with_both_versions() -> None:
 def test_the_skew_of_a_clock_is_measured_from_the_middle_of_the_question(
     offset: float, took: float, status: Status
 ) -> None:
-    own = world_info.here(1)
+    own = world_info.of_this_process(1)
     *_, found = network.said_by(Answer(100.0, 100.0 + took, own._replace(clock=100.0 + took / 2 + offset)))
     assert found.status == status
     assert f"{1e3 * offset:+.1f} ms from ours, known to {500 * took:.1f} ms" in found.seen

@@ -69,7 +69,7 @@ def test_extremes_of_two_settings_are_refused_in_one_line_or_run_in_bounded_work
             continue
         assert 1 <= what.ticks <= stability.MAX_TICKS
         assert 1 <= collector.dither_period(what) <= stability.MAX_TICKS
-        robots = crew.assemble(agent_config(what), np.arange(2))
+        robots = crew.create(agent_config(what), np.arange(2))
         assert robots.seeker.sub_steps <= stability.MAX_STEPS
         assert robots.contact_timeout <= counts.LARGEST
         assert all(fault.delay <= 10_000 for fault in what.faults)
@@ -105,7 +105,7 @@ def test_a_crew_refuses_settings_that_the_world_should_have_refused() -> None:
     told = agent_config(load("pair.toml"))
     endless = told.model_copy(update={"seeking": SeekingConfig(sub_step=1e-9)})
     with pytest.raises(FesError, match=r"^the run's settings: run\.dt / seeking\.sub_step must be at most 10000"):
-        crew.assemble(AgentConfig.model_validate(endless.model_dump()), np.arange(2))
+        crew.create(AgentConfig.model_validate(endless.model_dump()), np.arange(2))
 
 
 @given(time=POSITIVE, step=POSITIVE)

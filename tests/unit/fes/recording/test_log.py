@@ -17,7 +17,7 @@ from console.replay import log
 from fes.errors import FesError
 from fes.protocol import messages
 from fes.recording import protobuf
-from fes.recording.mcap_file import Container
+from fes.recording.mcap_file import McapFile
 from fes.recording.schemas import OWN
 from tests.support import recordings
 from tests.support.loop import load
@@ -160,7 +160,7 @@ def test_what_was_scheduled_is_told_as_an_event(tmp_path: Path) -> None:
 
 
 def test_a_file_that_cannot_be_written_is_said_once_and_closed() -> None:
-    file = Container(Path("/dev/full"))
+    file = McapFile(Path("/dev/full"))
     file.put("/x", OWN["Report"], b"payload", 0, 0)
     with pytest.raises(FesError, match=r"^cannot write /dev/full: No space left on device$"):
         file.settle(at_once=True)

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import pytest
 
-from fes.errors import Absent
+from fes.errors import Unavailable
 from fes.transport import inbox as inboxes
 from fes.transport.inbox import Inbox
 
@@ -102,10 +102,10 @@ def test_a_wait_for_more_than_comes_is_false_after_its_timeout_and_keeps_what_ca
 
 def test_a_failure_ends_a_wait_that_goes_on_and_every_later_one() -> None:
     async def scene(inbox: Inbox) -> list[str]:
-        asyncio.get_running_loop().call_soon(inbox.fail, Absent("the world left"))
+        asyncio.get_running_loop().call_soon(inbox.fail, Unavailable("the world left"))
         said = []
         for _ in range(2):
-            with pytest.raises(Absent) as caught:
+            with pytest.raises(Unavailable) as caught:
                 await inbox.wait(1, LONG)
             said.append(str(caught.value))
         return said
@@ -116,10 +116,10 @@ def test_a_failure_ends_a_wait_that_goes_on_and_every_later_one() -> None:
 def test_what_came_before_a_failure_is_still_read() -> None:
     async def scene(inbox: Inbox) -> list[inboxes.Item]:
         inbox.put("farewell", b"over")
-        inbox.fail(Absent("the world left"))
+        inbox.fail(Unavailable("the world left"))
         assert await inbox.wait(1, LONG)
         came = inbox.drain()
-        with pytest.raises(Absent, match="the world left"):
+        with pytest.raises(Unavailable, match="the world left"):
             await inbox.wait(1, LONG)
         return came
 
@@ -128,9 +128,9 @@ def test_what_came_before_a_failure_is_still_read() -> None:
 
 def test_of_two_failures_the_first_is_the_one_that_is_told() -> None:
     async def scene(inbox: Inbox) -> str:
-        inbox.fail(Absent("robot 3 left"))
-        inbox.fail(Absent("robot 4 left"))
-        with pytest.raises(Absent) as caught:
+        inbox.fail(Unavailable("robot 3 left"))
+        inbox.fail(Unavailable("robot 4 left"))
+        with pytest.raises(Unavailable) as caught:
             await inbox.wait(1, LONG)
         return str(caught.value)
 

@@ -16,7 +16,7 @@ from world.config import scenario
 from world.config.radio import RadioConfig
 from world.config.scenario import Scenario
 from world.metrics import report_builder, summary
-from world.metrics.collector import Account
+from world.metrics.collector import MetricsCollector
 from world.simulation import truth
 from world.simulation.truth import State
 
@@ -64,7 +64,7 @@ def test_a_robot_is_jammed_where_it_is_at_the_tick_of_the_beacon() -> None:
 def report_outage(state: State, what: Scenario, pairs: list[Pair]) -> list[float]:
     """The outage that a report shows of links (a, b), a < b, that both sides use."""
     links = layouts.edges(range(len(state.poses)), [*pairs, *((b, a) for a, b in pairs)])
-    sums, said = Account(what), Telemetry(links, np.full(len(links), 70.0), np.zeros((2, 0)))
+    sums, said = MetricsCollector(what), Telemetry(links, np.full(len(links), 70.0), np.zeros((2, 0)))
     sums.add(state, np.zeros((len(state.poses), 2)), said)
     report = report_builder.build(sums, "test", np.ones(len(state.poses), dtype=np.uint8), 1.0, 1.0)
     assert list(zip(report.a.tolist(), report.b.tolist(), strict=True)) == pairs

@@ -15,8 +15,8 @@ from tests.support.loop import load
 from tests.support.teams import begun
 from world import process
 from world.execution import checkpoint, journal, resume
-from world.execution.checkpoint import Keeper
-from world.execution.run import Course
+from world.execution.checkpoint import CheckpointWriter
+from world.execution.run import Run
 from world.process import main
 
 
@@ -113,7 +113,7 @@ def test_after_a_note_for_which_there_was_no_room_there_are_no_others(tmp_path: 
 
 
 def test_who_shares_a_process_is_what_was_last_joined(tmp_path: Path) -> None:
-    course, keeper = Course(load("neighborhood.toml")), Keeper(tmp_path, 1e9, "test", "main")
+    course, keeper = Run(load("neighborhood.toml")), CheckpointWriter(tmp_path, 1e9, "test", "main")
     keeper.begin(course)
     for robots in ([0, 1, 2], [0], [1, 2], [0, 1, 2], [2]):
         keeper.note(["join", robots, sum(robots)])

@@ -12,8 +12,8 @@ from fes.errors import FesError
 from tests.support.loop import load
 from tests.support.teams import Team
 from world.execution import resume
-from world.execution.checkpoint import FOLDER, STATE, TRAIL, Keeper
-from world.execution.run import Course
+from world.execution.checkpoint import FOLDER, STATE, TRAIL, CheckpointWriter
+from world.execution.run import Run
 
 
 @contextlib.contextmanager
@@ -44,9 +44,9 @@ def failing(name: str, number: int = 0) -> Iterator[None]:
 
 
 @pytest.fixture
-def kept(tmp_path: Path) -> tuple[Course, Keeper]:
+def kept(tmp_path: Path) -> tuple[Run, CheckpointWriter]:
     """A run of five ticks, kept at its first."""
-    course, keeper = Course(load("pair.toml")), Keeper(tmp_path, 1e9, "pair", "main")
+    course, keeper = Run(load("pair.toml")), CheckpointWriter(tmp_path, 1e9, "pair", "main")
     keeper.begin(course)
     team = Team(course.scenario)
     for _ in range(5):
@@ -59,7 +59,7 @@ HOW = ["the disk is full", "the trail is not synced", "it is not synced", "it is
 
 @pytest.mark.parametrize("how", HOW)
 def test_where_a_checkpoint_fails_halfway_the_one_before_it_and_all_notes_are_there(
-    tmp_path: Path, kept: tuple[Course, Keeper], how: str
+    tmp_path: Path, kept: tuple[Run, CheckpointWriter], how: str
 ) -> None:
     course, keeper = kept
     state = tmp_path / FOLDER / STATE
@@ -86,7 +86,7 @@ def test_where_a_checkpoint_fails_halfway_the_one_before_it_and_all_notes_are_th
 
 
 def test_a_checkpoint_takes_the_place_of_the_one_before_it_when_all_of_it_is_on_the_disk(
-    tmp_path: Path, kept: tuple[Course, Keeper], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, kept: tuple[Run, CheckpointWriter], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     course, keeper = kept
     synced: set[tuple[int, int]] = set()  # which file, and how much of it

@@ -16,7 +16,7 @@ from fes.model.sensing import Telemetry
 from tests.support import layouts, loop
 from tests.support.results import Tick, contract_digest
 from world.metrics import link_errors
-from world.metrics.link_errors import Tally
+from world.metrics.link_errors import LinkErrors
 from world.simulation import neighbor_list, truth
 from world.simulation.truth import State, World
 
@@ -26,7 +26,7 @@ BOTH = [(0, 1), (1, 0)]
 
 
 def add(
-    tally: Tally,
+    tally: LinkErrors,
     where: Floats,
     links: Edges,
     estimates: Sequence[float],
@@ -46,7 +46,7 @@ def times(
     separations: Sequence[float] = (), estimates: Sequence[tuple[float, float]] = ()
 ) -> dict[str, float | None]:
     """time_to of two robots with these separation errors and pairs of estimate errors [m], tick by tick."""
-    tally, links = Tally(DT), layouts.edges([0, 1], BOTH)
+    tally, links = LinkErrors(DT), layouts.edges([0, 1], BOTH)
     for error in separations:
         add(tally, layouts.poses([(0.0, 0.0), (OPTIMUM + error, 0.0)]), links, [OPTIMUM] * 2)
     for mine, theirs in estimates:
@@ -61,7 +61,7 @@ def test_the_digest_is_the_contracts_sum_over_ticks_and_robots() -> None:
         -0.0 * ticks[5][0],
         np.asfortranarray(ticks[5][1]),
     )  # signs of zero and memory order are no matter
-    tally, nothing = Tally(DT), layouts.edges(range(4), [])
+    tally, nothing = LinkErrors(DT), layouts.edges(range(4), [])
     for poses, twists in ticks:
         add(tally, poses, nothing, [], twists)
     assert tally.digest.text() == contract_digest(ticks)
@@ -127,7 +127,7 @@ def test_errors_and_disagreement_of_three_robots_are_those_computed_by_hand(
     where = layouts.poses([(0.0, 0.0), (60.0, 0.0), (60.0, 32.0)])  # 0-1: 60 m, 1-2: 32 m, 0-2: 68 m
     said = {(0, 1): 67.0, (1, 0): 69.5, (0, 2): 68.25, (2, 0): 67.0, one_sided: 75.0}
     links = layouts.edges(range(3), said)
-    tally = Tally(DT)
+    tally = LinkErrors(DT)
     add(tally, where, links, [said[pair] for pair in sorted(said)])
     assert tally.errors == {
         "disagreement": 2.5 + 1.25,  # a link without an answer disagrees with nobody
@@ -137,7 +137,7 @@ def test_errors_and_disagreement_of_three_robots_are_those_computed_by_hand(
 
 
 def test_without_links_there_is_no_error_and_no_level_is_reached() -> None:
-    tally = Tally(DT)
+    tally = LinkErrors(DT)
     for _ in range(30):
         add(tally, layouts.poses([(0.0, 0.0), (OPTIMUM, 0.0)]), layouts.edges([0, 1], []), [])
     assert all(math.isnan(error) for error in tally.errors.values())
@@ -151,7 +151,7 @@ def test_without_links_there_is_no_error_and_no_level_is_reached() -> None:
 )
 def test_links_count_as_connected_from_the_first_tick_with_open_contacts(story: str, always: bool) -> None:
     # `-`: no contact is open, no links; `o`: open, all linked, on one side; `x`: open, robot 2 is alone
-    where, tally = layouts.poses([(0.0, 0.0), (60.0, 0.0), (120.0, 0.0)]), Tally(DT)
+    where, tally = layouts.poses([(0.0, 0.0), (60.0, 0.0), (120.0, 0.0)]), LinkErrors(DT)
     for mark in story:
         pairs = {"-": [], "o": [(0, 1), (2, 1)], "x": BOTH}[mark]
         links = layouts.edges(range(3), pairs)
@@ -162,7 +162,7 @@ def test_links_count_as_connected_from_the_first_tick_with_open_contacts(story: 
 
 def test_the_disk_graph_is_connected_always_only_if_at_every_tick() -> None:
     near, far = layouts.poses([(0.0, 0.0), (149.0, 0.0)]), layouts.poses([(0.0, 0.0), (151.0, 0.0)])
-    tally, nothing = Tally(DT), layouts.edges([0, 1], [])
+    tally, nothing = LinkErrors(DT), layouts.edges([0, 1], [])
     seen = []
     for where in (near, near, far, near):
         add(tally, where, nothing, [])

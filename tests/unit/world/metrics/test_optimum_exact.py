@@ -13,7 +13,7 @@ from console.backends import inprocess
 from fes.model.config import ChannelConfig, ObjectiveConfig
 from fes.protocol.report import Report
 from tests.support.loop import load
-from world.execution.run import Course
+from world.execution.run import Run
 from world.metrics.optimum import optimal_separation
 
 SMALLEST, LARGEST = 5e-324, 1.7e308
@@ -113,7 +113,7 @@ def test_summary_tracking_report_expectation_and_the_answer_of_set_give_one_opti
     reports: list[Report] = []
     summary = inprocess.run(base, "pair", watch=reports.append)
     optimum = optimal_separation(base.objective, base.channel)
-    effect = Course(base).change("channel.reference_snr", base.channel.reference_snr)
+    effect = Run(base).change("channel.reference_snr", base.channel.reference_snr)
     assert summary["optimal_separation"] == summary["tracking"][0]["optimal_separation"] == optimum
     assert reports[-1].optimal_separation == effect.optimal_separation == optimum
     assert [verdict["holds"] for verdict in summary["expectations"]] == [True]

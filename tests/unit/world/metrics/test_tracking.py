@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from fes.arrays.edges import Edges
 from tests.support import layouts
-from world.metrics.period_average import Breathing
+from world.metrics.period_average import PeriodAverage
 from world.metrics.tracking import Tracking
 
 DT = 0.5  # s; 10 s are 20 ticks
@@ -62,7 +62,7 @@ def test_errors_are_summed_up_from_a_minute_after_the_start_or_the_change() -> N
 
 def test_a_breathing_separation_is_averaged_over_the_latest_whole_period() -> None:
     links, period = layouts.edges([0, 1], [(0, 1), (1, 0)]), 40
-    breathing, seen = Breathing(period), []
+    breathing, seen = PeriodAverage(period), []
     for tick in range(200):
         breathing.add(links, np.array([70.0 + 0.01 * tick + 5.0 * math.sin(2.0 * math.pi * tick / period)]))
         seen.append(float(breathing.mean[0]) if len(breathing.mean) else math.nan)
@@ -74,7 +74,7 @@ def test_a_breathing_separation_is_averaged_over_the_latest_whole_period() -> No
 
 
 def test_a_period_of_one_tick_averages_nothing() -> None:
-    breathing = Breathing(1)
+    breathing = PeriodAverage(1)
     for separation in (70.0, 75.0):
         breathing.add(layouts.edges([0, 1], [(0, 1)]), np.array([separation]))
         assert breathing.mean.tolist() == [separation]
@@ -88,7 +88,7 @@ def test_links_that_come_and_go_keep_their_average_while_they_stand(
     period: int, story: list[set[tuple[int, int]]]
 ) -> None:
     """Against a plain account: a link's separations since it last appeared, whichever side has it."""
-    breathing, since = Breathing(period), dict[tuple[int, int], list[float]]()
+    breathing, since = PeriodAverage(period), dict[tuple[int, int], list[float]]()
     known: dict[frozenset[tuple[int, int]], Edges] = {}
     blocks = next(count for count in range(min(20, period), 0, -1) if period % count == 0)
     length = period // blocks

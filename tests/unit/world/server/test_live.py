@@ -8,24 +8,24 @@ from typing import Any
 import numpy as np
 import pytest
 
-from agents.runtime.outbox import Mouth
-from agents.runtime.tick_source import Turns
-from agents.runtime.world_liveliness import Presence
+from agents.runtime.outbox import Outbox
+from agents.runtime.tick_source import TickSource
+from agents.runtime.world_liveliness import WorldLiveliness
 from console.backends import inprocess
 from console.dashboard import header
 from fes.protocol import keys, messages
 from fes.protocol.messages import Command, Observation
 from fes.protocol.report import decode_report, encode_report
-from fes.transport.drop_log import Complaints
+from fes.transport.drop_log import DropLog
 from fes.transport.inbox import Inbox
 from tests.support.clocks import Clock
 from tests.support.frames import a_report
 from tests.support.loop import load
 from world.metrics import report_builder
-from world.metrics.collector import Account
+from world.metrics.collector import MetricsCollector
 from world.metrics.deadlines import COMMAND_TIMEOUT, Deadlines, none
 from world.server import live
-from world.server.live import WARM_UP, Live
+from world.server.live import WARM_UP, LiveClock
 from world.server.lockstep import Lockstep
 from world.simulation import truth
 from world.simulation.truth import State
@@ -58,11 +58,11 @@ def world_of_two() -> tuple[State, Deadlines, Everybody]:
     return truth.start(world), none(2), Everybody()
 
 
-def warm(everybody: Any, deadlines: Deadlines) -> tuple[Inbox, Live]:
+def warm(everybody: Any, deadlines: Deadlines) -> tuple[Inbox, LiveClock]:
     """A live clock whose ticks in lockstep are over, and where its commands come in."""
-    inbox, complaints = Inbox(asyncio.get_running_loop()), Complaints(logging.getLogger("test"))
+    inbox, complaints = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
     lockstep = Lockstep(inbox, everybody, complaints, lambda robot, payload: None)
-    clock = Live(lockstep, inbox, everybody, complaints, deadlines, TICK)
+    clock = LiveClock(lockstep, inbox, everybody, complaints, deadlines, TICK)
     clock._left = 0
     return inbox, clock
 
@@ -106,8 +106,8 @@ def test_the_first_ticks_of_a_live_clock_are_in_lockstep_and_their_last_command_
     warm_up = WarmUp()
 
     async def main() -> list[tuple[list[int], list[bool]]]:
-        inbox, complaints = Inbox(asyncio.get_running_loop()), Complaints(logging.getLogger("test"))
-        clock = Live(warm_up, inbox, everybody, complaints, deadlines, TICK)  # type: ignore[arg-type]
+        inbox, complaints = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
+        clock = LiveClock(warm_up, inbox, everybody, complaints, deadlines, TICK)  # type: ignore[arg-type]
         found = []
         for tick in range(7, 7 + WARM_UP + 1):  # a world that goes on warms up, too
             answers, present = await clock.collect(replace(state, tick=tick), [b"", b""])
@@ -162,11 +162,11 @@ def test_a_command_of_a_tick_to_come_is_refused() -> None:
 
 
 def test_an_agent_answers_the_newest_tick_and_counts_those_it_skipped() -> None:
-    async def main() -> tuple[list[int], Turns]:
+    async def main() -> tuple[list[int], TickSource]:
         loop = asyncio.get_running_loop()
         inbox = Inbox(loop)
-        turns = Turns((0, 1), inbox, Mouth.__new__(Mouth), Complaints(logging.getLogger("test")))
-        world = Presence("the world", inbox)
+        turns = TickSource((0, 1), inbox, Outbox.__new__(Outbox), DropLog(logging.getLogger("test")))
+        world = WorldLiveliness("the world", inbox)
 
         def sense(robot: int, tick: int, since: int = 0, over: bool = False) -> None:
             sensed = Observation(tick, robot, (0.0, 0.0, 0.0), NOTHING, NOTHING.astype(np.uint8), over, since)
@@ -206,7 +206,7 @@ class Nobody:
 
 
 def test_a_mouth_that_skips_ticks_forgets_as_much() -> None:
-    mouth = Mouth(Nobody(), "test", (0,), Complaints(logging.getLogger("test")))  # type: ignore[arg-type]
+    mouth = Outbox(Nobody(), "test", (0,), DropLog(logging.getLogger("test")))  # type: ignore[arg-type]
     for tick in range(0, 3000, 3):
         mouth.say(tick, [(0, b"beacon", b"command")])
     assert len(mouth._commands) <= 2
@@ -228,7 +228,7 @@ def test_a_world_that_is_late_slips_and_gives_every_robot_a_whole_tick(monkeypat
 
 
 def test_a_report_tells_of_what_was_missed_and_came_late_until_its_tick() -> None:
-    sums = Account(load("pair.toml", run__clock="live"))
+    sums = MetricsCollector(load("pair.toml", run__clock="live"))
     for tick in inprocess.ticks(load("pair.toml", run__duration=0.1)):
         sums.add(tick.state, tick.twists, tick.telemetry, np.array([tick.state.tick, 1]))
     assert sums.deadlines is not None

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fes.protocol import keys
-from fes.transport.drop_log import Complaints
+from fes.transport.drop_log import DropLog
 from fes.transport.inbox import Inbox
 from tests.support.attackers import command
 from tests.support.clocks import Clock
@@ -21,7 +21,7 @@ from world.simulation.truth import State
 
 def of_nobody(pace: float | None) -> tuple[Lockstep, State]:
     """A lockstep, and a world whose two robots do not take part."""
-    inbox, complaints = Inbox(asyncio.get_running_loop()), Complaints(logging.getLogger("test"))
+    inbox, complaints = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
     clock = Lockstep(inbox, None, complaints, lambda robot, payload: None, pace)  # type: ignore[arg-type]
     state = truth.start(truth.create(load("pair.toml")))
     return clock, replace(state, present=np.zeros(2, dtype=np.bool_))
@@ -59,8 +59,8 @@ def test_second_answers_of_a_robot_that_is_asked_again_in_one_tick_after_the_oth
     monkeypatch.setattr("world.server.lockstep.ASK_AGAIN", 0.01)
     asked: list[int] = []
 
-    async def main() -> Complaints:
-        inbox, complaints = Inbox(asyncio.get_running_loop()), Complaints(logging.getLogger("test"))
+    async def main() -> DropLog:
+        inbox, complaints = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
         everybody = SimpleNamespace(there=np.ones(2, dtype=np.bool_), woke=lambda robot: False)
         state = truth.start(truth.create(load("pair.toml")))
 

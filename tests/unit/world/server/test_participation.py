@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from tests.support.loop import load
-from world.server.participation import Attendance
+from world.server.participation import Participation
 from world.simulation import truth
 
 
@@ -15,7 +15,7 @@ def test_a_session_that_ends_and_begins_anew_within_a_tick_costs_a_tick_and_its_
     scenario = load("pair.toml")
     roster = SimpleNamespace(whole=np.ones(2, dtype=np.bool_), alive=np.ones(2, dtype=np.uint8), renewed=set())
     roster.group = lambda robot: (robot,)
-    attendance = Attendance(roster, scenario)  # type: ignore[arg-type]
+    attendance = Participation(roster, scenario)  # type: ignore[arg-type]
     state = replace(truth.start(truth.create(scenario)), tick=5)
     assert attendance.now(state).tolist() == [True, True]
     attendance.lost(1)  # and its token stands again
@@ -32,7 +32,7 @@ def test_a_session_that_ends_and_begins_anew_within_a_tick_costs_a_tick_and_its_
 def test_a_robot_that_seems_to_have_been_there_all_the_time_but_has_a_new_process_misses_a_tick() -> None:
     """As where one agent takes the place of another while the world is away: it knows nothing, and begins anew."""
     roster = SimpleNamespace(whole=np.ones(2, dtype=np.bool_), alive=np.ones(2, dtype=np.uint8), renewed={1})
-    attendance = Attendance(roster, load("pair.toml"))  # type: ignore[arg-type]
+    attendance = Participation(roster, load("pair.toml"))  # type: ignore[arg-type]
     state = replace(truth.start(truth.create(load("pair.toml"))), tick=5)
     away = attendance.now(state)
     assert away.tolist() == [True, False]
@@ -48,7 +48,7 @@ def test_a_session_of_several_robots_that_begins_anew_within_a_tick_costs_all_of
     roster.group = lambda robot: (0, 1) if robot < 2 else (2,)
     poses = [[0.0, 0.0, 0.5], [60.0, 0.0, 2.0], [120.0, 0.0, 1.0]]
     scenario = load("pair.toml", robots__poses=poses)
-    attendance = Attendance(roster, scenario)  # type: ignore[arg-type]
+    attendance = Participation(roster, scenario)  # type: ignore[arg-type]
     state = replace(truth.start(truth.create(scenario)), tick=5)
     attendance.lost(1)  # and its token stands again, as that of robot 0 does
     assert attendance.there.tolist() == [False, False, True]

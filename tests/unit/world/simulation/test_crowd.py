@@ -25,7 +25,7 @@ from fes.system import memory
 from tests.support import layouts
 from tests.support.paths import CONFIGS
 from world.config import scenario
-from world.execution.run import Course
+from world.execution.run import Run
 from world.simulation import crowd, neighbor_list, truth
 
 LAYOUTS: dict[str, Callable[[np.random.Generator, int], Floats]] = {
@@ -145,7 +145,7 @@ def test_a_range_that_makes_a_crowd_of_a_team_is_refused_scheduled_or_set_by_a_p
     fields = {"robots.count": 100, "run.duration": 1.0}
     monkeypatch.setattr(memory, "available", lambda: 2_000_000)  # 684 contacts at the start
     calm = scenario.load(CONFIGS / "hundred.toml", fields)
-    course = Course(calm)
+    course = Run(calm)
     with pytest.raises(
         ScenarioError, match=r"^robots: the memory of the 9,900 contacts within 1e\+06 m must be at most"
     ):
