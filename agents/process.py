@@ -55,7 +55,7 @@ class Agent:
 
     async def join(self, timeout: float) -> Welcome:
         """Wait for the world, and ask it for the robots; raises Absent or Refused."""
-        return await self.membership.ask(timeout)
+        return await self.membership.join_run(timeout)
 
     async def live(self, welcome: Welcome) -> None:
         """The robots' life: one step a tick, until the world says that the run is over."""
@@ -64,9 +64,9 @@ class Agent:
         state = crew.start(robots)
         stack = MessageAssembler(ids)
         for robot in self._robots:
-            self._bus.subscribe(keys.observation(self._run, robot), self._inbox.put)
+            self._bus.declare_subscriber(keys.observation(self._run, robot), self._inbox.put)
         for robot in self._robots:  # last of all: a token says that everything above is in place
-            self._bus.token(keys.robot_alive(self._run, robot))
+            self._bus.declare_token(keys.robot_alive(self._run, robot))
         self.logger.info("ready")
         world = self.membership.world
         tuned, since = None, np.zeros(len(ids), dtype=np.int64)
@@ -85,9 +85,9 @@ class Agent:
             state, said, twists = crew.step(robots, state, observations, beacons)
             if observations.in_range is not tuned:
                 tuned = observations.in_range
-                self.radio.tune(set(tuned.peers.tolist()))
-            spoken = list(marshalling.payloads(said, twists, crew.telemetry(robots, state)))
-            self._mouth.say(observations.tick, transmitter.on_air(robots.transmitters, observations.tick, spoken))
+                self.radio.update(set(tuned.peers.tolist()))
+            spoken = list(marshalling.encode_tick(said, twists, crew.telemetry(robots, state)))
+            self._mouth.publish(observations.tick, transmitter.on_air(robots.transmitters, observations.tick, spoken))
         self.membership.close()
 
     async def _complete(self, observations: Observations, heard: list[Beacon]) -> list[Beacon]:
@@ -136,7 +136,7 @@ async def lease(opened: Bus, run: str, timeout: float) -> int:
     while True:
         left = end - time.monotonic()
         try:
-            answer = await opened.ask(keys.lease(run), b"", max(left, PATIENCE))
+            answer = await opened.get(keys.lease(run), b"", max(left, PATIENCE))
         except (Unavailable, Rejected) as error:
             if left <= PATIENCE:
                 never = Unavailable(f"no world of run '{run}' leases robots here (asked for {timeout:g} s)")

@@ -7,7 +7,7 @@ import numpy as np
 
 from agents.control import crew
 from bench import robot
-from fes.model.sensing import silence
+from fes.model.sensing import no_beacons
 from world.config.scenario import Scenario, agent_config, load
 from world.simulation import truth
 
@@ -21,7 +21,7 @@ def rate(scenario: Scenario, ticks: int, skip: int) -> float:
     world = truth.create(scenario)
     state = truth.start(world)
     robots = crew.create(agent_config(scenario), world.ids)
-    minds, said = crew.start(robots), silence()
+    minds, said = crew.start(robots), no_beacons()
     begun = 0.0
     for tick in range(skip + ticks):
         if tick == skip:

@@ -130,8 +130,8 @@ async def pace(delay: float) -> float:
         agents = [asyncio.ensure_future(_live(f"tcp/127.0.0.1:{far}", robot, Counts())) for robot in range(2)]
         await server.gather()
         begun = time.perf_counter()
-        await server.run()
-        rate = server.course.state.tick / (time.perf_counter() - begun)
+        await server.main_loop()
+        rate = server.run.state.tick / (time.perf_counter() - begun)
         server.dismiss()
         await asyncio.gather(*agents)
         return float(rate)

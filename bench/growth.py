@@ -52,11 +52,11 @@ class Counted(Bus):
         self.counts = counts
         self.beacons = beacons
 
-    def publisher(
+    def declare_publisher(
         self, key: str, schema: str, *, drop: bool = False, mark: bytes | None = None
     ) -> Callable[[bytes], None]:
         """As a bus does."""
-        put, kind = super().publisher(key, schema, drop=drop, mark=mark), key.rpartition("/")[2]
+        put, kind = super().declare_publisher(key, schema, drop=drop, mark=mark), key.rpartition("/")[2]
 
         def counted(payload: bytes) -> None:
             self._count(f"{kind} put", payload)
@@ -64,7 +64,7 @@ class Counted(Bus):
 
         return counted
 
-    def subscribe(self, key: str, handler: Handler, gate: Gate | None = None) -> Callable[[], None]:
+    def declare_subscriber(self, key: str, handler: Handler, gate: Gate | None = None) -> Callable[[], None]:
         """As a bus does."""
         kind = key.rpartition("/")[2]
 
@@ -72,7 +72,7 @@ class Counted(Bus):
             self._count(f"{kind} taken", payload)
             handler(sample, payload)
 
-        return super().subscribe(key, counted, gate)
+        return super().declare_subscriber(key, counted, gate)
 
     def mailbox(self, key: str) -> Mailbox:
         """As a bus does."""
@@ -129,10 +129,10 @@ async def _measure(scenario: Scenario) -> Grown:
         server = Server(Counted(opened, counts, "beacon heard"), Run(scenario), "growth", RUN)
         agents = [asyncio.ensure_future(_live(port, robot, counts)) for robot in range(robots)]
         await server.gather()
-        running = asyncio.ensure_future(server.run())
+        running = asyncio.ensure_future(server.main_loop())
         before, degrees = await _snapshot(server, FIRST, port, counts), dict[int, float]()
-        while server.course.state.tick < FIRST + TICKS:
-            degrees[server.course.state.tick] = _contacts(server.course.state)  # once, however long it takes
+        while server.run.state.tick < FIRST + TICKS:
+            degrees[server.run.state.tick] = _contacts(server.run.state)  # once, however long it takes
             await asyncio.sleep(0.0)
         after = await _snapshot(server, FIRST + TICKS, port, counts)
         await running
@@ -150,11 +150,11 @@ async def _live(port: int, robot: int, counts: Counts) -> None:
 
 
 async def _snapshot(server: Server, tick: int, port: int, counts: Counts) -> Counts:
-    while server.course.state.tick < tick:
+    while server.run.state.tick < tick:
         await asyncio.sleep(0.0)
     said = subprocess.run(["ss", "-Htin", f"sport = :{port}"], check=True, capture_output=True, text=True).stdout
     found = Counter(counts)
-    found["tick"] = server.course.state.tick
+    found["tick"] = server.run.state.tick
     for what in ("received", "sent"):
         found[what] = sum(int(number) for number in re.findall(rf"bytes_{what}:(\d+)", said))
     return found

@@ -58,13 +58,13 @@ def in_one_loop(ticks: int, recorded: bool) -> None:
     paper, shown = Console(file=io.StringIO(), width=120, height=40), frame.ReportHistory()
     with tempfile.TemporaryDirectory() as folder:
         recorder = Recorder(Path(folder) / NAME, scenario, "memory", "inprocess") if recorded else None
-        sums = MetricsCollector(scenario)
+        metrics = MetricsCollector(scenario)
         for done, tick in enumerate(inprocess.ticks(scenario), 1):
-            sums.add(tick.state, tick.twists, tick.telemetry)
+            metrics.add(tick.state, tick.twists, tick.telemetry)
             if recorder is not None:
-                recorder.add(sums, tick.twists, inprocess.said(tick), alive, 0.0)
+                recorder.add(metrics, tick.twists, inprocess.said(tick), alive, 0.0)
             if done % 50 == 0:
-                shown.add(report_builder.build(sums, "memory", alive, 0.02 * done, 50.0))
+                shown.add(report_builder.build(metrics, "memory", alive, 0.02 * done, 50.0))
                 paper.print(frame.render(shown, 120, 40))
                 paper.file = io.StringIO()
             if done % (ticks // READINGS) == 0:

@@ -51,7 +51,7 @@ def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
     minds = [crew.start(one) for one in crews]
     stacks = [MessageAssembler(np.array([robot])) for robot in ids]
     everybody = MessageAssembler(world.ids)
-    sums = MetricsCollector(scenario)
+    metrics = MetricsCollector(scenario)
     costs, clock = Costs(), time.perf_counter
     spoken: dict[int, bytes] = {}
     for tick in range(skip + ticks):
@@ -86,7 +86,7 @@ def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
             minds[robot], said, twists = crew.step(crews[robot], minds[robot], seen, heard)
             stepped = clock()
             told = crew.telemetry(crews[robot], minds[robot])
-            [(_, beacon, command)] = marshalling.payloads(said, twists, told)
+            [(_, beacon, command)] = marshalling.encode_tick(said, twists, told)
             costs.say.append(clock() - stepped)
             costs.step.append(stepped - read)
             costs.read.append(read - begun)
@@ -99,6 +99,6 @@ def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
         estimates = np.concatenate([command.estimates for command in received])
         turned = np.array([command.twist for command in received])
         before, state = state, truth.step(world, state, turned)
-        sums.add(before, turned, Telemetry(links, estimates, np.zeros((2, 0))))
+        metrics.add(before, turned, Telemetry(links, estimates, np.zeros((2, 0))))
         costs.world.append(world_time + clock() - begun)
     return costs

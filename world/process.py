@@ -25,8 +25,8 @@ from fes.transport import bus, identity
 from world.config import expectations, remarks
 from world.config.scenario import Scenario, load, parse_override
 from world.execution import resume
-from world.execution.checkpoint import FOLDER, PERIOD, CheckpointWriter, clear, is_kept
-from world.execution.directory_lock import alone
+from world.execution.checkpoint import FOLDER, PERIOD, CheckpointWriter, clear, has_checkpoint
+from world.execution.directory_lock import exclusive_lock
 from world.execution.recorder import Recorder
 from world.execution.run import Run
 from world.execution.snapshot import Snapshot
@@ -55,19 +55,21 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
     audited = audit.kept(access.roles(rules)) if rules else contextlib.nullcontext()
     async with audited, bus.opened(endpoints) as opened:
         connected = bool(flags.connect or flags.config or flags.cfg) or flags.mode not in (None, "router")
-        await claim.claim(opened, run, connected=connected)
+        await claim.claim_run(opened, run, connected=connected)
         with _recorder(flags, start) as recorder:
-            course, keeper, elapsed = _course(flags, start, recorder)
-            server = Server(opened, course, start.name, run, flags.rtf, keeper, elapsed, guarded=rules is not None)
+            course, checkpoints, elapsed = _course(flags, start, recorder)
+            server = Server(
+                opened, course, start.name, run, flags.rtf, checkpoints, elapsed, guarded=rules is not None
+            )
             if flags.out is not None:
                 server.keep = partial(summary.write_scenario, flags.out)
                 server.keep(course.scenario)
             reached, first = None, course.state.tick
-            goes_on, ended = keeper is not None, False
+            goes_on, ended = checkpoints is not None, False
             try:
                 if not course.is_over:
                     await server.gather()
-                await server.run()
+                await server.main_loop()
             except asyncio.CancelledError as stopped:
                 # Only who means it ends a run for good: no accident, and not who took it up by a wrong flag.
                 waited = start.kept is not None and course.state.tick == first and not flags.exit_with_stdin
@@ -86,13 +88,13 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
                 try:
                     if not goes_on:  # else the robots wait for a world that goes on
                         server.dismiss()
-                    server.complaints.log_total(server.overflow, server.strangers)
+                    server.drops.log_total(server.overflow, server.strangers)
                 finally:
                     reached = _keep(flags.out, server, recorder)
-                    if keeper is not None:
-                        (keeper.discard if ended else keeper.close)(course)
-        if keeper is not None:  # last of all: until here it can be gone on with
-            keeper.discard(course)
+                    if checkpoints is not None:
+                        (checkpoints.discard if ended else checkpoints.close)(course)
+        if checkpoints is not None:  # last of all: until here it can be gone on with
+            checkpoints.discard(course)
         with contextlib.suppress(asyncio.CancelledError):  # the run is over and kept: a signal only ends the wait
             await server.linger()
         server.logger.info("the run is over after %d ticks", scenario.ticks)
@@ -108,7 +110,7 @@ def _recorder(flags: argparse.Namespace, start: Start) -> AbstractContextManager
     if start.kept is not None:
         return resume.recorder(flags.out, start.kept) or nullcontext()
     if flags.out is not None:
-        if is_kept(flags.out):
+        if has_checkpoint(flags.out):
             logging.getLogger("world").warning("the run that %s could have gone on with is given up", flags.out)
         clear(flags.out)  # before the log, without which nobody could go on with it
         summary.clear(flags.out)
@@ -123,13 +125,13 @@ def _course(
 ) -> tuple[Run, CheckpointWriter | None, float]:
     """The run, from its start or from where it was left, who keeps it, and the time since tick 0 [s]."""
     if start.kept is not None:
-        return resume.course(flags.out, start.kept, recorder, flags.checkpoint or math.inf)
-    course = Run(start.scenario, recorder)
+        return resume.run(flags.out, start.kept, recorder, flags.checkpoint or math.inf)
+    run = Run(start.scenario, recorder)
     if flags.out is None or not flags.checkpoint:
-        return course, None, 0.0
-    keeper = CheckpointWriter(flags.out, flags.checkpoint, start.name, start.run)
-    keeper.begin(course)
-    return course, keeper, 0.0
+        return run, None, 0.0
+    checkpoints = CheckpointWriter(flags.out, flags.checkpoint, start.name, start.run)
+    checkpoints.begin(run)
+    return run, checkpoints, 0.0
 
 
 def _keep(out: Path | None, server: Server, recorder: Recorder | None) -> dict[str, Any] | None:
@@ -154,14 +156,14 @@ def _start(flags: argparse.Namespace, held: contextlib.ExitStack) -> Start:
         _check_pace(flags, scenario)
         if flags.out is not None:
             flags.out.mkdir(parents=True, exist_ok=True)
-            held.enter_context(alone(flags.out))
+            held.enter_context(exclusive_lock(flags.out))
             summary.write_scenario(flags.out, scenario)
         return Start(
             scenario, encoding.check_name(flags.name) if flags.name else encoding.name_of(Path(flags.scenario)), run
         )
     if flags.scenario or flags.out or flags.name or flags.no_record or overrides(flags):
         raise FesError("--resume goes on with the run as it was: no SCENARIO, and no flag about it")
-    held.enter_context(alone(flags.resume))
+    held.enter_context(exclusive_lock(flags.resume))
     kept = resume.load(flags.resume)
     if flags.run not in (None, kept.run):
         raise FesError(f"--resume goes on with run '{kept.run}', not with '{flags.run}'")

@@ -9,10 +9,10 @@ from fes.arrays import geometry
 from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Bools, Floats, Ints
 from fes.model.contacts import NEVER, Contacts, Lookup
-from fes.model.sensing import DECODED, Beacons, Observations, silence
+from fes.model.sensing import DECODED, Beacons, Observations, no_beacons
 
 
-def nobody(ids: Ints) -> Contacts:
+def no_contacts(ids: Ints) -> Contacts:
     """The contacts of a crew that has heard nobody."""
     return _blank(no_edges(ids))
 
@@ -30,7 +30,7 @@ def update(contacts: Contacts, observations: Observations, own: Floats, beacons:
     lookup = contacts.lookup if contacts.lookup.fits(edges, beacons) else _look_up(edges, beacons)
     decoded = (observations.reception == DECODED) & lookup.present
     heard, x, y = contacts.heard, contacts.x, contacts.y
-    estimates, names_us = contacts.estimates, contacts.names_us
+    estimates, names_us = contacts.estimates, contacts.selected_by_peer
     if np.count_nonzero(decoded):
         linked = lookup.link >= 0
         heard = np.where(decoded, beacons.tick, heard)
@@ -39,7 +39,7 @@ def update(contacts: Contacts, observations: Observations, own: Floats, beacons:
         told, names = np.full(len(edges), np.nan), linked
         if len(beacons.links):  # else nobody has a link, and what was heard of one before no longer holds
             told = np.where(linked, beacons.estimates.take(lookup.link, mode="clip"), np.nan)
-            names = beacons.named.take(lookup.link, mode="clip") & linked
+            names = beacons.selected.take(lookup.link, mode="clip") & linked
         estimates = np.where(decoded, told, estimates)
         names_us = np.where(decoded, names, names_us)
     dx = x - own[:, geometry.X].take(edges.rows)
@@ -53,7 +53,18 @@ def update(contacts: Contacts, observations: Observations, own: Floats, beacons:
 def forget(contacts: Contacts, who: Bools) -> Contacts:
     """The contacts, those of the robots `who` [n] blank."""
     blank, gone = _blank(contacts.edges), who[contacts.edges.rows]
-    names = ("heard", "x", "y", "estimates", "names_us", "heard_separation", "known", "dx", "dy", "separation")
+    names = (
+        "heard",
+        "x",
+        "y",
+        "estimates",
+        "selected_by_peer",
+        "heard_separation",
+        "known",
+        "dx",
+        "dy",
+        "separation",
+    )
     kept = {name: np.where(gone, getattr(blank, name), getattr(contacts, name)) for name in names}
     return replace(contacts, **kept)
 
@@ -103,7 +114,18 @@ def _blank(edges: Edges) -> Contacts:
     no = np.zeros(count, dtype=np.bool_)
     never = np.full(count, NEVER, dtype=np.int64)
     return Contacts(
-        edges, _look_up(edges, silence()), never, zero, zero, np.full(count, np.nan), no, zero, no, zero, zero, zero
+        edges,
+        _look_up(edges, no_beacons()),
+        never,
+        zero,
+        zero,
+        np.full(count, np.nan),
+        no,
+        zero,
+        no,
+        zero,
+        zero,
+        zero,
     )
 
 
@@ -120,6 +142,6 @@ def _carry(contacts: Contacts, edges: Edges) -> Contacts:
         x=np.where(stays, contacts.x[at], blank.x),
         y=np.where(stays, contacts.y[at], blank.y),
         estimates=np.where(stays, contacts.estimates[at], blank.estimates),
-        names_us=np.where(stays, contacts.names_us[at], blank.names_us),
+        selected_by_peer=np.where(stays, contacts.selected_by_peer[at], blank.selected_by_peer),
         heard_separation=np.where(stays, contacts.heard_separation[at], blank.heard_separation),
     )

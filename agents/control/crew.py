@@ -79,12 +79,12 @@ def create(config: AgentConfig, ids: Ints) -> Crew:
 
 def start(crew: Crew) -> CrewState:
     """The state of a crew that has sensed and heard nothing yet."""
-    nobody = contacts.nobody(crew.ids)
+    nobody = contacts.no_contacts(crew.ids)
     never = np.full(len(crew.ids), np.iinfo(np.int64).max // 2)
-    known = packet_counting.nothing(packet_counting.POOLED, len(crew.ids))
+    known = packet_counting.no_counts(packet_counting.POOLED, len(crew.ids))
     if not _pooled(crew):
-        known = packet_counting.nothing(packet_counting.ALONE, 0)
-    none = links.none(nobody)
+        known = packet_counting.no_counts(packet_counting.ALONE, 0)
+    none = links.no_links(nobody)
     return CrewState(np.zeros((len(crew.ids), 3)), nobody, Witnesses(nobody.edges), none, known, never, never, {})
 
 
@@ -136,11 +136,11 @@ def step(
 
     # Who is a neighbor
     named = neighbor_rules.RULES[config.formation.rule](known, witnesses)
-    used, since = _relink(crew, state, tick, known, named | (known.names_us & known.known), begun, heard)
+    used, since = _relink(crew, state, tick, known, named | (known.selected_by_peer & known.known), begun, heard)
 
     # Where to go
     error = known.separation.take(used.contact) - _desired(crew, tick, used)
-    pull = formation.pull(used.edges, error, links.bearing(known, used.contact))
+    pull = formation.formation_vector(used.edges, error, links.bearing(known, used.contact))
     twists = formation.twist(pull, observations.poses[:, geometry.HEADING], config.dt, config.formation)
 
     if not np.isfinite(twists).all():

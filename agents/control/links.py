@@ -24,7 +24,7 @@ class Links:
     """Estimates as in the last beacon [l] [m]."""
 
 
-def none(contacts: Contacts) -> Links:
+def no_links(contacts: Contacts) -> Links:
     """No link among these contacts."""
     nothing = np.zeros(0, dtype=np.int64)
     return Links(contacts.known & False, nothing, no_edges(contacts.edges.ids), np.zeros((3, 0)), np.zeros(0))

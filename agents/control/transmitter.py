@@ -39,7 +39,7 @@ class RepeatedBeacons(NamedTuple):
     pose: Floats
     links: Ints
     estimates: Floats
-    named: Bools
+    selected: Bools
     statistics: Floats
 
 
@@ -122,7 +122,7 @@ def _now(changes: tuple[tuple[int, int, int], ...], tick: int) -> dict[int, int]
 
 def _words(said: Beacons, row: int) -> RepeatedBeacons:
     span = said.links.spans[row]
-    links, estimates, named = said.links.peers[span], said.estimates[span], said.named[span]
+    links, estimates, named = said.links.peers[span], said.estimates[span], said.selected[span]
     return RepeatedBeacons(said.poses[row], links, estimates, named, said.statistics[row])
 
 
@@ -133,10 +133,10 @@ def _with(said: Beacons, old: Mapping[int, RepeatedBeacons]) -> Beacons:
         poses[row], statistics[row] = words.pose, words.statistics
     spans = links.spans
     estimates = [said.estimates[span] for span in spans]
-    named = [said.named[span] for span in spans]
+    named = [said.selected[span] for span in spans]
     peers = [links.peers[span] for span in spans]
     for row, words in old.items():
-        peers[row], estimates[row], named[row] = words.links, words.estimates, words.named
+        peers[row], estimates[row], named[row] = words.links, words.estimates, words.selected
     together = np.concatenate(peers)
     if together.tobytes() != links.peers.tobytes() or any(
         len(words.links) != links.counts[row] for row, words in old.items()
@@ -147,7 +147,7 @@ def _with(said: Beacons, old: Mapping[int, RepeatedBeacons]) -> Beacons:
         poses=poses,
         links=links,
         estimates=np.concatenate(estimates),
-        named=np.concatenate(named),
+        selected=np.concatenate(named),
         statistics=statistics,
     )
 

@@ -23,7 +23,7 @@ def weights(links: Edges, separation_error: Floats) -> Floats:
     return result
 
 
-def pull(links: Edges, separation_error: Floats, bearing: Floats) -> Floats:
+def formation_vector(links: Edges, separation_error: Floats, bearing: Floats) -> Floats:
     """g_i = sum_j a_ij (r_ij - r_des) [cos psi_ij, sin psi_ij], world frame [n, 2] [m].
 
     `bearing` [2, l] is the unit vector of the line of sight. (6) and (7) are its components along and

@@ -83,7 +83,7 @@ class Reception:
     """nu [g]"""
 
 
-def nothing(method: Method, learners: int) -> Reception:
+def no_counts(method: Method, learners: int) -> Reception:
     """What they know before their first beacon."""
     return _fit(method, np.zeros((learners, SUMS)))
 
@@ -92,9 +92,9 @@ def carry(reception: Reception, old: Edges, new: Edges) -> Reception:
     """The learners of the links `new`, where those of `old` were before: new ones know nothing."""
     if new is old:
         return reception
-    at, sums = new.places_in(old), np.zeros((len(new), SUMS))
-    sums[at >= 0] = reception.sums[at[at >= 0]]
-    return _fit(reception.method, sums)
+    at, metrics = new.places_in(old), np.zeros((len(new), SUMS))
+    metrics[at >= 0] = reception.sums[at[at >= 0]]
+    return _fit(reception.method, metrics)
 
 
 def forget(reception: Reception, who: Bools) -> Reception:
@@ -104,10 +104,10 @@ def forget(reception: Reception, who: Bools) -> Reception:
 
 def fade(reception: Reception, dt: float) -> Reception:
     """The sums a tick of `dt` [s] older."""
-    sums = reception.sums.copy()
-    sums[:, :3] *= np.exp(-dt / reception.method.short_memory)
-    sums[:, 3:] *= np.exp(-dt / reception.method.long_memory)
-    return replace(reception, sums=sums)
+    metrics = reception.sums.copy()
+    metrics[:, :3] *= np.exp(-dt / reception.method.short_memory)
+    metrics[:, 3:] *= np.exp(-dt / reception.method.long_memory)
+    return replace(reception, sums=metrics)
 
 
 def mix(reception: Reception, edges: Edges, heard: Bools, theirs: Floats) -> Reception:
@@ -118,11 +118,11 @@ def mix(reception: Reception, edges: Edges, heard: Bools, theirs: Floats) -> Rec
     """
     count = edges.sum(heard.astype(np.float64))
     share = np.minimum(MIXING, 1.0 / (1.0 + count))
-    sums = np.empty_like(reception.sums)
+    metrics = np.empty_like(reception.sums)
     for column in range(SUMS):
         told = edges.sum(np.where(heard, theirs[:, column], 0.0))
-        sums[:, column] = reception.sums[:, column] + share * (told - count * reception.sums[:, column])
-    return replace(reception, sums=sums)
+        metrics[:, column] = reception.sums[:, column] + share * (told - count * reception.sums[:, column])
+    return replace(reception, sums=metrics)
 
 
 def learn(reception: Reception, rows: Ints, separation: Floats, decoded: Bools, scale: float) -> Reception:
@@ -140,12 +140,12 @@ def learn(reception: Reception, rows: Ints, separation: Floats, decoded: Bools, 
     centered = u - (before[:, 1] / safe)[rows]
     mean = (before[:, 2] / safe)[rows]
     counts = known[rows].astype(np.float64)
-    sums = before.copy()
+    metrics = before.copy()
     for column, values in enumerate(
         (weight, weight * u, response, counts * weight * centered**2, counts * centered * (response - weight * mean))
     ):
-        sums[:, column] += np.bincount(rows, values, minlength=n)
-    return _fit(reception.method, sums)
+        metrics[:, column] += np.bincount(rows, values, minlength=n)
+    return _fit(reception.method, metrics)
 
 
 def drift(reception: Reception, rows: Ints, estimate: Floats, preferred: ObjectiveConfig, scale: float) -> Floats:
@@ -168,9 +168,9 @@ def bounded(estimate: Floats, preferred: ObjectiveConfig) -> Floats:
     return inside
 
 
-def _fit(method: Method, sums: Floats) -> Reception:
+def _fit(method: Method, metrics: Floats) -> Reception:
     prior = method.slope_prior
-    exponent = np.clip((sums[:, 4] + prior[0]) / (sums[:, 3] + prior[1]), *method.slopes)
+    exponent = np.clip((metrics[:, 4] + prior[0]) / (metrics[:, 3] + prior[1]), *method.slopes)
     value, weight = LEVEL_PRIOR
-    level = np.clip((sums[:, 2] - exponent * sums[:, 1] + weight * value) / (sums[:, 0] + weight), LOW, HIGH)
-    return Reception(method, sums, level, exponent)
+    level = np.clip((metrics[:, 2] - exponent * metrics[:, 1] + weight * value) / (metrics[:, 0] + weight), LOW, HIGH)
+    return Reception(method, metrics, level, exponent)

@@ -17,21 +17,21 @@ RECALL_TIMEOUT = 2.0
 class BeaconSubscriptions:
     """One mailbox for each peer in range."""
 
-    def __init__(self, opened: Bus, run: str, robots: str, complaints: DropLog) -> None:
+    def __init__(self, opened: Bus, run: str, robots: str, drops: DropLog) -> None:
         """`robots` are those of this process, as `fes.protocol.keys.span` writes them."""
         self._bus = opened
         self._run, self._robots = run, robots
-        self._complaints = complaints
+        self._drops = drops
         self._boxes: dict[int, Mailbox] = {}
         self._early: dict[int, Beacon] = {}
         """A peer's beacon of a tick that this process has not reached yet: at most one a peer."""
 
     @property
-    def tuned(self) -> list[int]:
+    def peers(self) -> list[int]:
         """The peers it listens to, ascending."""
         return list(self._boxes)
 
-    def tune(self, peers: set[int]) -> None:
+    def update(self, peers: set[int]) -> None:
         """Listen to `peers` from now on. A beacon put after this, in tick order, will be heard."""
         for peer in self._boxes.keys() - peers:
             self._boxes.pop(peer).close()
@@ -58,7 +58,7 @@ class BeaconSubscriptions:
         """The world's copy of a beacon; False if it has none, True if it cannot say at the moment."""
         key = keys.held_beacon(self._run, peer, self._robots)
         try:
-            payload = await self._bus.ask(key, messages.encode_recall(tick), RECALL_TIMEOUT)
+            payload = await self._bus.get(key, messages.encode_recall(tick), RECALL_TIMEOUT)
             beacon = messages.decode_beacon(payload)
         except (Unavailable, Overloaded):
             return True
@@ -66,7 +66,7 @@ class BeaconSubscriptions:
             return False
         if (beacon.robot, beacon.tick) != (peer, tick):
             return False
-        self._complaints.add(
+        self._drops.reject(
             "Beacon: recalled", f"by a full mailbox, or late: a beacon of robot {peer}; asked for anew"
         )
         return beacon
@@ -84,7 +84,7 @@ class BeaconSubscriptions:
                 break
             stamp = wire.peek(sample[1]) if sample[1] is not None else None
             if stamp is not None and stamp[0] > tick + 1:
-                self._complaints.add("Beacon: from the future", f"a beacon of robot {peer} from tick {stamp[0]}")
+                self._drops.reject("Beacon: from the future", f"a beacon of robot {peer} from tick {stamp[0]}")
                 continue
             beacon = self._read(peer, *sample)
             if beacon is not None and beacon.tick == tick:
@@ -101,6 +101,6 @@ class BeaconSubscriptions:
             if beacon.robot != peer or keys.robot_of(key) != peer:
                 raise MessageError("Beacon", "came on another robot's key", key)
         except MessageError as error:
-            self._complaints.unread(key, error)
+            self._drops.unread(key, error)
             return None
         return beacon

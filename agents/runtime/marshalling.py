@@ -6,7 +6,7 @@ import numpy as np
 
 from fes.arrays.edges import Stack
 from fes.arrays.types import Floats, Ints
-from fes.model.sensing import Beacons, Observations, Telemetry, silence
+from fes.model.sensing import Beacons, Observations, Telemetry, no_beacons
 from fes.protocol import messages
 from fes.protocol.messages import Beacon, Command, Observation
 
@@ -18,7 +18,7 @@ class MessageAssembler:
         self._ids = ids
         self._in_range = Stack()
         self._senders: list[int] = []
-        self._sender_ids: Ints = silence().ids
+        self._sender_ids: Ints = no_beacons().ids
         self._links = Stack()
 
     def observations(self, received: list[Observation]) -> Observations:
@@ -31,7 +31,7 @@ class MessageAssembler:
     def beacons(self, tick: int, received: list[Beacon]) -> Beacons:
         """The beacons of one tick, in id order, as arrays."""
         if not received:
-            return silence()
+            return no_beacons()
         senders = [message.robot for message in received]
         if senders != self._senders:
             self._senders, self._sender_ids = senders, np.array(senders, dtype=np.int64)
@@ -42,7 +42,7 @@ class MessageAssembler:
             np.array([message.pose for message in received]),
             links,
             np.concatenate([message.estimates for message in received]),
-            np.concatenate([message.named for message in received]).view(np.bool_),
+            np.concatenate([message.selected for message in received]).view(np.bool_),
             self._statistics([message.statistics for message in received]),
         )
 
@@ -53,9 +53,9 @@ class MessageAssembler:
         return np.array([one if len(one) == q else np.zeros(q) for one in received]).reshape(len(received), q)
 
 
-def payloads(said: Beacons, twists: Floats, told: Telemetry) -> Iterator[tuple[int, bytes, bytes]]:
+def encode_tick(said: Beacons, twists: Floats, told: Telemetry) -> Iterator[tuple[int, bytes, bytes]]:
     """For each robot its id, and the payloads of its beacon and its command; `told` is the crew's telemetry."""
-    named = said.named.view(np.uint8)
+    named = said.selected.view(np.uint8)
     spans = zip(said.links.spans, told.links.spans, strict=True)  # they are others where a transmitter is late
     rows = zip(said.ids.tolist(), said.poses.tolist(), twists.tolist(), spans, said.statistics, strict=True)
     for robot, pose, twist, (at, own), statistics in rows:

@@ -33,19 +33,19 @@ class Membership:
         self.world = WorldLiveliness(f"the world of run '{run}'", inbox)
         self._bus, self._run, self._inbox, self._tick = bus, run, inbox, tick
         self._key = keys.welcome(run, keys.span(robots))
-        self._question = messages.encode_join(self.join)
+        self._request = messages.encode_join(self.join)
         self._welcomed = b""
         self._confirming: asyncio.Future[None] | None = None
 
-    async def ask(self, timeout: float) -> Welcome:
+    async def join_run(self, timeout: float) -> Welcome:
         """Wait for the world, and ask it for the robots; raises Absent or Refused."""
-        self._bus.watch(keys.world_alive(self._run), self.on_world)
+        self._bus.declare_liveliness_subscriber(keys.world_alive(self._run), self.on_world)
         self.world.patience = timeout
         end = time.monotonic() + timeout
         while True:
             await self.world.appears(max(0.0, end - time.monotonic()))
             try:
-                answer = await self._bus.ask(self._key, self._question, ANSWER_TIMEOUT)
+                answer = await self._bus.get(self._key, self._request, ANSWER_TIMEOUT)
                 break
             except (Unavailable, Overloaded):  # it may just have left; or all agents of a large team ask at once
                 if time.monotonic() > end:
@@ -63,7 +63,7 @@ class Membership:
 
     def on_world(self, key: str, alive: bool) -> None:
         """Handle the appearance or the loss of the world's token."""
-        self.world.told(alive, self._tick())
+        self.world.on_token(alive, self._tick())
         if self.world.is_new and alive:
             self._confirm(CONFIRMATIONS)
 
@@ -88,7 +88,7 @@ class Membership:
         """
         for _ in range(times):
             try:
-                answer = await self._bus.ask(self._key, self._question, ANSWER_TIMEOUT)
+                answer = await self._bus.get(self._key, self._request, ANSWER_TIMEOUT)
                 if self._welcomed not in (b"", answer):
                     self._inbox.fail(Rejected("another run has taken the place of this one"))
                 return

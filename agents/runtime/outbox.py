@@ -16,20 +16,20 @@ REMEMBERED = 2
 class Outbox:
     """What the robots of a process say."""
 
-    def __init__(self, bus: Bus, run: str, robots: tuple[int, ...], complaints: DropLog, mark: bytes = b"") -> None:
+    def __init__(self, bus: Bus, run: str, robots: tuple[int, ...], drops: DropLog, mark: bytes = b"") -> None:
         """`mark` is that of the Join: the world takes commands from no other process of these robots."""
-        self._complaints = complaints
+        self._drops = drops
         self._beacon: dict[int, Put] = {}
         self._command: dict[int, Put] = {}
         self._commands: dict[int, dict[int, bytes]] = {}
         self._beacons: dict[int, dict[int, bytes]] = {}
         """Both by tick, then by robot."""
         for robot in robots:
-            self._beacon[robot] = bus.publisher(keys.beacon(run, robot), "fes.Beacon")
-            self._command[robot] = bus.publisher(keys.command(run, robot), "fes.Command", mark=mark)
+            self._beacon[robot] = bus.declare_publisher(keys.beacon(run, robot), "fes.Beacon")
+            self._command[robot] = bus.declare_publisher(keys.command(run, robot), "fes.Command", mark=mark)
             self._listen(bus, keys.recall(run, robot), robot)
 
-    def say(self, tick: int, said: list[tuple[int, bytes, bytes]]) -> None:
+    def publish(self, tick: int, said: list[tuple[int, bytes, bytes]]) -> None:
         """Beacons first, commands last: the world's next tick then follows every beacon of this one."""
         # Remembered before they are put: a peer may ask as soon as one of them arrives.
         self._beacons[tick] = {robot: beacon for robot, beacon, _ in said}
@@ -42,11 +42,11 @@ class Outbox:
         for robot, _, command in said:
             self._command[robot](command)
 
-    def remembers(self, tick: int) -> bool:
+    def has(self, tick: int) -> bool:
         """Whether this tick can be answered again."""
         return tick in self._commands
 
-    def repeat(self, tick: int, robot: int) -> None:
+    def resend(self, tick: int, robot: int) -> None:
         """Answer a tick again that is remembered, as the world asked for it again."""
         self._beacon[robot](self._beacons[tick][robot])
         self._command[robot](self._commands[tick][robot])
@@ -54,16 +54,16 @@ class Outbox:
     def _listen(self, bus: Bus, key: str, robot: int) -> None:
         """Tell a beacon again to who asks for it by its tick."""
 
-        def on_question(question: Query) -> None:
+        def on_question(query: Query) -> None:
             try:
-                tick = messages.decode_recall(question.payload)
+                tick = messages.decode_recall(query.payload)
             except MessageError as error:
-                self._complaints.unread(key, error)
-                question.refuse(str(error))
+                self._drops.unread(key, error)
+                query.reply_err(str(error))
                 return
             if tick not in self._beacons:
-                question.refuse(f"robot {robot} does not remember its beacon of tick {tick}")
+                query.reply_err(f"robot {robot} does not remember its beacon of tick {tick}")
                 return
-            question.answer(self._beacons[tick][robot], "fes.Beacon")
+            query.reply(self._beacons[tick][robot], "fes.Beacon")
 
-        bus.serve(key, on_question)
+        bus.declare_queryable(key, on_question)

@@ -25,14 +25,14 @@ class TickSource:
         self,
         robots: tuple[int, ...],
         inbox: Inbox,
-        mouth: Outbox,
-        complaints: DropLog,
+        outbox: Outbox,
+        drops: DropLog,
         on_quiet: Callable[[], None] = lambda: None,
     ) -> None:
         """`on_quiet` is called after each time QUIET without a message."""
         self._robots, self._on_quiet = robots, on_quiet
-        self._inbox, self._mouth = inbox, mouth
-        self._complaints = complaints
+        self._inbox, self._outbox = inbox, outbox
+        self._drops = drops
         self.tick = -1
         """The last one."""
         self._forgotten = -1
@@ -53,12 +53,12 @@ class TickSource:
                     waiting.setdefault(observation.robot, observation)
                 elif observation.tick == self.tick or (world.is_new and observation.tick < self.tick):
                     # A world that comes back has gone through what it knew again, a tick less than this at most.
-                    if self._mouth.remembers(observation.tick):
-                        self._mouth.repeat(observation.tick, observation.robot)
+                    if self._outbox.has(observation.tick):
+                        self._outbox.resend(observation.tick, observation.robot)
                     elif observation.tick < self.tick:
                         self._behind(key, observation.tick)
                 elif self.tick >= 0:  # else it stands by, and its time has not come yet
-                    self._complaints.add("Observation: is not for this tick", f"{key}: tick {observation.tick}")
+                    self._drops.reject("Observation: is not for this tick", f"{key}: tick {observation.tick}")
             if len(waiting) == len(self._robots):
                 self.tick += 1
                 world.is_new = False
@@ -92,7 +92,7 @@ class TickSource:
         if tick == self._forgotten:
             raise Unavailable(f"the world is back at tick {tick}, and {self.tick} was answered")
         self._forgotten = tick
-        self._complaints.add("Observation: is not for this tick", f"{key}: tick {tick}")
+        self._drops.reject("Observation: is not for this tick", f"{key}: tick {tick}")
 
     async def _received(self, count: int) -> AsyncIterator[tuple[str, Observation]]:
         """Wait for that many messages; the key and content of all that are here and can be read."""
@@ -114,6 +114,6 @@ class TickSource:
             if keys.robot_of(key) != observation.robot:
                 raise MessageError("Observation", "came on another robot's key", key)
         except MessageError as error:
-            self._complaints.unread(key, error)
+            self._drops.unread(key, error)
             return None
         return observation

@@ -38,7 +38,7 @@ class WorldLiveliness:
         except TimeoutError:
             raise Unavailable(f"no {self._name.removeprefix('the ')} appeared within {self.patience:g} s") from None
 
-    def told(self, alive: bool, tick: int) -> None:
+    def on_token(self, alive: bool, tick: int) -> None:
         """Its token came or went, after `tick` was answered."""
         if alive and self._giving_up is not None:
             self._giving_up.cancel()

@@ -80,8 +80,8 @@ def two_exponents() -> Numbers:
     numbers = {}
     for shape in (2.0, 3.0, 4.0):
         for nearest in (50.0, 100.0):
-            wish = ObjectiveConfig(minimum_separation=nearest, shape_exponent=shape)
-            best = optimum.optimal_separation(wish, ChannelConfig())
+            objective = ObjectiveConfig(minimum_separation=nearest, shape_exponent=shape)
+            best = optimum.optimal_separation(objective, ChannelConfig())
             numbers[f"r* with shape exponent {shape:.0f}, r_min {nearest:.0f} [m]"] = best
     return numbers
 
@@ -171,11 +171,11 @@ def _pair(config: SeekingConfig, duration: float) -> tuple[Floats, Floats]:
     return start, state
 
 
-def _curvature(wish: ObjectiveConfig) -> float:
+def _curvature(objective: ObjectiveConfig) -> float:
     """J'' at r* [1/m^2], by central differences."""
     h = 0.02
-    at = optimum.optimal_separation(wish, ChannelConfig()) + h * np.array([-1.0, 0.0, 1.0])
-    below, here, above = oracle.index(wish, ChannelConfig(), "none")(at)
+    at = optimum.optimal_separation(objective, ChannelConfig()) + h * np.array([-1.0, 0.0, 1.0])
+    below, here, above = oracle.index(objective, ChannelConfig(), "none")(at)
     return float((below - 2.0 * here + above) / h**2)
 
 

@@ -68,10 +68,12 @@ def index_figure() -> "Figure":
     r = np.linspace(0.1, 250.0, 1000)
     with sheet(5.2, 3.4) as (figure, axes):
         for nearest, color, offset in ((50.0, BLUE, (8, 2)), (100.0, ORANGE, (-40, -64))):
-            wish = ObjectiveConfig(minimum_separation=nearest)
-            best = optimal_separation(wish, channel)
-            top = float(_index(np.array([best]), wish, channel)[0])
-            axes.plot(r, _index(r, wish, channel), DASHES[color], color=color, label=f"$r_{{min}}$ = {nearest:.0f} m")
+            objective = ObjectiveConfig(minimum_separation=nearest)
+            best = optimal_separation(objective, channel)
+            top = float(_index(np.array([best]), objective, channel)[0])
+            axes.plot(
+                r, _index(r, objective, channel), DASHES[color], color=color, label=f"$r_{{min}}$ = {nearest:.0f} m"
+            )
             axes.plot(best, top, "o", color=INK, markersize=5)
             axes.annotate(f"{best:.2f} m, J = {top:.3f}", (best, top), offset, textcoords="offset points")
         axes.set(xlabel="separation [m]", ylabel="performance index J", xlim=(0, 250), ylim=(0, 1))

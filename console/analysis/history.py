@@ -59,12 +59,12 @@ class Moment(Protocol):
 
 def follow(scenario: Scenario) -> History:
     """Run a scenario in process, and keep its history."""
-    sums = MetricsCollector(scenario)
+    metrics = MetricsCollector(scenario)
 
     def accounted() -> Iterator[tuple[Moment, MetricsCollector]]:
         for tick in inprocess.ticks(scenario):
-            sums.add(tick.state, tick.twists, tick.telemetry)
-            yield tick, sums
+            metrics.add(tick.state, tick.twists, tick.telemetry)
+            yield tick, metrics
 
     return gather(scenario, accounted())
 
@@ -78,14 +78,14 @@ def gather(scenario: Scenario, moments: Iterable[tuple[Moment, MetricsCollector]
     """The history of a run that is gone through, tick by tick with the account up to it; of one tick at least."""
     last = MetricsCollector(scenario)
     poses, links, rows = [], [], []
-    for tick, sums in moments:
-        last = sums
+    for tick, metrics in moments:
+        last = metrics
         said = tick.telemetry
         poses.append(tick.state.poses)
         links.append(said.links)
-        total = float(np.abs(said.estimates - sums.optimal).sum()) if len(said.links) else np.nan
-        apart = float(np.abs(sums.separation - sums.optimal).max()) if len(links[-1]) else np.nan
-        rows.append((sums.tally.errors["disagreement"], total, apart))
+        total = float(np.abs(said.estimates - metrics.optimal).sum()) if len(said.links) else np.nan
+        apart = float(np.abs(metrics.separation - metrics.optimal).max()) if len(links[-1]) else np.nan
+        rows.append((metrics.link_errors.errors["disagreement"], total, apart))
     series = np.array(rows).T
     time = scenario.run.dt * np.arange(len(poses), dtype=np.float64)
     return History(
@@ -96,7 +96,7 @@ def gather(scenario: Scenario, moments: Iterable[tuple[Moment, MetricsCollector]
         series[1],
         series[2],
         last.optimal,
-        last.tally.digest.text(),
+        last.link_errors.digest.text(),
         dither_period(scenario) > 1,
     )
 

@@ -39,7 +39,7 @@ class ProcessControl:
     """The world dies, and another goes on after so long [s]."""
 
 
-async def enact(bus: Bus, run: str, timeout: float, scenario: Scenario, hands: ProcessControl, alone: bool) -> None:
+async def enact(bus: Bus, run: str, timeout: float, scenario: Scenario, control: ProcessControl, alone: bool) -> None:
     """Follow a run until it is over, and do to its processes what their robots and its world go through.
 
     What only robots go through is done where each has a process `alone`.
@@ -63,23 +63,23 @@ async def enact(bus: Bus, run: str, timeout: float, scenario: Scenario, hands: P
                         back = _back(schedule, robot, tick)
                         if back is not None and back <= _soon(report):
                             continue  # the world may have taken its process in again
-                        await hands.kill(str(robot))
+                        await control.kill(str(robot))
                         if back is not None:
-                            await hands.start(str(robot))
+                            await control.start(str(robot))
                     for robot in np.flatnonzero(planned.hung).tolist():
-                        hands.stop(str(robot))
+                        control.stop(str(robot))
                         stopped[robot] = _back(schedule, robot, tick)
                 while report is not None and deaths and report.tick >= deaths[0][0]:
-                    await hands.away(deaths.pop(0)[1])
+                    await control.away(deaths.pop(0)[1])
                 for robot in _needed(stopped, report):
                     del stopped[robot]
-                    hands.proceed(str(robot))
+                    control.proceed(str(robot))
             over = True
         for robot in [robot for robot, tick in stopped.items() if over or tick is None]:
-            await hands.kill(str(robot))
+            await control.kill(str(robot))
     finally:
         for robot in stopped:
-            hands.proceed(str(robot))
+            control.proceed(str(robot))
 
 
 def _back(schedule: dict[int, Planned], robot: int, after: int) -> int | None:

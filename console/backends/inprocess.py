@@ -11,7 +11,7 @@ from agents.control import crew
 from agents.runtime import marshalling as agent_marshalling
 from fes.arrays.types import Floats
 from fes.errors import FesError, ScenarioError
-from fes.model.sensing import Beacons, Telemetry, of_those, silence
+from fes.model.sensing import Beacons, Telemetry, no_beacons, of_those
 from fes.protocol.report import Report
 from fes.recording.layout import TickPayloads
 from world.config.scenario import Scenario, agent_config
@@ -49,7 +49,7 @@ def ticks(scenario: Scenario) -> Iterator[Tick]:
     world = truth.create(scenario)
     state = truth.start(world)
     robots = crew.create(agent_config(scenario), world.ids)
-    minds, said = crew.start(robots), silence()
+    minds, said = crew.start(robots), no_beacons()
     present = state.present
     for _ in range(scenario.ticks):
         if state.present is not present:
@@ -70,8 +70,8 @@ def tick(state: State, said: Beacons, twists: Floats, told: Telemetry) -> Tick:
 
 def said(tick: Tick) -> TickPayloads:
     """What would have crossed the bus at a tick, to the byte."""
-    present, legible = tick.state.present, tick.state.legible
-    spoken = list(agent_marshalling.payloads(tick.said, tick.twists, tick.telemetry))
+    present, legible = tick.state.present, tick.state.decodable
+    spoken = list(agent_marshalling.encode_tick(tick.said, tick.twists, tick.telemetry))
     sensed = world_marshalling.observations(truth.observe(tick.state), present, tick.state.since)
     beacons = [beacon if whole else b"" for (_, beacon, _), whole in zip(spoken, legible.tolist(), strict=True)]
     commands = [command if here else b"" for (_, _, command), here in zip(spoken, present.tolist(), strict=True)]
@@ -92,27 +92,27 @@ def run(
     was reached, at the end or when a signal stops the run. With `rtf` the run is paced to that many simulated seconds
     a second. `recorder` gets every tick.
     """
-    sums = MetricsCollector(scenario)
+    metrics = MetricsCollector(scenario)
     alive = np.ones(scenario.robots.number, dtype=np.uint8)
     begun = told_at = time.perf_counter()
     told = 0
 
     def reached() -> dict[str, Any]:
-        return summary.summarize(sums, name, "inprocess", time.perf_counter() - begun)
+        return summary.summarize(metrics, name, "inprocess", time.perf_counter() - begun)
 
     try:
         for done, tick in enumerate(ticks(scenario), 1):
-            sums.add(tick.state, tick.twists, tick.telemetry)
+            metrics.add(tick.state, tick.twists, tick.telemetry)
             now = time.perf_counter()
             if recorder is not None:
-                recorder.add(sums, tick.twists, said(tick), alive, now - begun)
+                recorder.add(metrics, tick.twists, said(tick), alive, now - begun)
             if watch is not None and (now - told_at >= report_builder.PERIOD or done == scenario.ticks):
-                watch(report_builder.build(sums, name, alive, now - begun, (done - told) / (now - told_at)))
+                watch(report_builder.build(metrics, name, alive, now - begun, (done - told) / (now - told_at)))
                 told_at, told = now, done
             if rtf is not None:
                 time.sleep(max(0.0, begun + done * scenario.run.dt / rtf - time.perf_counter()))
     except FesError:
-        if keep is not None and sums.tally.ticks:
+        if keep is not None and metrics.link_errors.ticks:
             keep(reached())
         raise
     result = reached()

@@ -12,7 +12,7 @@ from pathlib import Path
 from console.backends import managed_process
 from console.backends.managed_process import ManagedProcess, NotStarted, ended
 from fes.errors import reason
-from world.execution.checkpoint import is_kept
+from world.execution.checkpoint import has_checkpoint
 
 DISMISSAL = 2.0
 """Time [s] in which dismissed agents must end by themselves after their world has left; then they are told to."""
@@ -50,7 +50,7 @@ class ProcessGroup:
         """Agents that are about to be restarted, by their robots."""
 
     @property
-    def children(self) -> list[ManagedProcess]:
+    def processes(self) -> list[ManagedProcess]:
         """All of them."""
         return ([self.world] if self.world else []) + self.agents
 
@@ -65,7 +65,7 @@ class ProcessGroup:
         return self._begun
 
     @property
-    def is_deserted(self) -> bool:
+    def is_abandoned(self) -> bool:
         """True if no agent runs, and none is about to be restarted."""
         return not self._restarts and not any(agent.runs for agent in self.agents)
 
@@ -119,7 +119,7 @@ class ProcessGroup:
             world.signal(signal.SIGKILL)
             if await world.process.wait() >= 0:  # it had just ended by itself
                 self.killed.discard(world)
-            elif is_kept(self.directory):
+            elif has_checkpoint(self.directory):
                 await asyncio.sleep(seconds)
                 await self.start_world(arguments)
         except OSError as error:
@@ -159,15 +159,15 @@ class ProcessGroup:
             await ended([self.world], CLOSING)
             await ended(self.agents, DISMISSAL)
         self._tell_agents()
-        if not await ended(self.children, GRACE):
+        if not await ended(self.processes, GRACE):
             self.kill()
-            await ended(self.children, GRACE)
+            await ended(self.processes, GRACE)
         for task in self._watches:
             task.cancel()
 
     def kill(self) -> None:
         """End every child by force, at once."""
-        for one in self.children:
+        for one in self.processes:
             one.signal(signal.SIGKILL)
 
     def abandon(self) -> None:
@@ -175,7 +175,7 @@ class ProcessGroup:
         reap them)."""
         self.kill()
         if hasattr(os, "waitid"):
-            for one in self.children:
+            for one in self.processes:
                 with contextlib.suppress(OSError):
                     os.waitid(os.P_PID, one.process.pid, os.WEXITED | os.WNOWAIT)
 

@@ -119,11 +119,11 @@ async def _run(
             try:
                 joining = ["-e", endpoint, "--timeout", str(JOIN_TIMEOUT), *with_keys]
                 # First, to be there when the run begins.
-                async with _faults(family, launch, scenario, address, resuming):
+                async with _inject_faults(family, launch, scenario, address, resuming):
                     for ids in groups:
                         await family.start_agent(ids, joining)
                     again = RestartLimit() if launch.respawn else None
-                    supervisor = Supervisor(family, warnings.add, _deserted(scenario, endpoint), again)
+                    supervisor = Supervisor(family, warnings.add, _all_agents_ended(scenario, endpoint), again)
                     await _attend(supervisor, launch, address, console)
             finally:
                 run_directory.withdraw(path)
@@ -151,7 +151,7 @@ async def _family(directory: RunDirectory) -> AsyncIterator[ProcessGroup]:
 
 
 @contextlib.asynccontextmanager
-async def _faults(
+async def _inject_faults(
     family: ProcessGroup, launch: Launch, scenario: Scenario, address: Address, resuming: list[str]
 ) -> AsyncIterator[None]:
     """While the block lasts, processes die and hang as scheduled: the world's, and robots' if each has its own."""
@@ -162,14 +162,14 @@ async def _faults(
 
     async def follow() -> None:
         async with bus.opened(_visitor(address)) as opened:
-            hands = fault_injection.ProcessControl(
+            control = fault_injection.ProcessControl(
                 family.kill_agent,
                 family.start_agent_again,
                 family.stop_agent,
                 family.continue_agent,
                 lambda seconds: family.replace_world(seconds, resuming),
             )
-            await fault_injection.enact(opened, RUN, JOIN_TIMEOUT, scenario, hands, alone)
+            await fault_injection.enact(opened, RUN, JOIN_TIMEOUT, scenario, control, alone)
 
     following = asyncio.ensure_future(follow())
     try:
@@ -180,7 +180,7 @@ async def _faults(
             await following
 
 
-def _deserted(scenario: Scenario, endpoint: str) -> str:
+def _all_agents_ended(scenario: Scenario, endpoint: str) -> str:
     """Warning for a run of which no agent is left."""
     if scenario.run.clock == "live":
         return "no agent is left: all robots stand still until the end"

@@ -21,7 +21,7 @@ from console.backends.inprocess import Tick
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
 from fes.model.config import AgentConfig
-from fes.model.sensing import Beacons, Observations, Telemetry, silence
+from fes.model.sensing import Beacons, Observations, Telemetry, no_beacons
 from world.config.scenario import Scenario, agent_config
 from world.metrics import summary
 from world.metrics.collector import MetricsCollector
@@ -40,15 +40,15 @@ def run(scenarios: Sequence[Scenario], name: str, watch: Callable[[int], None] |
 
     `watch`, if given, is called after each tick with the ticks that are done, of all runs together.
     """
-    sums = [MetricsCollector(scenario) for scenario in scenarios]
+    metrics = [MetricsCollector(scenario) for scenario in scenarios]
     begun = time.perf_counter()
     for number, together in enumerate(ticks(scenarios), 1):
-        for one, tick in zip(sums, together, strict=True):
+        for one, tick in zip(metrics, together, strict=True):
             one.add(tick.state, tick.twists, tick.telemetry)
         if watch is not None:
             watch(number * len(scenarios))
     wall = time.perf_counter() - begun
-    return [summary.summarize(one, name, "inprocess", wall) for one in sums]
+    return [summary.summarize(one, name, "inprocess", wall) for one in metrics]
 
 
 def ticks(scenarios: Sequence[Scenario]) -> Iterator[list[Tick]]:
@@ -58,7 +58,7 @@ def ticks(scenarios: Sequence[Scenario]) -> Iterator[list[Tick]]:
     places = _Places.of([world.ids for world in worlds])
     robots = _assemble(scenarios, places)
     sensing, saying = _Joined(places), _Split(places)
-    minds, said, there = crew.start(robots), silence(), [state.present for state in states]
+    minds, said, there = crew.start(robots), no_beacons(), [state.present for state in states]
     for _ in range(scenarios[0].ticks):
         now = [state.present for state in states]
         if any(new is not old for new, old in zip(now, there, strict=True)):
@@ -160,7 +160,7 @@ class _Split:
         self._take_in(said.links)
         by_robot = zip(self._places.own, *map(self._places.rows, (said.poses, said.statistics)), strict=True)
         return [
-            Beacons(said.tick, own, poses, links, said.estimates[cut], said.named[cut], statistics)
+            Beacons(said.tick, own, poses, links, said.estimates[cut], said.selected[cut], statistics)
             for (own, poses, statistics), links, cut in zip(by_robot, self._parts, self._cuts, strict=True)
         ]
 

@@ -26,7 +26,7 @@ class ProcessFailed(FesError):
 class Supervisor:
     """Follows the children of a run to its end."""
 
-    family: ProcessGroup
+    processes: ProcessGroup
     warn: Callable[[str], None]
     """Called with one line for each agent that dies."""
     deserted: str = "no agent is left"
@@ -42,22 +42,22 @@ class Supervisor:
         Raises ChildFailed if the world ended badly, if the one that was to resume its run cannot be started, or if an
         agent ended without which it cannot begin.
         """
-        while (gone := await self.family.ends.get()) is not self.family.world or self.family.successor_due:
+        while (gone := await self.processes.ends.get()) is not self.processes.world or self.processes.successor_due:
             if isinstance(gone, NotStarted):
                 await self._lose(gone.robots, gone.verdict(), lived=0.0)
-            elif gone in self.family.agents:
+            elif gone in self.processes.agents:
                 await self._miss(gone)
         assert isinstance(gone, ManagedProcess)  # it is the world
-        if self.family.not_resumed:
-            raise ProcessFailed(self.family.not_resumed)
-        if gone not in self.family.killed and gone.process.returncode not in (SUCCESS, UNMET):
+        if self.processes.not_resumed:
+            raise ProcessFailed(self.processes.not_resumed)
+        if gone not in self.processes.killed and gone.process.returncode not in (SUCCESS, UNMET):
             raise ProcessFailed(gone.verdict())
-        await ended(self.family.agents, DISMISSAL)
+        await ended(self.processes.agents, DISMISSAL)
 
     async def _miss(self, agent: ManagedProcess) -> None:
         """Handle the end of an agent while the world runs; raises ChildFailed."""
         self._ended.add(agent)
-        if agent in self.family.killed or (agent.process.returncode == SUCCESS and agent.was_dismissed):
+        if agent in self.processes.killed or (agent.process.returncode == SUCCESS and agent.was_dismissed):
             return
         await self._lose(agent.robots, agent.verdict(), time.monotonic() - agent.born)
 
@@ -73,12 +73,12 @@ class Supervisor:
             why += "" if delay else f", {MOST + 1} times in a row: it is not started again"
         if delay is not None:
             self.warn(f"{robots}: {why}; started again in {delay:g} s")
-            self.family.restart_agent(ids, delay)
+            self.processes.restart_agent(ids, delay)
             return
-        if not self.family.has_begun:
+        if not self.processes.has_begun:
             await self._blame(why)
         self.warn(f"{robots}: {why}; the run continues without {whom}")
-        if self.family.is_deserted and self._ended.issuperset(self.family.agents):
+        if self.processes.is_abandoned and self._ended.issuperset(self.processes.agents):
             self.warn(self.deserted)
 
     async def _blame(self, why: str) -> None:
@@ -86,8 +86,8 @@ class Supervisor:
 
         Do nothing if the run begins just then.
         """
-        world = self.family.world
+        world = self.processes.world
         if world is not None and await ended([world], SETTLING) and world.process.returncode != SUCCESS:
             raise ProcessFailed(world.verdict())
-        if not self.family.has_begun:
+        if not self.processes.has_begun:
             raise ProcessFailed(f"{why}; the run cannot begin without it")

@@ -52,8 +52,8 @@ async def reports(bus: Bus, run: str, timeout: float, idle: float) -> AsyncItera
         here, since = alive, loop.time()
         news.set()
 
-    bus.subscribe(keys.report(run), on_report)
-    bus.watch(keys.world_alive(run), on_world)
+    bus.declare_subscriber(keys.report(run), on_report)
+    bus.declare_liveliness_subscriber(keys.world_alive(run), on_world)
     while True:
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(idle):

@@ -16,7 +16,7 @@ from fes.system import files, signals, strict_json
 from fes.transport import addresses
 from fes.transport.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
 from fes.transport.identity import security
-from world.execution.checkpoint import FOLDER, is_kept
+from world.execution.checkpoint import FOLDER, has_checkpoint
 
 ROOT = Path("runs")
 LATEST = "latest"
@@ -77,7 +77,7 @@ def made(scenario: str, out: Path | None) -> Iterator["RunDirectory"]:
     except Stopped as stopped:
         if directory is None:
             raise
-        if is_kept(directory.path) or (directory.path / SUMMARY).exists():
+        if has_checkpoint(directory.path) or (directory.path / SUMMARY).exists():
             raise Stopped(f"{stopped}; what was reached is in {directory.path}") from None
         directory.discard()
         raise

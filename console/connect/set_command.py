@@ -39,10 +39,10 @@ def set_command(
             for one in changes:
                 try:
                     with progress.waiting("waiting for the world's answer"):
-                        answer = await opened.ask(keys.change(run), one, timeout)
+                        answer = await opened.get(keys.change(run), one, timeout)
                 except Unavailable:
                     raise Unavailable(f"no world of run '{run}' answers at {endpoints.shown}") from None
-                effect = channel_change.decode_effect(answer)
+                effect = channel_change.decode_result(answer)
                 printing.line(
                     f"{effect.path} = {strict_json.dumps(effect.value)} from tick {effect.tick} on; "
                     f"r* = {effect.optimal_separation:.3f} m"

@@ -90,8 +90,8 @@ async def examine(endpoints: Endpoints, run: str, wanted: bool) -> tuple[list[Fi
     """
     try:
         async with _opened(endpoints) as opened:
-            standing = await opened.standing(keys.tree(run), PATIENCE)
-            others = [] if endpoints.security else await opened.standing(keys.world_alive("*"), PATIENCE)
+            standing = await opened.liveliness_get(keys.tree(run), PATIENCE)
+            others = [] if endpoints.security else await opened.liveliness_get(keys.world_alive("*"), PATIENCE)
             answer = await _ask(opened, run) if keys.world_alive(run) in standing else None
     except (TransportError, TimeoutError, Unavailable) as error:
         said = str(error) or f"{endpoints.shown} is open, but does not speak Zenoh, {SLOW}"
@@ -145,8 +145,8 @@ async def _ask(opened: Bus, run: str) -> Answer | Silence:
     """What the world says of itself, or why it says nothing."""
     asked = time.time()
     try:
-        payload = await opened.ask(keys.about(run), b"", PATIENCE)
-        return Answer(asked, time.time(), world_info.decode_about(payload))
+        payload = await opened.get(keys.about(run), b"", PATIENCE)
+        return Answer(asked, time.time(), world_info.decode_world_info(payload))
     except (MessageError, Unavailable, Rejected) as error:
         return error
 

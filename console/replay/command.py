@@ -86,10 +86,10 @@ def again(log: Log, everybody: bool = False, told: Callable[[], None] = lambda: 
     """
     robots = ReplayedRobots(log, range(log.scenario.robots.number)) if everybody else None
     elapsed, found = 0.0, MetricsCollector(log.scenario)
-    for moment, sums in reexecution.accounted(log):
+    for moment, metrics in reexecution.accounted(log):
         if robots is not None:
             robots.step(moment.recorded)
-        found = sums
+        found = metrics
         if moment.recorded.report is not None:
             elapsed = moment.recorded.report.elapsed
         told()

@@ -144,7 +144,7 @@ def frame(player: Player, width: int, height: int) -> RenderableType:
 def _reports(log: Log) -> Iterator[Report]:
     """The Report of each tick; those that were recorded, and at the end the summary, are compared."""
     latest = None
-    for moment, sums in reexecution.accounted(log):
+    for moment, metrics in reexecution.accounted(log):
         latest = moment.recorded.report or latest
         if latest is not None:
-            yield reexecution.report(sums, latest)
+            yield reexecution.report(metrics, latest)

@@ -102,31 +102,32 @@ def accounted(log: Log) -> Iterator[tuple[ReplayedTick, MetricsCollector]]:
     Raises Mismatch if a Report or, after the last tick, the summary comes out otherwise, and FesError if a Report is
     missing.
     """
-    sums, elapsed, period = MetricsCollector(log.scenario), 0.0, report_period(log.scenario)
+    metrics, elapsed, period = MetricsCollector(log.scenario), 0.0, report_period(log.scenario)
     for moment in world(log):
-        sums.add(moment.state, moment.twists, moment.telemetry, moment.spoken)
+        metrics.add(moment.state, moment.twists, moment.telemetry, moment.spoken)
         number, recorded = moment.recorded.number, moment.recorded.report
         if recorded is not None:
             elapsed = recorded.elapsed
-            _check_report(log, sums, recorded)
+            _check_report(log, metrics, recorded)
         elif number % period == 0 or number == log.scenario.ticks - 1:
             raise FesError(f"tick {number}: the Report that is due is not in the log")
-        yield moment, sums
-    _check_summary(log, summary(log, sums, elapsed))
+        yield moment, metrics
+    _check_summary(log, summary(log, metrics, elapsed))
 
 
-def summary(log: Log, sums: MetricsCollector, elapsed: float = 0.0) -> dict[str, Any]:
-    """The summary of the ticks in `sums`, with what is of the machine taken from the log, or from `elapsed` [s]."""
+def summary(log: Log, metrics: MetricsCollector, elapsed: float = 0.0) -> dict[str, Any]:
+    """The summary of the ticks in `metrics`, with what is of the machine taken from the log, or from `elapsed`
+    [s]."""
     wall = (log.summary or {}).get("wall_s")
     wall = float(wall) if isinstance(wall, int | float) and abs(wall) < YEARS else elapsed
     kept = (log.summary or {}).get("deadlines")
-    if sums.deadlines is not None and isinstance(kept, dict):  # the log cannot tell how late what came late was
+    if metrics.deadlines is not None and isinstance(kept, dict):  # the log cannot tell how late what came late was
         try:
-            sums.deadlines.late = np.array(kept.get("late"), dtype=np.int64)
-            sums.deadlines.slipped = float(kept.get("slipped_s", 0.0))
+            metrics.deadlines.late = np.array(kept.get("late"), dtype=np.int64)
+            metrics.deadlines.slipped = float(kept.get("slipped_s", 0.0))
         except (TypeError, ValueError, OverflowError):
             raise FesError(f"{log.path}: the deadlines in its summary cannot be read") from None
-    found: dict[str, Any] = strict_json.loads(strict_json.dumps(summarize(sums, log.name, log.backend, wall)))
+    found: dict[str, Any] = strict_json.loads(strict_json.dumps(summarize(metrics, log.name, log.backend, wall)))
     return {**found, "arithmetic": dict(log.arithmetic)}
 
 
@@ -167,7 +168,7 @@ class ReplayedRobots:
             raise FesError(f"tick {tick.number - 1}: a Beacon that was decoded is not in the log")
         told = crew.telemetry(self._crew, self._state)
         broken = transmitter.damaging(self._crew.transmitters, tick.number)
-        for robot, whole, command in agent_marshalling.payloads(said, twists, told):
+        for robot, whole, command in agent_marshalling.encode_tick(said, twists, told):
             if robot not in sensed:
                 continue
             beacon = b"" if robot in broken else whole
@@ -184,16 +185,16 @@ def _absent(tick: int, robot: int) -> Observation:
     return Observation(tick, robot, (0.0, 0.0, 0.0), nothing, nothing.astype(np.uint8), over=False, since=0)
 
 
-def report(sums: MetricsCollector, like: Report) -> Report:
-    """The Report of the last tick of `sums`, with what is of the machine taken from `like`."""
-    if sums.deadlines is not None and len(like.late):
-        sums.deadlines.late = like.late
-    return report_builder.build(sums, like.scenario, like.alive, like.elapsed, like.ticks_per_s)
+def report(metrics: MetricsCollector, like: Report) -> Report:
+    """The Report of the last tick of `metrics`, with what is of the machine taken from `like`."""
+    if metrics.deadlines is not None and len(like.late):
+        metrics.deadlines.late = like.late
+    return report_builder.build(metrics, like.scenario, like.alive, like.elapsed, like.ticks_per_s)
 
 
-def _check_report(log: Log, sums: MetricsCollector, recorded: Report) -> None:
-    """Raise Mismatch unless the Report of the last tick of `sums` is the recorded one."""
-    found = of_reports(recorded, report(sums, recorded))
+def _check_report(log: Log, metrics: MetricsCollector, recorded: Report) -> None:
+    """Raise Mismatch unless the Report of the last tick of `metrics` is the recorded one."""
+    found = of_reports(recorded, report(metrics, recorded))
     if found is not None:
         raise Mismatch(log, found)
 

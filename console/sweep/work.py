@@ -69,11 +69,11 @@ def batches(name: str, runs: Sequence[SweepRun], workers: int) -> list[Batch]:
     for run in runs:
         if run.cell != cell:
             cell, likeness = run.cell, stacked.alike(run.scenario)
-            kin = next((group for other, group in groups if other == likeness), None)
-            if kin is None:
-                groups.append((likeness, kin := []))
-        assert kin is not None
-        kin.append(run)
+            processes = next((group for other, group in groups if other == likeness), None)
+            if processes is None:
+                groups.append((likeness, processes := []))
+        assert processes is not None
+        processes.append(run)
     return [batch for _, group in groups for batch in _cut(name, group, workers)]
 
 

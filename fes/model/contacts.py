@@ -42,7 +42,7 @@ class Contacts:
     """Position in that beacon [m; world frame]."""
     estimates: Floats
     """The peer's own separation estimate for the link to this robot [m]; NaN if it has no such link."""
-    names_us: Bools
+    selected_by_peer: Bools
     """Whether the peer's graph rule chose this robot."""
     heard_separation: Floats
     """Separation at the tick of that beacon [m]."""

@@ -56,7 +56,7 @@ class Beacons:
     """The links each sender uses [l]."""
     estimates: Floats
     """Its separation estimate for each link [l] [m]."""
-    named: Bools
+    selected: Bools
     """Whether its own graph rule chose the link (a link may stand because the other side chose it) [l]."""
     statistics: Floats
     """What each sender has measured of the channel [n, q]; q = 0 where nobody measures."""
@@ -82,12 +82,12 @@ def of_those(said: Telemetry, present: Bools) -> Telemetry:
     return Telemetry(said.links.select(among), said.estimates[among], learnt)
 
 
-def untold(ids: Ints) -> Telemetry:
+def no_telemetry(ids: Ints) -> Telemetry:
     """The telemetry of robots `ids` [n] before the first tick."""
     return Telemetry(no_edges(ids), np.zeros(0), np.zeros((2, 0)))
 
 
-def silence() -> Beacons:
+def no_beacons() -> Beacons:
     """The beacons before the first tick: nobody has said anything."""
     nobody = np.zeros(0, dtype=np.int64)
     return Beacons(

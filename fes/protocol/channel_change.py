@@ -57,12 +57,12 @@ def decode_change(payload: bytes) -> ParameterChange:
     return ParameterChange(_path("Change", path), _value("Change", value, LONGEST))
 
 
-def encode_effect(message: ChangeResult) -> bytes:
+def encode_result(message: ChangeResult) -> bytes:
     """The payload of an Effect."""
     return wire.pack(message.path, strict_json.dumps(message.value), *message[2:])
 
 
-def decode_effect(payload: bytes) -> ChangeResult:
+def decode_result(payload: bytes) -> ChangeResult:
     """The Effect in a payload; raises MessageError."""
     name = "Effect"
     path, value, tick, optimal, unnoticed = wire.unpack(name, payload, 5)

@@ -71,7 +71,7 @@ class Beacon(NamedTuple):
     """Peers it has a link to, ascending [l]."""
     estimates: Floats
     """Its separation estimate of each link [l] [m]."""
-    named: Bytes
+    selected: Bytes
     """1 where its own graph rule chose the link [l]."""
     statistics: Floats
     """What it has measured of the channel [q]; empty where nobody measures."""
@@ -128,7 +128,7 @@ def encode_beacon(message: Beacon) -> bytes:
         *message.pose,
         wire.id_bytes(message.links),
         message.estimates.tobytes(),
-        message.named.tobytes(),
+        message.selected.tobytes(),
         message.statistics.tobytes(),
     )
 

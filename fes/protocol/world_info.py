@@ -45,12 +45,12 @@ def installed(package: str) -> str:
         return "unknown"
 
 
-def encode_about(message: WorldInfo) -> bytes:
+def encode_world_info(message: WorldInfo) -> bytes:
     """The payload of an About."""
     return wire.pack(*message)
 
 
-def decode_about(payload: bytes) -> WorldInfo:
+def decode_world_info(payload: bytes) -> WorldInfo:
     """The About in a payload; raises MessageError, whose value is the version if that is what differs."""
     name = "About"
     package, zenoh, robots, clock = wire.unpack(name, payload, 4)

@@ -71,7 +71,9 @@ class Log(Generic[S]):
                 yield tick
                 there = expected + 1
         except ticks.UNREADABLE as error:
-            raise FesError(f"{self.path}: a message is not what its topic promises: {ticks.line(error)}") from None
+            raise FesError(
+                f"{self.path}: a message is not what its topic promises: {ticks.one_line(error)}"
+            ) from None
         if self.summary is not None and there != self.summary.get("ticks"):
             raise FesError(f"{self.path}: {there} ticks are there, and its summary is of {self.summary.get('ticks')}")
         if self.ended == AT_ITS_END and there != self.scenario.ticks:
@@ -118,7 +120,7 @@ def load(target: Path, parse: Callable[[dict[str, Any], str], S]) -> Log[S]:
         how = ended["ended"] if ended else None
         log = Log(path, told["name"], told["backend"], scenario, summary, how, told["arithmetic"])
     except ticks.UNREADABLE as error:
-        raise FesError(f"{path}: what it says of its run cannot be read: {ticks.line(error)}") from None
+        raise FesError(f"{path}: what it says of its run cannot be read: {ticks.one_line(error)}") from None
     if next(log.ticks(), None) is None:
         raise FesError(log.complaint or f"{path}: the run was over before its first tick")
     return log

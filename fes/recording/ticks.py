@@ -113,7 +113,7 @@ def _payloads(path: Path, topic: str, data: bytes, number: int, robots: int) -> 
     return found
 
 
-def line(error: Exception) -> str:
+def one_line(error: Exception) -> str:
     """An error of whatever cannot be read, in a line."""
     if isinstance(error, RecursionError):
         return "it is nested too deeply"

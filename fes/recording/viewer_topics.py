@@ -34,11 +34,11 @@ def time(nanoseconds: int) -> bytes:
 
 def transforms(report: Report, at: bytes) -> bytes:
     """foxglove.FrameTransforms: where each robot's frame is in the map."""
-    places, turns = np.zeros((len(report.poses), 3)), np.zeros((len(report.poses), 4))
+    places, ticks = np.zeros((len(report.poses), 3)), np.zeros((len(report.poses), 4))
     places[:, :2] = report.poses[:, :2]
     half = 0.5 * report.poses[:, 2]
-    turns[:, 2], turns[:, 3] = np.sin(half), np.cos(half)
-    rows = zip(FOXGLOVE["Vector3"].encode_rows(places), FOXGLOVE["Quaternion"].encode_rows(turns), strict=True)
+    ticks[:, 2], ticks[:, 3] = np.sin(half), np.cos(half)
+    rows = zip(FOXGLOVE["Vector3"].encode_rows(places), FOXGLOVE["Quaternion"].encode_rows(ticks), strict=True)
     return FOXGLOVE["FrameTransforms"].encode(
         {
             "transforms": [
@@ -117,8 +117,8 @@ def team(report: Report, payload: bytes) -> bytes:
 def robots(report: Report, twists: Floats, said: Telemetry) -> list[bytes]:
     """fes.RobotState of each robot, in id order; `twists` [n, 2]."""
     counts = said.links.counts
-    sums = said.links.sum(said.estimates)
-    mean = np.divide(sums, counts, out=np.full(len(counts), math.nan), where=counts > 0)
+    metrics = said.links.sum(said.estimates)
+    mean = np.divide(metrics, counts, out=np.full(len(counts), math.nan), where=counts > 0)
     return OWN["RobotState"].encode_rows(np.column_stack([report.poses, twists, mean, counts]))
 
 

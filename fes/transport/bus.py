@@ -54,12 +54,12 @@ class Query:
     payload: bytes
     _query: Any
 
-    def answer(self, payload: bytes, schema: str) -> None:
+    def reply(self, payload: bytes, schema: str) -> None:
         """Answer it."""
         with self._query as query:
             query.reply(self.key, payload, encoding=_encoding(schema))
 
-    def refuse(self, reason: str) -> None:
+    def reply_err(self, reason: str) -> None:
         """Turn it away, with one line that says why."""
         with self._query as query:
             query.reply_err(REFUSED + reason.encode())
@@ -92,7 +92,7 @@ class Bus:
         self._loop = loop
         self._held: list[Any] = []
 
-    def publisher(
+    def declare_publisher(
         self, key: str, schema: str, *, drop: bool = False, mark: bytes | None = None
     ) -> Callable[[bytes], None]:
         """A function that puts a payload on `key`, with the `mark` of its sender beside it if there is one.
@@ -108,7 +108,7 @@ class Bus:
         self._held.append(declared)
         return declared.put if mark is None else partial(declared.put, attachment=mark)
 
-    def subscribe(self, key: str, handler: Handler, gate: Gate | None = None) -> Callable[[], None]:
+    def declare_subscriber(self, key: str, handler: Handler, gate: Gate | None = None) -> Callable[[], None]:
         """Hand every sample on `key` that may pass the `gate` to `handler`; returns a function that unsubscribes."""
 
         def on_sample(sample: zenoh.Sample) -> None:
@@ -128,11 +128,11 @@ class Bus:
         channel: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(MAILBOX)
         return Mailbox(self._session.declare_subscriber(key, channel))
 
-    def token(self, key: str) -> None:
+    def declare_token(self, key: str) -> None:
         """Declare a liveliness token: it stands until the session closes or the process dies."""
         self._held.append(self._session.liveliness().declare_token(key))
 
-    def watch(self, key: str, handler: Callable[[str, bool], None]) -> None:
+    def declare_liveliness_subscriber(self, key: str, handler: Callable[[str, bool], None]) -> None:
         """Call `handler(key, alive)` on the loop for each token on `key`, also for those that stand already."""
 
         def on_change(sample: zenoh.Sample) -> None:
@@ -142,7 +142,7 @@ class Bus:
         callback = zenoh.handlers.Callback(on_change, indirect=False)
         self._held.append(self._session.liveliness().declare_subscriber(key, callback, history=True))
 
-    async def standing(self, key: str, timeout: float) -> list[str]:
+    async def liveliness_get(self, key: str, timeout: float) -> list[str]:
         """The liveliness tokens on `key` that stand now; Absent if the router does not say in `timeout` [s]."""
         found: set[str] = set()  # one of our own comes twice: from here and from the router
         failed: list[zenoh.Reply] = []
@@ -158,7 +158,7 @@ class Bus:
             raise Unavailable(f"the router does not say within {timeout:g} s who is alive on {key}")
         return sorted(found)
 
-    def serve(self, key: str, handler: Callable[[Query], None]) -> None:
+    def declare_queryable(self, key: str, handler: Callable[[Query], None]) -> None:
         """Call `handler` on the loop with each question asked on `key`.
 
         QUESTIONS of one asker may wait. The last part of a key names the asker, so that a flood of one robot does not
@@ -167,20 +167,20 @@ class Bus:
         waiting: dict[str, deque[Query]] = {}
 
         def answer(asker: str, asked: deque[Query]) -> None:
-            question = asked.popleft()
+            query = asked.popleft()
             if not asked:
                 waiting.pop(asker, None)
             try:
-                handler(question)
+                handler(query)
             except FesError as error:
-                question.refuse(str(error))
+                query.reply_err(str(error))
 
         def on_query(query: zenoh.Query) -> None:
             name = str(query.key_expr)
             asker = name.rpartition("/")[2]
             asked = waiting.get(asker)
             if (asked is None and len(waiting) >= ASKERS) or (asked is not None and len(asked) >= QUESTIONS):
-                Query(name, b"", query).refuse(CROWDED)
+                Query(name, b"", query).reply_err(CROWDED)
                 return
             if asked is None:
                 asked = waiting.setdefault(asker, deque())
@@ -190,7 +190,7 @@ class Bus:
 
         self._held.append(self._session.declare_queryable(key, zenoh.handlers.Callback(on_query, indirect=False)))
 
-    async def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
+    async def get(self, key: str, payload: bytes, timeout: float) -> bytes:
         """The answer to a question on `key`; raises Refused, Busy, or Absent after `timeout` [s]."""
         future: asyncio.Future[zenoh.Reply | None] = self._loop.create_future()
 

@@ -24,7 +24,7 @@ class DropLog:
         self.missing: Counter[str] = Counter()
         """What should have come and did not, by kind."""
 
-    def add(self, kind: str, line: str) -> None:
+    def reject(self, kind: str, line: str) -> None:
         """Count one; the first of its kind is logged with `line`. A sender may have a part in both."""
         kind, further = shown(kind), "further ones of this kind"
         if kind not in self.counts and len(self.counts) >= self._most:
@@ -35,9 +35,9 @@ class DropLog:
 
     def unread(self, key: str, error: MessageError) -> None:
         """Count a message that cannot be used, by the rule it breaks."""
-        self.add(f"{error.schema}: {error.rule}", f"{key}: {error}")
+        self.reject(f"{error.schema}: {error.rule}", f"{key}: {error}")
 
-    def miss(self, kind: str, line: str) -> None:
+    def note_missing(self, kind: str, line: str) -> None:
         """Count one that did not come; the first of its `kind`, one of a few fixed words, is logged with `line`."""
         self.missing[kind] += 1
         if self.missing[kind] == 1:

@@ -43,7 +43,7 @@ def test_a_bad_payload_on_every_key_is_counted_with_one_line_a_kind_and_changes_
 
     with caplog.at_level(logging.WARNING):
         server, agents = attacked(disturb)
-    assert server.complaints.counts[kind] >= ROBOTS - 1  # robot 3 may hear of itself what another would not
+    assert server.drops.counts[kind] >= ROBOTS - 1  # robot 3 may hear of itself what another would not
     said = [record for record in caplog.records if record.name == "world" and kind in record.getMessage()]
     assert len(said) == 1
     assert all(agent.complaints.counts for agent in agents)
@@ -60,7 +60,9 @@ def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -
                 if payload is not None and len(kept) < 2000:
                     kept.append((key, payload))
 
-            stop = [echo.subscribe(key(RUN, "*"), keep) for key in (keys.beacon, keys.command, keys.observation)]
+            stop = [
+                echo.declare_subscriber(key(RUN, "*"), keep) for key in (keys.beacon, keys.command, keys.observation)
+            ]
             await ticks_go_by(echo, 20, begin)
             for undeclare in stop:
                 undeclare()
@@ -74,7 +76,7 @@ def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -
             assert kept
 
     server, agents = attacked(disturb)
-    assert server.complaints.counts["Command: is not for this tick"] > 0
+    assert server.drops.counts["Command: is not for this tick"] > 0
     assert all(agent.complaints.counts["Observation: is not for this tick"] for agent in agents)
     assert any(agent.complaints.counts["Beacon: from the future"] for agent in agents)
 
@@ -89,7 +91,7 @@ def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds(monkeypa
             for robot in (0, 1):
                 await session.appear(puppet, robot)
             await server.gather()
-            running = asyncio.ensure_future(server.run())
+            running = asyncio.ensure_future(server.main_loop())
             for linear in (0.0, 50.0, 60.0):  # the last robot is answered for last, so all are of tick 0
                 puppet._session.put(keys.command(RUN, 0), command(0, 0, linear), attachment=Join((0,), 0).mark)
             puppet._session.put(keys.command(RUN, 1), command(0, 1, 0.0), attachment=Join((1,), 1).mark)
@@ -97,15 +99,15 @@ def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds(monkeypa
                 while server.summarize() is None:
                     await asyncio.sleep(0.01)
             running.cancel()
-            assert server.complaints.counts["Command: came twice"] == 2
-            assert server.course.state.poses[0, :2].tolist() == [0.0, 0.0]  # the pose of pair.toml: it did not move
+            assert server.drops.counts["Command: came twice"] == 2
+            assert server.run.state.poses[0, :2].tolist() == [0.0, 0.0]  # the pose of pair.toml: it did not move
 
     asyncio.run(main())
 
 
 def nobody_hears_of(disturb: Any) -> None:
     server, agents = attacked(disturb)
-    assert not server.complaints.counts
+    assert not server.drops.counts
     assert not any(agent.complaints.counts for agent in agents)
 
 
@@ -141,14 +143,14 @@ def test_who_claims_a_taken_robot_and_leaves_ends_nothing() -> None:
         for _ in range(3):
             async with client(endpoint) as impostor:
                 with pytest.raises(Rejected, match="robot 2 is hosted by another agent already"):
-                    await impostor.ask(keys.welcome(RUN, "2"), messages.encode_join(Join((2,), 7)), PATIENCE)
+                    await impostor.get(keys.welcome(RUN, "2"), messages.encode_join(Join((2,), 7)), PATIENCE)
                 for robot in (2, 77):
-                    impostor.token(keys.robot_alive(RUN, robot))
+                    impostor.declare_token(keys.robot_alive(RUN, robot))
                 await asyncio.sleep(0.02)
 
     server, _ = attacked(disturb)
-    assert server.complaints.counts["Join: refused"] == 3
-    assert server.complaints.counts["liveliness: unknown robot"] >= 3
+    assert server.drops.counts["Join: refused"] == 3
+    assert server.drops.counts["liveliness: unknown robot"] >= 3
 
 
 def test_a_key_cannot_forge_a_log_line(caplog: pytest.LogCaptureFixture) -> None:
@@ -157,10 +159,10 @@ def test_a_key_cannot_forge_a_log_line(caplog: pytest.LogCaptureFixture) -> None
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
             with pytest.raises(Rejected):
-                await vandal.ask(forged, messages.encode_join(Join((3,), 1)), PATIENCE)
+                await vandal.get(forged, messages.encode_join(Join((3,), 1)), PATIENCE)
 
     with caplog.at_level(logging.WARNING):
         server, _ = attacked(disturb)
-    assert server.complaints.counts
+    assert server.drops.counts
     assert any("all is well" in line for line in caplog.messages)
     assert all(len(line) < 400 and line.isprintable() for line in caplog.messages)

@@ -32,8 +32,8 @@ def test_a_payload_arrives_with_its_key_and_a_deletion_as_none() -> None:
     async def main() -> None:
         async with router() as (world, endpoint), client(endpoint) as agent:
             got: list[tuple[str, bytes | None]] = []
-            world.subscribe("a/*", lambda key, payload: got.append((key, payload)))
-            put = agent.publisher("a/b", "x")
+            world.declare_subscriber("a/*", lambda key, payload: got.append((key, payload)))
+            put = agent.declare_publisher("a/b", "x")
             put(b"hello")
             await until(lambda: bool(got))
             agent._session.delete("a/b")
@@ -58,12 +58,12 @@ def test_a_subscription_declared_before_a_command_hears_every_beacon_after_the_n
 
                 return hand_over
 
-            world.subscribe("command", to(commands))
-            one.subscribe("tick/one", to(ticks["one"]))
-            two.subscribe("tick/two", to(ticks["two"]))
-            tick = {name: world.publisher(f"tick/{name}", "x") for name in ticks}
-            answer = {"one": one.publisher("command", "x"), "two": two.publisher("command", "x")}
-            beacon = two.publisher("beacon/0", "x"), two.publisher("beacon/1", "x")
+            world.declare_subscriber("command", to(commands))
+            one.declare_subscriber("tick/one", to(ticks["one"]))
+            two.declare_subscriber("tick/two", to(ticks["two"]))
+            tick = {name: world.declare_publisher(f"tick/{name}", "x") for name in ticks}
+            answer = {"one": one.declare_publisher("command", "x"), "two": two.declare_publisher("command", "x")}
+            beacon = two.declare_publisher("beacon/0", "x"), two.declare_publisher("beacon/1", "x")
             await until(lambda: _settled(tick, ticks))
             for round_ in range(300):
                 for put in tick.values():
@@ -110,11 +110,11 @@ def test_tokens_are_seen_when_they_come_when_they_stood_before_and_when_they_go(
         seen: list[tuple[str, bool]] = []
         async with router() as (world, endpoint):
             async with client(endpoint) as agent:
-                agent.token("robot/1/alive")
+                agent.declare_token("robot/1/alive")
                 async with client(endpoint) as late:
-                    late.watch("robot/*/alive", lambda key, alive: seen.append((key, alive)))
+                    late.declare_liveliness_subscriber("robot/*/alive", lambda key, alive: seen.append((key, alive)))
                     await until(lambda: seen == [("robot/1/alive", True)])
-                world.watch("robot/*/alive", lambda key, alive: seen.append((key, alive)))
+                world.declare_liveliness_subscriber("robot/*/alive", lambda key, alive: seen.append((key, alive)))
                 await until(lambda: len(seen) == 2)
             await until(lambda: seen[-1] == ("robot/1/alive", False))
 
@@ -123,23 +123,23 @@ def test_tokens_are_seen_when_they_come_when_they_stood_before_and_when_they_go(
 
 def test_a_question_is_answered_refused_or_left_alone() -> None:
     async def main() -> None:
-        def on_question(question: Query) -> None:
-            if question.payload == b"yes?":
-                question.answer(b"yes", "x")
+        def on_question(query: Query) -> None:
+            if query.payload == b"yes?":
+                query.reply(b"yes", "x")
             else:
-                question.refuse("no, because")
+                query.reply_err("no, because")
 
         async with router() as (world, endpoint), client(endpoint) as agent:
-            world.serve("desk", on_question)
-            assert await agent.ask("desk", b"yes?", PATIENCE) == b"yes"
+            world.declare_queryable("desk", on_question)
+            assert await agent.get("desk", b"yes?", PATIENCE) == b"yes"
             with pytest.raises(Rejected, match=r"^no, because$"):
-                await agent.ask("desk", b"no?", PATIENCE)
+                await agent.get("desk", b"no?", PATIENCE)
             with pytest.raises(Unavailable, match="nobody answers on nowhere"):
-                await agent.ask("nowhere", b"", PATIENCE)
+                await agent.get("nowhere", b"", PATIENCE)
             kept: list[Query] = []
-            world.serve("asleep", kept.append)
+            world.declare_queryable("asleep", kept.append)
             with pytest.raises(Unavailable, match=r"nobody answered on asleep within 0.3 s"):
-                await agent.ask("asleep", b"", 0.3)
+                await agent.get("asleep", b"", 0.3)
 
     run(main)
 
@@ -188,8 +188,8 @@ def test_a_full_mailbox_forgets_the_oldest_and_never_stops_its_sender() -> None:
             def on_end(key: str, payload: bytes | None) -> None:
                 loop.call_soon_threadsafe(done.set)
 
-            agent.subscribe("end", on_end)
-            put, end = world.publisher("box", "x"), world.publisher("end", "x")
+            agent.declare_subscriber("end", on_end)
+            put, end = world.declare_publisher("box", "x"), world.declare_publisher("end", "x")
             await until(lambda: put(b"first") is None and box.take() is not None)
             while box.take() is not None:
                 pass

@@ -50,7 +50,7 @@ def test_of_worlds_that_start_at_the_same_time_at_most_one_starts() -> None:
         async with client(endpoint) as opened:
             await asyncio.sleep(after)
             try:
-                await claim.claim(opened, f"{RUN}{round_}", connected=False)
+                await claim.claim_run(opened, f"{RUN}{round_}", connected=False)
                 started = True
             except Rejected:
                 started = False
@@ -76,7 +76,7 @@ def test_of_worlds_that_start_one_after_the_other_the_first_one_starts() -> None
             for _ in range(3):
                 opened = await worlds.enter_async_context(client(endpoint))
                 try:
-                    await claim.claim(opened, RUN, connected=False)
+                    await claim.claim_run(opened, RUN, connected=False)
                     started.append(True)
                 except Rejected:
                     started.append(False)
@@ -94,7 +94,7 @@ def test_of_two_routers_that_find_each_other_at_most_one_starts() -> None:
                 bus.opened(Endpoints("router", (), (ends[0],))) as one,
                 bus.opened(Endpoints("router", (ends[0],), (ends[1],))) as two,
             ):
-                claims = [claim.claim(opened, RUN, connected=True) for opened in (one, two)]
+                claims = [claim.claim_run(opened, RUN, connected=True) for opened in (one, two)]
                 outcomes = await asyncio.gather(*claims, return_exceptions=True)
                 assert all(outcome is None or isinstance(outcome, Rejected) for outcome in outcomes)
                 started.append(sum(outcome is None for outcome in outcomes))
@@ -108,10 +108,10 @@ def test_a_world_that_left_leaves_no_claim() -> None:
         async with router() as (_, endpoint):
             for _ in range(3):
                 async with client(endpoint) as opened:
-                    await claim.claim(opened, RUN, connected=False)
+                    await claim.claim_run(opened, RUN, connected=False)
                 async with client(endpoint) as watcher:
                     async with asyncio.timeout(PATIENCE):
-                        while await watcher.standing(keys.world_tokens(RUN), 1.0):
+                        while await watcher.liveliness_get(keys.world_tokens(RUN), 1.0):
                             await asyncio.sleep(0.01)
 
     asyncio.run(main())
@@ -120,9 +120,9 @@ def test_a_world_that_left_leaves_no_claim() -> None:
 def test_a_world_without_a_claim_is_seen_by_its_token() -> None:
     async def main() -> None:
         async with router() as (world, endpoint), client(endpoint) as newcomer:
-            world.token(keys.world_alive(RUN))
+            world.declare_token(keys.world_alive(RUN))
             with pytest.raises(Rejected, match=re.escape(REFUSAL)):
-                await claim.claim(newcomer, RUN, connected=True)
+                await claim.claim_run(newcomer, RUN, connected=True)
 
     asyncio.run(main())
 
@@ -135,13 +135,13 @@ def test_a_world_that_cannot_see_whether_there_is_another_one_does_not_start(mon
 
     async def main() -> None:
         async with client(endpoint) as one, client(endpoint) as two:
-            await claim.claim(one, RUN, connected=False)
+            await claim.claim_run(one, RUN, connected=False)
             between.send_signal(signal.SIGSTOP)
             try:
                 with pytest.raises(
                     Unavailable, match=r"^the router does not say within 0.5 s who is alive on fes/test/"
                 ):
-                    await claim.claim(two, RUN, connected=False)
+                    await claim.claim_run(two, RUN, connected=False)
             finally:
                 between.send_signal(signal.SIGCONT)
 

@@ -36,7 +36,7 @@ def attendances(path: Path) -> list[tuple[int, list[list[int]]]]:
 def test_a_crew_goes_with_the_first_of_its_tokens_and_is_taken_in_with_the_last(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    tokens, declare = defaultdict[int, list[Any]](list), Bus.token
+    tokens, declare = defaultdict[int, list[Any]](list), Bus.declare_token
     held, holding = list[tuple[Bus, str]](), asyncio.Event()
 
     def token(opened: Bus, key: str) -> None:
@@ -48,29 +48,29 @@ def test_a_crew_goes_with_the_first_of_its_tokens_and_is_taken_in_with_the_last(
         if robot is not None:
             tokens[robot].append(opened._held[-1])
 
-    monkeypatch.setattr(Bus, "token", token)
+    monkeypatch.setattr(Bus, "declare_token", token)
 
     async def story(server: Server, agents: list["asyncio.Task[Agent]"], endpoint: str) -> None:
         await until(server, lambda state: state.tick >= 20)
         tokens[1][0].undeclare()  # robot 0's stands
         gone = await until(server, lambda state: not state.present[1])
         await until(server, lambda state: state.tick >= gone + 5)
-        assert server._roster.alive.tolist() == [1, 0, 1]
-        assert server.course.state.present.tolist() == [False, False, True]
+        assert server._registry.alive.tolist() == [1, 0, 1]
+        assert server.run.state.present.tolist() == [False, False, True]
         agents[0].cancel()
         async with standing_still(server):
-            while server._roster.alive[0]:
+            while server._registry.alive[0]:
                 await asyncio.sleep(0.01)
             holding.set()
             agents[0] = asyncio.ensure_future(session.live(endpoint, [0, 1]))
-            while not (server._roster.alive[0] and held):
+            while not (server._registry.alive[0] and held):
                 await asyncio.sleep(0.01)
-        half = server.course.state.tick  # the token of robot 0 stands, that of robot 1 is to come
+        half = server.run.state.tick  # the token of robot 0 stands, that of robot 1 is to come
         await until(server, lambda state: state.tick >= half + 20)
-        assert server.course.state.present.tolist() == [False, False, True]
+        assert server.run.state.present.tolist() == [False, False, True]
         async with standing_still(server):
             declare(*held[0])
-            while not server._roster.alive[1]:
+            while not server._registry.alive[1]:
                 await asyncio.sleep(0.01)
         await until(server, lambda state: state.present.all())
 
@@ -84,17 +84,17 @@ def test_a_crew_goes_with_the_first_of_its_tokens_and_is_taken_in_with_the_last(
 def test_a_crew_of_which_one_robot_is_mute_is_left_out_and_taken_in_when_that_one_speaks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    mute, say, repeat = asyncio.Event(), Outbox.say, Outbox.repeat
+    mute, say, repeat = asyncio.Event(), Outbox.publish, Outbox.resend
     unsaid: list[tuple[Outbox, int, Any]] = []
 
-    def half_said(mouth: Outbox, tick: int, said: Any) -> None:
+    def half_said(outbox: Outbox, tick: int, said: Any) -> None:
         if mute.is_set() and said[0][0] == 0:
-            unsaid.append((mouth, tick, said[1:]))
+            unsaid.append((outbox, tick, said[1:]))
             said = said[:1]
-        say(mouth, tick, said)
+        say(outbox, tick, said)
 
-    monkeypatch.setattr(Outbox, "say", half_said)
-    monkeypatch.setattr(Outbox, "repeat", lambda *asked: None if mute.is_set() else repeat(*asked))
+    monkeypatch.setattr(Outbox, "publish", half_said)
+    monkeypatch.setattr(Outbox, "resend", lambda *asked: None if mute.is_set() else repeat(*asked))
 
     async def story(server: Server, agents: Any, endpoint: str) -> None:
         await until(server, lambda state: state.tick >= 20)
@@ -103,13 +103,13 @@ def test_a_crew_of_which_one_robot_is_mute_is_left_out_and_taken_in_when_that_on
             impatient.setattr("world.server.lockstep.ANSWER_TIMEOUT", 1.0)
             gone = await until(server, lambda state: not state.present[1])
         await until(server, lambda state: state.tick >= gone + 20)
-        assert server.course.state.present.tolist() == [False, False, True]
-        assert server._roster.whole.all()  # all tokens stand
+        assert server.run.state.present.tolist() == [False, False, True]
+        assert server._registry.whole.all()  # all tokens stand
         async with standing_still(server):
             mute.clear()
             for late in unsaid:
                 say(*late)
-            while not (server._inbox._items or server._attendance.there[1]):
+            while not (server._inbox._items or server._participation.there[1]):
                 await asyncio.sleep(0.01)
         await until(server, lambda state: state.present.all())
 

@@ -19,27 +19,27 @@ from world.server.server import Server
 def test_the_doctor_asks_a_world_once_and_nobody_else(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(network, "PATIENCE", PATIENCE)
     asked, said = Counter[str](), list[str]()
-    answer, refuse = Query.answer, Query.refuse
+    answer, refuse = Query.reply, Query.reply_err
 
-    def answered(question: Query, payload: bytes, schema: str) -> None:
-        asked[question.key] += 1
-        answer(question, payload, schema)
+    def answered(query: Query, payload: bytes, schema: str) -> None:
+        asked[query.key] += 1
+        answer(query, payload, schema)
 
-    def refused(question: Query, why: str) -> None:
-        asked[question.key] += 1
-        refuse(question, why)
+    def refused(query: Query, why: str) -> None:
+        asked[query.key] += 1
+        refuse(query, why)
 
     monkeypatch.setattr(Query, "answer", answered)
-    monkeypatch.setattr(Query, "refuse", refused)
+    monkeypatch.setattr(Query, "reply_err", refused)
 
     async def main() -> None:
         async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
             Server(opened, Run(load("pair.toml")), "test", RUN)
             async with session.client(endpoint) as watcher:
-                watcher.subscribe("**", lambda key, payload: said.append(key))
+                watcher.declare_subscriber("**", lambda key, payload: said.append(key))
                 _, robots = await network.examine(Endpoints("client", (endpoint,)), RUN, True)
                 assert robots == 2
-                await watcher.ask(keys.about(RUN), b"", PATIENCE)  # what was said came before this answer
+                await watcher.get(keys.about(RUN), b"", PATIENCE)  # what was said came before this answer
 
     asyncio.run(main())
     assert asked == {keys.about(RUN): 2}  # the other one is our own

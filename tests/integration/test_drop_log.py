@@ -18,14 +18,14 @@ from tests.support.processes import PATIENCE, command, until
 
 
 def test_a_sender_that_makes_up_kinds_fills_neither_memory_nor_log(caplog: pytest.LogCaptureFixture) -> None:
-    complaints = DropLog(logging.getLogger("test"))
+    drops = DropLog(logging.getLogger("test"))
     for number in range(10 * MAX_KINDS):
-        complaints.add(f"kind {number}", f"line {number}")
-    assert len(complaints.counts) == MAX_KINDS + 1
-    assert complaints.counts["other"] == 9 * MAX_KINDS
+        drops.reject(f"kind {number}", f"line {number}")
+    assert len(drops.counts) == MAX_KINDS + 1
+    assert drops.counts["other"] == 9 * MAX_KINDS
     assert len(caplog.messages) == MAX_KINDS + 1
-    complaints.add("kind 3", "line 3")  # one that was there before
-    assert complaints.counts["kind 3"] == 2
+    drops.reject("kind 3", "line 3")  # one that was there before
+    assert drops.counts["kind 3"] == 2
 
 
 def test_the_totals_of_a_world_and_of_an_agent_are_one_line_at_their_end(tmp_path: Path) -> None:
@@ -45,7 +45,7 @@ def test_the_totals_of_a_world_and_of_an_agent_are_one_line_at_their_end(tmp_pat
             for _ in range(3):
                 vandal._session.put(keys.observation(keys.DEFAULT_RUN, 0), b"\xc1 junk")
                 with pytest.raises(Rejected):  # the answer takes no other way than what was put before
-                    await vandal.ask(keys.welcome(keys.DEFAULT_RUN, "1"), b"\xc1 junk", PATIENCE)
+                    await vandal.get(keys.welcome(keys.DEFAULT_RUN, "1"), b"\xc1 junk", PATIENCE)
 
     try:
         for who, line in words.items():

@@ -104,9 +104,9 @@ def test_a_person_changes_a_running_world_and_the_run_can_be_run_again_with_what
             begin.set()
 
             async def ask(path: str, value: Any) -> Any:
-                question = channel_change.encode_change(ParameterChange(path, value))
-                return channel_change.decode_effect(
-                    await terminal.ask(keys.change(session.RUN), question, session.PATIENCE)
+                query = channel_change.encode_change(ParameterChange(path, value))
+                return channel_change.decode_result(
+                    await terminal.get(keys.change(session.RUN), query, session.PATIENCE)
                 )
 
             answers.append(await ask("channel.reference_snr", 5e6))
@@ -117,17 +117,17 @@ def test_a_person_changes_a_running_world_and_the_run_can_be_run_again_with_what
             jammers = [{"x": float(at), "y": 0.0, "radius": 1.0} for at in range(100)]
             answers.append(await ask("channel.jammers", jammers))
             with pytest.raises(Rejected, match="expects 2 fields"):
-                await terminal.ask(keys.change(session.RUN), wire.pack("x"), session.PATIENCE)
+                await terminal.get(keys.change(session.RUN), wire.pack("x"), session.PATIENCE)
 
     summary, server, _ = asyncio.run(session.run(scenario, [[0], [1]], disturb))
     effect, [*jammers] = answers[0], answers[1].value
     assert [disc["x"] for disc in jammers] == list(range(100))
     assert (effect.path, effect.value) == ("channel.reference_snr", 5e6)
     assert effect.optimal_separation == pytest.approx(65.524, abs=1e-3)
-    event = server.course.scenario.event[0]
+    event = server.run.scenario.event[0]
     assert event.at == pytest.approx(effect.tick * 0.02)
     assert event.settings == {"channel.reference_snr": 5e6}
-    again = inprocess.run(server.course.scenario, "pair")
+    again = inprocess.run(server.run.scenario, "pair")
     assert again["digest"] == summary["digest"] != inprocess.run(scenario, "pair")["digest"]
     assert again["tracking"] == summary["tracking"]
 
@@ -142,11 +142,11 @@ def test_what_an_event_that_is_scheduled_would_make_impossible_is_refused_and_th
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with session.client(endpoint) as terminal:
             with pytest.raises(Rejected, match=r"^channel\.bursts\.mean_length, with what is scheduled: event: set"):
-                await terminal.ask(keys.change(session.RUN), channel_change.encode_change(short), session.PATIENCE)
+                await terminal.get(keys.change(session.RUN), channel_change.encode_change(short), session.PATIENCE)
 
     summary, server, _ = asyncio.run(session.run(scenario, [[0], [1]], disturb))
     assert summary["ticks"] == scenario.ticks
-    assert server.course.scenario == scenario
+    assert server.run.scenario == scenario
 
 
 def test_a_value_that_no_message_can_carry_is_one_line() -> None:

@@ -11,7 +11,7 @@ from agents.runtime import marshalling as agent_marshalling
 from agents.runtime.marshalling import MessageAssembler
 from fes.arrays.types import Floats
 from fes.errors import MessageError
-from fes.model.sensing import MAX_TOLD, MAX_TWIST, Beacons, bounded, silence
+from fes.model.sensing import MAX_TOLD, MAX_TWIST, Beacons, bounded, no_beacons
 from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon, Command
 from fes.protocol.report import decode_report, encode_report
@@ -59,7 +59,7 @@ def test_no_number_in_a_beacon_leaves_a_peer_without_a_twist(law: str, field: st
     what = load(name, **settings)
     world = truth.create(what)
     state, robots = truth.start(world), crew.create(agent_config(what), world.ids)
-    minds, said = crew.start(robots), silence()
+    minds, said = crew.start(robots), no_beacons()
     for tick in range(TICKS):
         minds, said, twists = crew.step(robots, minds, truth.observe(state), said)
         assert np.abs(twists).max() <= MAX_TWIST
@@ -93,40 +93,40 @@ def test_no_beacon_and_no_command_that_is_valid_stops_a_peer_or_the_world(law: s
     """25 ticks of such messages, encoded and decoded, with everything that the world makes of them."""
     choose, (name, settings) = np.random.default_rng(seed), LAWS[law]
     what = load(name, run__duration=0.9, run__seed=seed, **settings)
-    course, stack = Run(what), MessageAssembler(np.arange(10))
-    robots = crew.create(agent_config(what), course.world.ids)
-    minds, heard = crew.start(robots), silence()
-    while not course.is_over:
-        tick, sent = course.state.tick, course.observations(course.state.present)
-        minds, said, twists = crew.step(robots, minds, truth.observe(course.state), heard)
+    run, stack = Run(what), MessageAssembler(np.arange(10))
+    robots = crew.create(agent_config(what), run.world.ids)
+    minds, heard = crew.start(robots), no_beacons()
+    while not run.is_over:
+        tick, sent = run.state.tick, run.observations(run.state.present)
+        minds, said, twists = crew.step(robots, minds, truth.observe(run.state), heard)
         telemetry = crew.telemetry(robots, minds)
-        spoken = [[beacon, order] for _, beacon, order in agent_marshalling.payloads(said, twists, telemetry)]
+        spoken = [[beacon, order] for _, beacon, order in agent_marshalling.encode_tick(said, twists, telemetry)]
         if tick >= 20:
             spoken[HOSTILE] = [any_beacon(choose, tick, robots.statistics), any_command(choose, tick)]
         heard = stack.beacons(tick, [messages.decode_beacon(beacon) for beacon, _ in spoken])
         answers: list[Answer | None] = [
-            (world_marshalling.command(keys.command("r", i), order, 10), order) for i, (_, order) in enumerate(spoken)
+            (world_marshalling.decode(keys.command("r", i), order, 10), order) for i, (_, order) in enumerate(spoken)
         ]
-        course.take(sent, answers, [beacon for beacon, _ in spoken], ALIVE, 0.1)
-        course.account()
-        decode_report(encode_report(report_builder.build(course.sums, "test", ALIVE, 0.0, 0.0)))
-    assert summary.summarize(course.sums, "test", "test", 1.0)["ticks"] == what.ticks
+        run.take(sent, answers, [beacon for beacon, _ in spoken], ALIVE, 0.1)
+        run.account()
+        decode_report(encode_report(report_builder.build(run.metrics, "test", ALIVE, 0.0, 0.0)))
+    assert summary.summarize(run.metrics, "test", "test", 1.0)["ticks"] == what.ticks
 
 
 @pytest.mark.parametrize("twist", [[MAX_TWIST, 0.0], [-MAX_TWIST, MAX_TWIST], [0.0, -MAX_TWIST]])
 def test_no_command_makes_a_pose_or_a_report_that_is_not_finite(twist: list[float]) -> None:
     what = load("measured.toml", run__duration=4.0)
-    world, sums = truth.create(what), MetricsCollector(what)
+    world, metrics = truth.create(what), MetricsCollector(what)
     state, robots = truth.start(world), crew.create(agent_config(what), world.ids)
-    minds, said = crew.start(robots), silence()
+    minds, said = crew.start(robots), no_beacons()
     for tick in range(what.ticks):
         minds, said, twists = crew.step(robots, minds, truth.observe(state), said)
         if tick >= FIRST:
             twists[HOSTILE] = twist
-        sums.add(state, twists, crew.telemetry(robots, minds))
+        metrics.add(state, twists, crew.telemetry(robots, minds))
         state = truth.step(world, state, twists)
     assert np.isfinite(state.poses).all()
-    report = report_builder.build(sums, "test", ALIVE, 0.0, 0.0)
+    report = report_builder.build(metrics, "test", ALIVE, 0.0, 0.0)
     assert np.array_equal(decode_report(encode_report(report)).poses, report.poses)
 
 

@@ -29,9 +29,9 @@ async def end_with(fault: str, seconds: float) -> tuple[float, object]:
             asyncio.ensure_future(session.live(one, [robot])) for robot, one in enumerate((endpoint, faulty.endpoint))
         ]
         await server.gather()
-        await server.run()
+        await server.main_loop()
         (Link.cut if fault == "cut" else Link.hold)(faulty)
-        while fault == "cut" and server._roster.alive[1]:
+        while fault == "cut" and server._registry.alive[1]:
             await asyncio.sleep(0.01)
         server.dismiss()
         asyncio.get_running_loop().call_later(seconds, faulty.heal)

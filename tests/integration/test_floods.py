@@ -39,7 +39,7 @@ def test_a_flood_of_junk_on_all_keys_at_once_changes_no_digit() -> None:
 
     server, _ = attacked(disturb)
     # a third of the keys are commands; what came when the run was over is not counted
-    assert 0 < server.complaints.counts["Command: is not msgpack (FormatError)"] <= FLOOD
+    assert 0 < server.drops.counts["Command: is not msgpack (FormatError)"] <= FLOOD
 
 
 def test_the_lockstep_has_a_priority_of_its_own_and_no_message_of_it_is_dropped() -> None:
@@ -56,7 +56,7 @@ def test_the_lockstep_has_a_priority_of_its_own_and_no_message_of_it_is_dropped(
                 f"fes/{RUN}/**", zenoh.handlers.Callback(note, indirect=False)
             )
             await ticks_go_by(watcher, 5, begin)
-            report = watcher.publisher(f"fes/{RUN}/no/report", "x", drop=True)
+            report = watcher.declare_publisher(f"fes/{RUN}/no/report", "x", drop=True)
             watcher._session.put(f"fes/{RUN}/no/stranger", b"")
             report(b"")
             await arrived(watcher)
@@ -126,7 +126,7 @@ def test_a_flood_of_questions_is_refused_and_changes_no_digit() -> None:
         ]
         async with client(endpoint) as vandal:
             begin.set()
-            asked = [vandal.ask(*questions[number % len(questions)], PATIENCE) for number in range(FLOOD // 10)]
+            asked = [vandal.get(*questions[number % len(questions)], PATIENCE) for number in range(FLOOD // 10)]
             for outcome in await asyncio.gather(*asked, return_exceptions=True):
                 assert isinstance(outcome, Rejected), outcome
                 refused.append(str(outcome))
@@ -140,22 +140,22 @@ def test_a_flood_of_questions_is_refused_and_changes_no_digit() -> None:
         "Recall: tick must be an integer from 0: 'tick'",
         "robot 4 does not remember its beacon of tick 1000000000",
     } <= set(refused)
-    assert {"Join: refused", "Change: refused"} <= set(server.complaints.counts)
+    assert {"Join: refused", "Change: refused"} <= set(server.drops.counts)
 
 
 def test_more_questions_than_may_wait_are_refused_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    refused, refuse = threading.Semaphore(0), bus.Query.refuse
+    refused, refuse = threading.Semaphore(0), bus.Query.reply_err
 
-    def counted(question: bus.Query, reason: str) -> None:
-        refuse(question, reason)
+    def counted(query: bus.Query, reason: str) -> None:
+        refuse(query, reason)
         refused.release()
 
-    monkeypatch.setattr(bus.Query, "refuse", counted)
+    monkeypatch.setattr(bus.Query, "reply_err", counted)
 
     async def main() -> list[str]:
         async with session.router() as (world, endpoint), client(endpoint) as asker:
-            world.serve("desk", lambda question: question.answer(b"yes", "x"))
-            asked = [asyncio.ensure_future(asker.ask("desk", b"", PATIENCE)) for _ in range(5 * bus.QUESTIONS)]
+            world.declare_queryable("desk", lambda query: query.reply(b"yes", "x"))
+            asked = [asyncio.ensure_future(asker.get("desk", b"", PATIENCE)) for _ in range(5 * bus.QUESTIONS)]
             await asyncio.sleep(0)  # all are asked
             for _ in range(4 * bus.QUESTIONS):  # the loop is busy: none can be answered
                 assert refused.acquire(timeout=PATIENCE)
@@ -171,7 +171,7 @@ def test_agents_that_all_ask_at_once_when_their_world_comes_ask_again(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     busy = 0
-    ask = bus.Bus.ask
+    ask = bus.Bus.get
 
     async def counted(asker: bus.Bus, key: str, payload: bytes, timeout: float) -> bytes:
         nonlocal busy
@@ -182,7 +182,7 @@ def test_agents_that_all_ask_at_once_when_their_world_comes_ask_again(
             raise
 
     monkeypatch.setattr(bus, "ASKERS", 1)
-    monkeypatch.setattr(bus.Bus, "ask", counted)
+    monkeypatch.setattr(bus.Bus, "get", counted)
     attacked(None)
     assert busy > 0
 

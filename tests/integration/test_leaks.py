@@ -36,18 +36,18 @@ def test_ten_thousand_encounters_leave_no_thread_no_subscription_and_no_memory()
     async def main() -> None:
         async with router() as (world, endpoint), client(endpoint) as agent:
             radio = BeaconSubscriptions(agent, RUN, "0", DropLog(logging.getLogger("agent.0")))
-            put = world.publisher(keys.beacon(RUN, 1), "x")
+            put = world.declare_publisher(keys.beacon(RUN, 1), "x")
             before = (0, 0, 0, 0.0)
             for turn in range(TURNS):
                 if turn == WARM_UP:
                     before = threads(), threading.active_count(), files(), memory()
-                radio.tune({1, 2 + turn % 7} if turn % 2 else {2 + turn % 5})
+                radio.update({1, 2 + turn % 7} if turn % 2 else {2 + turn % 5})
                 put(b"\xc1")  # heard in every other turn
                 if turn % 50 == 0:
                     radio.heard(0)
                     await asyncio.sleep(0)
-            radio.tune(set())
-            assert radio.tuned == []
+            radio.update(set())
+            assert radio.peers == []
             left = threads(), threading.active_count(), files()
             assert all(now <= then for now, then in zip(left, before[:3], strict=True))  # Zenoh lets idle threads go
             # 9,000 encounters that left 1 kB each would be 9 MB; an allocator at rest moves by less than half of it

@@ -40,9 +40,9 @@ async def any_robot(endpoint: str, timeout: float = session.PATIENCE) -> int:
 
 async def here(server: Server, *robots: int) -> None:
     """Wait until these robots are hosted."""
-    while not server._roster.alive[list(robots)].all():
-        server._roster.changed.clear()
-        await server._roster.changed.wait()
+    while not server._registry.alive[list(robots)].all():
+        server._registry.changed.clear()
+        await server._registry.changed.wait()
 
 
 def test_agents_without_an_id_take_the_lowest_free_robots_and_the_digest_is_the_same() -> None:
@@ -55,7 +55,7 @@ def test_agents_without_an_id_take_the_lowest_free_robots_and_the_digest_is_the_
             await here(server, 0, 3)
             others = [asyncio.ensure_future(any_robot(endpoint)) for _ in range(8)]
             await server.gather()
-            await server.run()
+            await server.main_loop()
             server.dismiss()
             await asyncio.gather(*named)
             return sorted(await asyncio.gather(*others)), server.summarize()
@@ -95,7 +95,7 @@ def test_who_is_promised_a_robot_and_does_not_come_loses_it_again(monkeypatch: p
             async def joined(agent: int) -> str:
                 join = messages.encode_join(Join((0,), agent))
                 try:
-                    await asker.ask(keys.welcome(RUN, "0"), join, session.PATIENCE)
+                    await asker.get(keys.welcome(RUN, "0"), join, session.PATIENCE)
                 except Rejected as refused:
                     return str(refused)
                 return "welcome"
@@ -120,9 +120,9 @@ def test_who_is_promised_a_robot_and_does_not_come_loses_it_again(monkeypatch: p
 def test_a_world_that_goes_on_leases_no_robot_whose_agent_may_still_find_it() -> None:
     async def main() -> None:
         async with session.router() as (opened, endpoint), client(endpoint) as spare:
-            scenario, complaints = load("pair.toml"), DropLog(logging.getLogger("test"))
+            scenario, drops = load("pair.toml"), DropLog(logging.getLogger("test"))
             hosts = {robot: Join((robot,), 7) for robot in (0, 1)}
-            AgentRegistry(opened, RUN, 2, agent_config(scenario), complaints, hosts)
+            AgentRegistry(opened, RUN, 2, agent_config(scenario), drops, hosts)
             with pytest.raises(Rejected, match=r"^all 2 robots are hosted already$"):
                 await process.lease(spare, RUN, 0.5)
 

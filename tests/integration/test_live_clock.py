@@ -45,7 +45,7 @@ def test_an_agent_that_is_suspended_for_longer_than_its_lease_is_taken_in_again(
             while (report := reports.take()) is None or decode_report(report[1] or b"").tick <= WARM_UP:
                 await asyncio.sleep(0.01)
             token = keys.robot_alive(keys.DEFAULT_RUN, 1)
-            observer.watch(token, lambda key, alive: None if alive else gone.set())
+            observer.declare_liveliness_subscriber(token, lambda key, alive: None if alive else gone.set())
             agents[1].send_signal(signal.SIGSTOP)
             await gone.wait()
             agents[1].send_signal(signal.SIGCONT)
@@ -72,7 +72,7 @@ def live_through(scenario: Scenario, path: Path, story: Any) -> dict[str, Any]:
                     asyncio.ensure_future(session.live(endpoint, [robot])) for robot in range(scenario.robots.number)
                 ]
                 await server.gather()
-                running = asyncio.ensure_future(server.run())
+                running = asyncio.ensure_future(server.main_loop())
                 await story(server)
                 await running
                 server.dismiss()
@@ -106,10 +106,10 @@ def test_nobody_waits_for_a_robot_that_says_nothing_and_it_stops(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("world.server.live.HANG_TIMEOUT", 1.0)
-    mute, say = asyncio.Event(), Outbox.say
+    mute, say = asyncio.Event(), Outbox.publish
     unsaid: list[tuple[Outbox, int, Any]] = []
     monkeypatch.setattr(
-        Outbox, "say", lambda *what: unsaid.append(what) if mute.is_set() and what[2][0][0] == 1 else say(*what)
+        Outbox, "publish", lambda *what: unsaid.append(what) if mute.is_set() and what[2][0][0] == 1 else say(*what)
     )
     seen: dict[str, Any] = {}
 
@@ -118,18 +118,18 @@ def test_nobody_waits_for_a_robot_that_says_nothing_and_it_stops(
             await asyncio.sleep(0.01)
 
     async def story(server: Server) -> None:
-        course = server.course
-        await until(lambda: course.state.tick >= WARM_UP + 15)
+        run = server.run
+        await until(lambda: run.state.tick >= WARM_UP + 15)
         mute.set()
-        await until(lambda: not course.state.present[1])
-        seen["gone"], pose = course.state.tick, course.state.poses[1].tolist()
+        await until(lambda: not run.state.present[1])
+        seen["gone"], pose = run.state.tick, run.state.poses[1].tolist()
         seen["heard"] = server._clock._last[1][0].tick  # type: ignore[union-attr]  # it may have been late
-        await until(lambda: course.state.tick >= seen["gone"] + 20)
-        seen["stood"] = course.state.poses[1].tolist() == pose
+        await until(lambda: run.state.tick >= seen["gone"] + 20)
+        seen["stood"] = run.state.poses[1].tolist() == pose
         mute.clear()
         say(*unsaid[-1])  # as one does that goes on where it hung
-        await until(lambda: course.state.present[1] or course.is_over)
-        seen["back"] = course.state.since[1]
+        await until(lambda: run.state.present[1] or run.is_over)
+        seen["back"] = run.state.since[1]
 
     scenario = load("pair.toml", run__duration=4.0, run__clock="live")
     summary = live_through(scenario, tmp_path / "run.mcap", story)

@@ -161,7 +161,7 @@ def test_a_world_that_everybody_left_says_so(monkeypatch: pytest.MonkeyPatch) ->
             server = Server(opened, Run(endless), "test", RUN)
             agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
             await server.gather()
-            running = asyncio.ensure_future(server.run())
+            running = asyncio.ensure_future(server.main_loop())
             while server.summarize() is None:
                 await asyncio.sleep(0.01)
             for agent in agents:
@@ -184,7 +184,7 @@ def test_junk_does_not_keep_a_hung_robot_alive(monkeypatch: pytest.MonkeyPatch) 
             for robot in (0, 1):
                 await session.appear(silent, robot)
             await server.gather()
-            running = asyncio.ensure_future(server.run())
+            running = asyncio.ensure_future(server.main_loop())
             for _ in range(400):
                 vandal._session.put(keys.command(RUN, 0), b"junk", attachment=Join((0,), 0).mark)
                 await asyncio.sleep(0.01)
@@ -204,7 +204,7 @@ def test_an_agent_whose_world_leaves_says_so() -> None:
             server = Server(opened, Run(endless), "test", RUN)
             agents = [asyncio.ensure_future(session.live(endpoint, [robot], timeout=2.0)) for robot in (0, 1)]
             await server.gather()
-            running = asyncio.ensure_future(server.run())
+            running = asyncio.ensure_future(server.main_loop())
             while server.summarize() is None:
                 await asyncio.sleep(0.01)
             running.cancel()

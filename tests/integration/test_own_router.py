@@ -60,7 +60,7 @@ async def carried(keyed: Path, near: str, far: str) -> str:
         server = Server(opened, Run(load("pair.toml", run__duration=2.0)), "pair", RUN)
         agents = [asyncio.ensure_future(live(keyed, robot, far)) for robot in range(2)]
         await server.gather()
-        await server.run()
+        await server.main_loop()
         server.dismiss()
         await asyncio.gather(*agents)
         summary = server.summarize()
@@ -93,9 +93,9 @@ def forged(keyed: Path, text: str, endpoint: str) -> set[str]:
 
     async def main() -> None:
         async with client(keyed, "world", endpoint) as world, client(keyed, "robot-1", endpoint) as forger:
-            world.subscribe(keys.tree(RUN), lambda key, payload: heard.append((key, payload)))
-            said = [(forger.publisher(key, "x"), b"forged") for key in FORGED]
-            said.append((forger.publisher(keys.command(RUN, 1), "x"), b"own"))
+            world.declare_subscriber(keys.tree(RUN), lambda key, payload: heard.append((key, payload)))
+            said = [(forger.declare_publisher(key, "x"), b"forged") for key in FORGED]
+            said.append((forger.declare_publisher(keys.command(RUN, 1), "x"), b"own"))
             async with asyncio.timeout(PATIENCE):
                 # What was put before it has come, or never will. Before the subscription is known nothing comes, and
                 # that may be amid the first round of which something does.

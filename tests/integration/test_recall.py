@@ -46,7 +46,7 @@ def test_a_beacon_that_cannot_be_had_is_an_error_and_no_other_digest(monkeypatch
             agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
             await server.gather()
             with pytest.raises(Unavailable, match=r"^nobody is there any more: the world waited 1 s at tick 42$"):
-                await asyncio.wait_for(server.run(), PATIENCE)
+                await asyncio.wait_for(server.main_loop(), PATIENCE)
             for agent in agents:
                 with pytest.raises(Unavailable, match=r"a beacon that decoded did not arrive at tick 41"):
                     await asyncio.wait_for(agent, PATIENCE)
@@ -60,16 +60,16 @@ def test_the_world_repeats_a_beacon_as_its_peers_got_it_without_a_log_too() -> N
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as robot:
             beacons = robot.mailbox(keys.beacon(RUN, 1))
-            await robot.ask(keys.about(RUN), b"", PATIENCE)
+            await robot.get(keys.about(RUN), b"", PATIENCE)
             begin.set()
             while not repeated:
                 sample = beacons.take()
                 if sample is None or sample[1] is None:
                     await asyncio.sleep(0)
                     continue
-                question = messages.encode_recall(messages.decode_beacon(sample[1]).tick)
+                query = messages.encode_recall(messages.decode_beacon(sample[1]).tick)
                 with contextlib.suppress(Rejected):  # not judged yet, or forgotten already
-                    repeated.append(await robot.ask(keys.held_beacon(RUN, 1, "0"), question, PATIENCE) == sample[1])
+                    repeated.append(await robot.get(keys.held_beacon(RUN, 1, "0"), query, PATIENCE) == sample[1])
 
     asyncio.run(session.run(load("pair.toml", run__duration=20.0), [[0], [1]], disturb))
     assert repeated == [True]
@@ -81,6 +81,6 @@ def test_the_world_refuses_to_repeat_what_it_does_not_hold(robot: int | str, tic
         async with client(endpoint) as opened:
             rule = f"^the world holds no beacon of robot {robot} from tick {tick}$"
             with pytest.raises(Rejected, match=rule):
-                await opened.ask(keys.held_beacon(RUN, robot, "0"), messages.encode_recall(tick), PATIENCE)
+                await opened.get(keys.held_beacon(RUN, robot, "0"), messages.encode_recall(tick), PATIENCE)
 
     asyncio.run(session.run(load("pair.toml", run__duration=0.2), [[0], [1]], disturb))

@@ -29,9 +29,11 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
 ) -> None:
     for patience in ("ANSWER_TIMEOUT", "ASK_AGAIN"):  # its token alone tells the barrier
         monkeypatch.setattr(f"world.server.lockstep.{patience}", 1e6)
-    dying, say, unsaid = asyncio.Event(), Outbox.say, list[int]()
+    dying, say, unsaid = asyncio.Event(), Outbox.publish, list[int]()
     monkeypatch.setattr(
-        Outbox, "say", lambda *what: unsaid.append(what[1]) if dying.is_set() and what[2][0][0] == 4 else say(*what)
+        Outbox,
+        "publish",
+        lambda *what: unsaid.append(what[1]) if dying.is_set() and what[2][0][0] == 4 else say(*what),
     )
     seen: dict[str, Any] = {}
 
@@ -42,16 +44,16 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
         dying.clear()
         agents[4].cancel()
         gone = await until(server, lambda state: not state.present[4])
-        pose = server.course.state.poses[4].tolist()
+        pose = server.run.state.poses[4].tolist()
         await until(server, lambda state: state.tick >= gone + 60)
-        seen["stood"] = server.course.state.poses[4].tolist() == pose
+        seen["stood"] = server.run.state.poses[4].tolist() == pose
         async with standing_still(server):
             agents[4] = asyncio.ensure_future(session.live(endpoint, [4]))
-            while not server._roster.whole[4]:
+            while not server._registry.whole[4]:
                 await asyncio.sleep(0.01)
         back = await until(server, lambda state: state.present[4])
         await until(server, lambda state: state.tick >= back + 30)
-        seen["moved"] = server.course.state.poses[4].tolist() != pose
+        seen["moved"] = server.run.state.poses[4].tolist() != pose
         seen["ticks"] = gone, back
 
     scenario = load("neighborhood.toml", run__duration=6.0)
@@ -71,18 +73,18 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
 def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_when_it_speaks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asleep, say = asyncio.Event(), Outbox.say
+    asleep, say = asyncio.Event(), Outbox.publish
     delayed: list[tuple[Outbox, int, Any]] = []
 
-    def sleepy(mouth: Outbox, tick: int, said: Any) -> None:
+    def sleepy(outbox: Outbox, tick: int, said: Any) -> None:
         if asleep.is_set() and said[0][0] == 1:
-            delayed.append((mouth, tick, said))
+            delayed.append((outbox, tick, said))
         else:
-            say(mouth, tick, said)
+            say(outbox, tick, said)
 
-    repeat = Outbox.repeat
-    monkeypatch.setattr(Outbox, "say", sleepy)
-    monkeypatch.setattr(Outbox, "repeat", lambda *asked: None if asleep.is_set() else repeat(*asked))
+    repeat = Outbox.resend
+    monkeypatch.setattr(Outbox, "publish", sleepy)
+    monkeypatch.setattr(Outbox, "resend", lambda *asked: None if asleep.is_set() else repeat(*asked))
     seen = []
 
     async def story(server: Server, agents: Any, endpoint: str) -> None:
@@ -96,7 +98,7 @@ def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_wh
             asleep.clear()
             for late in delayed:
                 say(*late)
-            while not (server._inbox._items or server._attendance.there[1]):
+            while not (server._inbox._items or server._participation.there[1]):
                 await asyncio.sleep(0.01)
         seen.append(await until(server, lambda state: state.present[1]))
 
@@ -127,17 +129,17 @@ def test_scheduled_deaths_have_one_digest_in_one_loop_and_over_zenoh(name: str, 
 def test_answers_of_a_robot_that_was_dead_by_schedule_may_come_when_it_takes_part_again(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    delayed, say = [], Outbox.say
+    delayed, say = [], Outbox.publish
 
-    def slow(mouth: Outbox, tick: int, said: Any) -> None:
+    def slow(outbox: Outbox, tick: int, said: Any) -> None:
         if said[0][0] == 6 and 70 <= tick < 80:  # nobody waits for these; it is back from tick 80 on
-            delayed.append((mouth, tick, said))
+            delayed.append((outbox, tick, said))
             return
         while said[0][0] == 6 and delayed:
             say(*delayed.pop(0))
-        say(mouth, tick, said)
+        say(outbox, tick, said)
 
-    monkeypatch.setattr(Outbox, "say", slow)
+    monkeypatch.setattr(Outbox, "publish", slow)
     dying = load("paper.toml", run__duration=2.4, event=DEADS)
 
     async def bounded() -> Any:
@@ -176,10 +178,10 @@ def test_a_team_that_hangs_as_one_is_taken_in_again_when_it_speaks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Nobody is there to wait for then but those who hang."""
-    asleep, say, repeat = asyncio.Event(), Outbox.say, Outbox.repeat
+    asleep, say, repeat = asyncio.Event(), Outbox.publish, Outbox.resend
     delayed: list[tuple[Outbox, int, Any]] = []
-    monkeypatch.setattr(Outbox, "say", lambda *what: delayed.append(what) if asleep.is_set() else say(*what))
-    monkeypatch.setattr(Outbox, "repeat", lambda *asked: None if asleep.is_set() else repeat(*asked))
+    monkeypatch.setattr(Outbox, "publish", lambda *what: delayed.append(what) if asleep.is_set() else say(*what))
+    monkeypatch.setattr(Outbox, "resend", lambda *asked: None if asleep.is_set() else repeat(*asked))
 
     async def story(server: Server, agents: Any, endpoint: str) -> None:
         await until(server, lambda state: state.tick >= 20)

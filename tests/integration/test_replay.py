@@ -99,14 +99,14 @@ def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with session.client(endpoint) as person:
             begin.set()
-            wish = channel_change.encode_change(ParameterChange("channel.reference_snr", 2e6))
-            await person.ask(keys.change(session.RUN), wish, PATIENCE)
+            objective = channel_change.encode_change(ParameterChange("channel.reference_snr", 2e6))
+            await person.get(keys.change(session.RUN), objective, PATIENCE)
 
     async def run() -> tuple[dict[str, Any], Server]:
         with Recorder(tmp_path / "run.mcap", pair, "test", "processes") as recorder:
             summary, server, _ = await session.run(pair, [[0], [1]], disturb, recorder)
             recorder.conclude(summary)
-            assert server.course.scenario.event
+            assert server.run.scenario.event
         return summary, server
 
     summary, server = asyncio.run(asyncio.wait_for(run(), PATIENCE))
@@ -117,7 +117,7 @@ def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
     assert summary["digest"] != inprocess.run(pair, "test")["digest"]
     assert replay_command.again(found, everybody=True) == as_json(summary)
 
-    recordings.record(tmp_path / "again.mcap", server.course.scenario, "scenario")  # what scenario.toml then holds
+    recordings.record(tmp_path / "again.mcap", server.run.scenario, "scenario")  # what scenario.toml then holds
     again = log.load(tmp_path / "again.mcap")
     assert list(compare.of_scenarios(found, again)) == []
     assert compare.first_difference(found, again) is None

@@ -42,45 +42,45 @@ def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, r
     first.mkdir()
     team, logs = Team(scenario), dict[int, list[tuple[str, int, bytes]]]()
     with Recorder(first / NAME, scenario, name, "processes") as recorder:
-        course = Run(scenario, recorder if recorded else None)
-        keeper = CheckpointWriter(first, 1e9, name, "main")
-        keeper.begin(course)
+        run = Run(scenario, recorder if recorded else None)
+        checkpoints = CheckpointWriter(first, 1e9, name, "main")
+        checkpoints.begin(run)
         for tick in range(scenario.ticks):
             if tick == 13:
-                course.change("channel.reference_snr", 2e6)
+                run.change("channel.reference_snr", 2e6)
             if tick == 20:  # a robot goes and comes back within a tick
-                everybody = course.state.present
-                course.attend(everybody & (course.world.ids != 2))
-                course.attend(everybody)
+                everybody = run.state.present
+                run.attend(everybody & (run.world.ids != 2))
+                run.attend(everybody)
             if tick % 7 == 5:
-                keeper.save(course, {}, 0.1, at_once=True)
-            team.step(course)
+                checkpoints.save(run, {}, 0.1, at_once=True)
+            team.step(run)
             shutil.rmtree(second, ignore_errors=True)
             shutil.copytree(first, second)
             snapshot = resume.load(second)
             assert snapshot.state.tick == max(0, (tick + 2) // 7 * 7 - 2 if tick >= 5 else 0)
             again = resume.recorder(second, snapshot)
             assert (again is not None) == recorded
-            other, kept, elapsed = resume.course(second, snapshot, again, 1e9)
+            other, kept, elapsed = resume.run(second, snapshot, again, 1e9)
             assert other.state.tick == tick + 1
             assert elapsed == 0.1  # as every tick was told
-            assert other.state.poses.tobytes() == course.state.poses.tobytes()
-            assert other.state.radio.burst.tobytes() == course.state.radio.burst.tobytes()
-            assert other.state.channel == course.state.channel
-            assert other.scenario == course.scenario
-            assert other.sums.tally.digest.text() == course.sums.tally.digest.text()
-            assert summary.summarize(other.sums, name, "", 0.1) == summary.summarize(course.sums, name, "", 0.1)
+            assert other.state.poses.tobytes() == run.state.poses.tobytes()
+            assert other.state.radio.burst.tobytes() == run.state.radio.burst.tobytes()
+            assert other.state.channel == run.state.channel
+            assert other.scenario == run.scenario
+            assert other.metrics.link_errors.digest.text() == run.metrics.link_errors.digest.text()
+            assert summary.summarize(other.metrics, name, "", 0.1) == summary.summarize(run.metrics, name, "", 0.1)
             if again is not None:
                 with suppress(FesError), again:
                     raise FesError("it was stopped")
                 whole = log.load(second / NAME)
                 assert sum(1 for _ in whole.ticks()) == tick + 1
                 again_of_it = replay_command.again(whole, everybody=True)
-                assert again_of_it["digest"] == course.sums.tally.digest.text()
+                assert again_of_it["digest"] == run.metrics.link_errors.digest.text()
                 logs[tick] = messages_of(second / NAME)
             kept.discard(other)
             assert not (second / FOLDER).exists()
-        keeper.discard(course)
+        checkpoints.discard(run)
     if recorded:
         whole_log = messages_of(first / NAME)
         assert {topic for topic, *_ in whole_log} >= {"/events", "/report"}
@@ -91,14 +91,14 @@ def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, r
 
 def test_a_damaged_log_is_one_line(tmp_path: Path) -> None:
     scenario = load("pair.toml", run__duration=0.2)
-    team, keeper = Team(scenario), CheckpointWriter(tmp_path, 1e9, "pair", "main")
+    team, checkpoints = Team(scenario), CheckpointWriter(tmp_path, 1e9, "pair", "main")
     with suppress(FesError), Recorder(tmp_path / NAME, scenario, "pair", "processes") as recorder:
-        course = Run(scenario, recorder)
-        keeper.begin(course)
+        run = Run(scenario, recorder)
+        checkpoints.begin(run)
         for _ in range(5):
-            team.step(course)
-        keeper.save(course, {}, 0.1, at_once=True)
-        keeper.close(course)
+            team.step(run)
+        checkpoints.save(run, {}, 0.1, at_once=True)
+        checkpoints.close(run)
         raise FesError("it was stopped")
     whole, snapshot = (tmp_path / NAME).read_bytes(), resume.load(tmp_path)
     assert snapshot.log is not None

@@ -28,17 +28,17 @@ def test_a_world_does_not_start_with_robots_whose_agents_it_has_not_accepted() -
             gathering = asyncio.ensure_future(server.gather())
             async with session.client(endpoint) as stale:
                 for robot in (0, 1):
-                    stale.token(keys.robot_alive(RUN, robot))
-                while not server._roster.alive.all():
+                    stale.declare_token(keys.robot_alive(RUN, robot))
+                while not server._registry.alive.all():
                     await asyncio.sleep(0.01)
                 with pytest.raises(Rejected, match="robot 1 is hosted by an agent of an earlier world"):
                     await session.live(endpoint, [1])
                 assert not gathering.done()
-            while server._roster.alive.any():
+            while server._registry.alive.any():
                 await asyncio.sleep(0.01)
             agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
             await gathering
-            await server.run()
+            await server.main_loop()
             server.dismiss()
             await asyncio.gather(*agents)
 
@@ -48,17 +48,17 @@ def test_a_world_does_not_start_with_robots_whose_agents_it_has_not_accepted() -
 def test_a_world_that_cannot_keep_who_joins_ends_instead_of_waiting_for_ever(tmp_path: Path) -> None:
     async def main() -> None:
         async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
-            course, keeper = Run(load("pair.toml")), CheckpointWriter(tmp_path, 1e9, "test", RUN)
-            keeper.begin(course)
-            assert keeper._journal is not None
-            keeper._journal.close()
-            keeper._journal._file = Path("/dev/full").open("ab", buffering=0)  # noqa: SIM115 (the keeper closes it)
-            gathering = asyncio.ensure_future(Server(opened, course, "test", RUN, keeper=keeper).gather())
+            run, checkpoints = Run(load("pair.toml")), CheckpointWriter(tmp_path, 1e9, "test", RUN)
+            checkpoints.begin(run)
+            assert checkpoints._journal is not None
+            checkpoints._journal.close()
+            checkpoints._journal._file = Path("/dev/full").open("ab", buffering=0)  # noqa: SIM115 (the keeper closes it)
+            gathering = asyncio.ensure_future(Server(opened, run, "test", RUN, checkpoints=checkpoints).gather())
             with pytest.raises(Rejected, match="No space left on device"):
                 await session.live(endpoint, [0])
             with pytest.raises(FesError, match="No space left on device"):
                 await gathering
-            keeper.discard(course)
+            checkpoints.discard(run)
 
     asyncio.run(main())
 
@@ -68,24 +68,24 @@ def test_who_comes_back_when_a_world_goes_on_takes_part_from_its_second_tick() -
 
     async def main() -> tuple[Server, list[Bools]]:
         async with session.router() as (opened, endpoint), asyncio.timeout(100.0):
-            course, took = Run(load("pair.toml", run__duration=0.4)), list[Bools]()
-            course.state = replace(course.state, tick=5, present=np.array([True, False]), since=np.array([5, 0]))
-            server, take = Server(opened, course, "test", RUN), course.take
+            run, took = Run(load("pair.toml", run__duration=0.4)), list[Bools]()
+            run.state = replace(run.state, tick=5, present=np.array([True, False]), since=np.array([5, 0]))
+            server, take = Server(opened, run, "test", RUN), run.take
 
             def taken(*words: Any) -> None:
-                took.append(course.state.present)
+                took.append(run.state.present)
                 take(*words)
 
-            course.take = taken  # type: ignore[assignment,method-assign]
+            run.take = taken  # type: ignore[assignment,method-assign]
             agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
-            while not server._roster.alive.all():
+            while not server._registry.alive.all():
                 await asyncio.sleep(0.01)
             await server.gather()
-            await server.run()
+            await server.main_loop()
             server.dismiss()
             await asyncio.gather(*agents)
             return server, took
 
     server, took = asyncio.run(main())
     assert [present.tolist() for present in took] == [[True, False]] + [[True, True]] * 14
-    assert server.course.state.since.tolist() == [5, 6]
+    assert server.run.state.since.tolist() == [5, 6]

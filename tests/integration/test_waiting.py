@@ -37,11 +37,11 @@ async def due(scenario: Scenario, comes: bool) -> tuple[str, dict[str, Any]]:
         server = Server(opened, Run(scenario), "test", RUN)
         agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
         await server.gather()
-        late, waits = server._attendance.due, list[str]()
+        late, waits = server._participation.due, list[str]()
 
         async def die() -> None:
             agents[1].cancel()
-            while server._roster.alive[1]:
+            while server._registry.alive[1]:
                 await asyncio.sleep(0.01)
 
         present = server._clock.present
@@ -60,8 +60,8 @@ async def due(scenario: Scenario, comes: bool) -> tuple[str, dict[str, Any]]:
             return robots
 
         server._clock.present = dying  # type: ignore[method-assign]
-        server._attendance.due = missed  # type: ignore[method-assign]
-        await server.run()
+        server._participation.due = missed  # type: ignore[method-assign]
+        await server.main_loop()
         server.dismiss()
         await asyncio.gather(*agents, return_exceptions=True)
         summary = server.summarize()
@@ -91,9 +91,9 @@ def test_a_robot_that_is_due_and_does_not_come_is_missed_and_the_run_continues(
 
 def gone_on_with(scenario: Scenario, tick: int) -> Run:
     """A run in which all took part, as a world finds it that goes on at a tick."""
-    course = Run(scenario)
-    course.state = replace(course.state, tick=tick)
-    return course
+    run = Run(scenario)
+    run.state = replace(run.state, tick=tick)
+    return run
 
 
 def test_a_robot_that_died_while_the_world_was_away_is_waited_for_and_then_left_out(
@@ -105,18 +105,18 @@ def test_a_robot_that_died_while_the_world_was_away_is_waited_for_and_then_left_
         async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
             server = Server(opened, gone_on_with(load("pair.toml", run__duration=0.4), 5), "test", RUN)
             agent = asyncio.ensure_future(session.live(endpoint, [0]))
-            while not server._roster.whole[0]:
+            while not server._registry.whole[0]:
                 await asyncio.sleep(0.01)
             await server.gather()  # nobody comes for robot 1
-            assert server._roster.alive.tolist() == [1, 0]
-            await server.run()
+            assert server._registry.alive.tolist() == [1, 0]
+            await server.main_loop()
             server.dismiss()
             await agent
             return server
 
     server = asyncio.run(main())
-    assert server.course.is_over
-    assert server.course.state.present.tolist() == [True, False]
+    assert server.run.is_over
+    assert server.run.state.present.tolist() == [True, False]
 
 
 def test_who_comes_back_before_the_wait_is_over_is_not_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -128,12 +128,12 @@ def test_who_comes_back_before_the_wait_is_over_is_not_left_out(monkeypatch: pyt
             gathering = asyncio.ensure_future(server.gather())
             async with session.client(endpoint) as puppet:
                 await session.appear(puppet, 0)
-                while not server._roster.whole[0]:
+                while not server._registry.whole[0]:
                     await asyncio.sleep(0.01)
                 assert not gathering.done()
                 await session.appear(puppet, 1)
                 await gathering
-                return server._attendance.there
+                return server._participation.there
 
     assert asyncio.run(main()).all()
 
@@ -158,27 +158,27 @@ def test_a_live_run_whose_world_dies_goes_on_in_lockstep_at_a_tick_that_its_robo
         """A world that dies when its robots have answered a tick that it has no note of; returns that tick."""
         dies, for_ever = asyncio.Event(), asyncio.Event()
         async with bus.opened(Endpoints("router", (), (endpoint,))) as opened:
-            course, keeper = Run(scenario), CheckpointWriter(tmp_path, 1e9, "test", RUN)
-            keeper.begin(course)
-            server = Server(opened, course, "test", RUN, keeper=keeper)
+            run, checkpoints = Run(scenario), CheckpointWriter(tmp_path, 1e9, "test", RUN)
+            checkpoints.begin(run)
+            server = Server(opened, run, "test", RUN, checkpoints=checkpoints)
             agents += [asyncio.ensure_future(host(robot, robots)) for robot in (0, 1)]
             await server.gather()
             end_of_tick = server._clock._end_of_tick
 
             async def held() -> None:
-                if course.state.tick >= WARM_UP + 5:
+                if run.state.tick >= WARM_UP + 5:
                     dies.set()
                     await for_ever.wait()
                 await end_of_tick()
 
             server._clock._end_of_tick = held  # type: ignore[method-assign]
-            running = asyncio.ensure_future(server.run())
+            running = asyncio.ensure_future(server.main_loop())
             await dies.wait()
-            while any(robot._turns.tick < course.state.tick for robot in robots):
+            while any(robot._turns.tick < run.state.tick for robot in robots):
                 await asyncio.sleep(0.01)
             running.cancel()
-            keeper.close(course)
-            return course.state.tick
+            checkpoints.close(run)
+            return run.state.tick
 
     async def host(robot: int, robots: list[Agent]) -> None:
         async with session.client(endpoint) as opened:
@@ -189,14 +189,14 @@ def test_a_live_run_whose_world_dies_goes_on_in_lockstep_at_a_tick_that_its_robo
     async def second() -> tuple[int, Run]:
         """Its successor; returns from which tick on."""
         async with bus.opened(Endpoints("router", (), (endpoint,))) as opened:
-            course, keeper, elapsed = resume.course(tmp_path, resume.load(tmp_path), None, 1e9)
-            begun = course.state.tick
-            server = Server(opened, course, "test", RUN, keeper=keeper, elapsed=elapsed)
+            run, checkpoints, elapsed = resume.run(tmp_path, resume.load(tmp_path), None, 1e9)
+            begun = run.state.tick
+            server = Server(opened, run, "test", RUN, checkpoints=checkpoints, elapsed=elapsed)
             await server.gather()
-            await server.run()
+            await server.main_loop()
             server.dismiss()
-            keeper.discard(course)
-            return begun, course
+            checkpoints.discard(run)
+            return begun, run
 
     async def main() -> tuple[int, int, Run]:
         agents, robots = list["asyncio.Task[None]"](), list[Agent]()
@@ -205,13 +205,13 @@ def test_a_live_run_whose_world_dies_goes_on_in_lockstep_at_a_tick_that_its_robo
             if torn:
                 [notes] = checkpoint.journals(tmp_path, 1)
                 notes.write_bytes(notes.read_bytes()[:-1])
-            begun, course = await second()
+            begun, run = await second()
             await asyncio.gather(*agents)
-            return died, begun, course
+            return died, begun, run
 
-    died, begun, course = asyncio.run(main())
+    died, begun, run = asyncio.run(main())
     assert begun == died - torn
     ticks = [*range(WARM_UP), *range(begun, begun + WARM_UP)]
     assert barrier == [(tick, [True, True]) for tick in ticks]  # none of which was without an answer
-    assert course.state.tick == scenario.ticks > begun + WARM_UP
-    assert course.state.since.tolist() == [0, 0]  # nobody was left out
+    assert run.state.tick == scenario.ticks > begun + WARM_UP
+    assert run.state.since.tolist() == [0, 0]  # nobody was left out

@@ -65,7 +65,7 @@ def after(gain_per_tick: float, ticks: int) -> Floats:
         apart = poses[1, 0] - poses[0, 0]
         errors.append(apart - wanted)
         bearing = np.array([[1.0, -1.0], [0.0, 0.0]])
-        pull = formation.pull(PAIR, np.full(2, apart - wanted), bearing)
+        pull = formation.formation_vector(PAIR, np.full(2, apart - wanted), bearing)
         poses = unicycle.move(poses, formation.twist(pull, poses[:, geometry.HEADING], dt, config), dt)
     return np.array(errors)
 
@@ -148,10 +148,10 @@ def error_of(settings: dict[str, Any]) -> str:
     """Run six ticks of the pair to their summary; the error that ended it, or nothing."""
     try:
         what = load("pair.toml", **settings)
-        sums = MetricsCollector(what)
+        metrics = MetricsCollector(what)
         for tick in itertools.islice(inprocess.ticks(what), 6):
-            sums.add(tick.state, tick.twists, tick.telemetry)
-        summaries.summarize(sums, "pair", "inprocess", 1.0)
+            metrics.add(tick.state, tick.twists, tick.telemetry)
+        summaries.summarize(metrics, "pair", "inprocess", 1.0)
     except FesError as error:
         return str(error)
     return ""

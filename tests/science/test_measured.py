@@ -26,10 +26,10 @@ SAMPLED = {
 """The paper's (18) with its dither and gain, fed with what a radio can give it."""
 
 
-def tracked(name: str, seeds: range, stretch: int = 0, **changes: Any) -> dict[str, list[Any]]:
+def tracked(name: str, seeds: range, segment: int = 0, **changes: Any) -> dict[str, list[Any]]:
     """What the summaries of runs over seeds say of one stretch, column by column."""
     summaries = stacked.run([load(name, run__seed=seed, **changes) for seed in seeds], name)
-    rows = [{**one["tracking"][stretch], "connected": one["links_connected_always"]} for one in summaries]
+    rows = [{**one["tracking"][segment], "connected": one["links_connected_always"]} for one in summaries]
     return {key: [row[key] for row in rows] for key in rows[0]}
 
 

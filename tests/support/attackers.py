@@ -68,7 +68,7 @@ async def ticks_go_by(opened: Bus, count: int, begin: asyncio.Event | None = Non
         if len(seen) > count:  # the first may have been on its way before we listened
             loop.call_soon_threadsafe(done.set)
 
-    undeclare = opened.subscribe(keys.command(RUN, 0), on_command)
+    undeclare = opened.declare_subscriber(keys.command(RUN, 0), on_command)
     if begin is not None:
         await arrived(opened)
         begin.set()
@@ -78,10 +78,10 @@ async def ticks_go_by(opened: Bus, count: int, begin: asyncio.Event | None = Non
 
 async def arrived(opened: Bus) -> None:
     """Wait until what was declared and put is with world and robots: these questions take no other way."""
-    await opened.ask(keys.about(RUN), b"", session.PATIENCE)
+    await opened.get(keys.about(RUN), b"", session.PATIENCE)
     for robot in range(ROBOTS):
         with contextlib.suppress(Rejected):
-            await opened.ask(keys.recall(RUN, robot), messages.encode_recall(10**9), session.PATIENCE)
+            await opened.get(keys.recall(RUN, robot), messages.encode_recall(10**9), session.PATIENCE)
 
 
 def everywhere(payload: bytes, run: str = RUN) -> list[tuple[str, bytes]]:

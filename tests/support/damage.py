@@ -85,19 +85,19 @@ class StoredRun:
         self.answered = killed - 1
         team, self.teams = Team(scenario), list[Team]()
         with Recorder(whole / NAME, scenario, "test", "processes") as recorder:
-            course, keeper = Run(scenario, recorder), CheckpointWriter(whole, 1e9, "test", "main")
-            keeper.begin(course)
+            run, checkpoints = Run(scenario, recorder), CheckpointWriter(whole, 1e9, "test", "main")
+            checkpoints.begin(run)
             for tick in range(scenario.ticks):
                 if tick == kept:
-                    keeper.save(course, {}, 0.1, at_once=True)
+                    checkpoints.save(run, {}, 0.1, at_once=True)
                 if tick == flushed:
                     recorder.pause()
                 if tick == killed:
                     shutil.copytree(whole, self.killed)
                 self.teams.append(copy.copy(team))
-                team.step(course)
-            keeper.discard(course)
-            self.summary = summary.summarize(course.sums, "test", "processes", 1.0)
+                team.step(run)
+            checkpoints.discard(run)
+            self.summary = summary.summarize(run.metrics, "test", "processes", 1.0)
             recorder.conclude(self.summary)
         self.log = whole / NAME
         self.ticks = list(log.load(self.log).ticks())
@@ -116,14 +116,14 @@ class StoredRun:
         recorder = resume.recorder(self.work, kept)
         assert recorder is not None
         with recorder:
-            course, keeper, _ = resume.course(self.work, kept, recorder, 1e9)
-            first = course.state.tick
+            run, checkpoints, _ = resume.run(self.work, kept, recorder, 1e9)
+            first = run.state.tick
             team = copy.copy(self.teams[first])
-            while not course.is_over:
-                team.step(course)
-            reached = summary.summarize(course.sums, "test", "processes", 1.0)
+            while not run.is_over:
+                team.step(run)
+            reached = summary.summarize(run.metrics, "test", "processes", 1.0)
             recorder.conclude(reached)
-            keeper.discard(course)
+            checkpoints.discard(run)
         if comparable(reached) != comparable(self.summary):
             return SILENT, f"digest {reached['digest']}"
         if self._ticks_of(self.work / NAME) < len(self.ticks):

@@ -13,7 +13,7 @@ from agents.control import crew
 from console.dashboard.frame import ReportHistory, render
 from fes.arrays.types import Floats, Ints
 from fes.model import outage
-from fes.model.sensing import silence
+from fes.model.sensing import no_beacons
 from fes.protocol.report import Report
 from tests.support.paths import CONFIGS
 from world.config import scenario
@@ -145,7 +145,7 @@ def play() -> list[Report]:
     setup = scenario.load(PAPER, {})
     world = truth.create(setup)
     team = crew.create(scenario.agent_config(setup), world.ids)
-    state, robots, said = truth.start(world), crew.start(team), silence()
+    state, robots, said = truth.start(world), crew.start(team), no_beacons()
     best = optimum.optimal_separation(setup.objective, setup.channel)
     reports = []
     for tick in range(151):

@@ -57,11 +57,11 @@ class Turncoat(Outbox):
 
     attack: Attack
 
-    def say(self, tick: int, said: TickPayloads) -> None:
+    def publish(self, tick: int, said: TickPayloads) -> None:
         if tick >= FIRST:
             self.attack(self, tick, said)
         else:
-            super().say(tick, said)
+            super().publish(tick, said)
 
 
 def _member(where: Path, endpoint: str, robot: int) -> Endpoints:
@@ -84,21 +84,21 @@ async def _run(where: Path, keyed: Path, attack: Attack, beside: Beside | None) 
     world = Endpoints("router", (), (endpoint,), security={**team_keys.security(keyed, "world"), **rules})
     async with bus.opened(world) as opened:
         with Recorder(where / NAME, what, "hostile", "processes") as recorder:
-            course = Run(what, recorder)
-            keeper = CheckpointWriter(where, 1e9, "hostile", RUN)
-            keeper.begin(course)
-            server = Server(opened, course, "hostile", RUN, keeper=keeper, guarded=True)
+            run = Run(what, recorder)
+            checkpoints = CheckpointWriter(where, 1e9, "hostile", RUN)
+            checkpoints.begin(run)
+            server = Server(opened, run, "hostile", RUN, checkpoints=checkpoints, guarded=True)
             agents = [
                 asyncio.ensure_future(_live(_member(keyed, endpoint, i), i, attack if i == HOSTILE else None))
                 for i in range(ROBOTS)
             ]
             await server.gather()
             if beside is None:
-                await server.run()
+                await server.main_loop()
             else:
                 async with bus.opened(_member(keyed, endpoint, HOSTILE)) as second:
                     other = asyncio.ensure_future(beside(second))
-                    await server.run()
+                    await server.main_loop()
                     await other
             server.dismiss()
             summary = server.summarize()
@@ -107,7 +107,7 @@ async def _run(where: Path, keyed: Path, attack: Attack, beside: Beside | None) 
             outcomes = await asyncio.gather(*agents, return_exceptions=True)
             ended = [error if isinstance(error, FesError) else None for error in outcomes]
             notes = [note for path in (where / FOLDER).glob("journal-*") for note in journal.notes(path)]
-            keeper.close(course)
+            checkpoints.close(run)
             return Outcome(where, summary, notes, ended, server)
 
 

@@ -56,7 +56,7 @@ def hear(where: Floats, robots: Iterable[int], reach: float = REACH, decoded: Bo
     if decoded is not None:
         codes[~decoded] = LOST
     own = where[np.array(crew)]
-    return contacts.update(contacts.nobody(near.ids), Observations(1, own, near, codes), own, said, 50)
+    return contacts.update(contacts.no_contacts(near.ids), Observations(1, own, near, codes), own, said, 50)
 
 
 def silent_beacons(tick: int, ids: Ints, where: Floats) -> Beacons:

@@ -8,7 +8,7 @@ import numpy as np
 from agents.control import crew as crews
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
-from fes.model.sensing import Beacons, Observations, silence
+from fes.model.sensing import Beacons, Observations, no_beacons
 from tests.support.paths import CONFIGS
 from world.config import scenario
 from world.config.scenario import Scenario
@@ -55,7 +55,7 @@ def run(what: Scenario, ticks: int | None = None, split: list[list[int]] | None 
     everybody = world.ids.tolist()
     parts = [crews.create(config, np.array(ids)) for ids in (split or [everybody])]
     minds = [crews.start(part) for part in parts]
-    said = [silence()] * len(parts)
+    said = [no_beacons()] * len(parts)
     history = History(what.run.dt, [], [])
     for _ in range(ticks or what.ticks):
         sensed = truth.observe(state)
@@ -94,7 +94,7 @@ def _together(said: list[Beacons]) -> Beacons:
     by_pair = np.lexsort([peers, robots])
     links = Edges(ids[order], np.searchsorted(ids[order], robots[by_pair]), peers[by_pair])
     estimates = np.concatenate([part.estimates for part in said])[by_pair]
-    named = np.concatenate([part.named for part in said])[by_pair]
+    named = np.concatenate([part.selected for part in said])[by_pair]
     poses = np.concatenate([part.poses for part in said])[order]
     statistics = np.concatenate([part.statistics for part in said])[order]
     return Beacons(said[0].tick, ids[order], poses, links, estimates, named, statistics)
@@ -108,5 +108,11 @@ def _among(said: Beacons, ids: Ints) -> Beacons:
     mine = np.isin(robots, kept)
     links = Edges(kept, np.searchsorted(kept, robots[mine]), said.links.peers[mine])
     return Beacons(
-        said.tick, kept, said.poses[senders], links, said.estimates[mine], said.named[mine], said.statistics[senders]
+        said.tick,
+        kept,
+        said.poses[senders],
+        links,
+        said.estimates[mine],
+        said.selected[mine],
+        said.statistics[senders],
     )

@@ -141,8 +141,8 @@ CODECS = {
     "Report": Codec(reports.encode_report, reports.decode_report, team_reports(), 12),
     "Recall": Codec(messages.encode_recall, messages.decode_recall, ticks, 1),
     "Change": Codec(channel_change.encode_change, channel_change.decode_change, changes, 2),
-    "Effect": Codec(channel_change.encode_effect, channel_change.decode_effect, effects, 5),
-    "About": Codec(world_info.encode_about, world_info.decode_about, abouts, 4),
+    "Effect": Codec(channel_change.encode_result, channel_change.decode_result, effects, 5),
+    "About": Codec(world_info.encode_world_info, world_info.decode_world_info, abouts, 4),
 }
 scalars = st.none() | st.booleans() | st.integers(-(2**63), 2**64 - 1) | st.floats() | st.text() | st.binary()
 odd = st.builds(msgpack.ExtType, st.integers(0, 127), st.binary()) | st.just(msgpack.Timestamp(1, 5))

@@ -38,9 +38,9 @@ process.run("slow", main, exit_with_stdin=True)
 
 @contextlib.asynccontextmanager
 async def family(where: Path) -> AsyncIterator[ProcessGroup]:
-    kin = ProcessGroup(where)
-    async with process_group.ended_with_block(kin):
-        yield kin
+    processes = ProcessGroup(where)
+    async with process_group.ended_with_block(processes):
+        yield processes
 
 
 async def child(where: Path, name: str, code: str, said: str = "", robots: str = "") -> ManagedProcess:
@@ -51,15 +51,15 @@ async def child(where: Path, name: str, code: str, said: str = "", robots: str =
     return ManagedProcess(name, started, log, robots)
 
 
-async def world(kin: ProcessGroup, code: str, said: str = "") -> None:
-    kin.world = await child(kin.directory, "fes-world", code, said)
-    kin.watch(kin.world)
+async def world(processes: ProcessGroup, code: str, said: str = "") -> None:
+    processes.world = await child(processes.directory, "fes-world", code, said)
+    processes.watch(processes.world)
 
 
-async def agent(kin: ProcessGroup, robots: str, code: str, said: str = "") -> ManagedProcess:
-    kin.agents.append(await child(kin.directory, f"fes-agent --id {robots}", code, said, robots))
-    kin.watch(kin.agents[-1])
-    return kin.agents[-1]
+async def agent(processes: ProcessGroup, robots: str, code: str, said: str = "") -> ManagedProcess:
+    processes.agents.append(await child(processes.directory, f"fes-agent --id {robots}", code, said, robots))
+    processes.watch(processes.agents[-1])
+    return processes.agents[-1]
 
 
 async def until(holds: Callable[[], object]) -> None:
@@ -68,11 +68,11 @@ async def until(holds: Callable[[], object]) -> None:
             await asyncio.sleep(0.01)
 
 
-async def finished(kin: ProcessGroup, respawn: RestartLimit | None = None) -> tuple[str, list[str]]:
+async def finished(processes: ProcessGroup, respawn: RestartLimit | None = None) -> tuple[str, list[str]]:
     """The error of a run, if it failed, and its warnings."""
     said: list[str] = []
     try:
-        await Supervisor(kin, said.append, "nobody is left", respawn).finish()
+        await Supervisor(processes, said.append, "nobody is left", respawn).finish()
     except ProcessFailed as failed:
         return str(failed), said
     return "", said

@@ -35,7 +35,7 @@ def live_through(
                 crews = groups or [[robot] for robot in range(scenario.robots.number)]
                 agents = [asyncio.ensure_future(session.live(endpoint, crew)) for crew in crews]
                 await server.gather()
-                running = asyncio.ensure_future(server.run())
+                running = asyncio.ensure_future(server.main_loop())
                 await story(server, agents, endpoint)
                 await running
                 server.dismiss()
@@ -66,6 +66,6 @@ async def standing_still(server: Server) -> AsyncIterator[None]:
 
 
 async def until(server: Server, holds: Callable[[Any], Any]) -> int:
-    while not holds(server.course.state):
+    while not holds(server.run.state):
         await asyncio.sleep(0.01)
-    return int(server.course.state.tick)
+    return int(server.run.state.tick)

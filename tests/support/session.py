@@ -47,8 +47,8 @@ async def client(endpoint: str, timeout: float = PATIENCE) -> AsyncIterator[Bus]
 
 async def appear(opened: Bus, robot: int) -> None:
     """Be an agent of this robot as far as the world can see, which says nothing by itself."""
-    await opened.ask(keys.welcome(RUN, str(robot)), messages.encode_join(Join((robot,), robot)), PATIENCE)
-    opened.token(keys.robot_alive(RUN, robot))
+    await opened.get(keys.welcome(RUN, str(robot)), messages.encode_join(Join((robot,), robot)), PATIENCE)
+    opened.declare_token(keys.robot_alive(RUN, robot))
 
 
 async def live(endpoint: str, robots: Sequence[int], timeout: float = PATIENCE) -> Agent:
@@ -80,7 +80,7 @@ async def run(
             other.add_done_callback(lambda done: begin.set())
             _wait_for(other, server)
             await begin.wait()
-        await server.run()
+        await server.main_loop()
         server.dismiss()
         ended = await asyncio.gather(*agents)
         summary = server.summarize()
@@ -90,7 +90,7 @@ async def run(
 
 def _wait_for(other: "asyncio.Future[None]", server: Server) -> None:
     """Have a world stand still before its last ticks until `other` is done; it fails as `other` does."""
-    present, last = server._clock.present, server.course.scenario.ticks - LAST
+    present, last = server._clock.present, server.run.scenario.ticks - LAST
 
     async def held(state: State) -> Bools:
         if state.tick >= last:

@@ -6,7 +6,7 @@ import numpy as np
 
 from agents.control import crew
 from agents.runtime import marshalling
-from fes.model.sensing import silence
+from fes.model.sensing import no_beacons
 from fes.protocol import messages
 from tests.support.loop import load
 from world.config.scenario import Scenario, agent_config
@@ -20,30 +20,30 @@ class Team:
 
     def __init__(self, scenario: Scenario) -> None:
         self.crew = crew.create(agent_config(scenario), np.arange(scenario.robots.number))
-        self.minds, self.said = crew.start(self.crew), silence()
+        self.minds, self.said = crew.start(self.crew), no_beacons()
 
-    def step(self, course: Run) -> None:
+    def step(self, run: Run) -> None:
         """Go through one tick."""
-        anew = course.state.since == course.state.tick
-        if anew.any() and course.state.tick > 0:
+        anew = run.state.since == run.state.tick
+        if anew.any() and run.state.tick > 0:
             self.minds = crew.forget(self.crew, self.minds, anew)
-        sent = course.observations(course.state.present)
-        self.minds, self.said, twists = crew.step(self.crew, self.minds, truth.observe(course.state), self.said)
+        sent = run.observations(run.state.present)
+        self.minds, self.said, twists = crew.step(self.crew, self.minds, truth.observe(run.state), self.said)
         told = crew.telemetry(self.crew, self.minds)
-        spoken = [payload for _, *payload in marshalling.payloads(self.said, twists, told)]
-        legible = course.state.legible.tolist()
+        spoken = [payload for _, *payload in marshalling.encode_tick(self.said, twists, told)]
+        legible = run.state.decodable.tolist()
         beacons = [beacon if good else b"" for (beacon, _), good in zip(spoken, legible, strict=True)]
         answers: list[Answer | None] = [(messages.decode_command(command), command) for _, command in spoken]
-        alive = (course.world.ids != course.state.tick % 3).astype(np.uint8)  # who hangs is alive; who is dead is not
-        course.take(sent, answers, beacons, alive, 0.1)
-        course.account()
+        alive = (run.world.ids != run.state.tick % 3).astype(np.uint8)  # who hangs is alive; who is dead is not
+        run.take(sent, answers, beacons, alive, 0.1)
+        run.account()
 
 
 def begun(where: Path) -> Path:
     """A run directory with a checkpoint."""
     where.mkdir()
-    course = Run(load("pair.toml"))
-    keeper = CheckpointWriter(where, 1e9, "pair", "main")
-    keeper.begin(course)
-    keeper.close(course)
+    run = Run(load("pair.toml"))
+    checkpoints = CheckpointWriter(where, 1e9, "pair", "main")
+    checkpoints.begin(run)
+    checkpoints.close(run)
     return where / FOLDER / "state"

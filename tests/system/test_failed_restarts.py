@@ -21,17 +21,19 @@ def test_an_agent_that_cannot_be_started_again_is_tried_a_few_times_and_each_fai
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def main() -> list[str]:
-        async with family(tmp_path) as kin:
-            await world(kin, SLOW, f"{BEGUN.decode()}\n")
-            await kin.start_agent("0", ["--no-such-flag"])
+        async with family(tmp_path) as processes:
+            await world(processes, SLOW, f"{BEGUN.decode()}\n")
+            await processes.start_agent("0", ["--no-such-flag"])
             monkeypatch.setattr("console.backends.managed_process.start", refused)
             said: list[str] = []
-            following = asyncio.ensure_future(Supervisor(kin, said.append, "nobody is left", Impatient()).finish())
+            following = asyncio.ensure_future(
+                Supervisor(processes, said.append, "nobody is left", Impatient()).finish()
+            )
             await until((tmp_path / "here").exists)
             await until(lambda: len(said) == 4 or following.done())
             (tmp_path / "go").touch()
-            assert kin.world is not None
-            kin.world.signal(signal.SIGINT)
+            assert processes.world is not None
+            processes.world.signal(signal.SIGINT)
             await following
             return said
 
@@ -49,14 +51,14 @@ def test_a_robot_of_the_schedule_that_cannot_be_started_again_is_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def main() -> list[str]:
-        async with family(tmp_path) as kin:
-            await world(kin, SLOW, f"{BEGUN.decode()}\n")
-            await kin.start_agent("0", [])
-            await kin.kill_agent("0")
+        async with family(tmp_path) as processes:
+            await world(processes, SLOW, f"{BEGUN.decode()}\n")
+            await processes.start_agent("0", [])
+            await processes.kill_agent("0")
             monkeypatch.setattr("console.backends.managed_process.start", refused)
-            await kin.start_agent_again("0")
+            await processes.start_agent_again("0")
             said: list[str] = []
-            following = asyncio.ensure_future(Supervisor(kin, said.append).finish())
+            following = asyncio.ensure_future(Supervisor(processes, said.append).finish())
             await until(lambda: said or following.done())
             following.cancel()
             (tmp_path / "go").touch()
@@ -70,12 +72,12 @@ def test_a_world_that_cannot_be_started_to_resume_its_run_is_what_the_run_fails_
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def main() -> tuple[str, list[str]]:
-        async with family(tmp_path) as kin:
-            await world(kin, ENDLESS)
+        async with family(tmp_path) as processes:
+            await world(processes, ENDLESS)
             monkeypatch.setattr("console.backends.managed_process.start", refused)
             monkeypatch.setattr(process_group, "is_kept", lambda _: True)
-            await kin.replace_world(0.0, [])
-            return await finished(kin)
+            await processes.replace_world(0.0, [])
+            return await finished(processes)
 
     why = "fes-world cannot be started: Resource temporarily unavailable"
     assert asyncio.run(main()) == (why, [])

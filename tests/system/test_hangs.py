@@ -168,6 +168,6 @@ def test_who_may_be_back_by_now_keeps_its_process(
         did.append(f"start {ids}")
 
     monkeypatch.setattr("console.connect.observer.reports", reports)
-    hands = fault_injection.ProcessControl(kill, start, did.append, did.append, lambda seconds: kill("the world"))
-    asyncio.run(fault_injection.enact(None, "test", 1.0, scenario, hands, alone=True))  # type: ignore[arg-type]
+    control = fault_injection.ProcessControl(kill, start, did.append, did.append, lambda seconds: kill("the world"))
+    asyncio.run(fault_injection.enact(None, "test", 1.0, scenario, control, alone=True))  # type: ignore[arg-type]
     assert did == done

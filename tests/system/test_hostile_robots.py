@@ -44,74 +44,74 @@ def altered(payload: bytes) -> bytes:
     return messages.encode_beacon(beacon._replace(pose=(beacon.pose[0] + 1.0, *beacon.pose[1:])))
 
 
-def keep(mouth: Outbox, tick: int, said: TickPayloads, beacon: bytes | None) -> None:
+def keep(outbox: Outbox, tick: int, said: TickPayloads, beacon: bytes | None) -> None:
     """Remember a tick as `say` does, with another beacon, or with none."""
-    mouth._commands[tick] = {robot: payload for robot, _, payload in said}
+    outbox._commands[tick] = {robot: payload for robot, _, payload in said}
     if beacon is not None:
-        mouth._beacons[tick] = {robot: beacon for robot, _, _ in said}
+        outbox._beacons[tick] = {robot: beacon for robot, _, _ in said}
 
 
-def mute(mouth: Outbox, tick: int, said: TickPayloads) -> None:
-    keep(mouth, tick, said, None)
-    mouth._command[HOSTILE](said[0][2])
+def mute(outbox: Outbox, tick: int, said: TickPayloads) -> None:
+    keep(outbox, tick, said, None)
+    outbox._command[HOSTILE](said[0][2])
 
 
-def junk(mouth: Outbox, tick: int, said: TickPayloads) -> None:
-    keep(mouth, tick, said, b"\xc1 junk")
-    mouth._beacon[HOSTILE](b"\xc1 junk")
-    mouth._command[HOSTILE](said[0][2])
+def junk(outbox: Outbox, tick: int, said: TickPayloads) -> None:
+    keep(outbox, tick, said, b"\xc1 junk")
+    outbox._beacon[HOSTILE](b"\xc1 junk")
+    outbox._command[HOSTILE](said[0][2])
 
 
-def refuse_the_recall(mouth: Outbox, tick: int, said: TickPayloads) -> None:
+def refuse_the_recall(outbox: Outbox, tick: int, said: TickPayloads) -> None:
     """The beacon is pushed out of every mailbox, and not repeated."""
-    keep(mouth, tick, said, None)
-    mouth._beacon[HOSTILE](said[0][1])
+    keep(outbox, tick, said, None)
+    outbox._beacon[HOSTILE](said[0][1])
     for _ in range(2 * bus.MAILBOX):
-        mouth._beacon[HOSTILE](b"\xc1 junk")
-    mouth._command[HOSTILE](said[0][2])
+        outbox._beacon[HOSTILE](b"\xc1 junk")
+    outbox._command[HOSTILE](said[0][2])
 
 
-def speak_another_version(mouth: Outbox, tick: int, said: TickPayloads) -> None:
+def speak_another_version(outbox: Outbox, tick: int, said: TickPayloads) -> None:
     other = reversioned(said[0][1])
-    keep(mouth, tick, said, other)
-    mouth._beacon[HOSTILE](other)
-    mouth._command[HOSTILE](said[0][2])
+    keep(outbox, tick, said, other)
+    outbox._beacon[HOSTILE](other)
+    outbox._command[HOSTILE](said[0][2])
 
 
-def contradict_itself(mouth: Outbox, tick: int, said: TickPayloads) -> None:
-    keep(mouth, tick, said, said[0][1])
-    mouth._beacon[HOSTILE](said[0][1])
-    mouth._beacon[HOSTILE](altered(said[0][1]))
-    mouth._command[HOSTILE](said[0][2])
+def contradict_itself(outbox: Outbox, tick: int, said: TickPayloads) -> None:
+    keep(outbox, tick, said, said[0][1])
+    outbox._beacon[HOSTILE](said[0][1])
+    outbox._beacon[HOSTILE](altered(said[0][1]))
+    outbox._command[HOSTILE](said[0][2])
 
 
-def contradict_itself_later(mouth: Outbox, tick: int, said: TickPayloads) -> None:
+def contradict_itself_later(outbox: Outbox, tick: int, said: TickPayloads) -> None:
     """The second beacon of a tick arrives after the first was judged, and used by peers."""
     if tick > FIRST:
-        mouth._beacon[HOSTILE](altered(mouth._beacons[tick - 1][HOSTILE]))
-    Outbox.say(mouth, tick, said)
+        outbox._beacon[HOSTILE](altered(outbox._beacons[tick - 1][HOSTILE]))
+    Outbox.publish(outbox, tick, said)
 
 
-def speak_ahead(mouth: Outbox, tick: int, said: TickPayloads) -> None:
+def speak_ahead(outbox: Outbox, tick: int, said: TickPayloads) -> None:
     """A beacon of a later tick comes before its time, which peers might keep for that tick."""
     if tick == FIRST:
-        mouth._beacon[HOSTILE](said[0][1])
+        outbox._beacon[HOSTILE](said[0][1])
         later = messages.decode_beacon(altered(said[0][1]))._replace(tick=tick + 2)
-        mouth._beacon[HOSTILE](messages.encode_beacon(later))
-        mouth._command[HOSTILE](said[0][2])
-        keep(mouth, tick, said, said[0][1])
+        outbox._beacon[HOSTILE](messages.encode_beacon(later))
+        outbox._command[HOSTILE](said[0][2])
+        keep(outbox, tick, said, said[0][1])
     else:
-        Outbox.say(mouth, tick, said)
+        Outbox.publish(outbox, tick, said)
 
 
-def name_a_stranger(mouth: Outbox, tick: int, said: TickPayloads) -> None:
+def name_a_stranger(outbox: Outbox, tick: int, said: TickPayloads) -> None:
     """A beacon with a link to a robot that does not exist."""
     beacon = messages.decode_beacon(said[0][1])
     ids, numbers = np.array([500]), np.array([70.0])
-    other = beacon._replace(links=ids, estimates=numbers, named=np.ones(1, dtype=np.uint8))
-    keep(mouth, tick, said, messages.encode_beacon(other))
-    mouth._beacon[HOSTILE](messages.encode_beacon(other))
-    mouth._command[HOSTILE](said[0][2])
+    other = beacon._replace(links=ids, estimates=numbers, selected=np.ones(1, dtype=np.uint8))
+    keep(outbox, tick, said, messages.encode_beacon(other))
+    outbox._beacon[HOSTILE](messages.encode_beacon(other))
+    outbox._command[HOSTILE](said[0][2])
 
 
 NONE = f"robot {HOSTILE}: no readable beacon of tick {FIRST}"
@@ -141,10 +141,10 @@ def without(tick: int, where: Path) -> log.Log:
 
 def resumed(outcome: Outcome) -> str:
     """The digest of the run, computed again from its first checkpoint and its journal."""
-    course, keeper, _ = resume.course(outcome.directory, resume.load(outcome.directory), None, 1e9)
-    keeper.close(course)
-    assert HOSTILE in course.excluded
-    return course.sums.tally.digest.text()
+    run, checkpoints, _ = resume.run(outcome.directory, resume.load(outcome.directory), None, 1e9)
+    checkpoints.close(run)
+    assert HOSTILE in run.excluded
+    return run.metrics.link_errors.digest.text()
 
 
 @pytest.mark.parametrize(("attack", "tick", "reason"), ATTACKS.values(), ids=ATTACKS.keys())
@@ -165,8 +165,8 @@ def test_a_robot_at_fault_is_excluded_and_the_others_lose_no_digit(
     assert replay_command.again(recorded, everybody=True)["digest"] == outcome.summary["digest"] == resumed(outcome)
 
 
-def honest(mouth: Outbox, tick: int, said: TickPayloads) -> None:
-    Outbox.say(mouth, tick, said)
+def honest(outbox: Outbox, tick: int, said: TickPayloads) -> None:
+    Outbox.publish(outbox, tick, said)
 
 
 async def accuse(second: Bus) -> None:
@@ -174,27 +174,27 @@ async def accuse(second: Bus) -> None:
     for tick in range(FIRST, FIRST + 20):
         for robot in sorted(OTHERS):
             try:
-                await second.ask(keys.held_beacon(RUN, robot, str(HOSTILE)), messages.encode_recall(tick), 0.2)
+                await second.get(keys.held_beacon(RUN, robot, str(HOSTILE)), messages.encode_recall(tick), 0.2)
             except (Rejected, Unavailable):
                 continue
         second._session.get(keys.recall(RUN, 5), payload=messages.encode_recall(tick), timeout=0.1)  # not allowed
 
 
-def push_out(mouth: Outbox, tick: int, said: TickPayloads) -> None:
+def push_out(outbox: Outbox, tick: int, said: TickPayloads) -> None:
     """Junk pushes its beacon out of every mailbox, so that all peers must ask the world; it repeats the beacon."""
-    keep(mouth, tick, said, said[0][1])
-    mouth._beacon[HOSTILE](said[0][1])
+    keep(outbox, tick, said, said[0][1])
+    outbox._beacon[HOSTILE](said[0][1])
     for _ in range(2 * bus.MAILBOX):
-        mouth._beacon[HOSTILE](b"\xc1 junk")
-    mouth._command[HOSTILE](said[0][2])
+        outbox._beacon[HOSTILE](b"\xc1 junk")
+    outbox._command[HOSTILE](said[0][2])
 
 
 async def crowd_the_world(second: Bus) -> None:
     """More questions for beacons than the world answers, from one certificate."""
     pending: set[asyncio.Future[bytes]] = set()
     for number in range(3_000):
-        question = second.ask(keys.held_beacon(RUN, 5, str(HOSTILE)), messages.encode_recall(number), 5.0)
-        pending.add(asyncio.ensure_future(question))
+        query = second.get(keys.held_beacon(RUN, 5, str(HOSTILE)), messages.encode_recall(number), 5.0)
+        pending.add(asyncio.ensure_future(query))
         if len(pending) > 300:
             _, pending = await asyncio.wait(pending, return_when=asyncio.FIRST_COMPLETED)
     await asyncio.wait(pending)
@@ -210,7 +210,7 @@ def test_a_robot_that_crowds_the_world_with_questions_keeps_no_peer_from_its_ans
 
 async def flood(second: Bus) -> None:
     """Commands of ticks to come, as fast as they go: each would be valid at its tick."""
-    put = second.publisher(keys.command(RUN, HOSTILE), "fes.Command")
+    put = second.declare_publisher(keys.command(RUN, HOSTILE), "fes.Command")
     for number in range(20_000):
         put(command(number % 200, HOSTILE, 5.0))
         if number % 100 == 0:

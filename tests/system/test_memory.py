@@ -18,12 +18,12 @@ TICKS, WARM_UP = 40_000, 10_000
 
 def test_world_robots_account_and_dashboard_of_a_long_run_keep_their_size() -> None:
     scenario = load("pair.toml", run__duration=TICKS * 0.02)
-    sums, shown = MetricsCollector(scenario), frame.ReportHistory()
+    metrics, shown = MetricsCollector(scenario), frame.ReportHistory()
     paper, alive, before = Console(file=io.StringIO(), width=80, height=24), np.ones(2, dtype=np.uint8), 0.0
     for done, tick in enumerate(inprocess.ticks(scenario), 1):
-        sums.add(tick.state, tick.twists, tick.telemetry)
+        metrics.add(tick.state, tick.twists, tick.telemetry)
         if done % 50 == 0:
-            shown.add(report_builder.build(sums, "memory", alive, 0.02 * done, 50.0))
+            shown.add(report_builder.build(metrics, "memory", alive, 0.02 * done, 50.0))
             paper.print(frame.render(shown, 80, 24))
             paper.file = io.StringIO()
         if done == WARM_UP:

@@ -91,18 +91,18 @@ def layout(where: Path) -> str:
     scenario = load("measured.toml", run__duration=0.2, channel__bursts={"bad_share": 0.2, "mean_length": 0.1})
     (where / "run").mkdir()
     with Recorder(where / "run" / NAME, scenario, "x", "processes") as recorder:
-        course, keeper, team = (
+        run, checkpoints, team = (
             Run(scenario, recorder),
             CheckpointWriter(where / "run", 1e9, "x", "main"),
             Team(scenario),
         )
-        keeper.begin(course)
-        keeper.note([JOIN, [0, 1], 7])
+        checkpoints.begin(run)
+        checkpoints.note([JOIN, [0, 1], 7])
         for _ in range(5):
-            team.step(course)
-        keeper.save(course, {0: Join((0, 1), 7)}, 0.1, at_once=True)
+            team.step(run)
+        checkpoints.save(run, {0: Join((0, 1), 7)}, 0.1, at_once=True)
         kept = resume.load(where / "run")
-        keeper.discard(course)
+        checkpoints.discard(run)
     return "".join(f"{name}: {names}\n" for name, names in sorted(set(tables(kept))))
 
 

@@ -29,8 +29,8 @@ def test_a_world_that_is_slow_to_write_what_was_reached_is_not_ended_as_soon_as_
     tmp_path: Path,
 ) -> None:
     async def main() -> None:
-        async with family(tmp_path) as kin:
-            await world(kin, SLOW)
+        async with family(tmp_path) as processes:
+            await world(processes, SLOW)
             await until((tmp_path / "here").exists)
             asyncio.get_running_loop().call_later(2 * process_group.DISMISSAL, (tmp_path / "go").touch)
 
@@ -40,41 +40,41 @@ def test_a_world_that_is_slow_to_write_what_was_reached_is_not_ended_as_soon_as_
 
 def test_robots_that_a_scenario_killed_are_not_blamed_for_what_the_world_says(tmp_path: Path) -> None:
     async def main() -> tuple[str, list[str]]:
-        async with family(tmp_path) as kin:
+        async with family(tmp_path) as processes:
             for robot in "01":
-                await agent(kin, robot, ENDLESS)
-                await kin.kill_agent(robot)
-            await world(kin, FAILURE, "fes-world: error: no room\n")
-            return await finished(kin)
+                await agent(processes, robot, ENDLESS)
+                await processes.kill_agent(robot)
+            await world(processes, FAILURE, "fes-world: error: no room\n")
+            return await finished(processes)
 
     assert asyncio.run(main()) == ("fes-world: no room", [])
 
 
 def test_a_run_whose_scenario_kills_a_world_without_a_checkpoint_is_over(tmp_path: Path) -> None:
     async def main() -> tuple[str, list[str]]:
-        async with family(tmp_path) as kin:
-            await world(kin, ENDLESS)
-            await kin.replace_world(1000.0, [])
-            return await finished(kin)
+        async with family(tmp_path) as processes:
+            await world(processes, ENDLESS)
+            await processes.replace_world(1000.0, [])
+            return await finished(processes)
 
     assert asyncio.run(main()) == ("", [])
 
 
 def test_an_agent_that_dies_while_its_world_goes_on_is_named_and_ends_nothing(tmp_path: Path) -> None:
     async def main() -> tuple[str, list[str]]:
-        async with family(tmp_path) as kin:
-            await world(kin, SLOW, f"{BEGUN.decode()}\n")
-            await (await agent(kin, "5", SUCCESS, "2026 agent.5: the run is over\n")).process.wait()
+        async with family(tmp_path) as processes:
+            await world(processes, SLOW, f"{BEGUN.decode()}\n")
+            await (await agent(processes, "5", SUCCESS, "2026 agent.5: the run is over\n")).process.wait()
             for robots in ("0", "1-2"):
-                (await agent(kin, robots, ENDLESS)).process.kill()
-            await agent(kin, "3", FAILURE, "Traceback\nValueError: \x1b[2Jodd\n")
-            await agent(kin, "4", SUCCESS, "2026 agent.4: ready\n")
-            following = asyncio.ensure_future(finished(kin))
+                (await agent(processes, robots, ENDLESS)).process.kill()
+            await agent(processes, "3", FAILURE, "Traceback\nValueError: \x1b[2Jodd\n")
+            await agent(processes, "4", SUCCESS, "2026 agent.4: ready\n")
+            following = asyncio.ensure_future(finished(processes))
             await until((tmp_path / "here").exists)
-            await until(lambda: kin.is_deserted)
+            await until(lambda: processes.is_abandoned)
             (tmp_path / "go").touch()
-            assert kin.world is not None
-            kin.world.signal(signal.SIGINT)
+            assert processes.world is not None
+            processes.world.signal(signal.SIGINT)
             return await following
 
     failed, said = asyncio.run(main())
@@ -94,10 +94,10 @@ def test_an_agent_that_ends_before_the_run_begins_is_what_it_fails_of(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def main() -> tuple[str, list[str]]:
-        async with family(tmp_path) as kin:
-            await world(kin, ENDLESS, "waiting for 2 robots\n")
-            await agent(kin, "1", FAILURE, "fes-agent: error: gave up\n")
-            return await finished(kin)
+        async with family(tmp_path) as processes:
+            await world(processes, ENDLESS, "waiting for 2 robots\n")
+            await agent(processes, "1", FAILURE, "fes-agent: error: gave up\n")
+            return await finished(processes)
 
     monkeypatch.setattr(supervisor, "SETTLING", 0.1)
     assert asyncio.run(main()) == ("fes-agent --id 1: gave up; the run cannot begin without it", [])
@@ -105,15 +105,15 @@ def test_an_agent_that_ends_before_the_run_begins_is_what_it_fails_of(
 
 def test_one_that_is_started_again_may_end_before_the_run_begins(tmp_path: Path) -> None:
     async def main() -> tuple[str, list[str]]:
-        async with family(tmp_path) as kin:
-            await world(kin, SLOW, "waiting for 2 robots\n")
-            await kin.start_agent("0", ["--no-such-flag"])
-            following = asyncio.ensure_future(finished(kin, Tireless()))
-            await until(lambda: len(kin.agents) > 1)
+        async with family(tmp_path) as processes:
+            await world(processes, SLOW, "waiting for 2 robots\n")
+            await processes.start_agent("0", ["--no-such-flag"])
+            following = asyncio.ensure_future(finished(processes, Tireless()))
+            await until(lambda: len(processes.agents) > 1)
             (tmp_path / "go").touch()
             await until((tmp_path / "here").exists)
-            assert kin.world is not None
-            kin.world.signal(signal.SIGINT)
+            assert processes.world is not None
+            processes.world.signal(signal.SIGINT)
             return await following
 
     failed, said = asyncio.run(main())
@@ -123,16 +123,16 @@ def test_one_that_is_started_again_may_end_before_the_run_begins(tmp_path: Path)
 
 def test_a_world_that_fails_is_named_before_the_agents_that_fail_with_it(tmp_path: Path) -> None:
     async def main() -> tuple[str, list[str]]:
-        async with family(tmp_path) as kin:
+        async with family(tmp_path) as processes:
             fails_last = "import sys; sys.stdin.readline(); raise SystemExit(1)"
-            await world(kin, fails_last, "fes-world: error: the address is taken\n")
-            failed = await agent(kin, "1", FAILURE, "fes-agent: error: gave up\n")
-            following = asyncio.ensure_future(finished(kin))
+            await world(processes, fails_last, "fes-world: error: the address is taken\n")
+            failed = await agent(processes, "1", FAILURE, "fes-agent: error: gave up\n")
+            following = asyncio.ensure_future(finished(processes))
             await failed.process.wait()
-            await until(kin.ends.empty)  # the end of the agent has been taken up
-            assert kin.world is not None
-            assert kin.world.process.stdin is not None
-            kin.world.process.stdin.write(b"\n")
+            await until(processes.ends.empty)  # the end of the agent has been taken up
+            assert processes.world is not None
+            assert processes.world.process.stdin is not None
+            processes.world.process.stdin.write(b"\n")
             return await following
 
     assert asyncio.run(main()) == ("fes-world: the address is taken", [])
@@ -140,16 +140,16 @@ def test_a_world_that_fails_is_named_before_the_agents_that_fail_with_it(tmp_pat
 
 def test_an_agent_that_dies_each_time_is_started_again_a_few_times_and_then_given_up(tmp_path: Path) -> None:
     async def main() -> tuple[str, list[str], int]:
-        async with family(tmp_path) as kin:
-            await world(kin, SLOW, f"{BEGUN.decode()}\n")
-            await kin.start_agent("0", ["--no-such-flag"])
-            following = asyncio.ensure_future(finished(kin, Impatient()))
+        async with family(tmp_path) as processes:
+            await world(processes, SLOW, f"{BEGUN.decode()}\n")
+            await processes.start_agent("0", ["--no-such-flag"])
+            following = asyncio.ensure_future(finished(processes, Impatient()))
             await until((tmp_path / "here").exists)
-            await until(lambda: len(kin.agents) == 3 and kin.is_deserted)
+            await until(lambda: len(processes.agents) == 3 and processes.is_abandoned)
             (tmp_path / "go").touch()
-            assert kin.world is not None
-            kin.world.signal(signal.SIGINT)
-            return *await following, len(kin.agents)
+            assert processes.world is not None
+            processes.world.signal(signal.SIGINT)
+            return *await following, len(processes.agents)
 
     failed, said, started = asyncio.run(main())
     why = "robot 0: fes-agent --id 0: unrecognized arguments: --no-such-flag"
@@ -161,14 +161,14 @@ def test_an_agent_that_dies_each_time_is_started_again_a_few_times_and_then_give
 
 def test_no_agent_that_waits_to_be_started_again_is_started_when_all_ends(tmp_path: Path) -> None:
     async def main() -> list[ManagedProcess]:
-        async with family(tmp_path) as kin:
-            await world(kin, SLOW)
-            await kin.start_agent("0", ["--no-such-flag"])
-            await kin.agents[0].process.wait()
+        async with family(tmp_path) as processes:
+            await world(processes, SLOW)
+            await processes.start_agent("0", ["--no-such-flag"])
+            await processes.agents[0].process.wait()
             await until((tmp_path / "here").exists)
-            kin.restart_agent("0", 0.1)
+            processes.restart_agent("0", 0.1)
             asyncio.get_running_loop().call_later(0.5, (tmp_path / "go").touch)  # it closes for longer than that
-        return kin.agents
+        return processes.agents
 
     assert len(asyncio.run(main())) == 1
 
@@ -177,13 +177,13 @@ def test_an_agent_that_is_stopped_at_the_end_is_told_to_end_and_not_killed(tmp_p
     """It would wait for a world that is over; once continued, it ends as it was told to."""
 
     async def main() -> ManagedProcess:
-        async with family(tmp_path) as kin:
+        async with family(tmp_path) as processes:
             (tmp_path / "go").touch()
-            stopped = await agent(kin, "0", SLOW)
+            stopped = await agent(processes, "0", SLOW)
             await until((tmp_path / "here").exists)
             stopped.signal(signal.SIGSTOP)
-            await world(kin, SUCCESS)
-            assert await finished(kin) == ("", [])
+            await world(processes, SUCCESS)
+            assert await finished(processes) == ("", [])
         return stopped
 
     stopped = asyncio.run(main())

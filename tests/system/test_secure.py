@@ -42,9 +42,9 @@ def expected() -> str:
 ACTS: dict[str, Callable[[Bus, str], object]] = {
     "put": lambda who, key: who._session.put(key, b"x"),
     "delete": lambda who, key: who._session.delete(key),
-    "liveliness token": lambda who, key: who.token(key),
+    "liveliness token": lambda who, key: who.declare_token(key),
     "declare subscriber": lambda who, key: who.mailbox(key),
-    "declare queryable": lambda who, key: who.serve(key, lambda question: None),
+    "declare queryable": lambda who, key: who.declare_queryable(key, lambda query: None),
 }
 FORGERIES = [
     ("robot-1", "put", keys.beacon(RUN, 0)),
@@ -80,9 +80,9 @@ def test_each_forgery_is_refused_and_logged_once_and_the_run_is_the_same(
             for role, act, key in FORGERIES:
                 ACTS[act](who[role], key)
             for role, key in (("observer", keys.change(RUN)), ("robot-1", keys.welcome(RUN, "0"))):
-                question = channel_change.encode_change(ParameterChange("channel.reference_snr", 1.0))
+                query = channel_change.encode_change(ParameterChange("channel.reference_snr", 1.0))
                 with pytest.raises(Unavailable):
-                    await who[role].ask(key, question, 1.0)
+                    await who[role].get(key, query, 1.0)
             while world.log().count("it has no right to it") < len(FORGERIES) + 2:
                 await asyncio.sleep(0.02)
             assert "all robots are here" not in world.log()  # robot 0's token was forged, and is not seen
@@ -129,7 +129,7 @@ def test_robots_observers_and_operators_do_what_they_may(tmp_path: Path, issuer:
     async def main() -> Stage:
         async with stage(tmp_path, keyed) as world, world.visitor("observer") as observer:
             seen: list[str] = []
-            observer.watch(keys.robot_alive(RUN, "*"), lambda key, alive: seen.append(key))
+            observer.declare_liveliness_subscriber(keys.robot_alive(RUN, "*"), lambda key, alive: seen.append(key))
             reports = observer.mailbox(keys.report(RUN))
             looking = Endpoints("client", (world.endpoint,), security=team_keys.security(keyed, "observer"))
             findings, robots = await network.examine(looking, RUN, True)
@@ -142,8 +142,8 @@ def test_robots_observers_and_operators_do_what_they_may(tmp_path: Path, issuer:
             assert report[0] == keys.report(RUN)
             assert set(seen) == {keys.robot_alive(RUN, 0), keys.robot_alive(RUN, 1)}
             async with world.visitor("operator") as operator:
-                question = channel_change.encode_change(ParameterChange("channel.reference_snr", 5e6))
-                effect = channel_change.decode_effect(await operator.ask(keys.change(RUN), question, PATIENCE))
+                query = channel_change.encode_change(ParameterChange("channel.reference_snr", 5e6))
+                effect = channel_change.decode_result(await operator.get(keys.change(RUN), query, PATIENCE))
                 assert effect.value == 5e6
             assert await world.over(), world.log()
             return world

@@ -58,7 +58,7 @@ def test_an_agent_whose_certificate_expires_while_its_world_is_away_is_told_so(
         async with stage(tmp_path, keyed) as world:
             ending = asyncio.ensure_future(said(world, "0", 10.0, *world.flags))
             async with world.visitor("observer") as observer:
-                while keys.robot_alive(RUN, 0) not in await observer.standing(keys.tree(RUN), PATIENCE):
+                while keys.robot_alive(RUN, 0) not in await observer.liveliness_get(keys.tree(RUN), PATIENCE):
                     await asyncio.sleep(0.02)
             team_keys.write(keyed, "robot-0", certificates.issue(issuer, "robot-0", -1.0))
             world.running[0].kill()

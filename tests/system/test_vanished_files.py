@@ -19,7 +19,7 @@ from tests.support.loop import load
 from tests.support.processes import fes, start, until
 from tests.support.teams import Team
 from world.execution import resume
-from world.execution.checkpoint import FOLDER, STATE, TRAIL, CheckpointWriter
+from world.execution.checkpoint import DIGEST_INPUT, FOLDER, STATE, CheckpointWriter
 from world.execution.recorder import Recorder
 from world.execution.run import Run
 
@@ -44,17 +44,17 @@ def test_a_log_that_somebody_changes_is_told_of_when_the_run_is_over(tmp_path: P
     change, told = HOW[how]
     with contextlib.ExitStack() as stack:
         recorder = stack.enter_context(Recorder(path, scenario, "pair", "inprocess"))
-        course, team = Run(scenario, recorder), Team(scenario)
-        while not course.is_over:
-            if course.state.tick == 10:
+        run, team = Run(scenario, recorder), Team(scenario)
+        while not run.is_over:
+            if run.state.tick == 10:
                 recorder.pause()
                 change(path)
-            team.step(course)
-            if course.state.tick == 15 and chunks:
+            team.step(run)
+            if run.state.tick == 15 and chunks:
                 recorder.pause()  # a chunk written at the old end of the file would make the cut a hole
         with pytest.raises(FesError, match=rf"^{path} {told} during the run: the log is incomplete$"):
             stack.close()
-    assert course.sums.tally.digest.text() == inprocess.run(scenario, "pair")["digest"]
+    assert run.metrics.link_errors.digest.text() == inprocess.run(scenario, "pair")["digest"]
 
 
 def test_the_error_of_a_run_is_not_hidden_by_that_of_its_log(
@@ -87,37 +87,37 @@ def test_a_checkpoint_that_somebody_changes_is_told_of_at_the_end(
     tmp_path: Path, what: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     scenario = load("pair.toml", run__duration=0.4)
-    course, team, keeper = Run(scenario), Team(scenario), CheckpointWriter(tmp_path, 1e9, "pair", "main")
-    keeper.begin(course)
+    run, team, checkpoints = Run(scenario), Team(scenario), CheckpointWriter(tmp_path, 1e9, "pair", "main")
+    checkpoints.begin(run)
     folder = tmp_path / FOLDER
-    removed = dict(zip(KINDS, (folder / TRAIL, folder / "journal-1", folder / STATE), strict=False))
-    while not course.is_over:
-        if course.state.tick == 10:
-            assert keeper.losses(course) == []
+    removed = dict(zip(KINDS, (folder / DIGEST_INPUT, folder / "journal-1", folder / STATE), strict=False))
+    while not run.is_over:
+        if run.state.tick == 10:
+            assert checkpoints.losses(run) == []
             if what in removed:
                 removed[what].unlink()
             else:
                 shutil.rmtree(folder)
-        team.step(course)
-    keeper.discard(course)
+        team.step(run)
+    checkpoints.discard(run)
     lines = [line for line in caplog.text.splitlines() if "during the run: it could not have been resumed" in line]
     assert len(lines) == (3 if what == "the folder" else 1)
     assert all(str(removed.get(what, folder)) in line for line in lines)
-    assert course.sums.tally.digest.text() == inprocess.run(scenario, "pair")["digest"]
+    assert run.metrics.link_errors.digest.text() == inprocess.run(scenario, "pair")["digest"]
 
 
 def test_no_checkpoint_is_made_of_a_trail_that_is_gone(tmp_path: Path) -> None:
-    course, keeper = Run(load("pair.toml")), CheckpointWriter(tmp_path, 1e9, "pair", "main")
-    keeper.begin(course)
-    team = Team(course.scenario)
+    run, checkpoints = Run(load("pair.toml")), CheckpointWriter(tmp_path, 1e9, "pair", "main")
+    checkpoints.begin(run)
+    team = Team(run.scenario)
     for _ in range(5):
-        team.step(course)
-    assert keeper.losses(course) == []  # hands to the system what waits
-    os.truncate(tmp_path / FOLDER / TRAIL, 0)
-    team.step(course)
+        team.step(run)
+    assert checkpoints.losses(run) == []  # hands to the system what waits
+    os.truncate(tmp_path / FOLDER / DIGEST_INPUT, 0)
+    team.step(run)
     with pytest.raises(FesError, match=r"^cannot keep a checkpoint: .*trail was cut by \d+ bytes$"):
-        keeper.save(course, {}, 0.1, at_once=True)
-    keeper.discard(course)
+        checkpoints.save(run, {}, 0.1, at_once=True)
+    checkpoints.discard(run)
 
 
 def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> None:
@@ -126,13 +126,13 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
     first.mkdir()
     team = Team(scenario)
     with Recorder(first / NAME, scenario, "pair", "processes") as recorder:
-        course, keeper = Run(scenario, recorder), CheckpointWriter(first, 1e9, "pair", "main")
-        keeper.begin(course)
+        course, checkpoints = Run(scenario, recorder), CheckpointWriter(first, 1e9, "pair", "main")
+        checkpoints.begin(course)
         for _ in range(10):
             team.step(course)
-        keeper.save(course, {}, 0.1, at_once=True)
+        checkpoints.save(course, {}, 0.1, at_once=True)
         shutil.copytree(first, tmp_path / "killed")
-        keeper.discard(course)
+        checkpoints.discard(course)
     run = tmp_path / "killed"
     original = (run / NAME).read_bytes()
     kept = resume.load(run)
@@ -160,9 +160,9 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
     recorder_ = resume.recorder(run, kept)
     assert recorder_ is not None
     with recorder_:
-        other, keeper, _ = resume.course(run, kept, recorder_, 1e9)
+        other, checkpoints, _ = resume.run(run, kept, recorder_, 1e9)
         assert not aside.exists()
         while not other.is_over:
             team.step(other)
-        keeper.discard(other)
-    assert replay_command.again(log.load(run))["digest"] == other.sums.tally.digest.text()
+        checkpoints.discard(other)
+    assert replay_command.again(log.load(run))["digest"] == other.metrics.link_errors.digest.text()

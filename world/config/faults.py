@@ -42,7 +42,7 @@ Part = TransmitterConfig | ClockConfig
 class Transmission(NamedTuple):
     """What the robots' transmitters do to their beacons, for the world."""
 
-    kept: Floats
+    reception_factor: Floats
     """The part that they leave of the reception probability [n] [1]."""
     damaged: Bools
     """Whose beacons nobody can read [n]."""

@@ -32,7 +32,7 @@ from world.execution.run import TICK, Run
 from world.execution.snapshot import Snapshot
 
 FOLDER = "checkpoint"
-STATE, TRAIL = "state", "trail"
+STATE, DIGEST_INPUT = "state", "trail"
 
 PERIOD = 10.0
 """Time between two checkpoints [s]."""
@@ -61,7 +61,7 @@ class CheckpointWriter:
         self._journal: Journal | None = None
         # Notes of another run never fit, as each run begins with a checksum of its own.
         self._notes = secrets.randbits(32) if notes is None else notes
-        self._trail: BinaryIO | None = None
+        self._digest_input: BinaryIO | None = None
         self._state: os.stat_result | None = None
         """Status of the file that was written last."""
         self.hosts: dict[int, Join] = {}
@@ -69,26 +69,26 @@ class CheckpointWriter:
         self.renewed: set[int] = set()
         """Robots whose agents have joined, and answered no tick yet."""
 
-    def begin(self, course: Run) -> None:
+    def begin(self, run: Run) -> None:
         """Keep a run that begins, in a run directory that was cleared."""
         try:
             self._folder.mkdir()
-            self.follow(course, course.sums.tally.digest.leave_in(self._folder / TRAIL), {}, set())
+            self.follow(run, run.metrics.link_errors.digest.leave_in(self._folder / DIGEST_INPUT), {}, set())
         except OSError as error:
             raise FesError(f"cannot keep checkpoints: {reason(error)}") from None
 
     def follow(
         self,
-        course: Run,
+        run: Run,
         trail: BinaryIO,
         hosts: dict[int, Join],
         renewed: set[int],
         elapsed: float = 0.0,
     ) -> None:
         """Take notes of a run from its present tick on, and keep it as it is."""
-        self._trail, self.hosts, self.renewed = trail, hosts, renewed
-        self.save(course, hosts, elapsed, at_once=True)
-        course.note = self.note
+        self._digest_input, self.hosts, self.renewed = trail, hosts, renewed
+        self.save(run, hosts, elapsed, at_once=True)
+        run.note = self.note
 
     @property
     def due(self) -> bool:
@@ -107,13 +107,13 @@ class CheckpointWriter:
         if self._journal is not None and self._journal.failure is not None:
             raise self._journal.failure
 
-    def save(self, course: Run, hosts: dict[int, Join], elapsed: float, *, at_once: bool = False) -> None:
+    def save(self, run: Run, hosts: dict[int, Join], elapsed: float, *, at_once: bool = False) -> None:
         """Keep the run as it is between two ticks, beside it or `at_once`; raises FesError where that fails."""
         if self._writing is not None and self._writing.done():
             self._writing.result()
         self.check()
-        assert self._trail is not None
-        loss = self._loss_of_trail(course)
+        assert self._digest_input is not None
+        loss = self._loss_of_digest_input(run)
         if loss is not None:
             raise FesError(f"cannot keep a checkpoint: {loss}")
         before = self._journal
@@ -124,15 +124,15 @@ class CheckpointWriter:
             self._number,
             self._name,
             self._run,
-            course.world.scenario,
-            course.scenario,
-            course.state,
-            course.sums,
+            run.world.scenario,
+            run.scenario,
+            run.state,
+            run.metrics,
             dict(hosts),
             sorted(self.renewed),
-            dict(course.excluded),
-            dict(course.beacons),
-            course.recorder.pause() if course.recorder is not None else None,
+            dict(run.excluded),
+            dict(run.beacons),
+            run.recorder.pause() if run.recorder is not None else None,
             elapsed,
             notes,
         )
@@ -140,46 +140,46 @@ class CheckpointWriter:
         self._journal = Journal(self._folder / f"journal-{self._number}", self._number, notes)
         if before is not None:
             before.close()
-        files = [self._trail.fileno()] + ([course.recorder.fileno] if course.recorder is not None else [])
+        files = [self._digest_input.fileno()] + ([run.recorder.fileno] if run.recorder is not None else [])
         if at_once:
             self._write(self._number, told, files)
         else:
             self._writing = self._writer.submit(self._write, self._number, told, files)
 
-    def losses(self, course: Run) -> list[str]:
+    def losses(self, run: Run) -> list[str]:
         """One text per file of the current checkpoint that was removed or cut from outside."""
         journal, state, path = self._journal, self._state, self._folder / STATE
         if journal is None or journal.failure is not None:
             return []
-        found = [self._loss_of_trail(course), (loss := journal.loss()) and f"{journal.path} {loss}"]
+        found = [self._loss_of_digest_input(run), (loss := journal.loss()) and f"{journal.path} {loss}"]
         if state is not None and not (path.exists() and os.path.samestat(path.stat(), state)):
             found.append(f"{path} was removed or replaced")
         return [one for one in found if one is not None]
 
-    def close(self, course: Run) -> None:
+    def close(self, run: Run) -> None:
         """Keep no more of a run."""
         with contextlib.suppress(OSError), self._lock:
-            for loss in self.losses(course):
+            for loss in self.losses(run):
                 _logger.warning("%s during the run: it could not have been resumed", loss)
         self._writer.shutdown(wait=False, cancel_futures=True)
         with self._lock:
             self._written = self._number + 1  # whatever is still to be written is not
-            course.note = lambda note: None
-            course.sums.tally.digest.close()
+            run.note = lambda note: None
+            run.metrics.link_errors.digest.close()
             if self._journal is not None:
                 self._journal.close()
                 self._journal = None
 
-    def discard(self, course: Run) -> None:
+    def discard(self, run: Run) -> None:
         """The run is over: there is nothing to go on from."""
-        self.close(course)
+        self.close(run)
         clear(self._folder.parent)
 
-    def _loss_of_trail(self, course: Run) -> str | None:
-        assert self._trail is not None
-        self._trail.flush()
-        path = self._folder / TRAIL
-        loss = hashed_file.loss(path, self._trail.fileno(), course.sums.tally.digest.length)
+    def _loss_of_digest_input(self, run: Run) -> str | None:
+        assert self._digest_input is not None
+        self._digest_input.flush()
+        path = self._folder / DIGEST_INPUT
+        loss = hashed_file.loss(path, self._digest_input.fileno(), run.metrics.link_errors.digest.length)
         return loss and f"{path} {loss}"
 
     def _write(self, number: int, told: bytes, files: list[int]) -> None:
@@ -211,7 +211,7 @@ def clear(directory: Path) -> None:
     shutil.rmtree(directory / FOLDER, ignore_errors=True)
 
 
-def is_kept(directory: Path) -> bool:
+def has_checkpoint(directory: Path) -> bool:
     """Whether a run directory has a checkpoint: its run is not over."""
     return (directory / FOLDER / STATE).exists()
 

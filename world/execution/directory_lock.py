@@ -10,7 +10,7 @@ from fes.errors import FesError, reason
 
 
 @contextlib.contextmanager
-def alone(directory: Path) -> Iterator[None]:
+def exclusive_lock(directory: Path) -> Iterator[None]:
     """A block in which no other world writes into this run directory; raises FesError if one does.
 
     The system's lock is on the folder itself, and ends with the process, however that ends.

@@ -46,7 +46,7 @@ def farewells(tick: int, poses: Floats) -> list[bytes]:
     ]
 
 
-def command(key: str, payload: bytes | None, robots: int) -> Command:
+def decode(key: str, payload: bytes | None, robots: int) -> Command:
     """The Command in a message of a team of `robots`; raises MessageError."""
     if payload is None:
         raise MessageError("Command", "a deletion is not a command")
@@ -73,10 +73,10 @@ class CommandBatch:
 
         None is the command of a robot that is not there: it stands still and says nothing.
         """
-        commands = [_NOTHING if command is None else command for command in given]
-        links = self._stack.edges(self._ids, [command.links for command in commands])
-        estimates = np.concatenate([command.estimates for command in commands])
+        commands = [_NOTHING if decode is None else decode for decode in given]
+        links = self._stack.edges(self._ids, [decode.links for decode in commands])
+        estimates = np.concatenate([decode.estimates for decode in commands])
         learnt = np.zeros((2, 0))
-        if len(estimates) and all(len(command.learnt) == 2 * len(command.links) for command in commands):
-            learnt = np.concatenate([command.learnt.reshape(2, -1) for command in commands], axis=1)
-        return np.array([command.twist for command in commands]), Telemetry(links, estimates, learnt)
+        if len(estimates) and all(len(decode.learnt) == 2 * len(decode.links) for decode in commands):
+            learnt = np.concatenate([decode.learnt.reshape(2, -1) for decode in commands], axis=1)
+        return np.array([decode.twist for decode in commands]), Telemetry(links, estimates, learnt)

@@ -101,13 +101,13 @@ class Recorder:
             logging.getLogger("world").warning("%s", said)
 
     def add(
-        self, account: MetricsCollector, twists: Floats, said: TickPayloads, alive: Bytes, elapsed: float
+        self, metrics: MetricsCollector, twists: Floats, said: TickPayloads, alive: Bytes, elapsed: float
     ) -> None:
-        """Add the last tick of `account`, `elapsed` [s; wall clock] after tick 0, and what made it.
+        """Add the last tick of `metrics`, `elapsed` [s; wall clock] after tick 0, and what made it.
 
         `twists` [n, 2]; `alive` [n].
         """
-        tick = self._tick = account.state.tick
+        tick = self._tick = metrics.state.tick
         for name, payloads in zip(("Observations", "Beacons", "Commands"), said, strict=True):
             self._put(f"/{name.lower()}", OWN[name], OWN[name].encode({"tick": tick, "payloads": payloads}))
         for path, value in self._changes.get(tick, {}).items():
@@ -122,7 +122,7 @@ class Recorder:
             self._put("/events", schemas.EVENT, strict_json.dumps(event).encode())
             self._remark(viewer_topics.WARNING, f"{len(robots)} robots take part from tick {tick} on: {robots}")
         if tick % self._period == 0 or tick == self._scenario.ticks - 1:
-            self._report(account, twists, alive, elapsed)
+            self._report(metrics, twists, alive, elapsed)
         self._file.settle()
 
     def change(self, tick: int, path: str, value: Any) -> None:
@@ -207,18 +207,18 @@ class Recorder:
         self._put("/events", schemas.EVENT, strict_json.dumps(event).encode())
         self._remark(viewer_topics.INFO, f"{path} = {value}, by {by}")
 
-    def _report(self, account: MetricsCollector, twists: Floats, alive: Bytes, elapsed: float) -> None:
-        (told_at, then), ticks = self._told, account.tally.ticks
+    def _report(self, metrics: MetricsCollector, twists: Floats, alive: Bytes, elapsed: float) -> None:
+        (told_at, then), ticks = self._told, metrics.link_errors.ticks
         self._told = ticks, elapsed
         rate = (ticks - told_at) / (elapsed - then) if elapsed > then else 0.0
-        report = report_builder.build(account, self._name, alive, elapsed, rate)
+        report = report_builder.build(metrics, self._name, alive, elapsed, rate)
         self._put("/report", OWN["Report"], viewer_topics.team(report, encode_report(report)))
         if not self._viewed:
             return
         at = viewer_topics.time(self._now)
         self._put("/tf", FOXGLOVE["FrameTransforms"], viewer_topics.transforms(report, at))
         self._put("/scene/links", FOXGLOVE["SceneUpdate"], viewer_topics.links(report, at))
-        for robot, state in enumerate(viewer_topics.robots(report, twists, account.telemetry)):
+        for robot, state in enumerate(viewer_topics.robots(report, twists, metrics.telemetry)):
             self._put(f"/robot/{robot}/state", OWN["RobotState"], state)
         for a, b, state in viewer_topics.pairs(report):
             self._put(f"/link/{a}-{b}/state", OWN["LinkState"], state)

@@ -15,7 +15,7 @@ from fes.recording import records
 from fes.recording.layout import NAME
 from fes.system import files
 from world.execution import checkpoint, journal, snapshot
-from world.execution.checkpoint import FOLDER, JOIN, STATE, TRAIL, CheckpointWriter
+from world.execution.checkpoint import DIGEST_INPUT, FOLDER, JOIN, STATE, CheckpointWriter
 from world.execution.recorder import LogPosition, Recorder
 from world.execution.run import ATTEND, EXCLUDE, SET, TICK, Run
 from world.execution.snapshot import Snapshot
@@ -23,13 +23,13 @@ from world.execution.snapshot import Snapshot
 
 def load(directory: Path) -> Snapshot:
     """The checkpoint of a run directory, if all its files are whole; raises FesError if not. It changes no file."""
-    if not checkpoint.is_kept(directory):
+    if not checkpoint.has_checkpoint(directory):
         if not directory.exists():
             raise FesError(f"there is no run directory {directory}")
         raise FesError(f"{directory} has no checkpoint: its run is over, or kept none")
     kept = snapshot.read(directory / FOLDER / STATE)
     try:
-        kept.sums.tally.digest.check(directory / FOLDER / TRAIL)
+        kept.metrics.link_errors.digest.check(directory / FOLDER / DIGEST_INPUT)
         deque(_notes(directory, kept), maxlen=0)
         if kept.log is not None:
             _check_log(checkpoint.log_of(directory, kept.number), kept.log)
@@ -74,7 +74,7 @@ def recorder(directory: Path, kept: Snapshot) -> Recorder | None:
         raise FesError(f"the log of {directory} cannot be continued: {why}") from None
 
 
-def course(
+def run(
     directory: Path, kept: Snapshot, recorder: Recorder | None, period: float
 ) -> tuple[Run, CheckpointWriter, float]:
     """The run as it was when its world ended, who keeps it from now on, and the time since tick 0 [s].
@@ -87,13 +87,13 @@ def course(
         raise
     except Exception as error:
         raise FesError(f"{directory / FOLDER / STATE} is damaged: {type(error).__name__}") from None
-    run.scenario, run.state, run.sums = kept.now, kept.state, kept.sums
+    run.scenario, run.state, run.metrics = kept.now, kept.state, kept.metrics
     run.excluded.update(kept.excluded)
     run.beacons.update(kept.beacons)
     hosts, renewed, elapsed = dict(kept.hosts), set(kept.renewed), kept.elapsed
     notes = kept.notes
     try:
-        trail = run.sums.tally.digest.take_up(directory / FOLDER / TRAIL)
+        trail = run.metrics.link_errors.digest.take_up(directory / FOLDER / DIGEST_INPUT)
         for after, note in _notes(directory, kept):
             notes = after
             checkpoint.renew(renewed, note)
@@ -103,12 +103,12 @@ def course(
             else:
                 elapsed = _again(run, note, elapsed)
     except Exception as error:  # a note with a valid checksum may hold impossible values
-        run.sums.tally.digest.close()
+        run.metrics.link_errors.digest.close()
         raise _refusal(directory, error) from None
     number = checkpoint.last(directory, kept.number)
-    keeper = CheckpointWriter(directory, period, kept.name, kept.run, number=number, notes=notes)
-    keeper.follow(run, trail, hosts, renewed, elapsed)
-    return run, keeper, elapsed
+    checkpoints = CheckpointWriter(directory, period, kept.name, kept.run, number=number, notes=notes)
+    checkpoints.follow(run, trail, hosts, renewed, elapsed)
+    return run, checkpoints, elapsed
 
 
 def _refusal(directory: Path, error: Exception) -> FesError:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fes.arrays.types import Bools, Bytes, Floats, Ints
-from fes.model.sensing import Telemetry, untold
+from fes.model.sensing import Telemetry, no_telemetry
 from fes.protocol.channel_change import ChangeResult
 from fes.protocol.messages import Command
 from fes.recording.layout import TickPayloads
@@ -38,7 +38,7 @@ HELD = 2
 """Number of ticks whose beacons can be recalled: a robot that misses one asks within the next tick."""
 
 
-class _Gone(NamedTuple):
+class _LastTick(NamedTuple):
     """A tick that is over, and not accounted for yet."""
 
     state: State
@@ -60,8 +60,8 @@ class Run:
         """With what persons have set until now."""
         self.world = truth.create(scenario)
         self.state = truth.start(self.world)
-        self.sums = MetricsCollector(scenario)
-        self.said: Telemetry = untold(self.world.ids)
+        self.metrics = MetricsCollector(scenario)
+        self.telemetry: Telemetry = no_telemetry(self.world.ids)
         self.recorder = recorder
         self.excluded: dict[int, str] = {}
         """Robots at fault and their faults, until another agent joins for them."""
@@ -69,8 +69,8 @@ class Run:
         """Tick -> the payload of each robot's Beacon, of the last HELD ticks; empty for a robot that took no part."""
         self.note: Note = lambda note: None
         """Called with each note, as soon as what it is about holds."""
-        self._told = CommandBatch(self.world.ids)
-        self._gone: _Gone | None = None
+        self._commands = CommandBatch(self.world.ids)
+        self._last: _LastTick | None = None
 
     @property
     def is_over(self) -> bool:
@@ -134,18 +134,18 @@ class Run:
         self.beacons[state.tick] = beacons
         self.beacons.pop(state.tick - HELD, None)
         self.note([TICK, state.tick, commands, beacons, alive.tobytes(), elapsed])
-        twists, self.said = self._told.read([answer and answer[0] for answer in answers])
+        twists, self.telemetry = self._commands.read([answer and answer[0] for answer in answers])
         sensed = [payload if here else b"" for payload, here in zip(sent, state.present.tolist(), strict=True)]
         spoken = np.array([answer[0].tick if answer else -1 for answer in answers])
-        self._gone = _Gone(state, twists, sensed, commands, beacons, spoken, alive, elapsed)
+        self._last = _LastTick(state, twists, sensed, commands, beacons, spoken, alive, elapsed)
         self.state = truth.step(self.world, state, twists)
 
     def account(self) -> None:
         """Add the tick that is over to the account, if that was not done yet."""
-        if self._gone is None:
+        if self._last is None:
             return
-        gone, self._gone = self._gone, None
-        self.sums.add(gone.state, gone.twists, self.said, gone.spoken)
+        gone, self._last = self._last, None
+        self.metrics.add(gone.state, gone.twists, self.telemetry, gone.spoken)
         if self.recorder is not None:
             said = TickPayloads(gone.observations, gone.beacons, gone.commands)
-            self.recorder.add(self.sums, gone.twists, said, gone.alive, gone.elapsed)
+            self.recorder.add(self.metrics, gone.twists, said, gone.alive, gone.elapsed)

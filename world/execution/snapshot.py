@@ -67,7 +67,7 @@ class Snapshot:
     now: Scenario
     """The scenario with all that persons have set since."""
     state: State
-    sums: MetricsCollector
+    metrics: MetricsCollector
     hosts: dict[int, Join]
     """The last Join that was accepted for each robot."""
     renewed: list[int]
@@ -88,7 +88,7 @@ _KINDS: dict[str, Any] = {
     **dict.fromkeys(("name", "run"), str),
     **dict.fromkeys(("scenario", "now"), Scenario),
     "state": State,
-    "sums": MetricsCollector,
+    "metrics": MetricsCollector,
     "hosts": dict,
     "renewed": list,
     "excluded": dict,

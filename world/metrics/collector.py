@@ -33,13 +33,13 @@ class MetricsCollector:
 
     def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
-        self.tally = LinkErrors(scenario.run.dt)
+        self.link_errors = LinkErrors(scenario.run.dt)
         self.tracking = Tracking(scenario.run.dt)
         self.optimal = math.nan
         """r* of the channel at the last tick [m]."""
-        self._breathing = PeriodAverage(dither_period(scenario))
+        self._period_average = PeriodAverage(dither_period(scenario))
         self._channel: RadioConfig | None = None
-        self.deadlines = deadlines.none(scenario.robots.number) if scenario.run.clock == "live" else None
+        self.deadlines = deadlines.no_deadlines(scenario.robots.number) if scenario.run.clock == "live" else None
         """Where the clock is live."""
         self.unscheduled_absences = 0
         """Robot-ticks in which a robot took no part although the schedule had it present."""
@@ -62,9 +62,9 @@ class MetricsCollector:
         self.state, self.telemetry = state, telemetry
         links, estimates = telemetry.links, telemetry.estimates
         now = link_errors.separations(state.poses, *link_errors.ends(links))
-        self._breathing.add(links, now)
-        mean = self._breathing.mean
-        self.tally.add(
+        self._period_average.add(links, now)
+        mean = self._period_average.mean
+        self.link_errors.add(
             state.poses, twists, state.proximity, state.present, state.sent > 0, telemetry, mean, self.optimal
         )
         self.separation = np.where(np.isfinite(mean), mean, now)
@@ -76,7 +76,7 @@ class MetricsCollector:
             rms = math.sqrt(float(np.mean((old - self.optimal) ** 2))) if len(old) else math.nan
             wish = objective.preference(now, self.scenario.objective)
             index = float(np.mean(wish * link_reception(state.radio, links)))
-        apart = self.tally.errors["disagreement"]
+        apart = self.link_errors.errors["disagreement"]
         self.tracking.add(state.tick, self.optimal, changed, error, apart, rms, index)
 
     def _add_absences(self, state: State) -> None:

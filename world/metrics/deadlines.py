@@ -44,7 +44,7 @@ class Deadlines:
         }
 
 
-def none(robots: int) -> Deadlines:
+def no_deadlines(robots: int) -> Deadlines:
     """Of a run that begins."""
     due, missed, stopped, late = (np.zeros(robots, dtype=np.int64) for _ in range(4))
     return Deadlines(due, missed, stopped, late)

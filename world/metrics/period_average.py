@@ -51,13 +51,13 @@ class PeriodAverage:
         at = _places(links, old)
         begun = self._ticks > 0 or len(self._sums) > 0
 
-        def kept(sums: Floats, otherwise: float) -> Floats:
+        def kept(metrics: Floats, otherwise: float) -> Floats:
             found = np.full(len(at), otherwise)
-            found[at >= 0] = sums[at[at >= 0]]
+            found[at >= 0] = metrics[at[at >= 0]]
             return found
 
-        for place, sums in enumerate(self._sums):
-            self._sums[place] = kept(sums, np.nan)
+        for place, metrics in enumerate(self._sums):
+            self._sums[place] = kept(metrics, np.nan)
         self._now = kept(self._now, np.nan if begun else 0.0)
         self.mean = kept(self.mean if len(self.mean) else np.full(len(old.undirected), np.nan), np.nan)
 

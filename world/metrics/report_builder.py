@@ -19,12 +19,12 @@ PERIOD = 0.1
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a run may diverge: it is shown as it is
-def build(account: MetricsCollector, name: str, alive: Bytes, elapsed: float, ticks_per_s: float) -> Report:
-    """The report of the last tick of `account`; `elapsed` [s] and `ticks_per_s` [1/s] are wall-clock.
+def build(metrics: MetricsCollector, name: str, alive: Bytes, elapsed: float, ticks_per_s: float) -> Report:
+    """The report of the last tick of `metrics`; `elapsed` [s] and `ticks_per_s` [1/s] are wall-clock.
 
     A robot whose agent is `alive` [n] is shown as such if it takes part: who waits to come back does not yet.
     """
-    scenario, state, said = account.scenario, account.state, account.telemetry
+    scenario, state, said = metrics.scenario, metrics.state, metrics.telemetry
     a, b = link_errors.ends(said.links)
     low, high = np.minimum(a, b), np.maximum(a, b)
     separation = link_errors.separations(state.poses, low, high)
@@ -34,7 +34,7 @@ def build(account: MetricsCollector, name: str, alive: Bytes, elapsed: float, ti
     scale = scenario.seeking.reference_separation
     learnt = [_mean(_pick(row, ab), _pick(row, ba)) for row in said.learnt]
     none = np.zeros(0, dtype=np.int64)
-    missed, late = (account.deadlines.missed, account.deadlines.late) if account.deadlines else (none, none)
+    missed, late = (metrics.deadlines.missed, metrics.deadlines.late) if metrics.deadlines else (none, none)
     level, exponent = learnt if said.learnt.size else [np.full(len(low), np.nan)] * 2
     true_level, true_exponent = _reception_line(state.channel, scale)
     return Report(
@@ -42,7 +42,7 @@ def build(account: MetricsCollector, name: str, alive: Bytes, elapsed: float, ti
         tick=state.tick,
         ticks=scenario.ticks,
         dt=scenario.run.dt,
-        optimal_separation=account.optimal,
+        optimal_separation=metrics.optimal,
         elapsed=elapsed,
         ticks_per_s=ticks_per_s,
         alive=alive & state.present.astype(np.uint8),
@@ -61,17 +61,17 @@ def build(account: MetricsCollector, name: str, alive: Bytes, elapsed: float, ti
         learnt_exponent=exponent,
         true_level=true_level,
         true_exponent=true_exponent,
-        mean_estimate_error=account.tracking.error,
-        changed_at=account.tracking.now.since * scenario.run.dt,
-        tracking_time=account.tracking.time_to_near,
+        mean_estimate_error=metrics.tracking.error,
+        changed_at=metrics.tracking.now.since * scenario.run.dt,
+        tracking_time=metrics.tracking.time_to_near,
         beacons_sent=state.sent,
         beacons_decoded=state.decoded,
-        disagreement=account.tally.errors["disagreement"],
-        estimate_error_max=account.tally.errors["estimate_error"],
-        separation_error_max=account.tally.errors["separation_error"],
+        disagreement=metrics.link_errors.errors["disagreement"],
+        estimate_error_max=metrics.link_errors.errors["estimate_error"],
+        separation_error_max=metrics.link_errors.errors["separation_error"],
         missed=missed.copy(),
         late=late.copy(),
-        disk_connected=account.tally.disk_now,
+        disk_connected=metrics.link_errors.disk_now,
     )
 
 
@@ -101,7 +101,7 @@ def _both_ways(of: Ints, here: Ints, there: Ints, add: np.ufunc = np.add) -> Flo
 def _outage(state: State, separation: Floats, here: Ints, there: Ints) -> Floats:
     """True outage of each link, both ways averaged: of the last beacon, or after the formula where there was none."""
     formula = outage.outage_probability(separation, state.channel)
-    lost = 1.0 - (1.0 - formula) * bursts.kept_on_average(state.channel.bursts)
+    lost = 1.0 - (1.0 - formula) * bursts.mean_reception_factor(state.channel.bursts)
     if not len(state.radio.edges):
         return lost
     decoded = 0.5 * (state.radio.probability[here] + state.radio.probability[there])

@@ -20,48 +20,48 @@ from world.simulation.channel import Radio
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def summarize(account: MetricsCollector, name: str, backend: str, wall: float) -> dict[str, Any]:
-    """The summary of a run up to the last tick of `account`; `wall` is how long it took [s].
+def summarize(metrics: MetricsCollector, name: str, backend: str, wall: float) -> dict[str, Any]:
+    """The summary of a run up to the last tick of `metrics`; `wall` is how long it took [s].
 
     A number that does not exist or is not finite is None.
     """
-    scenario, final, tally, optimal = account.scenario, account.state, account.tally, account.optimal
-    n, links, estimates = scenario.robots.number, account.telemetry.links, account.telemetry.estimates
-    separation = account.separation
-    simulated = tally.ticks * scenario.run.dt
+    scenario, final, errors, optimal = metrics.scenario, metrics.state, metrics.link_errors, metrics.optimal
+    n, links, estimates = scenario.robots.number, metrics.telemetry.links, metrics.telemetry.estimates
+    separation = metrics.separation
+    simulated = errors.ticks * scenario.run.dt
     found = {
         "scenario": name,
         "seed": scenario.run.seed,
         "backend": backend,
         "clock": scenario.run.clock,
         "robots": n,
-        "ticks": tally.ticks,
+        "ticks": errors.ticks,
         "dt": scenario.run.dt,
         "simulated_s": simulated,
         "wall_s": wall,
-        "ticks_per_s": tally.ticks / wall if wall > 0 else None,
+        "ticks_per_s": errors.ticks / wall if wall > 0 else None,
         "real_time_factor": simulated / wall if wall > 0 else None,
         "optimal_separation": optimal,
         "edges": _edges(links, separation, estimates),
         "separation_error_max": _largest(separation - optimal),
         "separation_error_rms": _rms(separation - optimal),
-        "disagreement": None if len(links) == 0 else tally.errors["disagreement"],
+        "disagreement": None if len(links) == 0 else errors.errors["disagreement"],
         "estimate_error_max": _largest(estimates - optimal),
         "estimate_error_rms": _rms(estimates - optimal),
-        "disk_connected_always": tally.disk_always,
-        "links_connected_always": tally.links_always,
+        "disk_connected_always": errors.disk_always,
+        "links_connected_always": errors.links_always,
         "algebraic_connectivity": graphs.algebraic_connectivity(n, *link_errors.ends(links)),
         "beacons_sent": final.sent,
         "beacons_decoded": final.decoded,
-        "time_to": tally.times(),
-        "digest": tally.digest.text(),
-        "tracking": account.tracking.table(),
+        "time_to": errors.times(),
+        "digest": errors.digest.text(),
+        "tracking": metrics.tracking.table(),
         "radio": _contacts(final.radio),
-        "deadlines": None if account.deadlines is None else account.deadlines.table(),
+        "deadlines": None if metrics.deadlines is None else metrics.deadlines.table(),
         "arithmetic": fingerprint.table(),
-        "links_gap_longest": tally.longest_gap * scenario.run.dt,
-        "unscheduled_absences": account.unscheduled_absences,
-        "links_lost_at": tally.links_lost_at,
+        "links_gap_longest": errors.longest_gap * scenario.run.dt,
+        "unscheduled_absences": metrics.unscheduled_absences,
+        "links_lost_at": errors.links_lost_at,
     }
     verdicts = expectations.verdicts(scenario.expect, found)
     complete: dict[str, Any] = strict_json.finite({**found, "expectations": verdicts})

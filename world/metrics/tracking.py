@@ -42,14 +42,14 @@ class Tracking:
 
     def __init__(self, dt: float) -> None:
         self._dt = dt
-        self.stretches: list[Segment] = []
+        self.segments: list[Segment] = []
         self.error = math.nan
         """Mean estimate less r* at the last tick [m]; NaN while there are no estimates."""
 
     @property
     def now(self) -> Segment:
         """The stretch that goes on."""
-        return self.stretches[-1]
+        return self.segments[-1]
 
     @property
     def time_to_near(self) -> float:
@@ -59,7 +59,7 @@ class Tracking:
 
     def settled(self, tick: int, changed: bool) -> bool:
         """Whether errors are being summed up at this tick, so that they need to be known."""
-        return not changed and bool(self.stretches) and tick - self.now.since >= SETTLED / self._dt
+        return not changed and bool(self.segments) and tick - self.now.since >= SETTLED / self._dt
 
     def add(
         self,
@@ -76,10 +76,10 @@ class Tracking:
         `error` of the mean estimate [m]; `disagreement` over the links [m]; `separation`: rms over links of the
         separations' error, averaged over a dither period [m]; `index`: mean over links of the true J.
         """
-        if changed or not self.stretches:
-            self.stretches.append(Segment(tick, optimal))
+        if changed or not self.segments:
+            self.segments.append(Segment(tick, optimal))
         here, self.error = self.now, error
-        hold = HOLD_AT_START if len(self.stretches) == 1 else HOLD_AFTER_CHANGE
+        hold = HOLD_AT_START if len(self.segments) == 1 else HOLD_AFTER_CHANGE
         if not abs(error) < NEAR:
             here.near_since = None
         elif here.near_since is None:
@@ -96,24 +96,24 @@ class Tracking:
 
     def table(self) -> list[dict[str, Any]]:
         """For each stretch what the summary says of it; None where it was too short."""
-        return [self._row(stretch) for stretch in self.stretches]
+        return [self._row(segment) for segment in self.segments]
 
-    def _row(self, stretch: Segment) -> dict[str, Any]:
-        def mean(sums: dict[str, float], name: str) -> float | None:
-            return sums[name] / stretch.counts[name] if stretch.counts[name] else None
+    def _row(self, segment: Segment) -> dict[str, Any]:
+        def mean(metrics: dict[str, float], name: str) -> float | None:
+            return metrics[name] / segment.counts[name] if segment.counts[name] else None
 
         def root(name: str) -> float | None:
-            square = mean(stretch.squares, name)
+            square = mean(segment.squares, name)
             return None if square is None else math.sqrt(square)
 
-        reached = stretch.reached
+        reached = segment.reached
         return {
-            "at": round(stretch.since * self._dt, 9),
-            "optimal_separation": stretch.optimal,
-            "time_to_1m": None if reached is None else round((reached - stretch.since) * self._dt, 9),
-            "bias": mean(stretch.sums, "error"),
+            "at": round(segment.since * self._dt, 9),
+            "optimal_separation": segment.optimal,
+            "time_to_1m": None if reached is None else round((reached - segment.since) * self._dt, 9),
+            "bias": mean(segment.sums, "error"),
             "rmse": root("error"),
             "separation_rmse": root("separation"),
-            "disagreement_max": stretch.disagreement if stretch.counts["disagreement"] else None,
-            "index": mean(stretch.sums, "index"),
+            "disagreement_max": segment.disagreement if segment.counts["disagreement"] else None,
+            "index": mean(segment.sums, "index"),
         }

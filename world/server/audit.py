@@ -94,9 +94,9 @@ class Audit:
             self._caching[found[1]] = found[2], found[3], set()
         elif found := _TLS.search(line):
             why = next((meaning for said, meaning in REASONS if said in found["why"]), "it failed")
-            self._connections.add(f"connection: {why}", f"a connection: {why}")
+            self._connections.reject(f"connection: {why}", f"a connection: {why}")
         elif found := _STRANGER.search(line):
-            self._connections.add(
+            self._connections.reject(
                 "stranger", "all that a client says: no role of this run has its certificate's name"
             )
 
@@ -115,8 +115,8 @@ class Audit:
             return
         who = self._names.get(found["zid"] or found["cached"], "somebody")
         act, key = found["act"].decode().lower(), found["key"].decode(errors="replace")
-        complaints = self._by_role.get(who, self._others)
-        complaints.add(f"{who}: {act} on {key}", f"{who}'s {act} on {key}: it has no right to it")
+        drops = self._by_role.get(who, self._others)
+        drops.reject(f"{who}: {act} on {key}", f"{who}'s {act} on {key}: it has no right to it")
 
 
 @contextlib.asynccontextmanager

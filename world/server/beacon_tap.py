@@ -36,7 +36,7 @@ class BeaconTap:
         opened: Bus,
         run: str,
         robots: int,
-        complaints: DropLog,
+        drops: DropLog,
         judged: Mapping[int, list[bytes]],
         guarded: bool = False,
     ) -> None:
@@ -45,13 +45,13 @@ class BeaconTap:
         `guarded`: access control lets only a robot itself put on its key, so all that comes there is its own doing.
         """
         self._judged, self._guarded, self._robots = judged, guarded, robots
-        self._bus, self._run, self._complaints = opened, run, complaints
+        self._bus, self._run, self._complaints = opened, run, drops
         self._boxes = [opened.mailbox(keys.beacon(run, robot)) for robot in range(robots)]
         self._held: dict[int, dict[int, bytes]] = {}
         """Tick -> robot -> the first readable payload, of three ticks at most."""
         self._faults: dict[int, Faults] = {}
         """Tick -> robot -> how it broke the rules then."""
-        opened.serve(keys.held_beacon(run, "*", "*"), self._on_recall)
+        opened.declare_queryable(keys.held_beacon(run, "*", "*"), self._on_recall)
 
     def heard(self, tick: int, legible: Bools) -> list[bytes]:
         """The payload of each robot's Beacon of `tick` as far as it arrived, in id order; a missing one is counted.
@@ -61,7 +61,9 @@ class BeaconTap:
         found = self._collect(tick, legible)
         for robot in np.flatnonzero(legible).tolist():
             if not found[robot]:
-                self._complaints.miss("beacons in the log", f"no beacon of robot {robot} came for tick {tick}")
+                self._complaints.note_missing(
+                    "beacons in the log", f"no beacon of robot {robot} came for tick {tick}"
+                )
         return found
 
     def _collect(self, tick: int, legible: Bools) -> list[bytes]:
@@ -91,14 +93,14 @@ class BeaconTap:
         faults |= self._faults.pop(tick, {})
         return found, {robot: shown(why) for robot, why in faults.items() if legible[robot]}
 
-    def _on_recall(self, question: Query) -> None:
+    def _on_recall(self, query: Query) -> None:
         """Answer a robot that misses a beacon with the copy by which its sender was judged."""
-        tick, robot = messages.decode_recall(question.payload), question.key.split("/")[-2]
+        tick, robot = messages.decode_recall(query.payload), query.key.split("/")[-2]
         beacons = {str(sender): payload for sender, payload in enumerate(self._judged.get(tick, [])) if payload}
         if robot in beacons:
-            question.answer(beacons[robot], "fes.Beacon")
+            query.reply(beacons[robot], "fes.Beacon")
         else:
-            question.refuse(f"the world holds no beacon of robot {shown(robot)} from tick {tick}")
+            query.reply_err(f"the world holds no beacon of robot {shown(robot)} from tick {tick}")
 
     def _read(self, robot: int, tick: int) -> None:
         """Sort the beacons in a robot's box by tick: at most a full box, as it may be filled while it is emptied."""
@@ -133,7 +135,7 @@ class BeaconTap:
             if left <= 0.0:
                 return f"{missing}, and it did not repeat it within {RECALL_TIMEOUT:g} s"
             try:
-                payload = await self._bus.ask(key, messages.encode_recall(tick), left)
+                payload = await self._bus.get(key, messages.encode_recall(tick), left)
                 beacon = self._decoded(payload, robot)
                 break
             except (Overloaded, Unavailable):  # its queue may be crowded, or its session be new
@@ -144,7 +146,7 @@ class BeaconTap:
                 return f"{missing}, and it repeated junk: {error}"
         if beacon.tick != tick:
             return f"{missing}, and it repeated that of tick {beacon.tick}"
-        self._complaints.add("Beacon: recalled", f"by a full mailbox: a beacon of robot {robot}; asked for anew")
+        self._complaints.reject("Beacon: recalled", f"by a full mailbox: a beacon of robot {robot}; asked for anew")
         return payload
 
     def _decoded(self, payload: bytes | None, robot: int) -> Beacon:

@@ -19,15 +19,15 @@ SETTLING = 0.3
 """A world that is connected to others waits this long [s] for its claim and theirs to cross the network."""
 
 
-async def claim(bus: Bus, run: str, *, connected: bool) -> None:
+async def claim_run(bus: Bus, run: str, *, connected: bool) -> None:
     """Claim the run, until the session ends; raises Refused if another world has it or claims it too,
     and Absent if that cannot be seen.
     """
     own = keys.claim(run, uuid.uuid4().hex)
-    bus.token(own)
+    bus.declare_token(own)
     if connected:
         await asyncio.sleep(SETTLING)
-    others = set(await bus.standing(keys.world_tokens(run), TIMEOUT)) - {own}
+    others = set(await bus.liveliness_get(keys.world_tokens(run), TIMEOUT)) - {own}
     if others:
         raise Rejected(
             f"another world of run '{run}' is here, or starts just now (--run gives this one another name)"

@@ -26,9 +26,9 @@ class Farewell:
     a robot that may not know: its agent would wait for a world that never returns, and may reconnect in a moment.
     """
 
-    def __init__(self, observe: Sequence[Callable[[bytes], None]], roster: AgentRegistry) -> None:
+    def __init__(self, observe: Sequence[Callable[[bytes], None]], registry: AgentRegistry) -> None:
         """`observe` puts a robot's observation, by id."""
-        self._observe, self._roster = observe, roster
+        self._observe, self._roster = observe, registry
         self._payloads: list[bytes] = []
         self._said: dict[int, float] = {}
         self._lost: dict[int, float] = {}

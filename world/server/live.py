@@ -35,15 +35,15 @@ class LiveClock:
         self,
         warm_up: Lockstep,
         inbox: Inbox,
-        attendance: Participation,
-        complaints: DropLog,
+        participation: Participation,
+        drops: DropLog,
         deadlines: Deadlines,
         dt: float,
     ) -> None:
         """`warm_up` has the first ticks, WARM_UP of them."""
         self._warm_up, self._left = warm_up, WARM_UP
-        self._inbox, self._attendance = inbox, attendance
-        self._complaints, self._deadlines = complaints, deadlines
+        self._inbox, self._attendance = inbox, participation
+        self._complaints, self._deadlines = drops, deadlines
         self._dt = dt
         self._last: dict[int, Answer] = {}
         self._due = 0.0  # end of the present tick [s; monotonic]
@@ -90,7 +90,7 @@ class LiveClock:
     def _read(self, state: State, key: str, payload: bytes | None) -> None:
         """Keep a command if it is the newest of its robot."""
         try:
-            command = marshalling.command(key, payload, len(state.present))
+            command = marshalling.decode(key, payload, len(state.present))
             if command.tick > state.tick:
                 raise MessageError("Command", "is not for this tick", str(command.tick))
         except MessageError as error:

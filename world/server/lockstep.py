@@ -35,11 +35,11 @@ class Lockstep:
     """The barrier of each tick, and its pace."""
 
     def __init__(
-        self, inbox: Inbox, attendance: Participation, complaints: DropLog, ask: Ask, pace: float | None = None
+        self, inbox: Inbox, participation: Participation, drops: DropLog, ask: Ask, pace: float | None = None
     ) -> None:
         """`pace` is the wall-clock time of a tick [s], on average: who falls behind catches up. None: full speed."""
-        self._inbox, self._attendance = inbox, attendance
-        self._complaints = complaints
+        self._inbox, self._attendance = inbox, participation
+        self._complaints = drops
         self._ask = ask
         self._pace = pace
         self._due = 0.0  # end of the present tick [s; monotonic]
@@ -91,7 +91,7 @@ class Lockstep:
                     waited[command.robot] = False
                     missing -= 1
                 elif command is not None and answers[command.robot] and not self._twice(command):
-                    self._complaints.add("Command: came twice", f"{key}: a second command for tick {command.tick}")
+                    self._complaints.reject("Command: came twice", f"{key}: a second command for tick {command.tick}")
             if missing:
                 waited &= self._attendance.there
                 missing = int(waited.sum())
@@ -124,7 +124,7 @@ class Lockstep:
         second answer to an earlier tick is no fault of a robot that was asked again for it, just when it answered.
         """
         try:
-            command = marshalling.command(key, payload, len(state.present))
+            command = marshalling.decode(key, payload, len(state.present))
             asked = command.tick < state.tick and self._twice(command)
             absent = command.tick < state.since[command.robot] or (
                 not state.present[command.robot] and command.tick <= state.tick

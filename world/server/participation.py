@@ -19,10 +19,10 @@ class Participation:
     """The robots that are there, and those that ought to be."""
 
     def __init__(
-        self, roster: AgentRegistry, scenario: Scenario, excluded: Mapping[int, str] = MappingProxyType({})
+        self, registry: AgentRegistry, scenario: Scenario, excluded: Mapping[int, str] = MappingProxyType({})
     ) -> None:
         """`excluded` maps robots at fault, which take no part, to their faults; it may change later."""
-        self._roster, self._excluded = roster, excluded
+        self._roster, self._excluded = registry, excluded
         self._schedule = scenario.attendance
         self._robots = scenario.robots.number
         self._hung = np.zeros(self._robots, dtype=np.bool_)

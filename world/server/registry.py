@@ -13,7 +13,7 @@ from fes.errors import FesError, MessageError
 from fes.model.config import AgentConfig, own
 from fes.protocol import keys, messages
 from fes.protocol.messages import Join, Welcome
-from fes.protocol.world_info import encode_about, of_this_process
+from fes.protocol.world_info import encode_world_info, of_this_process
 from fes.transport.bus import Bus, Query
 from fes.transport.drop_log import DropLog
 
@@ -34,7 +34,7 @@ class AgentRegistry:
         run: str,
         robots: int,
         config: AgentConfig,
-        complaints: DropLog,
+        drops: DropLog,
         hosts: Mapping[int, Join] = MappingProxyType({}),
         renewed: Iterable[int] = (),
         excluded: Mapping[int, str] = MappingProxyType({}),
@@ -49,7 +49,7 @@ class AgentRegistry:
         """Which robots are hosted by an agent that was accepted, and alive, with all that share their process [n]."""
         self._run = run
         self._config = config
-        self._complaints, self._excluded = complaints, excluded
+        self._drops, self._excluded = drops, excluded
         self._logger = logging.getLogger("world")
         self._promised: dict[int, float] = {}
         self.hosts = dict(hosts)
@@ -59,55 +59,55 @@ class AgentRegistry:
         self.on_join: Callable[[Join], None] = lambda join: None
         """Called with each Join that is to be accepted; a FesError refuses it."""
         self._leased: dict[int, float] = dict.fromkeys(self.hosts, time.monotonic() + RESUME_TIMEOUT)
-        self._told: Callable[[int, bool], None] | None = None
-        bus.serve(keys.welcome(run, "*"), self._on_question)
-        bus.serve(keys.lease(run), self._on_request)
-        bus.serve(
-            keys.about(run), lambda question: question.answer(encode_about(of_this_process(robots)), "fes.About")
+        self._on_change: Callable[[int, bool], None] | None = None
+        bus.declare_queryable(keys.welcome(run, "*"), self._on_join_query)
+        bus.declare_queryable(keys.lease(run), self._on_lease_query)
+        bus.declare_queryable(
+            keys.about(run), lambda query: query.reply(encode_world_info(of_this_process(robots)), "fes.About")
         )
-        bus.watch(keys.robot_alive(run, "*"), self._on_token)
+        bus.declare_liveliness_subscriber(keys.robot_alive(run, "*"), self._on_token)
 
     def report_to(self, on_token: Callable[[int, bool], None]) -> None:
         """From now on `on_token` is called with each robot that comes or goes, and whether it is alive."""
-        self._told = on_token
+        self._on_change = on_token
 
     def group(self, robot: int) -> tuple[int, ...]:
         """The robots that share a process with this one: they come and go together."""
         return self.hosts[robot].robots if robot in self.hosts else (robot,)
 
-    def _on_request(self, question: Query) -> None:
+    def _on_lease_query(self, query: Query) -> None:
         """Lease the lowest free robot to an agent that has none: nobody else is given it while it comes to join."""
         now = time.monotonic()
         for robot in range(len(self.alive)):
             if not self._refusal((robot,)) and self._leased.get(robot, 0.0) <= now:
                 self._leased[robot] = now + LEASE
-                question.answer(messages.encode_lease(robot), "fes.Lease")
+                query.reply(messages.encode_lease(robot), "fes.Lease")
                 return
-        question.refuse(f"all {len(self.alive)} robots are hosted already")
+        query.reply_err(f"all {len(self.alive)} robots are hosted already")
 
-    def _on_question(self, question: Query) -> None:
+    def _on_join_query(self, query: Query) -> None:
         try:
-            join = messages.decode_join(question.payload)
+            join = messages.decode_join(query.payload)
         except MessageError as error:
-            self._complaints.unread(question.key, error)
-            question.refuse(str(error))
+            self._drops.unread(query.key, error)
+            query.reply_err(str(error))
             return
         wanted = join.robots
-        if question.key != keys.welcome(self._run, keys.span(wanted)):
+        if query.key != keys.welcome(self._run, keys.span(wanted)):
             # Rules of access name keys: an agent that may ask for its own robots must not get others by asking there.
-            self._complaints.add("Join: on another's key", f"{question.key}: a join of robots {keys.span(wanted)}")
-            question.refuse(f"a join of robots {keys.span(wanted)} came on {question.key}")
+            self._drops.reject("Join: on another's key", f"{query.key}: a join of robots {keys.span(wanted)}")
+            query.reply_err(f"a join of robots {keys.span(wanted)} came on {query.key}")
             return
         fault = next((f"robot {one} is {self._excluded[one]}" for one in wanted if one in self._excluded), "")
         if fault and all(self.hosts.get(robot) == join for robot in wanted):
-            question.refuse(fault)  # its agent asks why it hears nothing; only another agent may have the robot
+            query.reply_err(fault)  # its agent asks why it hears nothing; only another agent may have the robot
             return
         # An agent that has joined already only asks whether it is still welcome.
         if any(self.hosts.get(robot) != join for robot in wanted):
             refusal = self._refusal(wanted)
             if refusal:
-                self._complaints.add("Join: refused", f"a join: {refusal}")
-                question.refuse(refusal)
+                self._drops.reject("Join: refused", f"a join: {refusal}")
+                query.reply_err(refusal)
                 return
             try:
                 self.on_join(join)
@@ -117,7 +117,7 @@ class AgentRegistry:
             self.hosts.update(dict.fromkeys(wanted, join))
             self.renewed.update(wanted)
         self._promised.update(dict.fromkeys(wanted, time.monotonic() + LEASE))
-        question.answer(messages.encode_welcome(Welcome(wanted, own(self._config, wanted))), "fes.Welcome")
+        query.reply(messages.encode_welcome(Welcome(wanted, own(self._config, wanted))), "fes.Welcome")
 
     def _refusal(self, wanted: tuple[int, ...]) -> str:
         robots = len(self.alive)
@@ -133,16 +133,14 @@ class AgentRegistry:
     def _on_token(self, key: str, alive: bool) -> None:
         robot = keys.robot_of(key)
         if robot is None or robot >= len(self.alive):
-            self._complaints.add("liveliness: unknown robot", f"the liveliness token {key}: no such robot")
+            self._drops.reject("liveliness: unknown robot", f"the liveliness token {key}: no such robot")
             return
         self.alive[robot] = alive
         self._promised.pop(robot, None)
-        complete = [
-            one in self.hosts and self.alive[list(self.group(one))].all() for one in range(len(self.alive))
-        ]
+        complete = [one in self.hosts and self.alive[list(self.group(one))].all() for one in range(len(self.alive))]
         self.whole = np.array(complete, dtype=np.bool_)
         self.changed.set()
-        if self._told is not None:
-            self._told(robot, alive)
+        if self._on_change is not None:
+            self._on_change(robot, alive)
         elif not alive:
             self._logger.info("robot %d left before the start", robot)

@@ -21,12 +21,12 @@ def step(states: Bytes, config: BurstConfig, dt: float, numbers: Floats) -> Byte
     return (numbers < bad.take(states)).astype(np.uint8)
 
 
-def kept(states: Bytes, config: BurstConfig) -> Floats:
+def reception_factor(states: Bytes, config: BurstConfig) -> Floats:
     """Share of the beacons that would decode which still do, in these states [m]."""
     shares: Floats = np.array([1.0, 1.0 - config.loss]).take(states)
     return shares
 
 
-def kept_on_average(config: BurstConfig | None) -> float:
+def mean_reception_factor(config: BurstConfig | None) -> float:
     """The same over the stationary law; 1 without bursts."""
     return 1.0 if config is None else 1.0 - config.bad_share * config.loss

@@ -113,8 +113,8 @@ def transmit(
     average, burst = probability, radio.burst
     if config.bursts is not None:
         burst = bursts.step(burst, config.bursts, medium.dt, medium.bursts.at(tick, edges))
-        average = probability * bursts.kept_on_average(config.bursts)
-        probability = probability * bursts.kept(burst, config.bursts)
+        average = probability * bursts.mean_reception_factor(config.bursts)
+        probability = probability * bursts.reception_factor(burst, config.bursts)
     heard = on_air
     if kept is not None or not config.is_certain:
         heard = on_air & (medium.fading.at(tick, edges) < probability)

@@ -57,7 +57,7 @@ class State:
     """What the robots' transmitters do from this tick on; None while all are healthy."""
 
     @property
-    def legible(self) -> Bools:
+    def decodable(self) -> Bools:
         """Whose beacon of this tick can be read by whoever gets its bytes [n]."""
         return self.present if self.transmission is None else self.present & ~self.transmission.damaged
 
@@ -97,7 +97,7 @@ def step(world: World, state: State, twists: Floats) -> State:
         state.present,
         state.proximity,
         near,
-        state.transmission.kept if state.transmission is not None else None,
+        state.transmission.reception_factor if state.transmission is not None else None,
     )
     on_air = radio.reception
     if not state.present.all():

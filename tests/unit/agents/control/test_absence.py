@@ -8,7 +8,7 @@ import pytest
 from agents.control import crew as crews
 from console.backends import inprocess
 from fes.errors import ScenarioError
-from fes.model.sensing import CLOSED, DECODED, LOST, silence
+from fes.model.sensing import CLOSED, DECODED, LOST, no_beacons
 from tests.support import loop
 from tests.support.loop import load
 from tests.support.results import contract_digest
@@ -27,7 +27,7 @@ def with_new_processes(what: Scenario) -> str:
     state = truth.start(world)
     config, ids = agent_config(what), world.ids.tolist()
     parts = [crews.create(config, np.array([robot])) for robot in ids]
-    minds, said = [crews.start(part) for part in parts], [silence()] * len(ids)
+    minds, said = [crews.start(part) for part in parts], [no_beacons()] * len(ids)
     ticks, present = [], state.present
     for _ in range(what.ticks):
         for robot in np.flatnonzero(state.present & ~present).tolist():
@@ -121,8 +121,8 @@ def test_a_death_that_cannot_be_is_one_line(events: list[dict[str, Any]], rule: 
 
 def test_a_report_shows_as_alive_who_takes_part_and_not_whose_agent_only_stands_by() -> None:
     scenario = load("pair.toml", run__duration=0.4, event=[{"at": 0.2, "kill": [1]}])
-    sums, shown = MetricsCollector(scenario), []
+    metrics, shown = MetricsCollector(scenario), []
     for tick in inprocess.ticks(scenario):
-        sums.add(tick.state, tick.twists, tick.telemetry)
-        shown.append(report_builder.build(sums, "test", np.ones(2, dtype=np.uint8), 0.0, 0.0).alive.tolist())
+        metrics.add(tick.state, tick.twists, tick.telemetry)
+        shown.append(report_builder.build(metrics, "test", np.ones(2, dtype=np.uint8), 0.0, 0.0).alive.tolist())
     assert shown == [[1, 1]] * 10 + [[1, 0]] * 10

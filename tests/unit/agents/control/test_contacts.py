@@ -39,14 +39,14 @@ def hear(
 
 def test_separations_are_formed_from_two_poses_of_one_tick_and_equal_from_both_ends() -> None:
     where = layouts.scatter(np.random.default_rng(0), 3, 100.0)
-    known = hear(contacts.nobody(IDS), 1, where, [DECODED] * 6)
+    known = hear(contacts.no_contacts(IDS), 1, where, [DECODED] * 6)
     assert known.separation.tolist() == known.separation[ALL.reverse].tolist()  # to the bit
     expected = [math.dist(where[i, :2], where[j, :2]) for i, j in sorted(layouts.pairs_of(ALL))]
     assert known.separation == pytest.approx(expected, rel=1e-15)  # rounding
 
 
 def test_what_a_lost_beacon_said_is_not_known() -> None:
-    first = hear(contacts.nobody(IDS), 1, WHERE, [DECODED, LOST, DECODED, DECODED, LOST, DECODED])
+    first = hear(contacts.no_contacts(IDS), 1, WHERE, [DECODED, LOST, DECODED, DECODED, LOST, DECODED])
     assert first.known.tolist() == [True, False, True, True, False, True]
     assert first.heard.tolist() == [0, NEVER, 0, 0, NEVER, 0]
     moved = WHERE + 10.0
@@ -59,7 +59,7 @@ def test_what_a_lost_beacon_said_is_not_known() -> None:
 
 
 def test_a_peer_unheard_for_longer_than_the_timeout_is_not_known_until_heard_again() -> None:
-    known = hear(contacts.nobody(IDS), 1, WHERE, [DECODED] * 6)
+    known = hear(contacts.no_contacts(IDS), 1, WHERE, [DECODED] * 6)
     history = []
     for tick in range(2, 9):
         known = hear(known, tick, WHERE, [LOST, DECODED, DECODED, DECODED, DECODED, DECODED])
@@ -70,7 +70,7 @@ def test_a_peer_unheard_for_longer_than_the_timeout_is_not_known_until_heard_aga
 
 
 def test_a_peer_that_left_range_is_forgotten_and_the_others_are_not() -> None:
-    known = hear(contacts.nobody(IDS), 1, WHERE, [DECODED] * 6)
+    known = hear(contacts.no_contacts(IDS), 1, WHERE, [DECODED] * 6)
     near = layouts.edges(IDS, [(0, 1), (1, 0)])
     without = hear(known, 2, WHERE, [LOST, LOST], near)
     assert without.heard.tolist() == [0, 0]
@@ -81,10 +81,10 @@ def test_a_peer_that_left_range_is_forgotten_and_the_others_are_not() -> None:
 
 def test_a_beacon_tells_its_estimate_and_choice_for_the_link_to_its_hearer_only() -> None:
     links = layouts.edges(IDS, [(0, 1), (1, 0), (1, 2)])  # estimates 60, 61, 62; named: yes, no, yes
-    known = hear(contacts.nobody(IDS), 1, WHERE, [DECODED] * 6, links=links)
+    known = hear(contacts.no_contacts(IDS), 1, WHERE, [DECODED] * 6, links=links)
     # pairs (0,1), (0,2), (1,0), (1,2), (2,0), (2,1) hear of links (1,0), -, (0,1), -, -, (1,2)
     assert known.estimates == pytest.approx([61.0, math.nan, 60.0, math.nan, math.nan, 62.0], nan_ok=True)
-    assert known.names_us.tolist() == [False, False, True, False, False, True]
+    assert known.selected_by_peer.tolist() == [False, False, True, False, False, True]
 
 
 def test_two_robots_in_one_place_drive_apart() -> None:

@@ -56,7 +56,7 @@ def test_weights_sum_to_one_with_two_neighbors_or_more(error: list[float]) -> No
 
 
 def test_a_robot_without_links_stands_still() -> None:
-    pull = formation.pull(links(), np.zeros(0), np.zeros((2, 0)))
+    pull = formation.formation_vector(links(), np.zeros(0), np.zeros((2, 0)))
     assert formation.twist(pull, np.array([0.7]), 0.02, CONFIG).tolist() == [[0.0, 0.0]]
 
 
@@ -73,7 +73,7 @@ def test_for_a_vanishing_tick_the_twist_is_the_sums_of_6_and_7(
     weight = [1 / 2 if k == largest else 1 / (2 * (n - 1)) for k in range(n)]
     v = sum(a * e * math.cos(psi - heading) for a, e, psi in zip(weight, error, angle, strict=False))
     omega = 10.0 * sum(a * e * math.sin(psi - heading) for a, e, psi in zip(weight, error, angle, strict=False))
-    pull = formation.pull(links(*range(1, n + 1)), np.array(error), unit(np.array(angle[:n])))
+    pull = formation.formation_vector(links(*range(1, n + 1)), np.array(error), unit(np.array(angle[:n])))
     found = formation.twist(pull, np.array([heading]), 1e-7, CONFIG)[0]
     assert found[LINEAR] == pytest.approx(v, abs=1e-12)  # m/s; roundings of 60 m
     # omega is a mean over the tick: off by (mu'|g|)^2 dt/4 <= 0.01 for |g| <= 60 m; a difference of two
@@ -124,7 +124,7 @@ def test_turning_and_shifting_the_whole_team_changes_no_twist(
 def _twists(where: Floats) -> Floats:
     known = layouts.hear(where, range(len(where)), reach=1e6)
     bearing = np.stack([known.dx, known.dy]) / known.separation
-    pull = formation.pull(known.edges, known.separation - 68.0, bearing)
+    pull = formation.formation_vector(known.edges, known.separation - 68.0, bearing)
     return formation.twist(pull, where[:, 2], 0.02, CONFIG)
 
 

@@ -17,7 +17,7 @@ from tests.support import layouts
 def test_the_fit_finds_level_and_slope_of_a_channel_of_its_family() -> None:
     """Samples of p = exp(-c r^nu) at separations about rho_0, without exchange and without aging."""
     rng, c, nu, scale = np.random.default_rng(4), 3e-7, 3.0, 75.0
-    known = packet_counting.nothing(POOLED, 1)
+    known = packet_counting.no_counts(POOLED, 1)
     for _ in range(4000):
         r = rng.uniform(60.0, 90.0, 26)
         decoded = rng.random(26) < np.exp(-c * r**nu)
@@ -30,7 +30,7 @@ def test_the_fit_finds_level_and_slope_of_a_channel_of_its_family() -> None:
 def test_misses_are_learnt_from_the_gap_at_separations_in_between() -> None:
     """A peer moves away by 1 m a tick; of ticks 0 to 4 only the beacons of 0 and 4 decode."""
     near = layouts.edges([0], [(0, 1)])
-    now, ids = contacts.nobody(near.ids), np.array([1])
+    now, ids = contacts.no_contacts(near.ids), np.array([1])
     found = []
     for tick in range(1, 6):
         said = layouts.silent_beacons(tick - 1, ids, layouts.poses([(60.0 + tick - 1, 0.0)]))
@@ -47,7 +47,7 @@ def test_misses_are_learnt_from_the_gap_at_separations_in_between() -> None:
 def test_of_a_long_silence_the_latest_slots_are_counted() -> None:
     """A peer moves from 60 to 160 m in a million ticks in which no beacon decodes."""
     near, ids, silent = layouts.edges([0], [(0, 1)]), np.array([1]), 10**6
-    before = now = contacts.nobody(near.ids)
+    before = now = contacts.no_contacts(near.ids)
     for tick, place in ((1, 60.0), (silent, 160.0)):
         said = layouts.silent_beacons(tick - 1, ids, layouts.poses([(place, 0.0)]))
         sensed = Observations(tick, layouts.poses([(0.0, 0.0)]), near, np.array([2], dtype=np.uint8))
@@ -61,12 +61,12 @@ def test_of_a_long_silence_the_latest_slots_are_counted() -> None:
 
 def test_mixing_keeps_what_all_agree_on_and_ages_it() -> None:
     everybody = Edges(np.arange(3), np.array([0, 0, 1, 1, 2, 2]), np.array([1, 2, 0, 2, 0, 1]))
-    sums = np.tile(np.arange(1.0, SUMS + 1.0), (3, 1))
-    before = Reception(POOLED, sums, np.zeros(3), np.ones(3))
-    mixed = packet_counting.mix(before, everybody, np.ones(6, dtype=np.bool_), sums[everybody.peers])
+    metrics = np.tile(np.arange(1.0, SUMS + 1.0), (3, 1))
+    before = Reception(POOLED, metrics, np.zeros(3), np.ones(3))
+    mixed = packet_counting.mix(before, everybody, np.ones(6, dtype=np.bool_), metrics[everybody.peers])
     after = packet_counting.fade(mixed, 0.02)
     faded = np.array([np.exp(-0.02 / 6.0)] * 3 + [np.exp(-0.02 / 120.0)] * 2)
-    np.testing.assert_allclose(after.sums, sums * faded, rtol=1e-14)  # roundings
+    np.testing.assert_allclose(after.sums, metrics * faded, rtol=1e-14)  # roundings
 
 
 def test_each_robot_mixes_in_a_tenth_of_what_each_heard_robot_has_more_than_itself() -> None:
@@ -99,7 +99,7 @@ def test_bounds_of_estimates_grow_with_what_the_team_wants() -> None:
 
 def test_robots_on_one_point_learn_nothing_strange() -> None:
     known = packet_counting.learn(
-        packet_counting.nothing(POOLED, 1), np.array([0]), np.array([0.0]), np.array([True]), 75.0
+        packet_counting.no_counts(POOLED, 1), np.array([0]), np.array([0.0]), np.array([True]), 75.0
     )
     assert np.isfinite(known.sums).all()
     assert np.isfinite(known.exponent).all()
@@ -116,7 +116,7 @@ def test_the_curvature_of_the_wish_is_the_derivative_of_its_slope() -> None:
 def test_links_that_learn_alone_learn_each_its_own_slope_and_keep_it_while_others_come_and_go() -> None:
     """Two links with exponents 1 and 6 at their own separations; then the first goes and a third comes."""
     rng, scale, slopes = np.random.default_rng(7), 75.0, np.array([1.0, 6.0])
-    known = packet_counting.nothing(ALONE, 2)
+    known = packet_counting.no_counts(ALONE, 2)
     for _ in range(6000):
         r = rng.uniform(60.0, 90.0, 2)
         decoded = rng.random(2) < np.exp(-0.3 * (r / scale) ** slopes)
@@ -135,7 +135,7 @@ def test_a_sample_of_the_index_is_what_the_team_prefers_if_the_beacon_decoded_an
     near, wish = layouts.edges([0], [(0, 1), (0, 2)]), ObjectiveConfig()
     said = layouts.silent_beacons(4, np.array([1, 2]), layouts.poses([(60.0, 0.0), (0.0, 70.0)]))
     sensed = Observations(5, layouts.poses([(0.0, 0.0)]), near, np.array([2, 1], dtype=np.uint8))
-    known = contacts.update(contacts.nobody(near.ids), sensed, layouts.poses([(0.0, 0.0)]), said, 50)
+    known = contacts.update(contacts.no_contacts(near.ids), sensed, layouts.poses([(0.0, 0.0)]), said, 50)
     sample = beacon_counting.sample(known, 5, np.arange(2), wish)
     assert sample.tolist() == [objective.preference(np.array([60.0]), wish)[0], 0.0]
 

@@ -23,28 +23,28 @@ def beacon(tick: int, x: float = 0.0, robot: int = 5) -> bytes:
 def heard(*rounds: tuple[int, list[bytes | None]]) -> tuple[list[list[tuple[int, float]]], DropLog]:
     """For each tick that is asked for, with what has come until then: tick and x of the beacons that are heard."""
     waiting: list[bytes | None] = []
-    key, complaints = keys.beacon("test", 5), DropLog(logging.getLogger("test"))
+    key, drops = keys.beacon("test", 5), DropLog(logging.getLogger("test"))
     box = SimpleNamespace(take=lambda: (key, waiting.pop(0)) if waiting else None)
-    radio = BeaconSubscriptions(SimpleNamespace(mailbox=lambda key: box), "test", "0", complaints)  # type: ignore[arg-type]
-    radio.tune({5})
+    radio = BeaconSubscriptions(SimpleNamespace(mailbox=lambda key: box), "test", "0", drops)  # type: ignore[arg-type]
+    radio.update({5})
     found = []
     for tick, came in rounds:
         waiting += came
         found.append([(one.tick, one.pose[0]) for one in radio.heard(tick)])
-    return found, complaints
+    return found, drops
 
 
 def test_a_beacon_that_came_early_is_kept_for_its_tick_and_the_first_one_stays() -> None:
-    found, complaints = heard((0, [beacon(1, 1.0), beacon(1, 2.0), beacon(0, 3.0)]), (1, [beacon(1, 4.0)]), (2, []))
+    found, drops = heard((0, [beacon(1, 1.0), beacon(1, 2.0), beacon(0, 3.0)]), (1, [beacon(1, 4.0)]), (2, []))
     assert found == [[(0, 3.0)], [(1, 1.0)], []]
-    assert not complaints.counts
+    assert not drops.counts
 
 
 def test_what_is_old_is_forgotten_and_what_is_junk_or_of_the_future_is_counted() -> None:
     junk = [b"\xc1", None, beacon(3, robot=6), beacon(9), beacon(2)]
-    found, complaints = heard((3, [*junk, beacon(3, 1.0), beacon(3, 2.0)]), (4, [beacon(4)]))
+    found, drops = heard((3, [*junk, beacon(3, 1.0), beacon(3, 2.0)]), (4, [beacon(4)]))
     assert found == [[(3, 1.0)], [(4, 0.0)]]
-    assert complaints.counts == {
+    assert drops.counts == {
         "Beacon: is not msgpack (FormatError)": 1,
         "Beacon: a deletion is not a beacon": 1,
         "Beacon: came on another robot's key": 1,

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.runtime.marshalling import MessageAssembler, payloads
+from agents.runtime.marshalling import MessageAssembler, encode_tick
 from fes.arrays.types import Bytes, Floats, Ints
 from fes.model.sensing import MAX_TOLD, MAX_TWIST, Beacons, Telemetry, bounded
 from fes.protocol import messages
@@ -46,7 +46,9 @@ def told(said: Beacons, learnt: Floats) -> Telemetry:
 
 def sent(said: Beacons, twists: Floats) -> list[Beacon]:
     """The crew's beacons, each decoded from its payload."""
-    return [messages.decode_beacon(beacon) for _, beacon, _ in payloads(said, twists, told(said, np.zeros((2, 0))))]
+    return [
+        messages.decode_beacon(beacon) for _, beacon, _ in encode_tick(said, twists, told(said, np.zeros((2, 0))))
+    ]
 
 
 def bits(array: Floats | Ints | Bytes) -> tuple[str, tuple[int, ...], bytes]:
@@ -60,7 +62,7 @@ def test_beacons_split_into_payloads_and_stacked_again_are_the_same_bits(
     said, twists = say(crew, pairs, seed)
     again = MessageAssembler(said.ids).beacons(7, sent(said, twists))
     assert again.tick == said.tick
-    for name in ("ids", "poses", "estimates", "named", "statistics"):
+    for name in ("ids", "poses", "estimates", "selected", "statistics"):
         assert bits(getattr(again, name)) == bits(getattr(said, name)), name
     for name in ("ids", "rows", "peers"):
         assert bits(getattr(again.links, name)) == bits(getattr(said.links, name)), name
@@ -71,7 +73,7 @@ def test_each_command_holds_its_own_robots_twist_and_telemetry(crew: set[int], p
     said, twists = say(crew, pairs, seed)
     estimates = dict(zip(sorted(layouts.pairs_of(said.links)), said.estimates.tolist(), strict=True))
     learnt = np.stack([said.estimates, -said.estimates])
-    for at, (robot, _, payload) in enumerate(payloads(said, twists, told(said, learnt))):
+    for at, (robot, _, payload) in enumerate(encode_tick(said, twists, told(said, learnt))):
         command = messages.decode_command(payload)
         assert (command.robot, command.tick, robot) == (sorted(crew)[at], 7, sorted(crew)[at])
         assert bits(command.learnt) == bits(np.concatenate([command.estimates, -command.estimates]))

@@ -38,12 +38,12 @@ class Kept:
 def test_the_last_two_ticks_can_be_recalled_and_answered_again_and_no_older_one() -> None:
     """A peer that is a tick behind asks for what was said before the last word."""
     kept = Kept()
-    mouth = Outbox(kept, "test", (4, 7), DropLog(logging.getLogger("test")))  # type: ignore[arg-type]
+    outbox = Outbox(kept, "test", (4, 7), DropLog(logging.getLogger("test")))  # type: ignore[arg-type]
     for tick in range(10):
-        mouth.say(tick, [(robot, b"beacon %d of %d" % (tick, robot), b"command %d" % tick) for robot in (4, 7)])
+        outbox.publish(tick, [(robot, b"beacon %d of %d" % (tick, robot), b"command %d" % tick) for robot in (4, 7)])
     assert [kept.recall(7, tick) for tick in (9, 8)] == ["beacon 9 of 7", "beacon 8 of 7"]
     assert kept.recall(7, 7) == "robot 7 does not remember its beacon of tick 7"
-    assert [mouth.remembers(tick) for tick in (10, 9, 8, 7)] == [False, True, True, False]
+    assert [outbox.has(tick) for tick in (10, 9, 8, 7)] == [False, True, True, False]
     kept.put.clear()
-    mouth.repeat(8, 4)
+    outbox.resend(8, 4)
     assert kept.put == [(keys.beacon("test", 4), b"beacon 8 of 4"), (keys.command("test", 4), b"command 8")]

@@ -40,12 +40,12 @@ Scene = Callable[[int, Sense, WorldLiveliness], None]
 
 def play(scene: Scene) -> tuple[list[int], TickPayloads, DropLog]:
     """The ticks that were answered, what was repeated, and what was odd, while tick 0 and then a scene come."""
-    mouth, complaints = TickPayloads(), DropLog(logging.getLogger("test"))
+    outbox, drops = TickPayloads(), DropLog(logging.getLogger("test"))
     answered: list[int] = []
 
     async def main() -> None:
         inbox = Inbox(asyncio.get_running_loop())
-        turns, world = TickSource((3,), inbox, mouth, complaints), WorldLiveliness("the world", inbox)  # type: ignore[arg-type]
+        ticks, world = TickSource((3,), inbox, outbox, drops), WorldLiveliness("the world", inbox)  # type: ignore[arg-type]
 
         def sense(tick: int, since: int = 0, over: bool = False) -> None:
             sensed = Observation(tick, 3, (0.0, 0.0, 0.0), NOTHING, NOTHING.astype(np.uint8), over, since)
@@ -53,14 +53,14 @@ def play(scene: Scene) -> tuple[list[int], TickPayloads, DropLog]:
 
         sense(0)
         async with asyncio.timeout(60.0):
-            async for [observation] in turns.lockstep(world):
-                assert observation.tick == turns.tick
+            async for [observation] in ticks.lockstep(world):
+                assert observation.tick == ticks.tick
                 answered.append(observation.tick)
-                mouth.last = observation.tick
+                outbox.last = observation.tick
                 scene(observation.tick, sense, world)
 
     asyncio.run(main())
-    return answered, mouth, complaints
+    return answered, outbox, drops
 
 
 def test_what_comes_early_is_refused_and_does_not_take_the_place_of_what_is_next() -> None:
@@ -69,10 +69,10 @@ def test_what_comes_early_is_refused_and_does_not_take_the_place_of_what_is_next
             sense(tick + early)
         sense(tick + 1, over=tick == 3)
 
-    answered, mouth, complaints = play(scene)
+    answered, outbox, drops = play(scene)
     assert answered == [0, 1, 2, 3]
-    assert not mouth.repeated
-    assert complaints.counts == {ODD: 8}
+    assert not outbox.repeated
+    assert drops.counts == {ODD: 8}
 
 
 def test_what_comes_again_is_answered_again_and_what_is_older_is_refused() -> None:
@@ -81,10 +81,10 @@ def test_what_comes_again_is_answered_again_and_what_is_older_is_refused() -> No
             sense(max(0, tick - late))
         sense(tick + 1, over=tick == 2)
 
-    answered, mouth, complaints = play(scene)
+    answered, outbox, drops = play(scene)
     assert answered == [0, 1, 2]
-    assert mouth.repeated == [0, 0, 0, 1, 2]
-    assert complaints.counts == {ODD: 4}
+    assert outbox.repeated == [0, 0, 0, 1, 2]
+    assert drops.counts == {ODD: 4}
 
 
 def test_a_world_that_is_back_is_answered_one_tick_before_the_last_too_and_ends_who_cannot() -> None:
@@ -112,6 +112,6 @@ def test_who_was_away_goes_on_where_it_is_told_that_it_takes_part_again() -> Non
     def scene(tick: int, sense: Sense, world: WorldLiveliness) -> None:
         sense(900 if tick == 0 else 901, since=900, over=tick > 0)
 
-    answered, _, complaints = play(scene)
+    answered, _, drops = play(scene)
     assert answered == [0, 900]
-    assert not complaints.counts
+    assert not drops.counts

@@ -15,12 +15,12 @@ def test_a_signal_that_meets_an_interpreter_that_only_just_starts_waits_for_its_
     """Before it is set, Python would die of the signal, or print a traceback of its own start."""
 
     async def main() -> ManagedProcess:
-        async with family(tmp_path) as kin:
-            await kin.start_agent("0", [])
-            kin.agents[0].signal(signal.SIGINT)
+        async with family(tmp_path) as processes:
+            await processes.start_agent("0", [])
+            processes.agents[0].signal(signal.SIGINT)
             async with asyncio.timeout(60.0):
-                await kin.agents[0].process.wait()
-        return kin.agents[0]
+                await processes.agents[0].process.wait()
+        return processes.agents[0]
 
     ended = asyncio.run(main())
     assert (ended.process.returncode, ended.log.read_text()) == (0, "")

@@ -144,6 +144,6 @@ def test_a_robot_that_is_to_wake_is_not_killed_when_the_world_is_lost_from_sight
         return lambda ids: done.append(f"{verb} {ids}")
 
     monkeypatch.setattr("console.connect.observer.reports", reports)
-    hands = fault_injection.ProcessControl(kill, kill, note("stop"), note("proceed"), away)
-    jumps.run(fault_injection.enact(None, "test", 1.0, scenario, hands, alone=True))  # type: ignore[arg-type]
+    control = fault_injection.ProcessControl(kill, kill, note("stop"), note("proceed"), away)
+    jumps.run(fault_injection.enact(None, "test", 1.0, scenario, control, alone=True))  # type: ignore[arg-type]
     assert done == did

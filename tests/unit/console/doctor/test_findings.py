@@ -97,7 +97,7 @@ def test_a_run_without_one_world_has_failed(
 def test_a_world_of_another_version_is_a_finding_with_both_versions() -> None:
     newer = msgpack.packb([1, "9.0", "3.0", 5, 1.0, "a field more"])
     with pytest.raises(MessageError) as caught:
-        world_info.decode_about(newer)
+        world_info.decode_world_info(newer)
     [found] = network.said_by(caught.value)
     assert (found.status, found.seen) == (Status.FAILED, "About: speaks protocol 2, got version: 1")
     package, *_ = network.said_by(Answer(0.0, 0.0, WorldInfo("0.0.1", "1.0", 3, 0.0)))
@@ -142,8 +142,8 @@ def test_a_listener_that_says_nothing_does_not_hold_it_up(wanted: bool, status: 
 def test_a_world_that_does_not_answer_is_a_warning() -> None:
     async def main() -> list[Finding]:
         async with session.router() as (world, endpoint):
-            world.token(keys.world_alive(RUN))
-            world.serve(keys.about(RUN), lambda question: None)
+            world.declare_token(keys.world_alive(RUN))
+            world.declare_queryable(keys.about(RUN), lambda query: None)
             async with client(endpoint):
                 return (await network.examine(client_of(endpoint), RUN, True))[0]
 

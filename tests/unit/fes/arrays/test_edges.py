@@ -63,8 +63,8 @@ def test_the_order_of_a_sum_matters_to_its_digits() -> None:
 def test_a_robots_sum_does_not_depend_on_who_shares_its_process(pairs: set[tuple[int, int]], crew: set[int]) -> None:
     whole = edges(CREW, pairs)
     part = edges(crew, {pair for pair in pairs if pair[0] in crew})
-    sums = whole.sum(np.array(values(whole)))
-    assert part.sum(np.array(values(part))).tolist() == sums[sorted(crew)].tolist()  # to the bit
+    metrics = whole.sum(np.array(values(whole)))
+    assert part.sum(np.array(values(part))).tolist() == metrics[sorted(crew)].tolist()  # to the bit
 
 
 @given(pairs=pair_sets, wanted=pair_sets)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from fes.errors import FesError
 from fes.protocol import wire
-from fes.protocol.channel_change import ChangeResult, encode_effect
+from fes.protocol.channel_change import ChangeResult, encode_result
 from tests.support.fuzz import attack, corpus
 from tests.support.mutations import LENGTHS, MUTATIONS, mutate
 from tests.support.payloads import CODECS, refusal
@@ -69,7 +69,7 @@ def test_any_change_that_can_be_said_is_made_or_refused_in_one_line(data: st.Dat
     try:
         changed = events.changed(RadioConfig(), {path: change.value}, 0.02)
         said = str(
-            CODECS["Effect"].decode(encode_effect(ChangeResult(path, events.effective(changed, path), 1, 68.0))).tick
+            CODECS["Effect"].decode(encode_result(ChangeResult(path, events.effective(changed, path), 1, 68.0))).tick
         )
     except FesError as error:
         said = str(error)

@@ -117,7 +117,7 @@ def test_a_summary_has_what_can_be_expected_and_nothing_else() -> None:
     assert found["edges"]
     assert found["radio"]
     assert found.pop("deadlines") is None  # of a live clock
-    found["deadlines"] = deadlines.none(10).table()
+    found["deadlines"] = deadlines.no_deadlines(10).table()
     assert kinds(expectations.SUMMARY, found)
 
 
@@ -136,8 +136,10 @@ def test_the_summary_counts_how_long_links_were_apart() -> None:
 @pytest.mark.parametrize("backend", ["inprocess", "processes"])
 def test_a_run_that_is_not_as_expected_exits_with_two_and_shows_what_was_seen(backend: str, tmp_path: Path) -> None:
     words = ["run", str(CONFIGS / "pair.toml"), "--duration", "1", "--headless", "--backend", backend]
-    wish = 'expect=[{of="ticks", equals=50}, {of="estimate_error_max", below=1e-9}]'
-    done = subprocess.run(fes(*words, "--set", wish), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
+    objective = 'expect=[{of="ticks", equals=50}, {of="estimate_error_max", below=1e-9}]'
+    done = subprocess.run(
+        fes(*words, "--set", objective), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE
+    )
     assert (done.returncode, done.stderr) == (2, (LOOP if backend == "inprocess" else STARTING).format(2))
     lines = done.stdout.splitlines()
     assert any("ticks" in line and "equal to 50" in line and "holds" in line for line in lines)

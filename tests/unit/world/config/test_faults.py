@@ -88,7 +88,7 @@ def test_what_it_measured_is_late_too_and_the_command_is_not() -> None:
     at = 24  # what was heard of robot 3 has not come back to it before
     assert run[at].said.statistics[3].tobytes() == calm[20].said.statistics[3].tobytes()
     assert run[at].said.statistics[3].tobytes() != calm[at].said.statistics[3].tobytes()
-    spoken = {robot: payloads for robot, *payloads in marshalling.payloads(run[at].said, *told(run[at]))}
+    spoken = {robot: payloads for robot, *payloads in marshalling.encode_tick(run[at].said, *told(run[at]))}
     beacon, command = messages.decode_beacon(spoken[3][0]), messages.decode_command(spoken[3][1])
     assert beacon.tick == command.tick == at
     own = run[at].telemetry.links.rows == 3
@@ -159,7 +159,7 @@ def test_who_hangs_is_to_the_others_as_dead_as_who_dies() -> None:
 def test_damaged_beacons_are_none_and_are_damaged_in_three_ways_each_time_the_same() -> None:
     lengths, broken = set(), []
     for tick in ticks(seconds=4.0, name="measured.toml"):
-        for robot, beacon, _ in marshalling.payloads(tick.said, *told(tick)):
+        for robot, beacon, _ in marshalling.encode_tick(tick.said, *told(tick)):
             damaged = transmitter.damage(7, tick.state.tick, robot, beacon)
             assert damaged == transmitter.damage(7, tick.state.tick, robot, beacon)
             with pytest.raises(MessageError):

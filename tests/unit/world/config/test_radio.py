@@ -64,9 +64,9 @@ def test_a_robot_is_jammed_where_it_is_at_the_tick_of_the_beacon() -> None:
 def report_outage(state: State, what: Scenario, pairs: list[Pair]) -> list[float]:
     """The outage that a report shows of links (a, b), a < b, that both sides use."""
     links = layouts.edges(range(len(state.poses)), [*pairs, *((b, a) for a, b in pairs)])
-    sums, said = MetricsCollector(what), Telemetry(links, np.full(len(links), 70.0), np.zeros((2, 0)))
-    sums.add(state, np.zeros((len(state.poses), 2)), said)
-    report = report_builder.build(sums, "test", np.ones(len(state.poses), dtype=np.uint8), 1.0, 1.0)
+    metrics, said = MetricsCollector(what), Telemetry(links, np.full(len(links), 70.0), np.zeros((2, 0)))
+    metrics.add(state, np.zeros((len(state.poses), 2)), said)
+    report = report_builder.build(metrics, "test", np.ones(len(state.poses), dtype=np.uint8), 1.0, 1.0)
     assert list(zip(report.a.tolist(), report.b.tolist(), strict=True)) == pairs
     return [float(outage) for outage in report.outage]
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from console.backends import inprocess
-from fes.protocol.channel_change import ChangeResult, decode_effect, encode_effect
+from fes.protocol.channel_change import ChangeResult, decode_result, encode_result
 from tests.support.loop import load
 from tests.support.paths import CONFIGS
 from tests.support.processes import LOOP, PATIENCE, STARTING, fes
@@ -125,17 +125,17 @@ def test_fes_sweep_says_them_once_for_all_of_its_cells(tmp_path: Path) -> None:
 def test_the_answer_to_a_change_says_whether_the_robots_go_on_with_what_they_were_told(
     settings: dict[str, Any], path: str, value: Any, unnoticed: bool
 ) -> None:
-    course = Run(load("pair.toml", **settings))
-    effect = course.change(path, value)
+    run = Run(load("pair.toml", **settings))
+    effect = run.change(path, value)
     assert effect.unnoticed is unnoticed
-    assert decode_effect(encode_effect(effect)) == effect
+    assert decode_result(encode_result(effect)) == effect
 
 
 def test_a_channel_that_is_set_back_is_noticed_by_nobody_as_nothing_is_wrong_with_it() -> None:
-    course = Run(load("pair.toml"))
-    assert course.change("channel.reference_snr", 5e6).unnoticed
-    assert not course.change("channel.reference_snr", 1e7).unnoticed
-    assert isinstance(course.change("channel.spectral_efficiency", 2.0), ChangeResult)
+    run = Run(load("pair.toml"))
+    assert run.change("channel.reference_snr", 5e6).unnoticed
+    assert not run.change("channel.reference_snr", 1e7).unnoticed
+    assert isinstance(run.change("channel.spectral_efficiency", 2.0), ChangeResult)
 
 
 def test_the_scenario_that_is_named_is_one_whose_robots_measure() -> None:

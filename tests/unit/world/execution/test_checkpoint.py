@@ -113,12 +113,12 @@ def test_after_a_note_for_which_there_was_no_room_there_are_no_others(tmp_path: 
 
 
 def test_who_shares_a_process_is_what_was_last_joined(tmp_path: Path) -> None:
-    course, keeper = Run(load("neighborhood.toml")), CheckpointWriter(tmp_path, 1e9, "test", "main")
-    keeper.begin(course)
+    run, checkpoints = Run(load("neighborhood.toml")), CheckpointWriter(tmp_path, 1e9, "test", "main")
+    checkpoints.begin(run)
     for robots in ([0, 1, 2], [0], [1, 2], [0, 1, 2], [2]):
-        keeper.note(["join", robots, sum(robots)])
-    keeper.close(course)
-    again, kept, _ = resume.course(tmp_path, resume.load(tmp_path), None, 1e9)
+        checkpoints.note(["join", robots, sum(robots)])
+    checkpoints.close(run)
+    again, kept, _ = resume.run(tmp_path, resume.load(tmp_path), None, 1e9)
     assert kept.hosts == {0: Join((0, 1, 2), 3), 1: Join((0, 1, 2), 3), 2: Join((2,), 2)}
     assert kept.renewed == {0, 1, 2}
     kept.note(["tick", 0, [b"", b"x", b"x"], [], b"", 0.0])
@@ -195,7 +195,7 @@ def test_what_cannot_be_gone_on_from_is_one_line(tmp_path: Path) -> None:
         kept.add(note)
         kept.close()
         with pytest.raises(FesError, match=r"^the notes in .*checkpoint are damaged: ") as caught:
-            resume.course(tmp_path / "run", resume.load(tmp_path / "run"), None, 1e9)
+            resume.run(tmp_path / "run", resume.load(tmp_path / "run"), None, 1e9)
         assert "\n" not in str(caught.value)
 
 
@@ -221,4 +221,4 @@ def test_a_new_run_leaves_nothing_of_an_older_one_to_go_on_from(tmp_path: Path) 
     begun(tmp_path / "run")
     flags = argparse.Namespace(out=tmp_path / "run", no_record=True, checkpoint=0.0)
     process._recorder(flags, process.Start(load("pair.toml"), "pair", "main"))
-    assert not checkpoint.is_kept(tmp_path / "run")
+    assert not checkpoint.has_checkpoint(tmp_path / "run")

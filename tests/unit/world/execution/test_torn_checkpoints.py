@@ -12,7 +12,7 @@ from fes.errors import FesError
 from tests.support.loop import load
 from tests.support.teams import Team
 from world.execution import resume
-from world.execution.checkpoint import FOLDER, STATE, TRAIL, CheckpointWriter
+from world.execution.checkpoint import DIGEST_INPUT, FOLDER, STATE, CheckpointWriter
 from world.execution.run import Run
 
 
@@ -46,12 +46,12 @@ def failing(name: str, number: int = 0) -> Iterator[None]:
 @pytest.fixture
 def kept(tmp_path: Path) -> tuple[Run, CheckpointWriter]:
     """A run of five ticks, kept at its first."""
-    course, keeper = Run(load("pair.toml")), CheckpointWriter(tmp_path, 1e9, "pair", "main")
-    keeper.begin(course)
-    team = Team(course.scenario)
+    run, checkpoints = Run(load("pair.toml")), CheckpointWriter(tmp_path, 1e9, "pair", "main")
+    checkpoints.begin(run)
+    team = Team(run.scenario)
     for _ in range(5):
-        team.step(course)
-    return course, keeper
+        team.step(run)
+    return run, checkpoints
 
 
 HOW = ["the disk is full", "the trail is not synced", "it is not synced", "it is not renamed"]
@@ -61,7 +61,7 @@ HOW = ["the disk is full", "the trail is not synced", "it is not synced", "it is
 def test_where_a_checkpoint_fails_halfway_the_one_before_it_and_all_notes_are_there(
     tmp_path: Path, kept: tuple[Run, CheckpointWriter], how: str
 ) -> None:
-    course, keeper = kept
+    run, checkpoints = kept
     state = tmp_path / FOLDER / STATE
     before = state.read_bytes()
     broken = {
@@ -71,24 +71,24 @@ def test_where_a_checkpoint_fails_halfway_the_one_before_it_and_all_notes_are_th
         HOW[3]: failing("replace"),
     }
     with broken[how], pytest.raises(FesError, match=r"^cannot keep a checkpoint: "):
-        keeper.save(course, {}, 0.1, at_once=True)
+        checkpoints.save(run, {}, 0.1, at_once=True)
     assert state.read_bytes() == before
-    course.attend(course.world.ids != 1)  # goes into the new journal
-    keeper.close(course)
+    run.attend(run.world.ids != 1)  # goes into the new journal
+    checkpoints.close(run)
     snapshot = resume.load(tmp_path)
     assert (snapshot.number, snapshot.state.tick) == (1, 0)
-    again, other, _ = resume.course(tmp_path, snapshot, None, 1e9)
+    again, other, _ = resume.run(tmp_path, snapshot, None, 1e9)
     assert again.state.tick == 5
     assert again.state.present.tolist() == [True, False]
-    assert again.state.poses.tobytes() == course.state.poses.tobytes()
-    assert again.sums.tally.digest.text() == course.sums.tally.digest.text()
+    assert again.state.poses.tobytes() == run.state.poses.tobytes()
+    assert again.metrics.link_errors.digest.text() == run.metrics.link_errors.digest.text()
     other.discard(again)
 
 
 def test_a_checkpoint_takes_the_place_of_the_one_before_it_when_all_of_it_is_on_the_disk(
     tmp_path: Path, kept: tuple[Run, CheckpointWriter], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    course, keeper = kept
+    run, checkpoints = kept
     synced: set[tuple[int, int]] = set()  # which file, and how much of it
     fsync, replace, replaced = os.fsync, os.replace, list[tuple[int, int]]()
 
@@ -102,13 +102,13 @@ def test_a_checkpoint_takes_the_place_of_the_one_before_it_when_all_of_it_is_on_
     def take_its_place(part: Path, whole: Path) -> None:
         replaced.append(of(part))
         assert replaced[-1] in synced
-        assert of(tmp_path / FOLDER / TRAIL) in synced  # without it there is no digest
+        assert of(tmp_path / FOLDER / DIGEST_INPUT) in synced  # without it there is no digest
         replace(part, whole)
 
     monkeypatch.setattr(os, "fsync", sync)
     monkeypatch.setattr(os, "replace", take_its_place)
-    keeper.save(course, {}, 0.1, at_once=True)
-    keeper.close(course)
+    checkpoints.save(run, {}, 0.1, at_once=True)
+    checkpoints.close(run)
     assert replaced == [of(tmp_path / FOLDER / STATE)]
-    assert sorted(path.name for path in (tmp_path / FOLDER).iterdir()) == ["journal-2", STATE, TRAIL]
+    assert sorted(path.name for path in (tmp_path / FOLDER).iterdir()) == ["journal-2", STATE, DIGEST_INPUT]
     assert resume.load(tmp_path).state.tick == 5

@@ -26,7 +26,7 @@ BOTH = [(0, 1), (1, 0)]
 
 
 def add(
-    tally: LinkErrors,
+    errors: LinkErrors,
     where: Floats,
     links: Edges,
     estimates: Sequence[float],
@@ -39,19 +39,19 @@ def add(
     said = Telemetry(links, np.array(estimates), np.zeros((2, 0)))
     separation = link_errors.separations(where, *link_errors.ends(links))
     everybody = np.ones(len(where), dtype=np.bool_)
-    tally.add(where, held, near, everybody, open_contacts, said, separation, OPTIMUM)
+    errors.add(where, held, near, everybody, open_contacts, said, separation, OPTIMUM)
 
 
 def times(
     separations: Sequence[float] = (), estimates: Sequence[tuple[float, float]] = ()
 ) -> dict[str, float | None]:
     """time_to of two robots with these separation errors and pairs of estimate errors [m], tick by tick."""
-    tally, links = LinkErrors(DT), layouts.edges([0, 1], BOTH)
+    errors, links = LinkErrors(DT), layouts.edges([0, 1], BOTH)
     for error in separations:
-        add(tally, layouts.poses([(0.0, 0.0), (OPTIMUM + error, 0.0)]), links, [OPTIMUM] * 2)
+        add(errors, layouts.poses([(0.0, 0.0), (OPTIMUM + error, 0.0)]), links, [OPTIMUM] * 2)
     for mine, theirs in estimates:
-        add(tally, layouts.poses([(0.0, 0.0), (OPTIMUM, 0.0)]), links, [OPTIMUM + mine, OPTIMUM + theirs])
-    return tally.times()
+        add(errors, layouts.poses([(0.0, 0.0), (OPTIMUM, 0.0)]), links, [OPTIMUM + mine, OPTIMUM + theirs])
+    return errors.times()
 
 
 def test_the_digest_is_the_contracts_sum_over_ticks_and_robots() -> None:
@@ -61,11 +61,11 @@ def test_the_digest_is_the_contracts_sum_over_ticks_and_robots() -> None:
         -0.0 * ticks[5][0],
         np.asfortranarray(ticks[5][1]),
     )  # signs of zero and memory order are no matter
-    tally, nothing = LinkErrors(DT), layouts.edges(range(4), [])
+    errors, nothing = LinkErrors(DT), layouts.edges(range(4), [])
     for poses, twists in ticks:
-        add(tally, poses, nothing, [], twists)
-    assert tally.digest.text() == contract_digest(ticks)
-    assert tally.digest.text() != contract_digest(ticks[:-1])
+        add(errors, poses, nothing, [], twists)
+    assert errors.digest.text() == contract_digest(ticks)
+    assert errors.digest.text() != contract_digest(ticks[:-1])
 
 
 def test_the_digest_of_a_run_is_that_of_its_true_poses_and_twists(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -127,9 +127,9 @@ def test_errors_and_disagreement_of_three_robots_are_those_computed_by_hand(
     where = layouts.poses([(0.0, 0.0), (60.0, 0.0), (60.0, 32.0)])  # 0-1: 60 m, 1-2: 32 m, 0-2: 68 m
     said = {(0, 1): 67.0, (1, 0): 69.5, (0, 2): 68.25, (2, 0): 67.0, one_sided: 75.0}
     links = layouts.edges(range(3), said)
-    tally = LinkErrors(DT)
-    add(tally, where, links, [said[pair] for pair in sorted(said)])
-    assert tally.errors == {
+    errors = LinkErrors(DT)
+    add(errors, where, links, [said[pair] for pair in sorted(said)])
+    assert errors.errors == {
         "disagreement": 2.5 + 1.25,  # a link without an answer disagrees with nobody
         "estimate_error": 7.0,  # but it has an estimate
         "separation_error": 36.0,  # and a separation
@@ -137,12 +137,12 @@ def test_errors_and_disagreement_of_three_robots_are_those_computed_by_hand(
 
 
 def test_without_links_there_is_no_error_and_no_level_is_reached() -> None:
-    tally = LinkErrors(DT)
+    errors = LinkErrors(DT)
     for _ in range(30):
-        add(tally, layouts.poses([(0.0, 0.0), (OPTIMUM, 0.0)]), layouts.edges([0, 1], []), [])
-    assert all(math.isnan(error) for error in tally.errors.values())
-    assert set(tally.times().values()) == {None}
-    assert sorted(tally.times()) == sorted(link_errors.LEVELS)
+        add(errors, layouts.poses([(0.0, 0.0), (OPTIMUM, 0.0)]), layouts.edges([0, 1], []), [])
+    assert all(math.isnan(error) for error in errors.errors.values())
+    assert set(errors.times().values()) == {None}
+    assert sorted(errors.times()) == sorted(link_errors.LEVELS)
 
 
 @pytest.mark.parametrize(
@@ -151,20 +151,20 @@ def test_without_links_there_is_no_error_and_no_level_is_reached() -> None:
 )
 def test_links_count_as_connected_from_the_first_tick_with_open_contacts(story: str, always: bool) -> None:
     # `-`: no contact is open, no links; `o`: open, all linked, on one side; `x`: open, robot 2 is alone
-    where, tally = layouts.poses([(0.0, 0.0), (60.0, 0.0), (120.0, 0.0)]), LinkErrors(DT)
+    where, errors = layouts.poses([(0.0, 0.0), (60.0, 0.0), (120.0, 0.0)]), LinkErrors(DT)
     for mark in story:
         pairs = {"-": [], "o": [(0, 1), (2, 1)], "x": BOTH}[mark]
         links = layouts.edges(range(3), pairs)
-        add(tally, where, links, [OPTIMUM] * len(pairs), open_contacts=mark != "-")
-    assert tally.links_always is always
-    assert tally.disk_always
+        add(errors, where, links, [OPTIMUM] * len(pairs), open_contacts=mark != "-")
+    assert errors.links_always is always
+    assert errors.disk_always
 
 
 def test_the_disk_graph_is_connected_always_only_if_at_every_tick() -> None:
     near, far = layouts.poses([(0.0, 0.0), (149.0, 0.0)]), layouts.poses([(0.0, 0.0), (151.0, 0.0)])
-    tally, nothing = LinkErrors(DT), layouts.edges([0, 1], [])
+    errors, nothing = LinkErrors(DT), layouts.edges([0, 1], [])
     seen = []
     for where in (near, near, far, near):
-        add(tally, where, nothing, [])
-        seen.append((tally.disk_now, tally.disk_always))
+        add(errors, where, nothing, [])
+        seen.append((errors.disk_now, errors.disk_always))
     assert seen == [(True, True), (True, True), (False, False), (True, False)]

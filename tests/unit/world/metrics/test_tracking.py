@@ -62,10 +62,10 @@ def test_errors_are_summed_up_from_a_minute_after_the_start_or_the_change() -> N
 
 def test_a_breathing_separation_is_averaged_over_the_latest_whole_period() -> None:
     links, period = layouts.edges([0, 1], [(0, 1), (1, 0)]), 40
-    breathing, seen = PeriodAverage(period), []
+    average, seen = PeriodAverage(period), []
     for tick in range(200):
-        breathing.add(links, np.array([70.0 + 0.01 * tick + 5.0 * math.sin(2.0 * math.pi * tick / period)]))
-        seen.append(float(breathing.mean[0]) if len(breathing.mean) else math.nan)
+        average.add(links, np.array([70.0 + 0.01 * tick + 5.0 * math.sin(2.0 * math.pi * tick / period)]))
+        seen.append(float(average.mean[0]) if len(average.mean) else math.nan)
     assert all(math.isnan(mean) for mean in seen[: period - 1])
     for tick in range(period - 1, 200):
         last = tick - (tick + 1) % 2  # blocks of two ticks
@@ -74,10 +74,10 @@ def test_a_breathing_separation_is_averaged_over_the_latest_whole_period() -> No
 
 
 def test_a_period_of_one_tick_averages_nothing() -> None:
-    breathing = PeriodAverage(1)
+    average = PeriodAverage(1)
     for separation in (70.0, 75.0):
-        breathing.add(layouts.edges([0, 1], [(0, 1)]), np.array([separation]))
-        assert breathing.mean.tolist() == [separation]
+        average.add(layouts.edges([0, 1], [(0, 1)]), np.array([separation]))
+        assert average.mean.tolist() == [separation]
 
 
 @given(
@@ -88,7 +88,7 @@ def test_links_that_come_and_go_keep_their_average_while_they_stand(
     period: int, story: list[set[tuple[int, int]]]
 ) -> None:
     """Against a plain account: a link's separations since it last appeared, whichever side has it."""
-    breathing, since = PeriodAverage(period), dict[tuple[int, int], list[float]]()
+    average, since = PeriodAverage(period), dict[tuple[int, int], list[float]]()
     known: dict[frozenset[tuple[int, int]], Edges] = {}
     blocks = next(count for count in range(min(20, period), 0, -1) if period % count == 0)
     length = period // blocks
@@ -100,9 +100,9 @@ def test_links_that_come_and_go_keep_their_average_while_they_stand(
         assert len(set(now)) == len(now)
         values = {pair: 60.0 + 7.0 * pair[0] + pair[1] + 0.37 * tick for pair in now}
         since = {pair: [*since.get(pair, []), values[pair]] for pair in now}
-        breathing.add(links, np.array([values[pair] for pair in now]))
+        average.add(links, np.array([values[pair] for pair in now]))
         end = (tick + 1) % length  # ticks since the last whole block
-        for pair, mean in zip(now, breathing.mean.tolist() if len(breathing.mean) else [math.nan] * 9, strict=False):
+        for pair, mean in zip(now, average.mean.tolist() if len(average.mean) else [math.nan] * 9, strict=False):
             whole = since[pair][: len(since[pair]) - end]
             if len(whole) >= period + length:  # it stood for all blocks, whenever in a block it came
                 assert mean == pytest.approx(float(np.mean(whole[-period:])))

@@ -23,7 +23,7 @@ from tests.support.frames import a_report
 from tests.support.loop import load
 from world.metrics import report_builder
 from world.metrics.collector import MetricsCollector
-from world.metrics.deadlines import COMMAND_TIMEOUT, Deadlines, none
+from world.metrics.deadlines import COMMAND_TIMEOUT, Deadlines, no_deadlines
 from world.server import live
 from world.server.live import WARM_UP, LiveClock
 from world.server.lockstep import Lockstep
@@ -55,14 +55,14 @@ class Everybody:
 
 def world_of_two() -> tuple[State, Deadlines, Everybody]:
     world = truth.create(load("pair.toml", run__clock="live"))
-    return truth.start(world), none(2), Everybody()
+    return truth.start(world), no_deadlines(2), Everybody()
 
 
 def warm(everybody: Any, deadlines: Deadlines) -> tuple[Inbox, LiveClock]:
     """A live clock whose ticks in lockstep are over, and where its commands come in."""
-    inbox, complaints = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
-    lockstep = Lockstep(inbox, everybody, complaints, lambda robot, payload: None)
-    clock = LiveClock(lockstep, inbox, everybody, complaints, deadlines, TICK)
+    inbox, drops = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
+    lockstep = Lockstep(inbox, everybody, drops, lambda robot, payload: None)
+    clock = LiveClock(lockstep, inbox, everybody, drops, deadlines, TICK)
     clock._left = 0
     return inbox, clock
 
@@ -106,8 +106,8 @@ def test_the_first_ticks_of_a_live_clock_are_in_lockstep_and_their_last_command_
     warm_up = WarmUp()
 
     async def main() -> list[tuple[list[int], list[bool]]]:
-        inbox, complaints = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
-        clock = LiveClock(warm_up, inbox, everybody, complaints, deadlines, TICK)  # type: ignore[arg-type]
+        inbox, drops = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
+        clock = LiveClock(warm_up, inbox, everybody, drops, deadlines, TICK)  # type: ignore[arg-type]
         found = []
         for tick in range(7, 7 + WARM_UP + 1):  # a world that goes on warms up, too
             answers, present = await clock.collect(replace(state, tick=tick), [b"", b""])
@@ -165,7 +165,7 @@ def test_an_agent_answers_the_newest_tick_and_counts_those_it_skipped() -> None:
     async def main() -> tuple[list[int], TickSource]:
         loop = asyncio.get_running_loop()
         inbox = Inbox(loop)
-        turns = TickSource((0, 1), inbox, Outbox.__new__(Outbox), DropLog(logging.getLogger("test")))
+        ticks = TickSource((0, 1), inbox, Outbox.__new__(Outbox), DropLog(logging.getLogger("test")))
         world = WorldLiveliness("the world", inbox)
 
         def sense(robot: int, tick: int, since: int = 0, over: bool = False) -> None:
@@ -177,23 +177,23 @@ def test_an_agent_answers_the_newest_tick_and_counts_those_it_skipped() -> None:
             sense(0, tick)
         sense(1, 0)
         sense(1, 1)  # robot 1's of tick 2 is on its way
-        async for observations in turns.live(world):
-            assert {one.tick for one in observations} == {turns.tick}
-            answered.append(turns.tick)
-            if turns.tick == 1:
+        async for observations in ticks.live(world):
+            assert {one.tick for one in observations} == {ticks.tick}
+            answered.append(ticks.tick)
+            if ticks.tick == 1:
                 for tick in (2, 3, 4, 5):
                     sense(1, tick)
                     sense(0, tick)
-            elif turns.tick == 5:
+            elif ticks.tick == 5:
                 for robot in (0, 1):
                     sense(robot, 900, since=900)  # it was away: nothing was skipped
-            elif turns.tick == 900:
+            elif ticks.tick == 900:
                 sense(0, 901, over=True)
-        return answered, turns
+        return answered, ticks
 
-    answered, turns = asyncio.run(main())
+    answered, ticks = asyncio.run(main())
     assert answered == [1, 5, 900]
-    assert turns.skipped == 3
+    assert ticks.skipped == 3
 
 
 class Nobody:
@@ -206,11 +206,11 @@ class Nobody:
 
 
 def test_a_mouth_that_skips_ticks_forgets_as_much() -> None:
-    mouth = Outbox(Nobody(), "test", (0,), DropLog(logging.getLogger("test")))  # type: ignore[arg-type]
+    outbox = Outbox(Nobody(), "test", (0,), DropLog(logging.getLogger("test")))  # type: ignore[arg-type]
     for tick in range(0, 3000, 3):
-        mouth.say(tick, [(0, b"beacon", b"command")])
-    assert len(mouth._commands) <= 2
-    assert len(mouth._beacons) <= 2
+        outbox.publish(tick, [(0, b"beacon", b"command")])
+    assert len(outbox._commands) <= 2
+    assert len(outbox._beacons) <= 2
 
 
 def test_a_world_that_is_late_slips_and_gives_every_robot_a_whole_tick(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -228,12 +228,12 @@ def test_a_world_that_is_late_slips_and_gives_every_robot_a_whole_tick(monkeypat
 
 
 def test_a_report_tells_of_what_was_missed_and_came_late_until_its_tick() -> None:
-    sums = MetricsCollector(load("pair.toml", run__clock="live"))
+    metrics = MetricsCollector(load("pair.toml", run__clock="live"))
     for tick in inprocess.ticks(load("pair.toml", run__duration=0.1)):
-        sums.add(tick.state, tick.twists, tick.telemetry, np.array([tick.state.tick, 1]))
-    assert sums.deadlines is not None
-    sums.deadlines.late[1] = 2
-    report = report_builder.build(sums, "test", np.ones(2, dtype=np.uint8), 0.0, 0.0)
+        metrics.add(tick.state, tick.twists, tick.telemetry, np.array([tick.state.tick, 1]))
+    assert metrics.deadlines is not None
+    metrics.deadlines.late[1] = 2
+    report = report_builder.build(metrics, "test", np.ones(2, dtype=np.uint8), 0.0, 0.0)
     told = decode_report(encode_report(report))
     assert told.missed.tolist() == [0, 3]  # from tick 2 to 4
     assert told.late.tolist() == [0, 2]

@@ -21,8 +21,8 @@ from world.simulation.truth import State
 
 def of_nobody(pace: float | None) -> tuple[Lockstep, State]:
     """A lockstep, and a world whose two robots do not take part."""
-    inbox, complaints = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
-    clock = Lockstep(inbox, None, complaints, lambda robot, payload: None, pace)  # type: ignore[arg-type]
+    inbox, drops = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
+    clock = Lockstep(inbox, None, drops, lambda robot, payload: None, pace)  # type: ignore[arg-type]
     state = truth.start(truth.create(load("pair.toml")))
     return clock, replace(state, present=np.zeros(2, dtype=np.bool_))
 
@@ -44,10 +44,10 @@ def test_the_loop_has_its_turn_at_every_tick_though_nobody_takes_part() -> None:
     """Or no signal, change or token would come through while all hang by schedule."""
 
     async def main() -> list[bool]:
-        (clock, state), turns = of_nobody(None), list[bool]()
-        asyncio.get_running_loop().call_soon(turns.append, True)
+        (clock, state), ticks = of_nobody(None), list[bool]()
+        asyncio.get_running_loop().call_soon(ticks.append, True)
         await clock.collect(state, [b"", b""])
-        return turns
+        return ticks
 
     assert asyncio.run(main()) == [True]
 
@@ -60,7 +60,7 @@ def test_second_answers_of_a_robot_that_is_asked_again_in_one_tick_after_the_oth
     asked: list[int] = []
 
     async def main() -> DropLog:
-        inbox, complaints = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
+        inbox, drops = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
         everybody = SimpleNamespace(there=np.ones(2, dtype=np.bool_), woke=lambda robot: False)
         state = truth.start(truth.create(load("pair.toml")))
 
@@ -75,7 +75,7 @@ def test_second_answers_of_a_robot_that_is_asked_again_in_one_tick_after_the_oth
                 answer(asked[-1], 0)
                 answer(asked[-1], 1)
 
-        clock = Lockstep(inbox, everybody, complaints, ask)  # type: ignore[arg-type]
+        clock = Lockstep(inbox, everybody, drops, ask)  # type: ignore[arg-type]
         for tick in range(4):
             answers, present = await clock.collect(replace(state, tick=tick), [b"%d" % tick] * 2)
             assert [found and found[0].tick for found in answers] == [tick, tick]
@@ -84,7 +84,7 @@ def test_second_answers_of_a_robot_that_is_asked_again_in_one_tick_after_the_oth
         answer(4, 0)
         answer(4, 1)
         await clock.collect(replace(state, tick=4), [b"4"] * 2)
-        return complaints
+        return drops
 
     assert asyncio.run(main()).counts == {"Command: is not for this tick": 1}
     assert asked == [0, 1, 2, 3]

@@ -63,8 +63,8 @@ def test_the_ledger_is_a_recount_of_the_verdicts_while_contacts_come_and_go() ->
                 row["outage_sum"] += 1.0 - math.exp(-3e-7 * layouts.distance(poses, *pair) ** 3)
         for name in ("sent", "decoded", "gap", "longest_gap"):
             assert ledger(state, name) == {pair: row[name] for pair, row in recount.items()}
-        sums = {pair: row["outage_sum"] for pair, row in recount.items()}
-        assert ledger(state, "outage_sum") == pytest.approx(sums, rel=1e-11)  # 320 roundings
+        metrics = {pair: row["outage_sum"] for pair, row in recount.items()}
+        assert ledger(state, "outage_sum") == pytest.approx(metrics, rel=1e-11)  # 320 roundings
         seen.add(len(verdicts))
     assert {6, 12} <= seen
     assert len(ledger(state, "sent")) == 6  # it has gone

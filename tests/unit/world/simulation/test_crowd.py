@@ -145,13 +145,13 @@ def test_a_range_that_makes_a_crowd_of_a_team_is_refused_scheduled_or_set_by_a_p
     fields = {"robots.count": 100, "run.duration": 1.0}
     monkeypatch.setattr(memory, "available", lambda: 2_000_000)  # 684 contacts at the start
     calm = scenario.load(CONFIGS / "hundred.toml", fields)
-    course = Run(calm)
+    run = Run(calm)
     with pytest.raises(
         ScenarioError, match=r"^robots: the memory of the 9,900 contacts within 1e\+06 m must be at most"
     ):
-        course.change("channel.communication_range", 1e6)
-    assert course.state.channel == calm.channel
-    course.change("channel.communication_range", 160.0)
+        run.change("channel.communication_range", 1e6)
+    assert run.state.channel == calm.channel
+    run.change("channel.communication_range", 160.0)
     later = {"at": 0.5, "set": {"channel.communication_range": 1e6}}
     with pytest.raises(ScenarioError, match=r"^robots: the memory of the 9,900 contacts"):
         crowd.check(scenario.load(CONFIGS / "hundred.toml", {**fields, "event": [later]}))
