@@ -83,18 +83,18 @@ class Crowded:
         self.asked = 0
         self.answer = answer
 
-    async def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
+    async def get(self, key: str, payload: bytes, timeout: float) -> bytes:
         self.asked += 1
         if self.asked < 3:
             raise Overloaded(key)
         return self.answer
 
-    def watch(self, key: str, handler: Any) -> None: ...
+    def declare_liveliness_subscriber(self, key: str, handler: Any) -> None: ...
 
-    def publisher(self, key: str, schema: str, mark: bytes | None = None) -> Any:
+    def declare_publisher(self, key: str, schema: str, mark: bytes | None = None) -> Any:
         return lambda payload: None
 
-    def serve(self, key: str, handler: Any) -> None: ...
+    def declare_queryable(self, key: str, handler: Any) -> None: ...
 
 
 def test_where_all_ask_at_once_whether_they_are_welcome_still_nobody_ends(monkeypatch: pytest.MonkeyPatch) -> None:

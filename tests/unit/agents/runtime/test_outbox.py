@@ -19,16 +19,16 @@ class Kept:
         self.put: list[tuple[str, bytes]] = []
         self.desks: dict[str, Desk] = {}
 
-    def publisher(self, key: str, schema: str, mark: bytes | None = None) -> Callable[[bytes], None]:
+    def declare_publisher(self, key: str, schema: str, mark: bytes | None = None) -> Callable[[bytes], None]:
         return lambda payload: self.put.append((key, payload))
 
-    def serve(self, key: str, desk: Desk) -> None:
+    def declare_queryable(self, key: str, desk: Desk) -> None:
         self.desks[key] = desk
 
     def recall(self, robot: int, tick: int) -> str:
         """What is said to who asks for a beacon."""
         said: list[str] = []
-        asked = SimpleNamespace(payload=messages.encode_recall(tick), refuse=said.append)
+        asked = SimpleNamespace(payload=messages.encode_recall(tick), reply_err=said.append)
         asked.answer = lambda payload, schema: said.append(payload.decode())
         self.desks[keys.recall("test", robot)](asked)
         [answer] = said

@@ -26,10 +26,10 @@ class TickPayloads:
         self.last = -1
         self.repeated: list[int] = []
 
-    def remembers(self, tick: int) -> bool:
+    def has(self, tick: int) -> bool:
         return self.last - 1 <= tick <= self.last
 
-    def repeat(self, tick: int, robot: int) -> None:
+    def resend(self, tick: int, robot: int) -> None:
         self.repeated.append(tick)
 
 

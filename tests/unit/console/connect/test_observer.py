@@ -31,10 +31,10 @@ def of_another_version(tick: int) -> bytes:
 class World:
     """Stands for the bus, and says and does what a world might."""
 
-    def subscribe(self, key: str, heard: Callable[[str, bytes | None], None]) -> None:
+    def declare_subscriber(self, key: str, heard: Callable[[str, bytes | None], None]) -> None:
         self._report, self._heard = key, heard
 
-    def watch(self, key: str, seen: Callable[[str, bool], None]) -> None:
+    def declare_liveliness_subscriber(self, key: str, seen: Callable[[str, bool], None]) -> None:
         self._alive, self._seen = key, seen
 
     async def act(self, *acts: tuple[float, bool | bytes]) -> None:

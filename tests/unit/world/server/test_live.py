@@ -199,10 +199,10 @@ def test_an_agent_answers_the_newest_tick_and_counts_those_it_skipped() -> None:
 class Nobody:
     """A bus on which nobody listens."""
 
-    def publisher(self, key: str, schema: str, mark: bytes | None = None) -> Any:
+    def declare_publisher(self, key: str, schema: str, mark: bytes | None = None) -> Any:
         return lambda payload: None
 
-    def serve(self, key: str, handler: Any) -> None: ...
+    def declare_queryable(self, key: str, handler: Any) -> None: ...
 
 
 def test_a_mouth_that_skips_ticks_forgets_as_much() -> None:
