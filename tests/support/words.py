@@ -1,6 +1,6 @@
-"""Words of the project's prose and of its identifiers, held against the rules of English: `python -m tests.support.words`.
+"""The project's prose and identifiers, held against the rules of English.
 
-Prints every offence below the paths given, or of the whole project, as file:line: rule: text.
+`python -m tests.support.words [PATH]...` prints every offence as file:line: rule: text.
 """
 
 import ast
@@ -75,22 +75,35 @@ def prose_of(path: Path) -> Iterator[tuple[int, str, bool]]:
     if path.suffix == ".md":
         yield from _paragraphs(text)
         return
-    documented = {
-        (node.body[0].lineno, node.body[0].end_lineno): ast.get_docstring(node) or ""
-        for node in ast.walk(ast.parse(text))
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
-        and ast.get_docstring(node)
-    }
-    for (line, _), docstring in documented.items():
-        yield line, docstring, True
+    tree = ast.parse(text)
+    docstrings: set[int] = set()
+    for node in ast.walk(tree):
+        for child in _statements(node):
+            value = child.value if isinstance(child, ast.Expr) else None
+            if isinstance(value, ast.Constant) and isinstance(value.value, str):
+                docstrings.add(id(value))
+                yield child.lineno, value.value, True
+    parts = {id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in node.values}
+    for node in ast.walk(tree):
+        message = _message(node) if id(node) not in docstrings | parts else ""
+        if message.count(" ") >= 3 and "\n" not in message.strip():
+            yield getattr(node, "lineno", 0), message, False
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         if token.type == tokenize.COMMENT and not token.string.startswith(("#!", "# type:", "# fmt:", "# noqa")):
             yield token.start[0], token.string.lstrip("# "), False
-        elif (
-            token.type == tokenize.STRING and token.string.startswith('"""') and token.line.strip().startswith('"""')
-        ):
-            if not any(first <= token.start[0] <= last for first, last in documented if last):
-                yield token.start[0], token.string.strip('"'), True
+
+
+def _statements(node: ast.AST) -> list[ast.stmt]:
+    return [*getattr(node, "body", [])] if isinstance(getattr(node, "body", None), list) else []
+
+
+def _message(node: ast.AST) -> str:
+    """The text of a string or an f-string, with x for what is put in."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        return node.value
+    if isinstance(node, ast.JoinedStr):
+        return "".join(str(part.value) if isinstance(part, ast.Constant) else "x" for part in node.values)
+    return ""
 
 
 def _paragraphs(text: str) -> Iterator[tuple[int, str, bool]]:
