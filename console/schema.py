@@ -2,10 +2,10 @@
 
 from fes import process
 from fes.system import strict_json
-from world.config.scenario import Scenario
+from world.config.schema import json_schema
 
 
 def schema() -> int:
-    """Print the JSON schema of a scenario: each field's type, default, bounds and meaning."""
-    print(strict_json.dumps(Scenario.model_json_schema(), indent=2))
+    """Print the JSON schema of a scenario: type, default, bounds, unit and description of each field."""
+    print(strict_json.dumps(json_schema(), indent=2))
     return process.SUCCESS

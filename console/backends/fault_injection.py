@@ -15,7 +15,7 @@ from console.connect import observer
 from fes.errors import Unavailable
 from fes.protocol.report import Report
 from fes.transport.bus import Bus
-from world.config.events import Planned
+from world.config.events import ParticipationChange
 from world.config.scenario import Scenario
 
 AHEAD = 1.0
@@ -49,7 +49,7 @@ async def enact(bus: Bus, run: str, timeout: float, scenario: Scenario, control:
     that hangs until the end is killed then, as nobody could tell it that the run is over. However this ends, no
     process stays stopped: where the world is lost from sight, those that are to wake go on, as it may wait for them.
     """
-    schedule = scenario.attendance if alone else {}
+    schedule = scenario.participation if alone else {}
     deaths = list(scenario.world_deaths.items())
     due = [(tick, planned) for tick, planned in schedule.items() if planned.gone.any()]
     stopped: dict[int, int | None] = {}
@@ -82,7 +82,7 @@ async def enact(bus: Bus, run: str, timeout: float, scenario: Scenario, control:
             control.proceed(str(robot))
 
 
-def _back(schedule: dict[int, Planned], robot: int, after: int) -> int | None:
+def _back(schedule: dict[int, ParticipationChange], robot: int, after: int) -> int | None:
     """The tick after `after` at which a robot comes back; None if it does not."""
     return next((tick for tick, planned in schedule.items() if tick > after and planned.back[robot]), None)
 

@@ -156,7 +156,7 @@ async def _inject_faults(
 ) -> AsyncIterator[None]:
     """While the block lasts, processes die and hang as scheduled: the world's, and robots' if each has its own."""
     alone = launch.agents_per_process == 1
-    if not (scenario.world_deaths or (alone and scenario.attendance)):
+    if not (scenario.world_deaths or (alone and scenario.participation)):
         yield
         return
 

@@ -1,7 +1,8 @@
-"""All that an agent may know of a run: it arrives in the Welcome, never from a file.
+"""Configuration of an agent: all that it may know of a run. It arrives in the Welcome, never from a file.
 
-The world's scenario is built from the same tables. Every model is frozen, complete and rejects unknown
-fields. Symbols in brackets are the paper's.
+The world's scenario consists of the same tables. Every model is frozen, complete and rejects unknown fields. Symbols
+in parentheses are the paper's. The docstring of a field is its description in `fes schema`, and names its unit in
+brackets.
 """
 
 from collections.abc import Collection
@@ -10,7 +11,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 Exponent = Annotated[float, Field(gt=0, le=20, allow_inf_nan=False)]
-"""No channel or objective needs more, and powers stay finite."""
+"""Larger exponents have no use, and powers stay finite."""
 
 Cutoff = Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -19,37 +20,39 @@ NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Clock = Annotated[
     Literal["lockstep", "live"],
     Field(
-        description="`lockstep`: a tick waits for all robots, and simulated time for the slowest. `live`: ticks are "
-        "due at times of the wall clock, and wait for no robot."
+        description="`lockstep`: each tick waits for the commands of all robots. `live`: ticks follow the wall "
+        "clock and wait for no robot."
     ),
 ]
 
 MAX_DELAY = 10_000
-"""Longest delay of a transmitter [ticks]: so much it has to remember."""
+"""Longest delay of a transmitter [ticks]; it bounds the transmitter's memory."""
 
 MAX_SKEW = 10.0
-"""Farthest that a clock may be off [s]."""
+"""Largest skew of a clock [s]."""
 
 MAX_SUB_STEP_PHASE = 2.0
-"""Dither phase [rad] that one step of the integration may span before the integration aliases it."""
+"""Largest dither phase per step of the integration [rad]; beyond it the integration aliases the dither."""
 
 
 class Table(BaseModel):
     """A table of a scenario: frozen, complete, strict."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, use_attribute_docstrings=True)
+    # Without use_attribute_docstrings, which parses the source at each start: world.config.schema reads it on demand.
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
 
 class ChannelConfig(Table):
-    """The formula of the radio channel; the truth of the world, and told to an agent only for the oracle index."""
+    """The formula of the radio channel: the truth of the world. An agent gets it for the oracle index only."""
 
     model: Literal["rayleigh", "logistic", "perfect"] = "rayleigh"
-    """`rayleigh`: beacons decode with the probability of (3). `logistic`: with 1 / (1 + exp((r - midpoint) / width)),
-    which no exponent of (3) gives. `perfect`: every beacon in range decodes."""
+    """Reception model. `rayleigh`: beacons decode with the probability of (3). `logistic`: with
+    1 / (1 + exp((r - midpoint) / width)), which no exponent of (3) gives. `perfect`: every beacon in range decodes.
+    """
     reference_snr: Positive = 1e7
-    """SNR at the reference distance [1] (P0/sigma^2)."""
+    """Signal-to-noise ratio (SNR) at the reference distance [1] (P0/sigma^2)."""
     spectral_efficiency: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] = 2.0
-    """Data rate below which the link is in outage [bit/s/Hz] (delta)."""
+    """Spectral efficiency below which the link is in outage [bit/s/Hz] (delta)."""
     path_loss_exponent: Exponent = 3.0
     """Path-loss exponent [1] (nu of (3))."""
     reference_distance: Annotated[float, Field(ge=1e-6, le=1e6)] = 1.0
@@ -57,18 +60,18 @@ class ChannelConfig(Table):
     logistic_midpoint: Positive = 100.0
     """Separation at which the logistic channel decodes half of the beacons [m]."""
     logistic_width: Annotated[float, Field(ge=1e-3, le=1e6)] = 12.0
-    """How gently its reception falls with separation [m]; a quarter of 1/width a meter at the midpoint."""
+    """Width of the logistic channel's fall [m]; at the midpoint its reception falls by 1/(4 width) per meter."""
     communication_range: Positive = 150.0
     """Hard cut-off of the radio [m] (r_x)."""
 
 
 class ObjectiveConfig(Table):
-    """Which separations the team prefers; equation (16)."""
+    """The separations that the team prefers, by equation (16)."""
 
     minimum_separation: Positive = 50.0
-    """Minimum spacing preferred [m] (r_min)."""
+    """Smallest separation that the team prefers [m] (r_min)."""
     maximum_separation: Positive = 150.0
-    """Spacing of the worst tolerable outage [m] (r_x)."""
+    """Separation with the largest tolerable outage [m] (r_x)."""
     shape_exponent: Exponent = 4.0
     """Shape exponent of the index [1] (nu of (16); Fig. 3 has 4)."""
 
@@ -86,39 +89,40 @@ class SeekingConfig(Table):
     """The seeking law (18)."""
 
     index: Literal["oracle", "measured", "sampled"] = "oracle"
-    """`oracle`: the index is computed from the channel's formula, as the paper's simulation does (33). `measured`: it
-    is learnt from the beacons that decode and those that do not; law, gains and filters of (18) are then not used,
-    and the dither is physical: the formation breathes with it. `sampled`: the paper's (18) fed with what a real radio
-    gives it, J's sample S(r) of a beacon that decoded and 0 of one that did not; also with a physical dither."""
+    """Source of the performance index. `oracle`: computed from the channel's formula, as in the paper's simulation
+    (33). `measured`: learnt from the beacons that decode and those that are lost. Of the gains and filters of (18),
+    only the consensus gain is then used. The dither is physical: the formation breathes with it. `sampled`: (18) with
+    samples of J, S(r) for a decoded beacon and 0 for a lost one; the dither is physical too."""
     pooling: Literal["network", "none"] = "network"
-    """Of the measured index. `network`: robots mix what they have counted, so that all links teach each. `none`: each
-    link learns its own slope, which is better where shadowing makes every link another channel."""
+    """Pooling of the measured index. `network`: robots mix their counts of beacons, so that each learns from all
+    links. `none`: each link learns its own slope, which is better under shadowing."""
     reference_separation: Positive = 75.0
-    """Separation [m] about which measured reception is fitted (rho_0)."""
+    """Separation about which measured reception is fitted [m] (rho_0)."""
     law: Literal["consensus", "paper"] = "consensus"
-    """`paper`: (18) as printed. `consensus`: with the sign of its second consensus term reversed."""
+    """Seeking law. `paper`: (18) as printed. `consensus`: (18) with the sign of its second consensus term
+    reversed."""
     index_transform: Literal["log", "none"] = "log"
-    """`log`: the robots climb ln J, whose curvature at the optimum hardly depends on the objective, so that one
-    gain serves all. `none`: J itself, as printed."""
+    """Transform of the index. `log`: the robots climb ln J, whose curvature at the optimum hardly depends on the
+    objective, so that one gain serves all. `none`: they climb J, as printed."""
     index_gain: Positive = 40000.0
     """Gain on the index [1] (k). For J and r_min 50, 44460 = 1/(a^2 |J''|/2) makes the averaged gradient's time
-    constant 1 s. Far above the default, or with a far larger dither, cut `sub_step`: estimates that race over meters
-    in a step are integrated less exactly.
+    constant 1 s. With a gain or a dither far above the default, reduce `sub_step`: estimates that move by meters per
+    step are integrated less exactly.
     """
     dither_amplitude: Positive = 0.2
     """Amplitude of the dither [m] (a)."""
     dither_frequency: Positive = 100.0
     """Frequency of the dither [rad/s] (beta_0)."""
     consensus_gain: Annotated[float, Field(ge=0, le=1e4)] = 4.0
-    """Gain of the consensus of estimates [1/s] (kappa); the paper asks for beta_l^2 / 4."""
+    """Gain of the consensus of estimates [1/s] (kappa); the paper requires beta_l^2 / 4."""
     low_pass_cutoff: Cutoff = 4.0
     """Cut-off of the low-pass filter [rad/s] (beta_l)."""
     washout_cutoff: Cutoff = 25.0
     """Cut-off of the washout filter [rad/s] (beta_h)."""
     sub_step: Positive = 0.02
-    """Longest step of the integration [s]; a tick is cut into equal steps no longer than this."""
+    """Longest step of the integration [s]; a tick is divided into equal steps no longer than this."""
     initial_estimate: tuple[Positive, Positive] = Field(default=(50.0, 90.0), strict=False)
-    """Estimates of the first links are drawn uniformly from this interval [m]."""
+    """Interval from which the estimates of the first links are drawn uniformly [m]."""
 
     @model_validator(mode="after")
     def _bounds(self) -> Self:
@@ -139,46 +143,47 @@ class SeekingConfig(Table):
 
 
 class FormationConfig(Table):
-    """The formation law (6), (7) and the graph it works on."""
+    """The formation law (6), (7) and its graph."""
 
     rule: Literal["disk", "two_nearest", "relative_neighborhood"] = "relative_neighborhood"
-    """Which robots in range are neighbors."""
+    """Neighbor rule, which selects the links among the robots in range. `disk`: all of them. `two_nearest`: the two
+    nearest. `relative_neighborhood`: those without a third robot nearer to both ends."""
     linear_gain: Positive = 1.0
     """Gain of the linear velocity [1/s] (mu)."""
     angular_gain: Positive = 10.0
-    """Gain of the angular velocity [rad/s/m] (mu'); the paper asks for mu' >= mu."""
+    """Gain of the angular velocity [rad/s/m] (mu'); the paper requires mu' >= mu."""
     linear_limit: Positive | None = None
     """Largest linear speed [m/s]; none by default, as in the paper."""
     angular_limit: Positive | None = None
     """Largest angular speed [rad/s]; none by default, as in the paper."""
     contact_timeout: Annotated[float, Field(gt=0, le=1e6)] = 1.0
-    """A peer unheard for this long [s] is no longer a contact."""
+    """Time without a beacon after which a peer is no longer a contact [s]."""
 
 
 class FaultConfig(Table):
-    """All that is wrong with a robot's transmitter and clock from a tick on, until the next one of its robot."""
+    """Faults of a robot's transmitter and clock from a tick on; a later entry of the same robot replaces them."""
 
     tick: int = Field(ge=0)
-    """From this tick on."""
+    """First tick of the faults."""
     robot: int = Field(ge=0)
     """Id of the robot."""
     delay: int = Field(default=0, ge=0, le=MAX_DELAY)
-    """Its transmitter sends what it was given so many ticks ago [ticks]."""
+    """Age of the data that its transmitter sends [ticks]."""
     corrupt: bool = False
-    """Its beacons are damaged on their way."""
+    """True if its beacons are damaged in transit."""
     skew: Annotated[float, Field(ge=-MAX_SKEW, le=MAX_SKEW)] | None = None
-    """How far its clock is ahead of the team's [s]; None: as it was drawn."""
+    """Skew of its clock, positive if ahead of the team's [s]; None for the skew drawn from the seed."""
 
 
 class AgentConfig(Table):
-    """What the world tells an agent when it joins, and all that it ever knows of the run's settings."""
+    """The settings that the world sends to an agent when it joins; the agent learns no others."""
 
     dt: Positive
     """Tick length [s]."""
     seed: int = Field(ge=0)
-    """Seed of the robots' own draws; it does not reveal the world's."""
+    """Seed of the robots' own draws; it does not reveal the world's seed."""
     objective: ObjectiveConfig
-    """Which separations the team prefers."""
+    """The separations that the team prefers."""
     seeking: SeekingConfig
     """The seeking law."""
     formation: FormationConfig
@@ -187,13 +192,13 @@ class AgentConfig(Table):
     """The true channel, for the oracle index only."""
     clock: Clock = "lockstep"
     clock_skew: NonNegative = 0.0
-    """How far each robot's own clock may be off the team's [s]; a robot draws its skew from the seed."""
+    """Largest skew of a robot's own clock [s]; a robot draws its skew from the seed."""
     faults: list[FaultConfig] = Field(default=[])
-    """What goes wrong with the robots' own equipment, by tick. It makes the equipment fail: no robot reads it."""
+    """Faults of the robots' own hardware, by tick. They act on the emulated hardware; no law reads them."""
 
 
 def own(config: AgentConfig, robots: Collection[int]) -> AgentConfig:
-    """What only the agent of these robots is told: of the faults, theirs."""
+    """Configuration for the agent of these robots, with the faults of these robots only."""
     if not config.faults:
         return config
     return config.model_copy(update={"faults": [fault for fault in config.faults if fault.robot in robots]})

@@ -70,7 +70,7 @@ def test_what_is_set_has_its_effective_value(settings: dict[str, Any], path: str
 @pytest.mark.parametrize(
     ("settings", "rule"),
     [
-        ({"formation.rule": "disk"}, "only fields like 'channel.reference_snr' can be changed while a run goes on"),
+        ({"formation.rule": "disk"}, "only fields like 'channel.reference_snr' can change during a run"),
         (
             {"channel.reference_srn": 1.0},
             "unknown field 'channel.reference_srn'; did you mean 'channel.reference_snr'?",
@@ -79,7 +79,7 @@ def test_what_is_set_has_its_effective_value(settings: dict[str, Any], path: str
         ({"channel.reference_snr": "much"}, "must be a valid number, got 'much'"),
         ({"channel.reference_snr.much": 1.0}, "goes through 'reference_snr', which is not a table"),
         ({"channel.bursts": {"bad_share": 0.5, "mean_length": 0.001}}, "mean_length must be at least run.dt"),
-        ({"channel.shadowing": None}, "cannot be nothing"),
+        ({"channel.shadowing": None}, "cannot be null"),
         ({"channel.": 1.0}, "unknown field 'channel'"),
     ],
 )
@@ -141,7 +141,7 @@ def test_what_an_event_that_is_scheduled_would_make_impossible_is_refused_and_th
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with session.client(endpoint) as terminal:
-            with pytest.raises(Rejected, match=r"^channel\.bursts\.mean_length, with what is scheduled: event: set"):
+            with pytest.raises(Rejected, match=r"^channel\.bursts\.mean_length, with the scheduled events: event"):
                 await terminal.get(keys.change(session.RUN), channel_change.encode_change(short), session.PATIENCE)
 
     summary, server, _ = asyncio.run(session.run(scenario, [[0], [1]], disturb))

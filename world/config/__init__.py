@@ -4,10 +4,11 @@ scenario      the typed scenario, from TOML
 radio         its table [channel]: the formula, shadowing, bursts, jammers
 starts        its table [robots]: where the robots start
 faults        its table [faults]: faulty transmitters and drifting clocks
-events        its events: changes while the run goes on
-expectations  its expectations of the summary
+events        its tables [[event]]: changes during the run
+expectations  its tables [[expect]]: expectations of the summary
+schema        its fields: type, range, default, unit and description; the JSON schema
 validation    a broken rule, in one line
-overrides     fields that --set overrides
+overrides     overrides of its fields by --set
 remarks       parts of a scenario that do not run as written
 toml          TOML from outside: bounded, or rejected in one line
 """

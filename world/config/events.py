@@ -1,4 +1,4 @@
-"""What changes while a run goes on: scheduled by the scenario, or set from another terminal."""
+"""Changes during a run: the events of a scenario, and changes set from another terminal."""
 
 from collections.abc import Iterable
 from typing import Annotated, Any, NamedTuple, Self
@@ -16,34 +16,34 @@ from world.config.radio import RadioConfig
 from world.config.validation import first_rule, short
 
 PREFIX = "channel."
-"""What can be changed: the rest is what the robots were told when they joined."""
+"""Prefix of the fields that can change: robots receive the other settings only when they join."""
 
 
 class EventConfig(Table):
-    """What happens at one time."""
+    """Changes at one time."""
 
     at: Annotated[float, Field(ge=0, le=1e9)]
-    """Simulated time of the event [s]; it acts from the nearest tick on."""
+    """Simulated time of the event [s]; it acts at the nearest tick."""
     settings: dict[str, Any] = Field(default={}, alias="set")
-    """Field of the channel, by its dotted path -> its new value."""
+    """New values of fields of the channel, by dotted path, such as `channel.reference_snr`."""
     kill: list[RobotId] = Field(default=[])
-    """Robots whose processes die: their bodies stop, their radios are silent."""
+    """Ids of robots whose processes die: their bodies stop, and their radios are silent."""
     restart: list[RobotId] = Field(default=[])
-    """Robots that come back, where they are, knowing nothing."""
+    """Ids of dead robots whose processes restart: they start at their present poses, without state."""
     hang: list[RobotId] = Field(default=[])
-    """Robots whose processes stop without dying; for the others it is the same."""
+    """Ids of robots whose processes are suspended; their peers cannot tell them from dead robots."""
     wake: list[RobotId] = Field(default=[])
-    """Robots whose processes go on; for the others they come back."""
+    """Ids of hung robots whose processes continue; the robots rejoin."""
     transmitter: TransmitterConfig | None = None
     """New condition of a robot's transmitter."""
     clock: ClockConfig | None = None
     """New skew of a robot's clock."""
     world_away: Annotated[float, Field(gt=0, le=10)] | None = None
-    """The world's process dies, and another goes on after so long [s; wall clock]. It moves nothing: simulated time
+    """Time for which the world's process is dead, until another one resumes the run [s; wall clock]; simulated time
     stands still."""
 
     @model_validator(mode="after")
-    def _something(self) -> Self:
+    def _consistent(self) -> Self:
         acts = (self.settings, self.parts, self.world_away, any(robots for _, robots in self.verbs))
         if not any(acts):
             raise ValueError("give at least one of set, kill, restart, hang, wake, transmitter, clock and world_away")
@@ -51,18 +51,18 @@ class EventConfig(Table):
         for verb, robots in self.verbs:
             for robot in robots:
                 if robot in seen:
-                    raise ValueError(f"robot {robot} is named in {seen[robot]} and in {verb}: once is enough")
+                    raise ValueError(f"robot {robot} must be named once, but is in {seen[robot]} and in {verb}")
                 seen[robot] = verb
         return self
 
     @property
     def verbs(self) -> list[tuple[str, list[int]]]:
-        """Who dies, hangs and comes back."""
+        """Robots that die, hang, restart and wake, by the key of the event."""
         return [("kill", self.kill), ("hang", self.hang), ("restart", self.restart), ("wake", self.wake)]
 
     @property
     def parts(self) -> list[Part]:
-        """What becomes of robots' equipment."""
+        """New conditions of transmitters and clocks."""
         return [part for part in (self.transmitter, self.clock) if part is not None]
 
 
@@ -72,12 +72,10 @@ def changed(channel: RadioConfig, settings: dict[str, Any], dt: float) -> RadioC
     for path, value in settings.items():
         if value is None:
             raise ScenarioError(
-                short(path), "cannot be nothing: a deviation or a loss of 0 takes shadowing or bursts away"
+                short(path), "cannot be null: to remove shadowing or bursts, set a deviation or a loss of 0"
             )
         if not path.startswith(PREFIX):
-            raise ScenarioError(
-                short(path), f"only fields like '{PREFIX}reference_snr' can be changed while a run goes on"
-            )
+            raise ScenarioError(short(path), f"only fields like '{PREFIX}reference_snr' can change during a run")
         *parents, field = path.removeprefix(PREFIX).split(".")
         table = tables
         for parent in parents:
@@ -99,27 +97,27 @@ def changed(channel: RadioConfig, settings: dict[str, Any], dt: float) -> RadioC
 
 
 def effective(channel: RadioConfig, path: str) -> Any:
-    """The value of a field of the channel by its dotted path."""
-    found: Any = channel.model_dump(mode="json")
+    """The value of a field of the channel, by its dotted path."""
+    value: Any = channel.model_dump(mode="json")
     for part in path.removeprefix(PREFIX).split("."):
-        found = found[part]
-    return found
+        value = value[part]
+    return value
 
 
-class Planned(NamedTuple):
-    """Who goes and who comes back at a tick."""
+class ParticipationChange(NamedTuple):
+    """Robots that leave and rejoin at a tick by schedule."""
 
     gone: Bools
-    """Who dies or hangs [n]."""
+    """True for a robot that dies or hangs [n]."""
     back: Bools
-    """Who is restarted or wakes [n]."""
+    """True for a robot that restarts or wakes [n]."""
     hung: Bools
-    """Of those gone, who hangs: its process is there [n]."""
+    """True for a robot that hangs: its process still exists [n]."""
 
 
-def attended(present: Bools, planned: Planned) -> Bools:
-    """Who is present [n] after that."""
-    after: Bools = (present & ~planned.gone) | planned.back
+def participating(present: Bools, change: ParticipationChange) -> Bools:
+    """Robots present after a change [n]."""
+    after: Bools = (present & ~change.gone) | change.back
     return after
 
 
@@ -129,49 +127,54 @@ _BECOMES = {
     "restart": ("dead", "alive"),
     "wake": ("hung", "alive"),
 }
-"""What a robot must be, and what it then is."""
+"""Key of an event -> the state before that it requires of a robot, and the state after."""
 
 
-def attendance(events: Iterable[EventConfig], robots: int, dt: float) -> dict[int, Planned]:
-    """Tick -> who goes and who comes back, in order; raises ScenarioError in one line."""
-    states, found = ["alive"] * robots, dict[int, Planned]()
+def participation(events: Iterable[EventConfig], robots: int, dt: float) -> dict[int, ParticipationChange]:
+    """Tick -> change of participation, in order; raises ScenarioError in one line."""
+    states, changes = ["alive"] * robots, dict[int, ParticipationChange]()
     for event in sorted(events, key=lambda event: event.at):
-        for verb, named in event.verbs:
+        for verb, selected in event.verbs:
             before, after = _BECOMES[verb]
-            for robot in named:
+            for robot in selected:
                 if robot >= robots:
                     raise ScenarioError("event", f"{verb}: robot {robot} does not exist, there are {robots}")
                 if states[robot] != before:
                     state = states[robot] + (" already" if states[robot] == after else "")
                     raise ScenarioError("event", f"{verb}: robot {robot} is {state} at {event.at:g} s")
                 tick = counts.ticks(event.at, dt)
-                if tick not in found:
-                    found[tick] = Planned(*(np.zeros(robots, dtype=np.bool_) for _ in Planned._fields))
-                planned = found[tick]
-                if planned.gone[robot] or planned.back[robot]:
-                    raise ScenarioError("event", f"{verb}: robot {robot} goes and comes back in one tick")
+                change = changes.setdefault(tick, _no_change(robots))
+                if change.gone[robot] or change.back[robot]:
+                    raise ScenarioError("event", f"{verb}: robot {robot} leaves and rejoins in one tick")
                 states[robot] = after
-                (planned.back if after == "alive" else planned.gone)[robot] = True
-                planned.hung[robot] = after == "hung"
-    return found
+                if after == "alive":
+                    change.back[robot] = True
+                else:
+                    change.gone[robot] = True
+                change.hung[robot] = after == "hung"
+    return changes
+
+
+def _no_change(robots: int) -> ParticipationChange:
+    return ParticipationChange(*(np.zeros(robots, dtype=np.bool_) for _ in ParticipationChange._fields))
 
 
 def parts(events: Iterable[EventConfig], robots: int, dt: float) -> list[tuple[int, Part]]:
-    """What becomes of robots' equipment, with its tick, in order; raises ScenarioError in one line."""
-    found = [(counts.ticks(event.at, dt), part) for event in events for part in event.parts]
-    for _, part in found:
+    """New conditions of transmitters and clocks, with their ticks, in order; raises ScenarioError in one line."""
+    timed = [(counts.ticks(event.at, dt), part) for event in events for part in event.parts]
+    for _, part in timed:
         faults.check(part, robots, dt)
-    return sorted(found, key=lambda one: one[0])
+    return sorted(timed, key=lambda entry: entry[0])
 
 
 def schedule(events: Iterable[EventConfig], dt: float) -> dict[int, dict[str, Any]]:
-    """Tick -> what is set from it on; of two events of one tick the later one in the file wins."""
-    found: dict[int, dict[str, Any]] = {}
+    """Tick -> settings of the channel from it on; of two events at one tick the later one in the file wins."""
+    settings: dict[int, dict[str, Any]] = {}
     for event in events:
         if not event.settings:
             continue
-        here = found.setdefault(counts.ticks(event.at, dt), {})
+        now = settings.setdefault(counts.ticks(event.at, dt), {})
         for path, value in event.settings.items():
-            here.pop(path, None)  # what is set again comes last
-            here[path] = value
-    return dict(sorted(found.items()))
+            now.pop(path, None)  # a field that is set again goes last
+            now[path] = value
+    return dict(sorted(settings.items()))

@@ -1,4 +1,4 @@
-"""What goes wrong with robots' own transmitters and clocks: what of it the world does, and what agents are told."""
+"""Faults of robots' transmitters and clocks: the part that the world emulates, and the part of the agents."""
 
 from collections.abc import Iterable
 from typing import Annotated, NamedTuple
@@ -15,41 +15,42 @@ RobotId = Annotated[int, Field(ge=0)]
 
 
 class TransmitterConfig(Table):
-    """The whole condition of a robot's transmitter from a tick on; what is not given is healthy."""
+    """Complete condition of a robot's transmitter from a tick on; a key that is absent means no such fault."""
 
     robot: RobotId
     """Id of the robot."""
     loss: Annotated[float, Field(ge=0, le=1)] = 0.0
-    """Share of its beacons that are lost at every receiver, whatever the channel does [1]."""
+    """Share of its beacons that are lost at every receiver, in addition to the losses of the channel [1]."""
     delay: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
-    """It sends what it was given so long ago [s], stamped as of now; a whole number of ticks."""
+    """Age of the data that it sends with the present tick [s]; a whole number of ticks."""
     corrupt: bool = False
-    """Its beacons are damaged on their way: none decodes."""
+    """True if its beacons are damaged in transit: none decodes."""
 
 
 class ClockConfig(Table):
-    """How a robot's clock is off from a tick on."""
+    """Skew of a robot's clock from a tick on."""
 
     robot: RobotId
     """Id of the robot."""
     skew: Annotated[float, Field(ge=-MAX_SKEW, le=MAX_SKEW)] | None = None
-    """How far it is ahead of the team's [s]; left out: as it was drawn within `run.clock_skew`."""
+    """Skew, positive if the clock is ahead of the team's [s]; by default the one drawn within `run.clock_skew`."""
 
 
 Part = TransmitterConfig | ClockConfig
+"""New condition of a part of a robot's hardware."""
 
 
 class Transmission(NamedTuple):
-    """What the robots' transmitters do to their beacons, for the world."""
+    """Effect of all transmitters on their beacons, which the world applies."""
 
     reception_factor: Floats
-    """The part that they leave of the reception probability [n] [1]."""
+    """Factor on the reception probability of each robot's beacons [n] [1]."""
     damaged: Bools
-    """Whose beacons nobody can read [n]."""
+    """True for a robot whose beacons cannot be read [n]."""
 
 
 def check(part: Part, robots: int, dt: float) -> None:
-    """Raises ScenarioError in one line unless this can be in a team of so many robots, with ticks of `dt` [s]."""
+    """Raise ScenarioError in one line unless the part exists in a team of `robots`, with ticks of `dt` [s]."""
     name = "transmitter" if isinstance(part, TransmitterConfig) else "clock"
     if part.robot >= robots:
         raise ScenarioError("event", f"{name}: robot {part.robot} does not exist, there are {robots}")
@@ -63,21 +64,21 @@ def check(part: Part, robots: int, dt: float) -> None:
 
 
 def transmissions(parts: Iterable[tuple[int, Part]], robots: int) -> dict[int, Transmission | None]:
-    """Tick -> what holds from it on, of `parts` by tick, in order; None where all transmitters are healthy."""
-    kept, damaged = np.ones(robots), np.zeros(robots, dtype=np.bool_)
-    found: dict[int, Transmission | None] = {}
+    """Tick -> effect of the transmitters from it on, given `parts` in order; None if all are healthy."""
+    factor, damaged = np.ones(robots), np.zeros(robots, dtype=np.bool_)
+    effects: dict[int, Transmission | None] = {}
     for tick, part in parts:
         if isinstance(part, TransmitterConfig):
-            kept[part.robot] = 0.0 if part.corrupt else 1.0 - part.loss
+            factor[part.robot] = 0.0 if part.corrupt else 1.0 - part.loss
             damaged[part.robot] = part.corrupt
-            found[tick] = Transmission(kept.copy(), damaged.copy()) if (kept < 1.0).any() else None
-    return found
+            effects[tick] = Transmission(factor.copy(), damaged.copy()) if (factor < 1.0).any() else None
+    return effects
 
 
-def told(parts: Iterable[tuple[int, Part]], dt: float) -> list[FaultConfig]:
-    """What the robots' own equipment does, of `parts` by tick, in order; each is a whole condition from then on."""
+def agent_faults(parts: Iterable[tuple[int, Part]], dt: float) -> list[FaultConfig]:
+    """Faults that the agents emulate, given `parts` in order; each is a robot's complete condition."""
     now: dict[int, FaultConfig] = {}
-    found = []
+    conditions = []
     for tick, part in parts:
         before = now.get(part.robot, FaultConfig(tick=tick, robot=part.robot))
         if isinstance(part, TransmitterConfig):
@@ -85,7 +86,7 @@ def told(parts: Iterable[tuple[int, Part]], dt: float) -> list[FaultConfig]:
         else:
             change = {"skew": part.skew}
         after = before.model_copy(update={"tick": tick, **change})
-        if after != before.model_copy(update={"tick": tick}):  # a loss is the world's alone
-            found.append(after)
+        if after != before.model_copy(update={"tick": tick}):  # only the world applies a loss
+            conditions.append(after)
         now[part.robot] = after
-    return found
+    return conditions

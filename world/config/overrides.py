@@ -1,4 +1,4 @@
-"""Overrides of a scenario's fields, as `--set` takes them."""
+"""Overrides of a scenario's fields, for `--set`."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from world.config.validation import short
 
 
 def parse_override(text: str) -> tuple[str, Any]:
-    """A `--set` argument `a.b=value` as its path and its TOML value; bare words are strings.
+    """The path and the TOML value of a `--set` argument `a.b=value`; bare words are strings.
 
     >>> parse_override("run.seed=3"), parse_override("formation.rule=disk")
     (('run.seed', 3), ('formation.rule', 'disk'))

@@ -1,4 +1,4 @@
-"""The world's radio: the channel's formula, and what no robot is ever told of it: a scenario's table [channel]."""
+"""The world's radio, a scenario's table [channel]: the formula, and effects that no robot is told of."""
 
 from itertools import chain
 from typing import Annotated, Self
@@ -11,70 +11,70 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class ShadowingConfig(Table):
-    """Log-normal shadowing, correlated in space; `world.simulation.shadowing`."""
+    """Log-normal shadowing, correlated in space, see `world.simulation.shadowing`."""
 
     deviation: Annotated[float, Field(ge=0, le=50)]
-    """Standard deviation of the gain [dB]; 4 to 8 in the open, up to 12 in towns."""
+    """Standard deviation of the gain [dB]: 4 to 8 in open terrain, up to 12 in towns."""
     decorrelation_distance: Annotated[float, Field(ge=1e-3, le=1e6)] = 20.0
-    """Distance over which the correlation falls to 1/e [m]; Gudmundson 1991 measured 5 m in towns, 500 m outside."""
+    """Distance at which the correlation is 1/e [m]; Gudmundson (1991) measured 5 m in towns, 500 m in suburbs."""
 
 
 class BurstConfig(Table):
-    """Losses that come in bursts: a Gilbert-Elliott chain on each directed contact; `world.simulation.bursts`."""
+    """Losses in bursts: a Gilbert-Elliott chain per directed contact, see `world.simulation.bursts`."""
 
     bad_share: Annotated[float, Field(gt=0, lt=1)]
-    """Share of the time that a contact is in its bad state [1]."""
+    """Share of time that a contact spends in its bad state [1]."""
     mean_length: Positive
     """Mean length of a stay in the bad state [s]."""
     loss: Annotated[float, Field(ge=0, le=1)] = 1.0
-    """Probability that a beacon which would decode is lost in the bad state [1]."""
+    """Probability that the bad state loses a beacon that would decode [1]."""
 
 
 class JammerConfig(Table):
-    """A disc in which receivers hear less."""
+    """A disc in which reception is reduced."""
 
     x: Finite
-    """x of its center [m; world frame]."""
+    """x coordinate of its center [m; world frame]."""
     y: Finite
-    """y of its center [m; world frame]."""
+    """y coordinate of its center [m; world frame]."""
     radius: Positive
-    """Its radius [m]."""
+    """Radius of the disc [m]."""
     reception_factor: Annotated[float, Field(ge=0, le=1)] = 0.0
-    """What it leaves of the reception probability of a receiver inside [1]; discs that overlap multiply."""
+    """Factor on the reception probability of a receiver inside [1]; factors of overlapping discs multiply."""
 
 
 class RadioConfig(ChannelConfig):
-    """The radio as it truly is: the formula, and what may be laid over it."""
+    """The true radio channel: the formula, and optional effects on top of it."""
 
     shadowing: ShadowingConfig | None = None
     """Log-normal shadowing; none by default."""
     bursts: BurstConfig | None = None
     """Losses in bursts; none by default."""
     jammers: list[JammerConfig] = Field(default=[])
-    """Discs in which receivers hear less."""
+    """Discs in which reception is reduced."""
     partition: list[list[Annotated[int, Field(ge=0)]]] = Field(default=[])
-    """Groups of robots between which no beacon decodes; those in none are one more group."""
+    """Groups of robot ids between which no beacon decodes; all robots in no group form one more group."""
 
     @model_validator(mode="after")
     def _each_once(self) -> Self:
-        named = list(chain.from_iterable(self.partition))
-        twice = {robot for robot in named if named.count(robot) > 1}
-        if twice:
-            raise ValueError(f"partition: robot {min(twice)} is there twice")
+        members = list(chain.from_iterable(self.partition))
+        repeated = {robot for robot in members if members.count(robot) > 1}
+        if repeated:
+            raise ValueError(f"partition: robot {min(repeated)} is listed twice")
         return self
 
     @property
     def formula(self) -> ChannelConfig:
-        """What may be told to an oracle."""
+        """The formula alone, which an oracle may know."""
         return ChannelConfig.model_validate(self.model_dump(include=set(ChannelConfig.model_fields)))
 
     @property
     def is_certain(self) -> bool:
-        """Whether every beacon in range decodes."""
+        """True if every beacon in range decodes."""
         return self.model == "perfect" and self.bursts is None and not (self.jammers or self.partition)
 
     def check(self, dt: float) -> None:
-        """Raises ValueError if ticks of `dt` [s] are too long for the chain of the bursts."""
+        """Raise ValueError if ticks of `dt` [s] are too long for the chain of the bursts."""
         if self.bursts is None:
             return
         length, share = self.bursts.mean_length, self.bursts.bad_share

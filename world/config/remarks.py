@@ -1,7 +1,7 @@
-"""Parts of a scenario that do not run as written: one line per kind.
+"""Remarks on parts of a scenario that do not run as written: one line per kind.
 
-None of them is an error: a run is a whole number of ticks, and events act at ticks. But no part of a scenario is
-changed or dropped silently.
+None of them is an error: a run is a whole number of ticks, and events act at ticks. No part of a scenario is changed
+or ignored without a remark.
 """
 
 from collections.abc import Iterable, Iterator
@@ -13,13 +13,13 @@ from world.config.faults import TransmitterConfig
 from world.config.scenario import Scenario
 
 TOLERANCE = 1e-6
-"""A time this close to a multiple of a tick, as a share of the tick [1], counts as one: decimal fractions round."""
+"""Largest distance from a multiple of a tick, as a share of the tick [1], that is ignored: decimals are rounded."""
 
 MOST = 5
-"""Most times that are listed in a line."""
+"""Most times listed per line."""
 
 UNNOTICED = (
-    "the robots of this run are told the channel (seeking.index = 'oracle') and do not notice the change; "
+    "the robots of this run are given the channel (seeking.index = 'oracle') and do not notice the change; "
     "those of configs/measured-jump.toml measure it"
 )
 
@@ -29,9 +29,9 @@ def of(scenario: Scenario) -> list[str]:
     return [*_duration(scenario), *_late(scenario), *_moved(scenario), *_delays(scenario), *_unnoticed(scenario)]
 
 
-def is_unnoticed(seeking: SeekingConfig, told: ChannelConfig, now: ChannelConfig) -> bool:
-    """True if robots keep to the formula of the channel that they were `told`, though it is another one `now`."""
-    return seeking.index == "oracle" and told != now
+def is_unnoticed(seeking: SeekingConfig, known: ChannelConfig, true: ChannelConfig) -> bool:
+    """True if the robots use the `known` formula of the channel, and the `true` formula differs from it."""
+    return seeking.index == "oracle" and known != true
 
 
 def _duration(scenario: Scenario) -> Iterator[str]:
@@ -55,7 +55,7 @@ def _moved(scenario: Scenario) -> Iterator[str]:
     dt = scenario.run.dt
     moved = [event.at for event in scenario.event if _is_moved(event.at, dt)]
     if moved:
-        ticks = _listed(counts.ticks(at, dt) * dt for at in moved)
+        ticks = _listed(counts.ticks(time, dt) * dt for time in moved)
         yield f"event at {_listed(moved)} s is not a multiple of run.dt {dt:g} s: it acts at {ticks} s"
 
 
@@ -84,7 +84,7 @@ def _is_moved(time: float, dt: float) -> bool:
 
 
 def _listed(times: Iterable[float]) -> str:
-    """A list of times, cut to the first few of many.
+    """A list of times, cut to the first few.
 
     >>> _listed([0.5]), _listed(range(7))
     ('0.5', '0, 1, 2, 3, 4 and 2 more')

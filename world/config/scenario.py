@@ -1,4 +1,4 @@
-"""The scenario: one TOML file, typed, frozen and complete, with the names that `--set` overrides use."""
+"""The scenario: one TOML file, typed, frozen and complete."""
 
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -20,7 +20,7 @@ from fes.model.config import (
 )
 from fes.system import encoding
 from world.config import events, faults, starts, toml
-from world.config.events import EventConfig, Planned, attendance, changed, schedule
+from world.config.events import EventConfig, ParticipationChange, changed, schedule
 from world.config.expectations import ExpectConfig
 from world.config.faults import Transmission
 from world.config.overrides import override
@@ -31,17 +31,17 @@ from world.config.validation import first_rule
 
 
 class RunConfig(Table):
-    """How long and how fine."""
+    """Duration, tick, seed and clock of a run."""
 
     dt: Annotated[float, Field(ge=1e-6, le=1e3, allow_inf_nan=False)] = 0.02
     """Tick length [s]."""
     duration: Annotated[float, Field(gt=0, le=1e9, allow_inf_nan=False)] = 60.0
-    """Simulated time of the run [s]; a whole number of ticks is run."""
+    """Simulated time of the run [s], rounded to a whole number of ticks."""
     seed: int = Field(default=0, ge=0, lt=2**63)
     """Seed of every random draw of the run."""
     clock: Clock = "lockstep"
     clock_skew: Annotated[float, Field(ge=0, le=10)] = 0.0
-    """How far robots' own clocks may be off the team's [s]: each has a skew of its own, seeded, in +- this."""
+    """Largest skew of a robot's own clock [s]; each robot draws its skew uniformly within it."""
 
     @model_validator(mode="after")
     def _countable(self) -> Self:
@@ -50,7 +50,7 @@ class RunConfig(Table):
 
 
 class Scenario(Table):
-    """What is run."""
+    """A scenario: robots, channel, laws, events and expectations of a run."""
 
     schema_version: int = Field(alias="schema", ge=1, le=1)
     """Version of the scenario format."""
@@ -67,9 +67,9 @@ class Scenario(Table):
     formation: FormationConfig = FormationConfig()
     """The formation law and its graph."""
     event: list[EventConfig] = Field(default=[])
-    """What changes while the run goes on."""
+    """Changes during the run."""
     expect: list[ExpectConfig] = Field(default=[])
-    """What is expected of the run, at its end."""
+    """Expectations of the summary at the end of the run."""
 
     @model_validator(mode="after")
     def _stable(self) -> Self:
@@ -88,7 +88,7 @@ class Scenario(Table):
                 raise ValueError(f"event: set {error}") from None
             _check_partition(channel, robots)
         try:
-            attendance(self.event, robots, self.run.dt)
+            events.participation(self.event, robots, self.run.dt)
             events.parts(self.event, robots, self.run.dt)
         except ScenarioError as error:
             raise ValueError(str(error)) from None
@@ -96,38 +96,37 @@ class Scenario(Table):
 
     @model_validator(mode="after")
     def _deadlines_of_a_live_clock(self) -> Self:
-        for one in self.expect:
-            if one.of.startswith("deadlines") and self.run.clock != "live":
-                raise ValueError(f"expect: '{one.of}' is of a live clock only (run.clock)")
+        for expectation in self.expect:
+            if expectation.of.startswith("deadlines") and self.run.clock != "live":
+                raise ValueError(f"expect: '{expectation.of}' exists with a live clock only (run.clock)")
         return self
 
     @property
     def changes(self) -> dict[int, dict[str, Any]]:
-        """Tick -> what is set from it on, in order."""
+        """Tick -> settings of the channel from it on, in order."""
         return schedule(self.event, self.run.dt)
 
     @property
-    def attendance(self) -> dict[int, Planned]:
-        """Tick -> who goes and who comes back, in order."""
-        return attendance(self.event, self.robots.number, self.run.dt)
+    def participation(self) -> dict[int, ParticipationChange]:
+        """Tick -> change of participation, in order."""
+        return events.participation(self.event, self.robots.number, self.run.dt)
 
     @property
     def world_deaths(self) -> dict[int, float]:
-        """Tick -> for how long the world's process is away from it on [s; wall clock], in order."""
-        dt = self.run.dt
-        at = {counts.ticks(one.at, dt): one.world_away for one in self.event if one.world_away is not None}
-        return dict(sorted(at.items()))
+        """Tick of the world's death -> time until another world resumes [s; wall clock], in order."""
+        deaths = [(event.at, event.world_away) for event in self.event if event.world_away is not None]
+        return dict(sorted({counts.ticks(time, self.run.dt): away for time, away in deaths}.items()))
 
     @property
     def transmissions(self) -> dict[int, Transmission | None]:
-        """Tick -> what transmitters do from it on, in order; None where all are healthy."""
+        """Tick -> effect of the transmitters from it on, in order; None if all are healthy."""
         robots = self.robots.number
         return faults.transmissions(events.parts(self.event, robots, self.run.dt), robots)
 
     @property
     def faults(self) -> list[FaultConfig]:
-        """What agents are told of their robots' equipment, in order of time."""
-        return faults.told(events.parts(self.event, self.robots.number, self.run.dt), self.run.dt)
+        """Faults that the agents emulate, in order of time."""
+        return faults.agent_faults(events.parts(self.event, self.robots.number, self.run.dt), self.run.dt)
 
     @property
     def ticks(self) -> int:
@@ -152,7 +151,7 @@ def load(path: Path, overrides: dict[str, Any] | None = None) -> Scenario:
 
 
 def parse(tables: dict[str, Any], where: str) -> Scenario:
-    """The scenario of parsed TOML `tables`; errors name `where` they come from."""
+    """The scenario of parsed TOML `tables`; errors name their origin `where`."""
     try:
         return Scenario.model_validate(tables)
     except ValidationError as error:
@@ -160,17 +159,17 @@ def parse(tables: dict[str, Any], where: str) -> Scenario:
 
 
 def with_event(scenario: Scenario, tick: int, path: str, value: Any) -> Scenario:
-    """The scenario with one more event: what was set while it ran, so that it can be run again.
+    """The scenario with one more event for a change set during the run, so that the run can be repeated.
 
-    Raises ScenarioError where an event that is scheduled for later then asks for a channel that cannot be.
+    Raises ScenarioError if the change makes a later event impossible.
     """
     event = {"at": round(tick * scenario.run.dt, 9), "set": {path: value}}
     tables = scenario.model_dump(by_alias=True)
-    return parse({**tables, "event": [*tables["event"], event]}, f"{path}, with what is scheduled")
+    return parse({**tables, "event": [*tables["event"], event]}, f"{path}, with the scheduled events")
 
 
 def agent_config(scenario: Scenario) -> AgentConfig:
-    """What the scenario lets an agent know."""
+    """The settings that an agent receives."""
     return AgentConfig(
         dt=scenario.run.dt,
         seed=draws.sub_seed(scenario.run.seed, "agents"),

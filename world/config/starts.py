@@ -1,4 +1,4 @@
-"""Starts of the robots: a scenario's table [robots], and the poses that result from it."""
+"""Starts of the robots: a scenario's table [robots], and the poses at tick 0."""
 
 import math
 from typing import Annotated, Literal, Self
@@ -12,25 +12,25 @@ from fes.model.config import NonNegative, Positive, Table
 from fes.protocol.keys import MAX_ROBOTS
 
 FARTHEST = 1e12
-"""Farthest coordinate of a start [m]: there a double still resolves 0.12 mm."""
+"""Largest coordinate of a start [m], at which a double still resolves 0.12 mm."""
 
 MAX_TURN = 1e6
 """Largest heading of a start [rad]."""
 
 
 class RobotsConfig(Table):
-    """Where the robots start: explicit poses, or a generator."""
+    """Start of the robots: explicit poses, or a generated grid or line."""
 
     poses: list[Annotated[tuple[float, float, float], Field(strict=False)]] | None = None
-    """Initial poses [[x, y, heading], ...] [m, m, rad; world frame], in the order of the robot ids."""
+    """Initial poses, a list of x, y and heading [m, m, rad; world frame], in the order of the robot ids."""
     kind: Literal["grid", "line"] = "grid"
     """Shape of the generated start."""
     count: int | None = Field(default=None, ge=1, le=MAX_ROBOTS)
-    """Number of robots of the generated start; give either this or `poses`."""
+    """Number of robots of the generated start; give either `count` or `poses`."""
     spacing: Positive = 78.0
     """Distance between neighbors of the generated start [m]."""
     jitter: NonNegative = 0.0
-    """Each generated position is moved by up to this much along x and y [m], seeded."""
+    """Largest random displacement of a generated position along x and y [m]."""
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
@@ -48,12 +48,12 @@ class RobotsConfig(Table):
 
     @property
     def _extent(self) -> float:
-        """The farthest coordinate that a generated start may have [m]."""
+        """Largest coordinate that a generated start can have [m]."""
         return self.spacing * (self.width - 1) + self.jitter
 
     @property
     def width(self) -> int:
-        """Robots in a row of a generated start."""
+        """Number of robots per row of a generated start."""
         return math.ceil(math.sqrt(self.number)) if self.kind == "grid" else self.number
 
     @property
@@ -77,14 +77,14 @@ def poses(robots: RobotsConfig, seed: int) -> Floats:
     return generated
 
 
-def _check(found: Floats) -> None:
-    """Raise ValueError in one line unless poses [n, 3] are finite and not too far out."""
+def _check(poses: Floats) -> None:
+    """Raise ValueError in one line unless poses [n, 3] are finite and within the bounds."""
     rules = (
         (slice(2), FARTHEST, f"be finite and within {FARTHEST:g} m of the origin along x and y"),
         (slice(2, 3), MAX_TURN, f"have finite headings within {MAX_TURN:g} rad"),
     )
     for columns, bound, rule in rules:
-        values = found[:, columns]
+        values = poses[:, columns]
         outside = values[~(np.abs(values) <= bound)]
         if len(outside):
             raise ValueError(f"poses must {rule}, got {outside[0]:g}")

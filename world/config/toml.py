@@ -1,4 +1,4 @@
-"""TOML from outside: tables of bounded depth and numbers of bounded length, or an error in one line."""
+"""TOML from outside: tables of bounded depth and integers of bounded size, or an error in one line."""
 
 import tomllib
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 from fes.system.encoding import DEEPEST
 
 LARGEST = 2**64
-"""No whole number reaches it: TOML promises 64 bits, and longer ones cannot even be printed."""
+"""Bound of integers, exclusive: TOML promises 64 bits, and Python does not print very long ones."""
 
 
 class Malformed(ValueError):
@@ -14,29 +14,29 @@ class Malformed(ValueError):
 
 
 def parse(text: str) -> dict[str, Any]:
-    """The tables in a text; raises Malformed for what is not TOML, ValueError for what is too large; in one line."""
+    """The tables in a text; raises Malformed if it is not TOML and ValueError if it is too large, in one line."""
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise Malformed(f"is not valid TOML: {error}") from None
     except RecursionError:
         raise ValueError("is nested too deeply") from None
-    except ValueError:  # of int(), which reads at most 4,300 digits, and of dates that no calendar has
+    except ValueError:  # from int(), which reads at most 4,300 digits, and from impossible dates
         raise ValueError("has a number or a date that is too large") from None
     check(tables)
     return tables
 
 
 def check(value: object) -> None:
-    """Raise ValueError for what is nested too deeply, or has a whole number of more than 64 bits."""
+    """Raise ValueError if a value is nested too deeply or contains an integer of more than 64 bits."""
     waiting = [(value, 0)]
     while waiting:
-        one, depth = waiting.pop()
+        part, depth = waiting.pop()
         if depth > DEEPEST:
             raise ValueError("is nested too deeply")
-        if isinstance(one, dict):
-            waiting += [(part, depth + 1) for part in one.values()]
-        elif isinstance(one, list):
-            waiting += [(part, depth + 1) for part in one]
-        elif isinstance(one, int) and not -LARGEST < one < LARGEST:
-            raise ValueError(f"has a whole number of {one.bit_length()} bits, more than 64")
+        if isinstance(part, dict):
+            waiting += [(value, depth + 1) for value in part.values()]
+        elif isinstance(part, list):
+            waiting += [(value, depth + 1) for value in part]
+        elif isinstance(part, int) and not -LARGEST < part < LARGEST:
+            raise ValueError(f"has an integer of {part.bit_length()} bits, more than 64")

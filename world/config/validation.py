@@ -10,18 +10,18 @@ from fes.model.config import Table
 from fes.system.output import printable
 
 LONGEST = 120
-"""Longest text from outside that a message shows [characters]."""
+"""Longest text from outside in a message [characters]."""
 
 
-def first_rule(error: ValidationError, model: type[Table], whole: str, prefix: str = "") -> str:
-    """The first broken rule of `model`: field, rule, offending value; for an unknown field the nearest one.
+def first_rule(error: ValidationError, model: type[Table], table: str, prefix: str = "") -> str:
+    """The first broken rule of `model`: field, rule, offending value; for an unknown field the nearest known one.
 
-    `whole` names the table itself, `prefix` goes before the fields in it.
+    `table` names the model itself, `prefix` precedes its fields.
     """
     # an unknown field goes first: it may be the missing one, misspelt
-    first = min(error.errors(include_url=False), key=lambda found: found["type"] != "extra_forbidden")
-    at = ".".join(str(part) for part in first["loc"])
-    field = short(prefix + at) if at else whole
+    first = min(error.errors(include_url=False), key=lambda broken: broken["type"] != "extra_forbidden")
+    path = ".".join(str(part) for part in first["loc"])
+    field = short(prefix + path) if path else table
     if first["type"] == "extra_forbidden":
         plain = prefix + ".".join(str(part) for part in first["loc"] if not isinstance(part, int))
         near = _nearest(plain, _fields(model, prefix))
@@ -31,36 +31,37 @@ def first_rule(error: ValidationError, model: type[Table], whole: str, prefix: s
     if first["type"] == "missing":
         return f"{field}: is required"
     if first["type"] == "value_error":
-        return f"{field}: {message}" if at else message
+        return f"{field}: {message}" if path else message
     return f"{field}: {message}, got {reprlib.repr(first['input'])}"
 
 
 def short(text: str) -> str:
-    """A text from outside as it can be printed: without control characters, and cut to length."""
+    """A printable text from one of outside: without control characters, and cut to length."""
     shown = printable(text[: LONGEST + 1])
     return shown if len(shown) <= LONGEST else shown[: LONGEST - 1] + "…"
 
 
 def _nearest(field: str, known: list[str]) -> str | None:
-    """The known field that may be meant: one of the same table first, then one of this name in another table.
+    """The nearest known field: of the same table first, then one of this name in another table.
 
     >>> _nearest("channel.snr", ["channel", "channel.reference_snr", "run.dt"])
     'channel.reference_snr'
     """
     table, _, name = field.rpartition(".")
-    siblings = {other.rpartition(".")[2]: other for other in known if other.rpartition(".")[0] == table}
-    others = {other.rpartition(".")[2]: other for other in known if "." in other}
+    siblings = {path.rpartition(".")[2]: path for path in known if path.rpartition(".")[0] == table}
+    others = {path.rpartition(".")[2]: path for path in known if "." in path}
     for names, cutoff in ((siblings, 0.6), (others, 1.0)):
         if near := difflib.get_close_matches(name, names, n=1, cutoff=cutoff):
             return names[near[0]]
     for names in (siblings, {} if table else others):
-        if within := [other for other in names if name and name in other]:
+        if within := [longer for longer in names if name and name in longer]:
             return names[min(within, key=len)]
     near = difflib.get_close_matches(name, siblings, n=1, cutoff=0.55)
     return siblings[near[0]] if near else None
 
 
 def _fields(model: type[Table], prefix: str) -> list[str]:
+    """Dotted paths of all fields of a model and of the tables in it."""
     names = []
     for name, field in model.model_fields.items():
         dotted = f"{prefix}{field.alias or name}"

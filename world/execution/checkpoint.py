@@ -73,7 +73,7 @@ class CheckpointWriter:
         """Keep a run that begins, in a run directory that was cleared."""
         try:
             self._folder.mkdir()
-            self.follow(run, run.metrics.link_errors.digest.leave_in(self._folder / DIGEST_INPUT), {}, set())
+            self.follow(run, run.metrics.link_errors.digest.record_input(self._folder / DIGEST_INPUT), {}, set())
         except OSError as error:
             raise FesError(f"cannot keep checkpoints: {reason(error)}") from None
 

@@ -29,7 +29,7 @@ def load(directory: Path) -> Snapshot:
         raise FesError(f"{directory} has no checkpoint: its run is over, or kept none")
     kept = snapshot.read(directory / FOLDER / STATE)
     try:
-        kept.metrics.link_errors.digest.check(directory / FOLDER / DIGEST_INPUT)
+        kept.metrics.link_errors.digest.check_input(directory / FOLDER / DIGEST_INPUT)
         deque(_notes(directory, kept), maxlen=0)
         if kept.log is not None:
             _check_log(checkpoint.log_of(directory, kept.number), kept.log)
@@ -93,7 +93,7 @@ def run(
     hosts, renewed, elapsed = dict(kept.hosts), set(kept.renewed), kept.elapsed
     notes = kept.notes
     try:
-        trail = run.metrics.link_errors.digest.take_up(directory / FOLDER / DIGEST_INPUT)
+        trail = run.metrics.link_errors.digest.resume_input(directory / FOLDER / DIGEST_INPUT)
         for after, note in _notes(directory, kept):
             notes = after
             checkpoint.renew(renewed, note)

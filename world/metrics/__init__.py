@@ -1,10 +1,11 @@
-"""What a run achieved.
+"""Metrics of a run, from the truth and from what the robots report.
 
-collector       adds up every tick from truth and telemetry
+collector       collects the metrics, tick by tick
+tick_truth      one tick as the metrics see it
 link_errors     errors of links and estimates, and the times at which they fall
-tracking        how fast and how well the optimum is found, after each change
+tracking        time and accuracy of seeking, after the start and each change
 period_average  separations averaged over a dither period
-deadlines       how well robots keep the live clock's pace
+deadlines       deadlines of the live clock, kept and missed
 optimum         r*, the separation that maximizes the index (16)
 graphs          algebraic connectivity of a graph
 digest          SHA-256 over all ticks

@@ -1,6 +1,7 @@
-"""What a run achieved, added up tick by tick from the truth and from what the robots say of themselves."""
+"""Collector of a run's metrics, tick by tick, from the truth and from the robots' telemetry."""
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -15,21 +16,24 @@ from world.metrics import deadlines, link_errors
 from world.metrics.link_errors import LinkErrors
 from world.metrics.optimum import optimal_separation
 from world.metrics.period_average import PeriodAverage
-from world.metrics.tracking import Tracking
+from world.metrics.tick_truth import TickTruth
+from world.metrics.tracking import TeamErrors, Tracking
 from world.simulation.channel import Radio
 from world.simulation.truth import State
 
 
 class MetricsCollector:
-    """Sums up a run; `add` is called once for each tick, in order."""
+    """Metrics of a run; call `add` once per tick, in order."""
 
     state: State
-    """At the last tick."""
+    """State at the last tick."""
     telemetry: Telemetry
-    """At the last tick."""
+    """Telemetry at the last tick."""
     separation: Floats
-    """At the last tick, of each of `telemetry.links.undirected` [u] [m]; averaged over a dither period if the
-    formation breathes and the link has stood for one."""
+    """Separation of each of `telemetry.links.undirected` at the last tick [u] [m].
+
+    With a physical dither, the mean over a dither period if the link is old enough.
+    """
 
     def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
@@ -40,60 +44,78 @@ class MetricsCollector:
         self._period_average = PeriodAverage(dither_period(scenario))
         self._channel: RadioConfig | None = None
         self.deadlines = deadlines.no_deadlines(scenario.robots.number) if scenario.run.clock == "live" else None
-        """Where the clock is live."""
+        """Deadlines of the live clock; None in lockstep."""
         self.unscheduled_absences = 0
-        """Robot-ticks in which a robot took no part although the schedule had it present."""
-        self._attendance = scenario.attendance
+        """Robot-ticks in which a robot took no part although the scenario had it present."""
+        self._schedule = scenario.participation
         self._scheduled = np.ones(scenario.robots.number, dtype=np.bool_)
 
     @np.errstate(over="ignore", invalid="ignore")  # a run may diverge: its errors are then infinite
-    def add(self, state: State, twists: Floats, telemetry: Telemetry, spoken: Ints | None = None) -> None:
-        """Add a tick: the state, the twists [n, 2] of the robots in it, and what they said.
+    def add(self, state: State, twists: Floats, telemetry: Telemetry, command_ticks: Ints | None = None) -> None:
+        """Add a tick: the state, the twists [n, 2] that the bodies hold in it, and the robots' telemetry.
 
-        Where the clock is live, `spoken` [n] is the tick of the command that each follows, -1 for none.
+        With the live clock, `command_ticks` [n] is the tick of the command that each robot follows, -1 for none.
         """
-        if self.deadlines is not None and spoken is not None:
-            self.deadlines.add(state.tick, state.present, spoken)
+        if self.deadlines is not None and command_ticks is not None:
+            self.deadlines.add(state.tick, state.present, command_ticks)
         self._add_absences(state)
-        changed = state.channel is not self._channel and state.channel != self._channel
-        if changed:
+        truth = self._tick_truth(state, twists, telemetry)
+        self.link_errors.add(truth)
+        self.tracking.add(state.tick, truth.optimal, truth.is_changed, self._team_errors(truth))
+        mean = truth.mean_separation
+        self.separation = np.where(np.isfinite(mean), mean, truth.separation)
+        self.state, self.telemetry = state, telemetry
+
+    def shared(self) -> dict[str, Any]:
+        """Quantities of the last tick that summary and report share, by their name in the summary."""
+        errors = self.link_errors.errors
+        return {
+            "optimal_separation": self.optimal,
+            "disagreement": errors["disagreement"],
+            "estimate_error_max": errors["estimate_error"],
+            "beacons_sent": self.state.sent,
+            "beacons_decoded": self.state.decoded,
+        }
+
+    def _tick_truth(self, state: State, twists: Floats, telemetry: Telemetry) -> TickTruth:
+        is_changed = state.channel is not self._channel and state.channel != self._channel
+        if is_changed:
             self._channel = state.channel
             self.optimal = optimal_separation(self.scenario.objective, state.channel)
-        self.state, self.telemetry = state, telemetry
-        links, estimates = telemetry.links, telemetry.estimates
-        now = link_errors.separations(state.poses, *link_errors.ends(links))
-        self._period_average.add(links, now)
-        mean = self._period_average.mean
-        self.link_errors.add(
-            state.poses, twists, state.proximity, state.present, state.sent > 0, telemetry, mean, self.optimal
-        )
-        self.separation = np.where(np.isfinite(mean), mean, now)
+        separation = link_errors.separations(state.poses, *link_errors.ends(telemetry.links))
+        self._period_average.add(telemetry.links, separation)
+        return TickTruth(state, twists, telemetry, separation, self._period_average.mean, self.optimal, is_changed)
+
+    def _team_errors(self, truth: TickTruth) -> TeamErrors:
+        """Errors over all links; rms and index are NaN where the tracking does not need them."""
+        links, optimal = truth.telemetry.links, truth.optimal
         error = rms = index = math.nan
         if len(links):
-            error = float(estimates.sum()) / len(links) - self.optimal
-        if len(links) and self.tracking.settled(state.tick, changed):
+            error = float(truth.telemetry.estimates.sum()) / len(links) - optimal
+        if len(links) and self.tracking.is_settled(truth.state.tick, truth.is_changed):
+            mean = truth.mean_separation
             old = mean[np.isfinite(mean)]  # links that have stood for a period
-            rms = math.sqrt(float(np.mean((old - self.optimal) ** 2))) if len(old) else math.nan
-            wish = objective.preference(now, self.scenario.objective)
-            index = float(np.mean(wish * link_reception(state.radio, links)))
-        apart = self.link_errors.errors["disagreement"]
-        self.tracking.add(state.tick, self.optimal, changed, error, apart, rms, index)
+            rms = math.sqrt(float(np.mean((old - optimal) ** 2))) if len(old) else math.nan
+            preference = objective.preference(truth.separation, self.scenario.objective)
+            index = float(np.mean(preference * link_reception(truth.state.radio, links)))
+        return TeamErrors(error, self.link_errors.errors["disagreement"], rms, index)
 
     def _add_absences(self, state: State) -> None:
-        planned = self._attendance.get(state.tick)
-        if planned is not None:
-            self._scheduled = events.attended(self._scheduled, planned)
+        change = self._schedule.get(state.tick)
+        if change is not None:
+            self._scheduled = events.participating(self._scheduled, change)
         if not state.present.all():
             self.unscheduled_absences += int(np.count_nonzero(self._scheduled & ~state.present))
 
 
 def link_reception(radio: Radio, links: Edges) -> Floats:
-    """The true reception probability of each of `links.undirected` [u], mean of both ways; NaN out of contact."""
+    """True reception probability of each of `links.undirected` [u], mean of both ways; NaN without a contact."""
     if not len(radio.edges):
         return np.full(len(links.undirected), np.nan)
-    at = links.places_in(radio.edges)[links.undirected]
-    both = 0.5 * (radio.probability.take(at) + radio.probability.take(radio.edges.reverse.take(at)))
-    return np.where(at >= 0, both, np.nan)
+    positions = links.places_in(radio.edges)[links.undirected]
+    backward = radio.edges.reverse.take(positions)
+    mean = 0.5 * (radio.probability.take(positions) + radio.probability.take(backward))
+    return np.where(positions >= 0, mean, np.nan)
 
 
 def dither_period(scenario: Scenario) -> int:

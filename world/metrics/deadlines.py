@@ -1,4 +1,4 @@
-"""How robots keep the pace of the live clock: commands that were not there when their tick was over."""
+"""Deadlines of the live clock: commands that had not arrived when their tick ended."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,26 +13,26 @@ COMMAND_TIMEOUT = 0.25
 
 @dataclass(eq=False)
 class Deadlines:
-    """Counts of each robot [n]; a deadline is the end of a tick in which the robot takes part."""
+    """Counts per robot [n]; a deadline is the end of a tick in which the robot takes part."""
 
     due: Ints
     missed: Ints
-    """Deadlines at which the command of that tick was not there, so that an older one was held."""
+    """Deadlines without the command of their tick, at which the robot held an older command."""
     stopped: Ints
-    """Of them, those at which the last command was older than COMMAND_TIMEOUT."""
+    """Missed deadlines at which the last command was older than COMMAND_TIMEOUT."""
     late: Ints
-    """Commands that came after their deadline: what the machine did, which no log can tell again."""
+    """Commands that arrived after their deadline: a fact of the machine, which no log can reproduce."""
     slipped: float = 0.0
-    """How far the world's own ticks were late in all [s]."""
+    """Total delay of the world's own ticks [s]."""
 
-    def add(self, tick: int, present: Bools, spoken: Ints) -> None:
-        """One more tick; `spoken` [n] is the tick of the command that each robot follows, -1 for none."""
+    def add(self, tick: int, present: Bools, command_ticks: Ints) -> None:
+        """Add a tick; `command_ticks` [n] is the tick of the command that each robot follows, -1 for none."""
         self.due += present
-        self.missed += present & (spoken < tick)
-        self.stopped += present & (spoken < 0)
+        self.missed += present & (command_ticks < tick)
+        self.stopped += present & (command_ticks < 0)
 
     def table(self) -> dict[str, Any]:
-        """What a summary tells of them."""
+        """The table `deadlines` of a summary."""
         due = int(self.due.sum())
         return {
             "due": self.due.tolist(),
@@ -45,6 +45,6 @@ class Deadlines:
 
 
 def no_deadlines(robots: int) -> Deadlines:
-    """Of a run that begins."""
+    """Deadlines at the start of a run."""
     due, missed, stopped, late = (np.zeros(robots, dtype=np.int64) for _ in range(4))
     return Deadlines(due, missed, stopped, late)

@@ -1,7 +1,7 @@
 """The digest of a run: SHA-256 over its ticks, in the layout that the README gives.
 
-The state of a hash cannot be kept. So its input can be left in a file, the trail, from which a resumed run computes
-the hash again. The text of the hash is kept, and shows whether the trail is still the same.
+The state of a hash cannot be stored. Instead a copy of its input is written to a file, from which a resumed run
+computes the hash again. The stored text of the hash shows whether that file is unchanged.
 """
 
 import hashlib
@@ -19,68 +19,70 @@ _BLOCK = 1 << 20  # bytes
 
 
 class Digest:
-    """Sums up ticks, in order."""
+    """SHA-256 over ticks; `add` them in order."""
 
     def __init__(self) -> None:
         self._hash = hashlib.sha256()
-        self._trail: BinaryIO | None = None
+        self._input: BinaryIO | None = None
+        """Copy of the hashed bytes, if it is recorded."""
         self.length = 0
-        """Bytes that went into it."""
-        self._kept = ""
-        """Its text as it was kept, for comparison with the trail."""
+        """Number of bytes hashed."""
+        self._stored = ""
+        """Text of the hash when it was stored, to compare with the recorded input."""
 
     def add(self, tick: int, poses: Floats, twists: Floats) -> None:
         """Add a tick: poses [n, 3] and twists [n, 2]."""
-        told = np.int64(tick).astype("<i8").tobytes()
-        told += np.concatenate([poses, twists], axis=1).astype("<f8", copy=False).tobytes()
-        self._hash.update(told)
-        self.length += len(told)
-        if self._trail is not None:
-            self._trail.write(told)
+        block = np.int64(tick).astype("<i8").tobytes()
+        block += np.concatenate([poses, twists], axis=1).astype("<f8", copy=False).tobytes()
+        self._hash.update(block)
+        self.length += len(block)
+        if self._input is not None:
+            self._input.write(block)
 
     def text(self) -> str:
-        """Of the ticks so far, in hexadecimal."""
+        """Digest of the ticks so far, in hexadecimal."""
         return self._hash.hexdigest()
 
-    def leave_in(self, path: Path) -> BinaryIO:
-        """From now on leave a trail in a new file, which is returned; nothing may have been added yet."""
-        self._trail = open(path, "xb", opener=hashed_file.append)  # noqa: SIM115
-        return self._trail
+    def record_input(self, path: Path) -> BinaryIO:
+        """Record all input in a new file, and return the file; call it before the first `add`."""
+        self._input = open(path, "xb", opener=hashed_file.append)  # noqa: SIM115
+        return self._input
 
-    def check(self, path: Path) -> None:
-        """Raise FesError unless the first `length` bytes of the trail in a file are those that were hashed."""
+    def check_input(self, path: Path) -> None:
+        """Raise FesError unless the first `length` bytes of a recorded input are those that were hashed."""
         self._read(path)
 
-    def take_up(self, path: Path) -> BinaryIO:
-        """Go on with the first `length` bytes of the trail in a file, and leave the rest of it there.
+    def resume_input(self, path: Path) -> BinaryIO:
+        """Hash the first `length` bytes of a recorded input, cut the rest, and record further input there.
 
-        Raises FesError if they differ, and OSError if they cannot be read.
+        Raises FesError if the bytes differ from those that were hashed, OSError if they cannot be read.
         """
         self._hash = self._read(path)
         os.truncate(path, self.length)
-        self._trail = open(path, "ab")  # noqa: SIM115
-        return self._trail
+        self._input = open(path, "ab")  # noqa: SIM115
+        return self._input
 
     def _read(self, path: Path) -> "hashlib._Hash":
-        found = hashlib.sha256()
+        """Hash of the first `length` bytes of a recorded input."""
+        computed = hashlib.sha256()
         with path.open("rb") as file:
             for start in range(0, self.length, _BLOCK):
-                found.update(file.read(min(_BLOCK, self.length - start)))
+                computed.update(file.read(min(_BLOCK, self.length - start)))
             if file.tell() < self.length:
                 raise FesError(f"{path} is damaged at byte {file.tell():,}: it ends there, of {self.length:,}")
-        if found.hexdigest() != self._kept:
+        if computed.hexdigest() != self._stored:
             raise FesError(f"{path} is damaged: the SHA-256 of its first {self.length:,} bytes differs")
-        return found
+        return computed
 
     def close(self) -> None:
-        """Leave no trail any more."""
-        if self._trail is not None:
-            self._trail.close()
-            self._trail = None
+        """Stop recording the input."""
+        if self._input is not None:
+            self._input.close()
+            self._input = None
 
     def __getstate__(self) -> dict[str, int | str]:
         return {"length": self.length, "text": self.text()}
 
-    def __setstate__(self, kept: dict[str, int | str]) -> None:
+    def __setstate__(self, state: dict[str, int | str]) -> None:
         self.__init__()  # type: ignore[misc]
-        self.length, self._kept = int(kept["length"]), str(kept["text"])
+        self.length, self._stored = int(state["length"]), str(state["text"])

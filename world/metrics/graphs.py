@@ -5,11 +5,11 @@ import numpy as np
 from fes.arrays.types import Floats, Ints
 
 MAX_DENSE = 1500
-"""Up to this many robots the algebraic connectivity is computed, from the dense Laplacian."""
+"""Most robots for which the algebraic connectivity is computed, from the dense Laplacian."""
 
 
 def components(n: int, a: Ints, b: Ints) -> Ints:
-    """For each of n rows the lowest row of its component [n]; edges a-b [m].
+    """Lowest row of each row's component [n], in a graph with the edges a-b [m].
 
     >>> components(4, np.array([0, 2]), np.array([1, 3])).tolist()
     [0, 0, 2, 2]
@@ -19,14 +19,14 @@ def components(n: int, a: Ints, b: Ints) -> Ints:
         lowest = label.copy()
         np.minimum.at(lowest, a, label[b])
         np.minimum.at(lowest, b, label[a])
-        lowest = lowest[lowest]  # jump: the label of my label
+        lowest = lowest[lowest]  # jump: a row takes the label of its label
         if np.array_equal(lowest, label):
             return label
         label = lowest
 
 
 def component_count(n: int, a: Ints, b: Ints) -> int:
-    """Number of components."""
+    """Number of components of the graph."""
     return len(np.unique(components(n, a, b)))
 
 

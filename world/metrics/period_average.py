@@ -1,7 +1,7 @@
 """Separations averaged over a period of the dither.
 
-With a physical dither the formation breathes, and lags what it is told; what it settles at is the average over a
-period.
+With a physical dither the formation breathes and lags the desired separation. The separation that it settles at is
+the average over a period.
 """
 
 from collections import deque
@@ -12,26 +12,27 @@ from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Floats, Ints
 
 MOST_BLOCKS = 20
-"""A period is summed up in at most so many blocks, so that its average is renewed as often."""
+"""Most blocks that a period is divided into; the average is renewed at the end of each block."""
 
 
 class PeriodAverage:
-    """The average of each link's separation over the latest whole period; `add` is called at each tick."""
+    """Average of each link's separation over the latest complete period; call `add` once per tick."""
 
     def __init__(self, period: int) -> None:
-        """`period` [ticks], at least 1; 1 keeps the separations as they are."""
+        """`period` [ticks] is at least 1; with 1 the average is the separation itself."""
         self._period = period
         blocks = next(count for count in range(min(MOST_BLOCKS, period), 0, -1) if period % count == 0)
         self._length = period // blocks
+        """Ticks per block."""
         self._sums: deque[Floats] = deque(maxlen=blocks)
         self._links: Edges = no_edges(np.zeros(0, dtype=np.int64))
         self._now: Floats = np.zeros(0)
         self._ticks = 0
         self.mean: Floats = np.zeros(0)
-        """[u] [m]; NaN for a link that did not stand for a whole period."""
+        """Average per link [u] [m]; NaN for a link younger than a period."""
 
     def add(self, links: Edges, separation: Floats) -> None:
-        """One more tick: the links in use, and the separations at `links.undirected` [u] [m]."""
+        """Add a tick: the links in use, and the separations of `links.undirected` [u] [m]."""
         if self._period == 1:
             self.mean = separation
             return

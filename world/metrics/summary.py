@@ -1,4 +1,4 @@
-"""The summary of a run and its directory: what scripts outside the project read."""
+"""The summary of a run, and the files of its directory that scripts outside the project read."""
 
 import contextlib
 import os
@@ -11,6 +11,7 @@ import tomli_w
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
 from fes.errors import FesError, reason
+from fes.model import quantities
 from fes.system import fingerprint, strict_json
 from world.config import expectations
 from world.config.scenario import Scenario
@@ -21,15 +22,16 @@ from world.simulation.channel import Radio
 
 @np.errstate(over="ignore", invalid="ignore")
 def summarize(metrics: MetricsCollector, name: str, backend: str, wall: float) -> dict[str, Any]:
-    """The summary of a run up to the last tick of `metrics`; `wall` is how long it took [s].
+    """The summary of a run up to the last tick of `metrics`; `wall` is its wall-clock time [s].
 
-    A number that does not exist or is not finite is None.
+    `fes.model.quantities` describes its values; a number that does not exist or is not finite is None.
     """
-    scenario, final, errors, optimal = metrics.scenario, metrics.state, metrics.link_errors, metrics.optimal
+    scenario, errors, optimal = metrics.scenario, metrics.link_errors, metrics.optimal
     n, links, estimates = scenario.robots.number, metrics.telemetry.links, metrics.telemetry.estimates
     separation = metrics.separation
     simulated = errors.ticks * scenario.run.dt
-    found = {
+    values = {
+        **metrics.shared(),
         "scenario": name,
         "seed": scenario.run.seed,
         "backend": backend,
@@ -41,48 +43,43 @@ def summarize(metrics: MetricsCollector, name: str, backend: str, wall: float) -
         "wall_s": wall,
         "ticks_per_s": errors.ticks / wall if wall > 0 else None,
         "real_time_factor": simulated / wall if wall > 0 else None,
-        "optimal_separation": optimal,
         "edges": _edges(links, separation, estimates),
         "separation_error_max": _largest(separation - optimal),
         "separation_error_rms": _rms(separation - optimal),
-        "disagreement": None if len(links) == 0 else errors.errors["disagreement"],
-        "estimate_error_max": _largest(estimates - optimal),
         "estimate_error_rms": _rms(estimates - optimal),
         "disk_connected_always": errors.disk_always,
         "links_connected_always": errors.links_always,
         "algebraic_connectivity": graphs.algebraic_connectivity(n, *link_errors.ends(links)),
-        "beacons_sent": final.sent,
-        "beacons_decoded": final.decoded,
         "time_to": errors.times(),
         "digest": errors.digest.text(),
         "tracking": metrics.tracking.table(),
-        "radio": _contacts(final.radio),
+        "radio": _contacts(metrics.state.radio),
         "deadlines": None if metrics.deadlines is None else metrics.deadlines.table(),
         "arithmetic": fingerprint.table(),
         "links_gap_longest": errors.longest_gap * scenario.run.dt,
         "unscheduled_absences": metrics.unscheduled_absences,
         "links_lost_at": errors.links_lost_at,
     }
-    verdicts = expectations.verdicts(scenario.expect, found)
-    complete: dict[str, Any] = strict_json.finite({**found, "expectations": verdicts})
-    return complete
+    values[quantities.VERDICTS] = expectations.verdicts(scenario.expect, values)
+    summary: dict[str, Any] = strict_json.finite(quantities.ordered(values))
+    return summary
 
 
 def clear(directory: Path) -> None:
-    """Leave no summary of an older run in a run directory."""
+    """Delete the summary of an older run from a run directory."""
     (directory / "summary.json").unlink(missing_ok=True)
 
 
 def write(directory: Path, summary: dict[str, Any]) -> None:
-    """Write summary.json: complete or not at all; raises FesError."""
+    """Write summary.json, completely or not at all; raises FesError."""
     _write(directory / "summary.json", strict_json.dumps(summary, indent=1) + "\n")
 
 
 def lines(summary: dict[str, Any]) -> list[str]:
-    """What was reached, in the few lines of a log."""
+    """The summary in a few lines of a log."""
     links, time = len(summary["edges"]), f"{summary['simulated_s']:g} s in {summary['wall_s']:.1f} s"
-    lost = summary["links_lost_at"]
-    found = [
+    lost_at = summary["links_lost_at"]
+    text = [
         f"{summary['scenario']}, {summary['robots']} robots, seed {summary['seed']}: {time}",
         f"{links} links, r* = {_meters(summary['optimal_separation'], 3)}",
     ]
@@ -90,16 +87,16 @@ def lines(summary: dict[str, Any]) -> list[str]:
         errors = (
             (error.replace("_", " "), summary[f"{error}_max"]) for error in ("separation_error", "estimate_error")
         )
-        found += [f"largest {error}: {_meters(largest, 4)}" for error, largest in errors]
-    if lost is not None:
-        found.append(links_lost(lost))
-    held = summary["time_to"]["separation_0_1m"]
-    found.append("separation error < 0.1 m: " + ("never" if held is None else f"from {held:.2f} s on"))
-    return [*found, f"digest {summary['digest']}"]
+        text += [f"largest {error}: {_meters(largest, 4)}" for error, largest in errors]
+    if lost_at is not None:
+        text.append(links_lost(lost_at))
+    since = summary["time_to"]["separation_0_1m"]
+    text.append("separation error < 0.1 m: " + ("never" if since is None else f"from {since:.2f} s on"))
+    return [*text, f"digest {summary['digest']}"]
 
 
 def links_lost(since: float) -> str:
-    """One line about links that are lost since a time [s]."""
+    """One line about a team without links since a time [s]."""
     if since == 0.0:
         return "no robot ever had a link"
     return f"all links were lost for good at {since:g} s: no robot has had one since"
@@ -110,7 +107,7 @@ def _meters(value: float | None, digits: int) -> str:
 
 
 def write_scenario(directory: Path, scenario: Scenario) -> None:
-    """Write scenario.toml, complete or not at all: the scenario as it is run, with every default and override.
+    """Write scenario.toml, completely or not at all: the scenario with every default and override.
 
     Raises FesError.
     """
@@ -119,7 +116,7 @@ def write_scenario(directory: Path, scenario: Scenario) -> None:
 
 
 def _write(path: Path, text: str) -> None:
-    """Write a file, complete or not at all; raises FesError, which names it."""
+    """Write a file, completely or not at all; raises FesError, which names the file."""
     temporary = path.with_name(f".{path.name}")
     try:
         temporary.write_text(text, encoding="utf-8")
@@ -131,17 +128,17 @@ def _write(path: Path, text: str) -> None:
 
 
 def _edges(links: Edges, separation: Floats, estimates: Floats) -> list[list[float | int | None]]:
-    """[i, j, separation, estimate of i, estimate of j] for each link, i < j; None where one side has no link."""
+    """[i, j, separation, estimate of i, estimate of j] per link, i < j; None for a robot that does not use it."""
     rows = []
-    for at, length in zip(links.undirected.tolist(), separation.tolist(), strict=True):
-        i, j, other = int(links.rows[at]), int(links.peers[at]), int(links.reverse[at])
-        mine, theirs = float(estimates[at]), float(estimates[other]) if other >= 0 else None
-        rows.append([i, j, length, mine, theirs] if i < j else [j, i, length, theirs, mine])
+    for position, length in zip(links.undirected.tolist(), separation.tolist(), strict=True):
+        i, j, back = int(links.rows[position]), int(links.peers[position]), int(links.reverse[position])
+        own, peers = float(estimates[position]), float(estimates[back]) if back >= 0 else None
+        rows.append([i, j, length, own, peers] if i < j else [j, i, length, peers, own])
     return sorted(rows, key=lambda row: row[:2])
 
 
 def _contacts(radio: Radio) -> list[list[float | int]]:
-    """[receiver, sender, sent, decoded, mean true outage, longest gap] of each contact since it opened."""
+    """[receiver, sender, sent, decoded, mean true outage, longest gap] per contact, since it opened."""
     edges = radio.edges
     used = np.flatnonzero(radio.sent > 0)
     mean = radio.outage_sum[used] / radio.sent[used]

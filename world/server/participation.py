@@ -23,7 +23,7 @@ class Participation:
     ) -> None:
         """`excluded` maps robots at fault, which take no part, to their faults; it may change later."""
         self._roster, self._excluded = registry, excluded
-        self._schedule = scenario.attendance
+        self._schedule = scenario.participation
         self._robots = scenario.robots.number
         self._hung = np.zeros(self._robots, dtype=np.bool_)
         self._asleep = np.zeros(self._robots, dtype=np.bool_)
@@ -129,7 +129,7 @@ class Participation:
         hung = ~wanted
         for at, planned in self._schedule.items():
             if at <= tick:
-                wanted = events.attended(wanted, planned)
+                wanted = events.participating(wanted, planned)
                 hung = (hung & ~planned.back) | planned.hung
         for robot in np.flatnonzero(hung).tolist():
             hung[robot] = len(self._roster.group(robot)) == 1

@@ -8,7 +8,7 @@ import numpy as np
 from fes.arrays.types import Bools, Floats, Ints
 from fes.model.sensing import DECODED, Observations
 from world.config import events
-from world.config.events import Planned
+from world.config.events import ParticipationChange
 from world.config.faults import Transmission
 from world.config.radio import RadioConfig
 from world.config.scenario import Scenario, initial_poses
@@ -27,7 +27,7 @@ class World:
     medium: Medium
     changes: dict[int, dict[str, Any]]
     """Tick -> what is set of the channel from it on."""
-    attendance: dict[int, Planned]
+    attendance: dict[int, ParticipationChange]
     """Tick -> who goes and who comes back."""
     transmissions: dict[int, Transmission | None]
     """Tick -> what transmitters do from it on."""
@@ -66,7 +66,7 @@ def create(scenario: Scenario) -> World:
     """The world of a scenario."""
     ids = np.arange(scenario.robots.number)
     medium = channel.medium(scenario.run.seed, scenario.run.dt)
-    return World(scenario, ids, medium, scenario.changes, scenario.attendance, scenario.transmissions)
+    return World(scenario, ids, medium, scenario.changes, scenario.participation, scenario.transmissions)
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -135,7 +135,7 @@ def _changed(world: World, state: State) -> State:
     """The state with what is to be set at its tick, who is to be there, and what becomes of transmitters."""
     planned, settings = world.attendance.get(state.tick), world.changes.get(state.tick)
     if planned is not None:
-        state = attend(state, events.attended(state.present, planned))
+        state = attend(state, events.participating(state.present, planned))
     if state.tick in world.transmissions:
         state = replace(state, transmission=world.transmissions[state.tick])
     if settings is None:

@@ -111,7 +111,7 @@ def test_links_count_as_connected_among_those_that_are_present() -> None:
         ([{"at": 1.0, "restart": [1]}], "restart: robot 1 is alive already at 1 s"),
         ([{"at": 1.0, "kill": [1]}, {"at": 2.0, "kill": [1]}], "kill: robot 1 is dead already at 2 s"),
         ([{"at": 1.0}], "give at least one of set, kill, restart, hang, wake, transmitter, clock and world_away"),
-        ([{"at": 1.0, "kill": [1], "restart": [1]}], "robot 1 is named in kill and in restart: once is enough"),
+        ([{"at": 1.0, "kill": [1], "restart": [1]}], "robot 1 must be named once, but is in kill and in restart"),
     ],
 )
 def test_a_death_that_cannot_be_is_one_line(events: list[dict[str, Any]], rule: str) -> None:

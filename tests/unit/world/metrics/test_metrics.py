@@ -1,4 +1,4 @@
-"""What a run is said to have achieved, against hand-made series and the text of the contract."""
+"""Errors, levels, connectivity and digest of a run, against hand-made series and the text of the contract."""
 
 import math
 import re
@@ -12,12 +12,15 @@ from hypothesis import strategies as st
 from console.backends import inprocess
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
+from fes.model.quantities import LEVELS
 from fes.model.sensing import Telemetry
 from tests.support import layouts, loop
 from tests.support.results import Tick, contract_digest
+from world.config.radio import RadioConfig
 from world.metrics import link_errors
 from world.metrics.link_errors import LinkErrors
-from world.simulation import neighbor_list, truth
+from world.metrics.tick_truth import TickTruth
+from world.simulation import channel, neighbor_list, truth
 from world.simulation.truth import State, World
 
 OPTIMUM = 68.0  # m
@@ -33,13 +36,15 @@ def add(
     twists: Floats | None = None,
     open_contacts: bool = True,
 ) -> None:
-    """One tick of the tally, all robots' ids being 0 to n - 1."""
-    near = neighbor_list.measure(np.arange(len(where)), where, layouts.REACH, None)
+    """Add one tick; the robots' ids are 0 to n - 1."""
+    ids = np.arange(len(where))
+    near = neighbor_list.measure(ids, where, layouts.REACH, None)
     held = np.zeros((len(where), 2)) if twists is None else twists
-    said = Telemetry(links, np.array(estimates), np.zeros((2, 0)))
+    telemetry = Telemetry(links, np.array(estimates), np.zeros((2, 0)))
     separation = link_errors.separations(where, *link_errors.ends(links))
-    everybody = np.ones(len(where), dtype=np.bool_)
-    errors.add(where, held, near, everybody, open_contacts, said, separation, OPTIMUM)
+    present, radio = np.ones(len(where), dtype=np.bool_), channel.quiet(near.edges)
+    state = State(errors.ticks, where, RadioConfig(), near, radio, present, 0 * ids, int(open_contacts), 0)
+    errors.add(TickTruth(state, held, telemetry, separation, separation, OPTIMUM, errors.ticks == 0))
 
 
 def times(
@@ -60,7 +65,7 @@ def test_the_digest_is_the_contracts_sum_over_ticks_and_robots() -> None:
     ticks[5] = (
         -0.0 * ticks[5][0],
         np.asfortranarray(ticks[5][1]),
-    )  # signs of zero and memory order are no matter
+    )  # signs of zero and memory order do not matter
     errors, nothing = LinkErrors(DT), layouts.edges(range(4), [])
     for poses, twists in ticks:
         add(errors, poses, nothing, [], twists)
@@ -72,11 +77,11 @@ def test_the_digest_of_a_run_is_that_of_its_true_poses_and_twists(monkeypatch: p
     ticks: list[Tick] = []
     step = truth.step
 
-    def kept(world: World, state: State, twists: Floats) -> State:
+    def recorded(world: World, state: State, twists: Floats) -> State:
         ticks.append((state.poses.copy(), twists.copy()))
         return step(world, state, twists)
 
-    monkeypatch.setattr(truth, "step", kept)
+    monkeypatch.setattr(truth, "step", recorded)
     result = inprocess.run(loop.load("paper.toml", run__duration=1), "paper")
     assert len(ticks) == 50
     assert result["digest"] == contract_digest(ticks)
@@ -88,9 +93,9 @@ def test_the_digest_of_a_run_is_that_of_its_true_poses_and_twists(monkeypatch: p
         ([2.0] * 50, None),
         ([0.5] * 50, 0.0),
         ([2.0] * 3 + [0.5] * 40, 1.5),
-        ([2.0] * 3 + [-0.5] * 40, 1.5),  # too near is an error as too far is
-        ([2.0] * 3 + [0.5] * 40 + [5.0] * 30, 1.5),  # once it held for ten seconds it may be lost again
-        ([0.5] * 15 + [2.0] + [0.5] * 40, 8.0),  # a hold that is interrupted begins anew
+        ([2.0] * 3 + [-0.5] * 40, 1.5),  # too near is an error, like too far
+        ([2.0] * 3 + [0.5] * 40 + [5.0] * 30, 1.5),  # after ten seconds the level may be lost again
+        ([0.5] * 15 + [2.0] + [0.5] * 40, 8.0),  # an interrupted hold starts again
         ([0.5] * 15 + [2.0] * 30, None),
         ([0.5] * 21 + [2.0] * 30, 0.0),
         ([2.0] * 2 + [0.5] * 5, 1.0),  # a run shorter than ten seconds: to its end
@@ -115,7 +120,7 @@ def test_the_time_is_that_of_the_first_hold_long_enough(series: str) -> None:
     series += "x" * 25  # no hold at the end, and no short run
     hold = re.search(r"\.{21}", series)
     expected = None if hold is None else hold.start() * DT
-    # 20 ticks that hold span 9.5 s or 10 s, as one counts: not told here
+    # 20 ticks that hold span 9.5 s or 10 s, by the way of counting: not tested
     if not re.search(r"(?<!\.)\.{20}(?!\.)", series):
         assert times([3.0 if mark == "x" else 0.2 for mark in series])["separation_1m"] == expected
 
@@ -130,9 +135,9 @@ def test_errors_and_disagreement_of_three_robots_are_those_computed_by_hand(
     errors = LinkErrors(DT)
     add(errors, where, links, [said[pair] for pair in sorted(said)])
     assert errors.errors == {
-        "disagreement": 2.5 + 1.25,  # a link without an answer disagrees with nobody
-        "estimate_error": 7.0,  # but it has an estimate
-        "separation_error": 36.0,  # and a separation
+        "disagreement": 2.5 + 1.25,  # a link that one robot uses has no disagreement
+        "estimate_error": 7.0,  # it has an estimate
+        "separation_error": 36.0,  # it has a separation
     }
 
 
@@ -142,7 +147,7 @@ def test_without_links_there_is_no_error_and_no_level_is_reached() -> None:
         add(errors, layouts.poses([(0.0, 0.0), (OPTIMUM, 0.0)]), layouts.edges([0, 1], []), [])
     assert all(math.isnan(error) for error in errors.errors.values())
     assert set(errors.times().values()) == {None}
-    assert sorted(errors.times()) == sorted(link_errors.LEVELS)
+    assert sorted(errors.times()) == sorted(LEVELS)
 
 
 @pytest.mark.parametrize(
@@ -150,7 +155,7 @@ def test_without_links_there_is_no_error_and_no_level_is_reached() -> None:
     [("---oooo", True), ("o--oooo", True), ("---oooox", False), ("---xooo", False), ("---oox---", False)],
 )
 def test_links_count_as_connected_from_the_first_tick_with_open_contacts(story: str, always: bool) -> None:
-    # `-`: no contact is open, no links; `o`: open, all linked, on one side; `x`: open, robot 2 is alone
+    # `-`: no open contact, no links; `o`: open contacts, all robots linked, on one side; `x`: robot 2 is alone
     where, errors = layouts.poses([(0.0, 0.0), (60.0, 0.0), (120.0, 0.0)]), LinkErrors(DT)
     for mark in story:
         pairs = {"-": [], "o": [(0, 1), (2, 1)], "x": BOTH}[mark]

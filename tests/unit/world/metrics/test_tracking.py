@@ -1,4 +1,4 @@
-"""How fast the optimum is found, and separations averaged over a period: against hand-made series."""
+"""Times to the optimum, and separations averaged over a period, against hand-made series."""
 
 import math
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from fes.arrays.edges import Edges
 from tests.support import layouts
 from world.metrics.period_average import PeriodAverage
-from world.metrics.tracking import Tracking
+from world.metrics.tracking import TeamErrors, Tracking
 
 DT = 0.5  # s; 10 s are 20 ticks
 
@@ -20,7 +20,8 @@ DT = 0.5  # s; 10 s are 20 ticks
 def follow(errors: Sequence[float], changes: Sequence[int] = ()) -> list[dict[str, Any]]:
     tracking = Tracking(DT)
     for tick, error in enumerate(errors):
-        tracking.add(tick, 68.0 - len(changes), tick in changes, error, abs(error), 2.0 * abs(error), 0.5)
+        team = TeamErrors(error, abs(error), 2.0 * abs(error), 0.5)
+        tracking.add(tick, 68.0 - len(changes), tick in changes, team)
     return tracking.table()
 
 
@@ -40,7 +41,7 @@ def test_the_optimum_is_found_from_the_first_tick_that_holds_for_ten_seconds(
     assert follow(errors)[0]["time_to_1m"] == expected
 
 
-def test_after_a_change_five_seconds_count_and_times_are_told_from_it() -> None:
+def test_after_a_change_five_seconds_count_and_times_start_there() -> None:
     errors = [0.0] * 30 + [2.5] * 8 + [0.5] * 10
     first, second = follow(errors, changes=[30])
     assert (first["at"], first["time_to_1m"]) == (0.0, 0.0)
@@ -48,7 +49,7 @@ def test_after_a_change_five_seconds_count_and_times_are_told_from_it() -> None:
     assert follow(errors[:-1], changes=[30])[1]["time_to_1m"] is None
 
 
-def test_errors_are_summed_up_from_a_minute_after_the_start_or_the_change() -> None:
+def test_errors_are_averaged_from_a_minute_after_the_start_or_the_change() -> None:
     errors = [9.0] * 120 + [1.0, -2.0, 3.0] + [7.0] * 121
     first, second = follow(errors, changes=[123])
     assert first["bias"] == pytest.approx(2.0 / 3.0)
@@ -84,10 +85,8 @@ def test_a_period_of_one_tick_averages_nothing() -> None:
     period=st.sampled_from([4, 6, 7, 40]),
     story=st.lists(st.sets(st.sampled_from([(0, 1), (1, 0), (1, 2), (2, 1), (0, 2)])), min_size=1, max_size=60),
 )
-def test_links_that_come_and_go_keep_their_average_while_they_stand(
-    period: int, story: list[set[tuple[int, int]]]
-) -> None:
-    """Against a plain account: a link's separations since it last appeared, whichever side has it."""
+def test_a_link_keeps_its_average_while_it_exists(period: int, story: list[set[tuple[int, int]]]) -> None:
+    """Against a plain list of a link's separations since it last appeared, on either side."""
     average, since = PeriodAverage(period), dict[tuple[int, int], list[float]]()
     known: dict[frozenset[tuple[int, int]], Edges] = {}
     blocks = next(count for count in range(min(20, period), 0, -1) if period % count == 0)
@@ -96,15 +95,15 @@ def test_links_that_come_and_go_keep_their_average_while_they_stand(
         key = frozenset(pairs)
         links = known.setdefault(key, layouts.edges(range(3), pairs))
         ends = [tuple(sorted(pair)) for pair in zip(links.rows.tolist(), links.peers.tolist(), strict=True)]
-        now = [ends[at] for at in links.undirected.tolist()]
+        now = [ends[position] for position in links.undirected.tolist()]
         assert len(set(now)) == len(now)
         values = {pair: 60.0 + 7.0 * pair[0] + pair[1] + 0.37 * tick for pair in now}
         since = {pair: [*since.get(pair, []), values[pair]] for pair in now}
         average.add(links, np.array([values[pair] for pair in now]))
         end = (tick + 1) % length  # ticks since the last whole block
         for pair, mean in zip(now, average.mean.tolist() if len(average.mean) else [math.nan] * 9, strict=False):
-            whole = since[pair][: len(since[pair]) - end]
-            if len(whole) >= period + length:  # it stood for all blocks, whenever in a block it came
-                assert mean == pytest.approx(float(np.mean(whole[-period:])))
-            elif len(whole) < period:
+            stretch = since[pair][: len(since[pair]) - end]
+            if len(stretch) >= period + length:  # it existed in all blocks, even if it appeared within one
+                assert mean == pytest.approx(float(np.mean(stretch[-period:])))
+            elif len(stretch) < period:
                 assert math.isnan(mean)

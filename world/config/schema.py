@@ -1,0 +1,152 @@
+"""The fields of a scenario: type, range, default, unit and description, as a list and as a JSON schema.
+
+Descriptions are the docstrings of the fields. They are read from the source on demand, so that no agent, of which
+hundreds may start at once, spends time on them.
+"""
+
+import ast
+import inspect
+import re
+import textwrap
+from collections.abc import Iterator
+from functools import cache
+from itertools import pairwise
+from typing import Any, NamedTuple, get_args
+
+from fes.model.config import Table
+from world.config.scenario import Scenario
+
+_UNITS = "1|m|s|rad|dB|m/s|rad/s|1/s|rad/s/m|bit/s/Hz|ticks"
+_UNIT = re.compile(rf" ?\[((?:{_UNITS})(?:, (?:{_UNITS}))*)(?:; ([^\]]+))?\]")
+
+_BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
+
+
+class ScenarioField(NamedTuple):
+    """A field of a scenario, or a table of fields."""
+
+    path: str
+    """Dotted path; `[]` stands for each entry of a list: `channel.jammers[].radius`."""
+    type: str
+    """`number`, `integer`, `boolean`, `string`, `table`, `list of ...`, or the permitted texts."""
+    unit: str
+    """SI unit, 1 for a ratio; empty for a field without a unit."""
+    range: str
+    """Bounds, such as `> 0, <= 20`; empty without bounds."""
+    default: Any
+    """Default as in JSON; None without one."""
+    is_required: bool
+    description: str
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON schema of a scenario; each field has a description, and a `unit` if it has one."""
+    schema = Scenario.model_json_schema()
+    for model in _models(Scenario):
+        table = schema if model is Scenario else schema["$defs"][model.__name__]
+        for name, text in _docstrings(model).items():
+            description, unit = _split(text)
+            table["properties"][model.model_fields[name].alias or name] |= {
+                "description": description,
+                **({"unit": unit} if unit else {}),
+            }
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+
+
+def fields() -> Iterator[ScenarioField]:
+    """All fields of a scenario, table by table."""
+    schema = json_schema()
+    yield from _fields(schema, schema["$defs"], "")
+
+
+def _fields(table: dict[str, Any], tables: dict[str, Any], prefix: str) -> Iterator[ScenarioField]:
+    for name, entry in table["properties"].items():
+        field = _without_null(entry)
+        inner = _without_null(field.get("items", field))
+        inner_table = tables[inner["$ref"].rpartition("/")[2]] if "$ref" in inner else None
+        path = f"{prefix}{name}" + ("[]" if inner_table and inner is not field else "")
+        yield ScenarioField(
+            path,
+            _type(field),
+            entry.get("unit", ""),
+            ", ".join(f"{sign} {_number(field[key])}" for key, sign in _BOUNDS.items() if key in field),
+            None if inner_table else entry.get("default"),
+            name in table.get("required", ()),
+            entry["description"],
+        )
+        if inner_table:
+            yield from _fields(inner_table, tables, f"{path}.")
+
+
+def _without_null(entry: dict[str, Any]) -> dict[str, Any]:
+    """The schema of a field's value if it is not null."""
+    kinds = [kind for kind in entry.get("anyOf", ()) if kind != {"type": "null"}]
+    return kinds[0] if len(kinds) == 1 else entry
+
+
+def _type(field: dict[str, Any]) -> str:
+    if "$ref" in field or field.get("type") == "object":
+        return "table"
+    if "enum" in field:
+        return ", ".join(f"`{text}`" for text in field["enum"])
+    if "anyOf" in field:
+        return " or ".join(_type(kind) for kind in field["anyOf"] if kind != {"type": "null"})
+    if "prefixItems" in field:
+        return f"list of {len(field['prefixItems'])} {_type(field['prefixItems'][0])}s"
+    if "items" in field:
+        kind, of, inner = _type(field["items"]).partition(" of ")
+        return f"list of {kind}s{of}{inner}"
+    return str(field.get("type", "any value"))
+
+
+def _number(bound: float) -> str:
+    return str(bound) if isinstance(bound, int) else f"{bound:g}"
+
+
+def _split(text: str) -> tuple[str, str]:
+    """A docstring without its unit in brackets, and the unit.
+
+    >>> _split("x of its center [m; world frame].")
+    ('x of its center (world frame).', 'm')
+    """
+    match = _UNIT.search(text)
+    if match is None:
+        return text, ""
+    remark = f" ({match[2]})" if match[2] else ""
+    return text[: match.start()] + remark + text[match.end() :], match[1]
+
+
+def _models(model: type[Table]) -> Iterator[type[Table]]:
+    """A model and all models in it."""
+    yield model
+    for field in model.model_fields.values():
+        waiting = [field.annotation]
+        while waiting:
+            kind = waiting.pop()
+            waiting += get_args(kind)
+            if isinstance(kind, type) and issubclass(kind, Table):
+                yield from _models(kind)
+
+
+def _docstrings(model: type[Table]) -> dict[str, str]:
+    """Docstring of each field of a model, fields of its base classes included."""
+    texts: dict[str, str] = {}
+    for kind in reversed(model.__mro__):
+        if issubclass(kind, Table):
+            texts |= attribute_docstrings(kind)
+    return texts
+
+
+@cache
+def attribute_docstrings(kind: type) -> dict[str, str]:
+    """Docstring of each annotated attribute in the body of a class, in one line."""
+    [definition] = ast.parse(textwrap.dedent(inspect.getsource(kind))).body
+    assert isinstance(definition, ast.ClassDef)
+    texts = {}
+    for statement, following in pairwise(definition.body):
+        if not isinstance(statement, ast.AnnAssign) or not isinstance(statement.target, ast.Name):
+            continue
+        value = following.value if isinstance(following, ast.Expr) else None
+        if isinstance(value, ast.Constant) and isinstance(value.value, str):
+            texts[statement.target.id] = " ".join(value.value.split())
+    return texts

@@ -1,0 +1,24 @@
+"""TickTruth: one tick as the metrics see it."""
+
+from typing import NamedTuple
+
+from fes.arrays.types import Floats
+from fes.model.sensing import Telemetry
+from world.simulation.truth import State
+
+
+class TickTruth(NamedTuple):
+    """The truth at one tick, with what the robots report; u undirected links."""
+
+    state: State
+    twists: Floats
+    """Twists that the bodies hold from this tick on [n, 2] [m/s, rad/s]."""
+    telemetry: Telemetry
+    separation: Floats
+    """True separation of each of `telemetry.links.undirected` [u] [m]."""
+    mean_separation: Floats
+    """The same, averaged over a dither period [u] [m]; NaN for a link younger than that."""
+    optimal: float
+    """r* of the channel in force [m]."""
+    is_changed: bool
+    """True if the channel changed at this tick, or if this is the first tick."""
