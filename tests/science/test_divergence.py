@@ -177,7 +177,7 @@ def test_a_team_that_diverges_says_when_it_lost_its_last_link() -> None:
     assert 0 < last < len(links) - 1
     assert found["links_lost_at"] == pytest.approx((last + 1) * 0.02)
     assert found["expectations"][0]["holds"]
-    line = f"all links were lost for good at {found['links_lost_at']:g} s: no robot has had one since"
+    line = f"all links were lost permanently at {found['links_lost_at']:g} s: no robot has had one since"
     assert line in summaries.lines(found)
     paper = Console(width=200)
     with paper.capture() as shown:

@@ -95,8 +95,7 @@ class LinkErrors:
     def links_lost_at(self) -> float | None:
         """Time from which no robot had a link [s].
 
-        None if a robot has a link at the last tick, if there is one robot, or if the run ended before a contact
-        could open.
+        None if a robot has a link at the last tick, if there is only one robot, or if no contact could open yet.
         """
         since = self._linked + 1
         return round(since * self.dt, 9) if since < self.ticks and self.ticks > OPENING_TICKS + 1 else None

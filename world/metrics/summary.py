@@ -99,7 +99,7 @@ def links_lost(since: float) -> str:
     """One line about a team without links since a time [s]."""
     if since == 0.0:
         return "no robot ever had a link"
-    return f"all links were lost for good at {since:g} s: no robot has had one since"
+    return f"all links were lost permanently at {since:g} s: no robot has had one since"
 
 
 def _meters(value: float | None, digits: int) -> str:

@@ -51,12 +51,12 @@ def test_an_expectation_holds_if_all_its_bounds_do(table: dict[str, Any], holds:
     assert verdict["holds"] is holds
 
 
-def test_an_expectation_without_a_bound_is_refused_in_one_line() -> None:
+def test_an_expectation_without_a_bound_is_rejected_in_one_line() -> None:
     with pytest.raises(ScenarioError, match="give at least one of below, above and equals"):
         load("pair.toml", expect=[{"of": "separation_error_rms"}])
 
 
-def test_a_key_that_no_summary_has_is_refused_in_one_line_with_the_nearest_one() -> None:
+def test_an_unknown_key_is_rejected_in_one_line_with_the_nearest_one() -> None:
     with pytest.raises(ScenarioError, match=r"no 'separation_eror_rms'; did you mean 'separation_error_rms'\?$"):
         load("pair.toml", expect=[{"of": "separation_eror_rms", "below": 1.0}])
     with pytest.raises(ScenarioError, match=r"no 'no\\nsuch'$"):
@@ -91,18 +91,18 @@ def test_a_key_that_no_summary_has_is_refused_in_one_line_with_the_nearest_one()
         ({"of": "ticks", "above": 5.0, "equals": 4.0}, "no value is above 5.0 and equal to 4.0"),
     ],
 )
-def test_what_no_summary_can_meet_is_refused_at_the_start_in_one_line(table: dict[str, Any], said: str) -> None:
+def test_an_impossible_expectation_is_rejected_at_the_start_in_one_line(table: dict[str, Any], said: str) -> None:
     with pytest.raises(ScenarioError) as caught:
         load("pair.toml", expect=[table])
     assert said in str(caught.value)
     assert str(caught.value).isprintable()
 
 
-def test_the_summary_counts_how_long_links_were_apart() -> None:
+def test_the_summary_has_the_longest_gap_of_the_links() -> None:
     gone = [{"at": 4.0, "kill": [4]}]
     what = load("neighborhood.toml", run__duration=8, event=gone, expect=[{"of": "links_gap_longest", "below": 3.0}])
     found = inprocess.run(what, "gap")
-    # peers let go of robot 4 after the timeout of a second, and link up anew about then
+    # peers drop robot 4 after the timeout of a second, and form new links about then
     assert 0.0 < found["links_gap_longest"] < 3.0
     assert found["expectations"] == [
         {"of": "links_gap_longest", "expected": "below 3.0", "seen": found["links_gap_longest"], "holds": True}

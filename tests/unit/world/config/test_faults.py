@@ -1,4 +1,4 @@
-"""Faulty transmitters, clocks that jump and a team that is parted: each does what it says, and no more."""
+"""Faulty transmitters, clocks that jump and a parted team: each has its described effect, and no other."""
 
 from pathlib import Path
 from typing import Any
@@ -30,12 +30,12 @@ def ticks(*events: Event, seconds: float = 3.0, name: str = "neighborhood.toml",
 
 
 def verdicts(tick: Tick, sender: int) -> set[int]:
-    """What became of a robot's beacons, sent at the tick before."""
+    """Verdicts on the beacons that a robot sent at the tick before."""
     radio = tick.state.radio
     return set(radio.reception[(radio.edges.peers == sender) & (radio.age > 2)].tolist())
 
 
-def test_a_transmitter_loses_its_share_at_every_receiver_and_nobody_elses() -> None:
+def test_a_transmitter_loses_its_share_of_its_own_beacons_at_every_receiver() -> None:
     run = ticks({"at": 1.0, "transmitter": {"robot": 3, "loss": 0.4}}, seconds=21.0, **PERFECT)
     before, after = run[50].state.radio, run[-1].state.radio
     assert before.decoded.tolist() == before.sent.tolist()
@@ -50,7 +50,7 @@ def test_a_transmitter_loses_its_share_at_every_receiver_and_nobody_elses() -> N
         assert share == (pytest.approx(0.6, abs=0.04) if sender == 3 else 1.0)
 
 
-def test_a_damaging_transmitter_reaches_nobody_until_it_is_healed() -> None:
+def test_a_damaging_transmitter_reaches_no_robot_until_it_is_healed() -> None:
     run = ticks(
         {"at": 1.0, "transmitter": {"robot": 3, "corrupt": True}}, {"at": 2.0, "transmitter": {"robot": 3}}, **PERFECT
     )
@@ -59,7 +59,7 @@ def test_a_damaging_transmitter_reaches_nobody_until_it_is_healed() -> None:
 
 
 @pytest.mark.parametrize("name", ["neighborhood.toml", "measured.toml"])
-def test_a_late_transmitter_sends_what_it_was_given_then_and_the_oldest_until_it_has_it(name: str) -> None:
+def test_a_late_transmitter_sends_old_data_and_its_oldest_until_the_delay_has_passed(name: str) -> None:
     late = {"at": 0.2, "transmitter": {"robot": 3, "delay": 0.1}}
     longer, healed = {"at": 0.6, "transmitter": {"robot": 3, "delay": 0.2}}, {"at": 1.0, "transmitter": {"robot": 3}}
     run = ticks(late, longer, healed, seconds=1.5, name=name)
@@ -82,10 +82,10 @@ def test_a_late_transmitter_sends_what_it_was_given_then_and_the_oldest_until_it
     assert sent(20) != given(20)
 
 
-def test_what_it_measured_is_late_too_and_the_command_is_not() -> None:
+def test_measurements_are_late_too_and_commands_are_not() -> None:
     calm = ticks(seconds=1.0, name="measured.toml")
     run = ticks({"at": 0.4, "transmitter": {"robot": 3, "delay": 0.2}}, seconds=1.0, name="measured.toml")
-    at = 24  # what was heard of robot 3 has not come back to it before
+    at = 24  # the first tick at which its own late beacons can affect robot 3 through its peers
     assert run[at].said.statistics[3].tobytes() == calm[20].said.statistics[3].tobytes()
     assert run[at].said.statistics[3].tobytes() != calm[at].said.statistics[3].tobytes()
     spoken = {robot: payloads for robot, *payloads in marshalling.encode_tick(run[at].said, *told(run[at]))}
@@ -99,7 +99,7 @@ def told(tick: Tick) -> tuple[Any, Any]:
     return tick.twists, tick.telemetry
 
 
-def test_a_robot_that_comes_back_has_nothing_old_to_send() -> None:
+def test_a_robot_that_rejoins_has_no_old_data_to_send() -> None:
     away = [{"at": 0.8, "hang": [3]}, {"at": 1.2, "wake": [3]}]
     run = ticks({"at": 0.2, "transmitter": {"robot": 3, "delay": 0.1}}, *away, seconds=2.0)
     for tick in range(60, 66):
@@ -107,7 +107,7 @@ def test_a_robot_that_comes_back_has_nothing_old_to_send() -> None:
     assert run[70].said.poses[3].tobytes() == run[65].state.poses[3].tobytes()
 
 
-def test_a_clock_that_jumps_moves_its_robot_alone_and_from_its_tick_on() -> None:
+def test_a_clock_that_jumps_affects_its_robot_alone_from_its_tick_on() -> None:
     calm = ticks(seconds=2.0, name="measured.toml")
     run = ticks({"at": 1.0, "clock": {"robot": 4, "skew": 5.0}}, seconds=2.0, name="measured.toml")
     for tick in range(50):
@@ -118,7 +118,7 @@ def test_a_clock_that_jumps_moves_its_robot_alone_and_from_its_tick_on() -> None
 
 
 @pytest.mark.parametrize("name", ["paper.toml", "measured.toml"])
-def test_clocks_that_are_set_as_they_would_be_drawn_give_the_same_digest(name: str) -> None:
+def test_clocks_set_to_their_drawn_skews_give_the_same_digest(name: str) -> None:
     skewed = load(name, run__duration=2.0, run__clock_skew=0.05)
     drawn = clocks.drawn(agent_config(skewed), np.arange(10)).tolist()
     jumps = [{"at": 0.0, "clock": {"robot": robot, "skew": skew}} for robot, skew in enumerate(drawn)]
@@ -133,14 +133,14 @@ def test_clocks_that_are_set_as_they_would_be_drawn_give_the_same_digest(name: s
 def test_no_beacon_decodes_between_two_groups_and_within_one_nothing_changes() -> None:
     calm = ticks(seconds=3.0)
     parted = [{"at": 1.0, "set": {"channel.partition": [HALVES[0]]}}, {"at": 2.0, "set": {"channel.partition": []}}]
-    run = ticks(*parted, seconds=3.0)  # those in no group are a group
+    run = ticks(*parted, seconds=3.0)  # robots in no group form one
     for number in (50, 51, 60, 100):
         radio, was = run[number].state.radio, calm[number].state.radio
         across = (radio.edges.ids[radio.edges.rows] < 5) != (radio.edges.peers < 5)
         assert across.any()
         heard = set(radio.reception[across].tolist())
         assert heard == {LOST} if number > 50 else heard == {LOST, DECODED}
-        if number == 51:  # sent from the same places, with the same draws
+        if number == 51:  # sent from the same positions, with the same draws
             assert radio.reception[~across].tolist() == was.reception[~across].tolist()
             assert radio.probability[across].tolist() == [0.0] * int(across.sum())
     radio = run[110].state.radio
@@ -148,7 +148,7 @@ def test_no_beacon_decodes_between_two_groups_and_within_one_nothing_changes() -
     assert DECODED in radio.reception[across]
 
 
-def test_who_hangs_is_to_the_others_as_dead_as_who_dies() -> None:
+def test_a_hung_robot_is_like_a_dead_one_to_its_peers() -> None:
     hung = load("paper.toml", run__duration=4, event=[{"at": 1.0, "hang": [4, 6]}, {"at": 2.4, "wake": [4]}])
     dead = load("paper.toml", run__duration=4, event=[{"at": 1.0, "kill": [4, 6]}, {"at": 2.4, "restart": [4]}])
     calm = load("paper.toml", run__duration=4)
@@ -174,7 +174,7 @@ def test_damaged_beacons_are_none_and_are_damaged_in_three_ways_each_time_the_sa
     assert len({damaged for _, damaged in broken}) > 0.95 * len(broken)
 
 
-def test_an_agent_is_told_what_goes_wrong_with_its_own_robots_only_and_nothing_of_losses() -> None:
+def test_an_agent_receives_the_faults_of_its_own_robots_only_and_no_losses() -> None:
     faulty = load(
         "paper.toml",
         event=[
@@ -220,14 +220,14 @@ def test_an_agent_is_told_what_goes_wrong_with_its_own_robots_only_and_nothing_o
         ([{"at": 1.0, "set": {"channel.partition": [0, 1]}}], "partition.0: must be a valid list, got 0"),
     ],
 )
-def test_a_fault_that_cannot_be_is_one_line(events: list[Event], rule: str) -> None:
+def test_an_impossible_fault_is_rejected_in_one_line(events: list[Event], rule: str) -> None:
     with pytest.raises(ScenarioError) as caught:
         load("paper.toml", event=events)
     assert rule in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
-def test_a_partition_is_checked_at_the_start_and_when_a_person_asks_for_it() -> None:
+def test_a_partition_is_checked_at_the_start_and_when_it_is_set() -> None:
     with pytest.raises(ScenarioError, match="robot 2 does not exist, there are 2"):
         load("pair.toml", channel__partition=[[0], [2]])
     with pytest.raises(ScenarioError, match="robot 2 does not exist, there are 2"):
@@ -235,7 +235,7 @@ def test_a_partition_is_checked_at_the_start_and_when_a_person_asks_for_it() -> 
     assert not RadioConfig(model="perfect", partition=[[0]]).is_certain
 
 
-def test_a_scenario_with_every_fault_is_the_same_when_it_is_read_again(tmp_path: Path) -> None:
+def test_a_scenario_with_every_fault_is_the_same_after_writing_and_reading(tmp_path: Path) -> None:
     faulty: Scenario = load(
         "paper.toml",
         event=[

@@ -1,4 +1,4 @@
-"""Jammed discs, and what is told of a channel: to an oracle, to observers, to a file, to who mistypes it."""
+"""Jammed discs, and the channel as an oracle, a report, a file and an error message show it."""
 
 import math
 from pathlib import Path
@@ -21,8 +21,8 @@ from world.simulation import truth
 from world.simulation.truth import State
 
 
-def test_receivers_in_a_jammed_disc_hear_nobody_and_are_heard_outside() -> None:
-    # robots 0 and 1 stand in the disc, 1 on its very edge; 2 and 3 outside
+def test_receivers_in_a_jammed_disc_decode_no_beacon_and_are_heard_outside() -> None:
+    # robots 0 and 1 are in the disc, 1 exactly on its edge; 2 and 3 are outside
     jam = {"x": 0.0, "y": 0.0, "radius": 50.0}
     world, state = started(team([(10, 0), (0, 50), (0, 50.01), (80, 0)], model="perfect", jammers=[jam]))
     state = stand(world, state, 200)
@@ -31,7 +31,7 @@ def test_receivers_in_a_jammed_disc_hear_nobody_and_are_heard_outside() -> None:
     assert set(ledger(state, "sent").values()) == {199}
 
 
-def test_a_disc_leaves_its_factor_of_the_reception_and_discs_multiply() -> None:
+def test_a_disc_multiplies_the_reception_by_its_factor_and_discs_multiply() -> None:
     jams = [
         {"x": 0.0, "y": 0.0, "radius": 20.0, "reception_factor": 0.6},
         {"x": 15.0, "y": 0.0, "radius": 20.0, "reception_factor": 0.5},
@@ -50,19 +50,19 @@ def test_a_disc_leaves_its_factor_of_the_reception_and_discs_multiply() -> None:
 
 
 def test_a_robot_is_jammed_where_it_is_at_the_tick_of_the_beacon() -> None:
-    # robot 0 drives through the disc at 1 m a tick: inside from -2 m to 2 m, at ticks 3 to 7
+    # robot 0 drives through the disc at 1 m per tick: inside from -2 m to 2 m, at ticks 3 to 7
     jam = {"x": 0.0, "y": 0.0, "radius": 2.0}
     world, state = started(team([(-5, 0), (0, 60)], model="perfect", jammers=[jam]))
     said = []
     for _ in range(12):
         state = truth.step(world, state, np.array([[50.0, 0.0], [0.0, 0.0]]))
         said.append(ledger(state, "reception")[0, 1])
-    # what tick + 1 reports was sent at tick, so LOST is reported at ticks 4 to 8
+    # tick + 1 reports beacons of tick, so LOST is reported at ticks 4 to 8
     assert said == [CLOSED, DECODED, DECODED, *[LOST] * 5, *[DECODED] * 4]
 
 
 def report_outage(state: State, what: Scenario, pairs: list[Pair]) -> list[float]:
-    """The outage that a report shows of links (a, b), a < b, that both sides use."""
+    """Outage in the report, of links (a, b), a < b, that both robots use."""
     links = layouts.edges(range(len(state.poses)), [*pairs, *((b, a) for a, b in pairs)])
     metrics, said = MetricsCollector(what), Telemetry(links, np.full(len(links), 70.0), np.zeros((2, 0)))
     metrics.add(state, np.zeros((len(state.poses), 2)), said)
@@ -80,9 +80,9 @@ def test_a_report_shows_the_true_outage_both_ways_averaged() -> None:
     def p(r: float) -> float:
         return math.exp(-3e-7 * r**3) * 0.9
 
-    before = [1.0 - p(60.0), 1.0 - p(160.0), 1.0 - p(80.0)]  # nothing was sent: the formula, for want of better
+    before = [1.0 - p(60.0), 1.0 - p(160.0), 1.0 - p(80.0)]  # no beacon was sent: the formula
     assert report_outage(state, what, [(0, 1), (0, 3), (1, 2)]) == pytest.approx(before, rel=1e-12)  # roundings
-    # robot 0 is jammed; robots 0 and 3 are out of range: the formula still
+    # robot 0 is jammed; robots 0 and 3 are out of range: still the formula
     after = [1.0 - p(60.0) * (0.25 + 1.0) / 2.0, 1.0 - p(160.0), 1.0 - p(80.0)]
     found = report_outage(stand(world, state), what, [(0, 1), (0, 3), (1, 2)])
     assert found == pytest.approx(after, rel=1e-12)
@@ -99,7 +99,7 @@ def test_a_report_shows_the_outage_of_a_shadowed_link() -> None:
     assert (abs(found - plain) > 1e-3).all()
 
 
-def test_an_oracle_is_told_the_formula_and_nothing_laid_over_it() -> None:
+def test_an_oracle_receives_the_formula_without_the_effects_on_top_of_it() -> None:
     what = team([(0, 0), (60, 0)], **EVERYTHING)
     told = scenario.agent_config(what).channel
     assert type(told) is ChannelConfig
@@ -141,7 +141,7 @@ UNKNOWN = "unknown field 'channel.{}'; did you mean 'channel.{}'?"
         ({"model": "rician"}, "channel.model: must be 'rayleigh', 'logistic' or 'perfect', got 'rician'"),
     ],
 )
-def test_a_channel_that_cannot_be_is_refused_in_one_line(channel: dict[str, Any], message: str) -> None:
+def test_an_impossible_channel_is_rejected_in_one_line(channel: dict[str, Any], message: str) -> None:
     with pytest.raises(ScenarioError) as caught:
         team([(0, 0)], **channel)
     assert str(caught.value) == f"here: {message}"

@@ -1,4 +1,4 @@
-"""No part of a scenario is changed or dropped silently: durations, events, delays, channels that are told."""
+"""Remarks: no part of a scenario is changed or ignored without one."""
 
 import json
 import subprocess
@@ -19,7 +19,7 @@ MEASURED = {"seeking__index": "measured"}
 
 
 @pytest.mark.parametrize("path", sorted(CONFIGS.rglob("*.toml")), ids=lambda path: path.stem)
-def test_the_scenarios_that_come_with_it_are_run_as_they_are_written(path: Path) -> None:
+def test_the_shipped_scenarios_run_as_written(path: Path) -> None:
     name = str(path.relative_to(CONFIGS))
     assert remarks.of(load(name)) == []
 
@@ -52,17 +52,17 @@ CASES: dict[str, tuple[dict[str, Any], list[str]]] = {
         {"event": [{"at": 1.0, "transmitter": {"robot": 0, "delay": 0.05}}]},
         ["transmitter: delay 0.05 s is not a multiple of run.dt 0.02 s: it is 0.04 s"],
     ),
-    "a channel that the robots are told": (
+    "a channel that the robots know": (
         {"event": [{"at": 1.0, "set": {"channel.reference_snr": 5e6}}]},
         [f"the channel is set at 1 s, but {remarks.UNNOTICED}"],
     ),
-    "one that they measure": ({**MEASURED, "event": [{"at": 1.0, "set": {"channel.reference_snr": 5e6}}]}, []),
-    "what is no part of what they are told": (
+    "a channel that they measure": ({**MEASURED, "event": [{"at": 1.0, "set": {"channel.reference_snr": 5e6}}]}, []),
+    "a setting that they do not know": (
         {"event": [{"at": 1.0, "set": {"channel.partition": [[0], [1]]}}]},
         [],
     ),
-    "what they are told already": ({"event": [{"at": 1.0, "set": {"channel.reference_snr": 1e7}}]}, []),
-    "a decimal fraction that is none in binary": (
+    "the formula that they know already": ({"event": [{"at": 1.0, "set": {"channel.reference_snr": 1e7}}]}, []),
+    "a decimal fraction that is not finite in binary": (
         {"run__dt": 0.1, "run__duration": 0.3, "event": [{"at": 0.2, "kill": [0]}]},
         [],
     ),
@@ -70,13 +70,13 @@ CASES: dict[str, tuple[dict[str, Any], list[str]]] = {
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_each_kind_of_thing_that_is_not_run_as_written_has_its_line(case: str) -> None:
+def test_each_kind_of_deviation_has_its_line(case: str) -> None:
     settings, lines = CASES[case]
     assert remarks.of(load("pair.toml", **settings)) == lines
 
 
-def test_what_the_lines_say_is_what_is_run() -> None:
-    """The times of the cases above, of a run."""
+def test_the_run_agrees_with_the_lines() -> None:
+    """The times of the cases above, in a run."""
     short = load("pair.toml", **CASES["a duration that is rounded down"][0])
     assert inprocess.run(short, "pair")["simulated_s"] == pytest.approx(0.9)
     moved = load("pair.toml", run__duration=0.1, event=[{"at": 0.013, "kill": [0]}])
@@ -116,13 +116,13 @@ def test_fes_sweep_says_them_once_for_all_of_its_cells(tmp_path: Path) -> None:
     [
         ({}, "channel.reference_snr", 5e6, True),
         ({}, "channel.model", "perfect", True),
-        ({}, "channel.reference_snr", 1e7, False),  # as they were told
+        ({}, "channel.reference_snr", 1e7, False),  # the value that they know
         ({}, "channel.jammers", [{"x": 0.0, "y": 0.0, "radius": 5.0}], False),
         (MEASURED, "channel.reference_snr", 5e6, False),
         ({"seeking__index": "sampled", "seeking__index_transform": "none"}, "channel.reference_snr", 5e6, False),
     ],
 )
-def test_the_answer_to_a_change_says_whether_the_robots_go_on_with_what_they_were_told(
+def test_the_result_of_a_change_tells_whether_the_robots_notice_it(
     settings: dict[str, Any], path: str, value: Any, unnoticed: bool
 ) -> None:
     run = Run(load("pair.toml", **settings))
@@ -131,13 +131,13 @@ def test_the_answer_to_a_change_says_whether_the_robots_go_on_with_what_they_wer
     assert decode_result(encode_result(effect)) == effect
 
 
-def test_a_channel_that_is_set_back_is_noticed_by_nobody_as_nothing_is_wrong_with_it() -> None:
+def test_a_channel_that_is_set_back_is_the_one_that_the_robots_know() -> None:
     run = Run(load("pair.toml"))
     assert run.change("channel.reference_snr", 5e6).unnoticed
     assert not run.change("channel.reference_snr", 1e7).unnoticed
     assert isinstance(run.change("channel.spectral_efficiency", 2.0), ChangeResult)
 
 
-def test_the_scenario_that_is_named_is_one_whose_robots_measure() -> None:
+def test_the_robots_of_the_scenario_in_the_remark_measure() -> None:
     assert "configs/measured-jump.toml" in remarks.UNNOTICED
     assert load("measured-jump.toml").seeking.index == "measured"

@@ -1,4 +1,4 @@
-"""Scenarios: what loads, what is refused, and in which words."""
+"""Scenarios: valid ones load, and each error is one line."""
 
 import math
 from pathlib import Path
@@ -25,7 +25,7 @@ def refusal(tables: dict[str, Any]) -> str:
 
 
 @pytest.mark.parametrize("path", sorted(CONFIGS.glob("*.toml")), ids=lambda path: str(path.stem))
-def test_every_scenario_that_is_shipped_loads_and_starts_a_team(path: Path) -> None:
+def test_every_shipped_scenario_loads_and_starts_a_team(path: Path) -> None:
     loaded = scenario.load(path)
     assert loaded.ticks * loaded.run.dt == pytest.approx(loaded.run.duration)
     start = scenario.initial_poses(loaded)
@@ -64,7 +64,7 @@ def test_an_unknown_field_names_the_nearest_known_one(tables: dict[str, Any], un
     assert refusal(tables) == f"here: unknown field '{unknown}'; did you mean '{nearest}'?"
 
 
-def test_a_field_that_resembles_none_is_just_unknown() -> None:
+def test_a_field_without_a_similar_one_is_just_unknown() -> None:
     assert refusal(minimal(qqq=1)) == "here: unknown field 'qqq'; fes schema lists the fields"
 
 
@@ -79,7 +79,7 @@ def test_a_field_that_resembles_none_is_just_unknown() -> None:
         ({"event": [{"at": 1.0, "transmiter": {}}]}, "event.transmitter"),
     ],
 )
-def test_an_unknown_field_is_taken_for_one_of_its_table_or_of_its_name(wrong: dict[str, Any], meant: str) -> None:
+def test_an_unknown_field_is_compared_within_its_table_and_then_by_name(wrong: dict[str, Any], meant: str) -> None:
     assert refusal(minimal(**wrong)).endswith(f"; did you mean '{meant}'?")
 
 
@@ -126,11 +126,11 @@ def test_a_broken_rule_is_one_line_with_field_and_value(tables: dict[str, Any], 
         ({"schema": 1, "robots": {"poses": []}}, "here: robots: poses must list 1 to 100000 robots"),
     ],
 )
-def test_what_is_missing_or_contradicts_itself_is_said(tables: dict[str, Any], message: str) -> None:
+def test_a_missing_or_contradictory_field_is_one_line(tables: dict[str, Any], message: str) -> None:
     assert refusal(tables) == message
 
 
-def test_a_file_that_is_not_there_is_refused_by_name(tmp_path: Path) -> None:
+def test_an_absent_file_is_rejected_by_name(tmp_path: Path) -> None:
     path = tmp_path / "absent.toml"
     with pytest.raises(ScenarioError) as caught:
         scenario.load(path)
@@ -138,7 +138,7 @@ def test_a_file_that_is_not_there_is_refused_by_name(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("content", [b"schema = = 1", b"schema = 1\nschema = 2"])
-def test_a_file_that_is_not_toml_is_refused_in_one_line(tmp_path: Path, content: bytes) -> None:
+def test_a_file_that_is_not_toml_is_rejected_in_one_line(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "broken.toml"
     path.write_bytes(content)
     with pytest.raises(ScenarioError, match="is not valid TOML") as caught:
@@ -162,7 +162,7 @@ def test_an_override_is_a_path_and_a_toml_value(text: str, path: str, value: Any
 
 
 @pytest.mark.parametrize("text", ["run.seed", "=3", ""])
-def test_an_override_without_path_or_value_is_refused(text: str) -> None:
+def test_an_override_without_path_or_value_is_rejected(text: str) -> None:
     with pytest.raises(ScenarioError, match=r"--set: expects table\.field=value"):
         scenario.parse_override(text)
 

@@ -1,4 +1,4 @@
-"""What a team starts from: poses, and what its agents are told."""
+"""Starts of a team: poses, and the settings that agents receive."""
 
 import math
 from typing import Any
@@ -48,7 +48,7 @@ def test_a_grid_without_jitter_is_square_and_headings_point_everywhere() -> None
     assert 3.0 < headings[-1] < math.pi
 
 
-def test_jitter_moves_a_robot_by_no_more_than_it_says() -> None:
+def test_jitter_moves_a_robot_by_its_value_at_most() -> None:
     moved: Floats = generated(count=1000, jitter=5.0)[:, :2] - generated(count=1000)[:, :2]
     assert 4.9 < abs(moved).max() <= 5.0
     # uniform in +-5 m: standard error of the mean 5/sqrt(3 n) = 0.09 m; 4 sigma
@@ -57,7 +57,7 @@ def test_jitter_moves_a_robot_by_no_more_than_it_says() -> None:
     assert abs(float(np.mean(x * y)) / (25.0 / 3.0)) < 4.0 / math.sqrt(1000)  # x and y are independent
 
 
-def test_an_agent_is_told_the_channel_for_the_oracle_only() -> None:
+def test_an_agent_receives_the_channel_for_the_oracle_only() -> None:
     loaded = scenario.load(PAIR)
     assert scenario.agent_config(loaded).channel == loaded.channel.formula
     measured = loaded.model_copy(update={"seeking": loaded.seeking.model_copy(update={"index": "measured"})})
@@ -70,7 +70,7 @@ def test_an_agents_seed_is_not_the_worlds() -> None:
     assert not set(told) & set(range(20))
 
 
-def test_an_agent_is_told_no_position_and_no_duration() -> None:
+def test_an_agent_receives_no_position_and_no_duration() -> None:
     assert set(AgentConfig.model_fields) == {
         "dt",
         "seed",
@@ -118,7 +118,7 @@ def test_a_generated_start_is_refused_or_is_where_floats_resolve_a_millimeter(
         ([0.0, 0.0, math.nan], "poses must have finite headings within 1e+06 rad, got nan"),
     ],
 )
-def test_a_pose_that_floats_do_not_resolve_is_refused_in_one_line(pose: list[float], rule: str) -> None:
+def test_a_pose_that_floats_do_not_resolve_is_rejected_in_one_line(pose: list[float], rule: str) -> None:
     with pytest.raises(ScenarioError) as refused:
         scenario.load(PAIR, {"robots.poses": [[0.0, 0.0, 0.0], pose]})
     assert str(refused.value) == f"{PAIR}: robots: {rule}"

@@ -1,4 +1,4 @@
-"""r* over all settings that a scenario may have, against mpmath: the nearest float, and the same one everywhere."""
+"""r* over all settings that a scenario may have, against mpmath: the nearest float, equal on every machine."""
 
 import math
 from pathlib import Path
@@ -81,7 +81,7 @@ def test_the_index_rises_below_the_optimum_and_falls_above_it(
 def test_the_optimum_does_not_depend_on_a_maximum_separation_far_above_it(
     minimum: float, snr: float, farther: float
 ) -> None:
-    """At 1e12 m (r/r_x)^4 is already 1e-16 or less of the radio's own loss."""
+    """At 1e12 m (r/r_x)^4 is 1e-16 of the radio's own loss or less."""
     channel = ChannelConfig(reference_snr=snr)
     far = ObjectiveConfig(minimum_separation=minimum, maximum_separation=1e12)
     farthest = ObjectiveConfig(minimum_separation=minimum, maximum_separation=farther)
@@ -94,7 +94,7 @@ def test_no_upper_bound_written_as_a_large_number_leaves_the_optimum_alone(limit
     assert found == pytest.approx(70.41375740114329, rel=1e-15)  # by mpmath, of (16) without its r_x
 
 
-def test_a_perfect_channel_has_its_optimum_where_a_hand_finds_it() -> None:
+def test_the_optimum_of_a_perfect_channel_is_the_one_computed_by_hand() -> None:
     # e^A = 1 + (r_x/r_min)^4 where p = 1, with A = (r/r_min)^4: so far out that the power overflows
     with mpmath.workdps(40):
         expected = 50 * mpmath.log1p((mpmath.mpf(1e300) / 50) ** 4) ** mpmath.mpf("0.25")
@@ -117,5 +117,5 @@ def test_summary_tracking_report_expectation_and_the_answer_of_set_give_one_opti
     assert summary["optimal_separation"] == summary["tracking"][0]["optimal_separation"] == optimum
     assert reports[-1].optimal_separation == effect.optimal_separation == optimum
     assert [verdict["holds"] for verdict in summary["expectations"]] == [True]
-    assert abs(summary["edges"][0][2] - optimum) < 50.0  # the error is measured from there, and not from 43 m
+    assert abs(summary["edges"][0][2] - optimum) < 50.0  # the error is measured from the optimum, not from 43 m
     assert summary["separation_error_max"] == abs(summary["edges"][0][2] - optimum)

@@ -1,4 +1,4 @@
-"""summary.json and scenario.toml: what scripts outside the project read."""
+"""summary.json and scenario.toml, which scripts outside the project read."""
 
 import json
 import math
@@ -53,7 +53,7 @@ CONTRACT = {
     "links_lost_at": type(None),
     "expectations": list,
 }
-"""The keys of design.md, section 5, and what they hold in a run that has links; what is after the digest is ours."""
+"""The keys of the contract, and their types in a run that has links."""
 
 TIMES = {"disagreement_1m", "estimate_1m", "estimate_0_1m", "separation_1m", "separation_0_1m"}
 ERRORS = ("separation_error", "estimate_error")
@@ -100,7 +100,7 @@ def test_the_edges_are_those_of_the_last_tick_with_their_separations_and_both_es
         assert (mine, theirs) == (said.get((i, j)), said.get((j, i)))
 
 
-def test_a_link_that_only_one_side_uses_has_null_for_the_other() -> None:
+def test_a_link_that_only_one_robot_uses_has_null_for_the_other() -> None:
     history = loop.run(loop.load("paper.toml"), 150)
     tick, (i, j) = next(
         (tick, pair)
@@ -134,15 +134,15 @@ def test_the_errors_are_those_of_the_edges() -> None:
 def test_the_counts_of_a_pair_with_a_perfect_radio_are_those_computed_by_hand() -> None:
     found = inprocess.run(loop.load("pair.toml", run__duration=2, channel__model="perfect"), "pair")
     assert (found["robots"], found["ticks"], found["simulated_s"], found["seed"]) == (2, 100, 2.0, 1)
-    # Two beacons a tick, from tick 2 on, of which the last tick of the run, 99, is the last to know
+    # Each of the ticks 2 to 99 reports two beacons
     assert found["beacons_sent"] == found["beacons_decoded"] == 2 * 98
-    assert found["links_connected_always"] is True  # from tick 2 on: nobody can be linked before
+    assert found["links_connected_always"] is True  # from tick 2 on: no robot can have a link before
     assert found["algebraic_connectivity"] == pytest.approx(2.0)  # the Laplacian [[1, -1], [-1, 1]]
     assert found["ticks_per_s"] == pytest.approx(100 / found["wall_s"])
     assert found["real_time_factor"] == pytest.approx(2.0 / found["wall_s"])
 
 
-def test_the_summary_is_whole_before_it_takes_the_old_ones_place(
+def test_the_summary_is_complete_before_it_replaces_the_old_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     summary.write(tmp_path, {"run": "old"})
