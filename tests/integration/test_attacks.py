@@ -82,7 +82,9 @@ def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -
 
 
 def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("world.server.lockstep.ASK_AGAIN", session.PATIENCE)  # who was asked twice may answer twice
+    monkeypatch.setattr(
+        "world.server.lockstep.RESEND_AFTER", session.PATIENCE
+    )  # who was asked twice may answer twice
     endless = load("pair.toml", run__duration=1000.0)
 
     async def main() -> None:

@@ -22,7 +22,7 @@ from tests.support.session import client, router
 from world.server import claim
 
 RUN = "test"
-REFUSAL = "another world of run 'test' is here, or starts just now (--run gives this one another name)"
+REFUSAL = "another world of run 'test' is running or starting (--run gives this one another name)"
 
 
 def test_a_second_world_on_the_same_network_refuses_to_start_with_one_line(tmp_path: Path) -> None:

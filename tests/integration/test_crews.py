@@ -104,12 +104,12 @@ def test_a_crew_of_which_one_robot_is_mute_is_left_out_and_taken_in_when_that_on
             gone = await until(server, lambda state: not state.present[1])
         await until(server, lambda state: state.tick >= gone + 20)
         assert server.run.state.present.tolist() == [False, False, True]
-        assert server._registry.whole.all()  # all tokens stand
+        assert server._registry.hosted.all()  # all tokens stand
         async with standing_still(server):
             mute.clear()
             for late in unsaid:
                 say(*late)
-            while not (server._inbox._items or server._participation.there[1]):
+            while not (server._inbox._items or server._participation.reachable[1]):
                 await asyncio.sleep(0.01)
         await until(server, lambda state: state.present.all())
 

@@ -107,8 +107,8 @@ def test_no_beacon_and_no_command_that_is_valid_stops_a_peer_or_the_world(law: s
         answers: list[Answer | None] = [
             (world_marshalling.decode(keys.command("r", i), order, 10), order) for i, (_, order) in enumerate(spoken)
         ]
-        run.take(sent, answers, [beacon for beacon, _ in spoken], ALIVE, 0.1)
-        run.account()
+        run.advance(sent, answers, [beacon for beacon, _ in spoken], ALIVE, 0.1)
+        run.record_tick()
         decode_report(encode_report(report_builder.build(run.metrics, "test", ALIVE, 0.0, 0.0)))
     assert summary.summarize(run.metrics, "test", "test", 1.0)["ticks"] == what.ticks
 

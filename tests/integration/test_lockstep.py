@@ -166,7 +166,7 @@ def test_a_world_that_everybody_left_says_so(monkeypatch: pytest.MonkeyPatch) ->
                 await asyncio.sleep(0.01)
             for agent in agents:
                 agent.cancel()
-            with pytest.raises(Unavailable, match=r"^nobody is there any more: the world waited 1 s at tick \d+$"):
+            with pytest.raises(Unavailable, match=r"^no robot is reachable: the world waited 1 s at tick \d+$"):
                 await asyncio.wait_for(running, PATIENCE)
 
     asyncio.run(main())
@@ -190,7 +190,7 @@ def test_junk_does_not_keep_a_hung_robot_alive(monkeypatch: pytest.MonkeyPatch) 
                 await asyncio.sleep(0.01)
                 if running.done():
                     break
-            with pytest.raises(Unavailable, match=r"^nobody is there any more: the world waited 1 s at tick 1$"):
+            with pytest.raises(Unavailable, match=r"^no robot is reachable: the world waited 1 s at tick 1$"):
                 await asyncio.wait_for(running, PATIENCE)
 
     asyncio.run(main())

@@ -13,7 +13,7 @@ def test_a_tick_is_an_observation_a_beacon_and_a_command_for_each_robot_and_a_de
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     # A robot that pauses would be asked, and counted, twice.
-    monkeypatch.setattr("world.server.lockstep.ASK_AGAIN", 60.0)
+    monkeypatch.setattr("world.server.lockstep.RESEND_AFTER", 60.0)
     robots, ticks = 6, growth.FIRST + growth.TICKS
     found = growth.measure(load("hundred.toml", robots__count=robots, run__duration=(ticks + 5) * 0.02))
     # The window is not cut at the same moment for everybody: each may be a tick off, at both ends.

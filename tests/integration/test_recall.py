@@ -36,7 +36,7 @@ def test_a_beacon_that_does_not_arrive_is_asked_for_again(monkeypatch: pytest.Mo
 
 def test_a_beacon_that_cannot_be_had_is_an_error_and_no_other_digest(monkeypatch: pytest.MonkeyPatch) -> None:
     deaf_at_tick_40(monkeypatch)
-    monkeypatch.setattr("world.execution.run.HELD", 0)
+    monkeypatch.setattr("world.execution.run.RECALLABLE", 0)
     monkeypatch.setattr("world.server.lockstep.RETURN_TIMEOUT", 1.0)
     near = load("pair.toml", channel__model="perfect", run__duration=1.0)
 
@@ -45,7 +45,7 @@ def test_a_beacon_that_cannot_be_had_is_an_error_and_no_other_digest(monkeypatch
             server = Server(opened, Run(near), "test", RUN)
             agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
             await server.gather()
-            with pytest.raises(Unavailable, match=r"^nobody is there any more: the world waited 1 s at tick 42$"):
+            with pytest.raises(Unavailable, match=r"^no robot is reachable: the world waited 1 s at tick 42$"):
                 await asyncio.wait_for(server.main_loop(), PATIENCE)
             for agent in agents:
                 with pytest.raises(Unavailable, match=r"a beacon that decoded did not arrive at tick 41"):

@@ -27,7 +27,7 @@ DEADS: list[dict[str, Any]] = [{"at": 0.6, "kill": [4, 6]}, {"at": 1.2, "restart
 def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_it_can_be_executed_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for patience in ("ANSWER_TIMEOUT", "ASK_AGAIN"):  # its token alone tells the barrier
+    for patience in ("ANSWER_TIMEOUT", "RESEND_AFTER"):  # its token alone tells the barrier
         monkeypatch.setattr(f"world.server.lockstep.{patience}", 1e6)
     dying, say, unsaid = asyncio.Event(), Outbox.publish, list[int]()
     monkeypatch.setattr(
@@ -49,7 +49,7 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
         seen["stood"] = server.run.state.poses[4].tolist() == pose
         async with standing_still(server):
             agents[4] = asyncio.ensure_future(session.live(endpoint, [4]))
-            while not server._registry.whole[4]:
+            while not server._registry.hosted[4]:
                 await asyncio.sleep(0.01)
         back = await until(server, lambda state: state.present[4])
         await until(server, lambda state: state.tick >= back + 30)
@@ -98,7 +98,7 @@ def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_wh
             asleep.clear()
             for late in delayed:
                 say(*late)
-            while not (server._inbox._items or server._participation.there[1]):
+            while not (server._inbox._items or server._participation.reachable[1]):
                 await asyncio.sleep(0.01)
         seen.append(await until(server, lambda state: state.present[1]))
 

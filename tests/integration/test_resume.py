@@ -42,8 +42,8 @@ def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, r
     first.mkdir()
     team, logs = Team(scenario), dict[int, list[tuple[str, int, bytes]]]()
     with Recorder(first / NAME, scenario, name, "processes") as recorder:
-        run = Run(scenario, recorder if recorded else None)
         checkpoints = CheckpointWriter(first, 1e9, name, "main")
+        run = Run(scenario, recorder if recorded else None, checkpoints.note)
         checkpoints.begin(run)
         for tick in range(scenario.ticks):
             if tick == 13:
@@ -93,7 +93,7 @@ def test_a_damaged_log_is_one_line(tmp_path: Path) -> None:
     scenario = load("pair.toml", run__duration=0.2)
     team, checkpoints = Team(scenario), CheckpointWriter(tmp_path, 1e9, "pair", "main")
     with suppress(FesError), Recorder(tmp_path / NAME, scenario, "pair", "processes") as recorder:
-        run = Run(scenario, recorder)
+        run = Run(scenario, recorder, checkpoints.note)
         checkpoints.begin(run)
         for _ in range(5):
             team.step(run)

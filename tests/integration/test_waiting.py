@@ -22,7 +22,7 @@ from world.execution.checkpoint import CheckpointWriter
 from world.execution.run import Answer, Run
 from world.server.live import WARM_UP
 from world.server.lockstep import Lockstep
-from world.server.server import Server
+from world.server.server import Options, Server
 from world.simulation.truth import State
 
 DYING = [{"at": 0.2, "kill": [1]}, {"at": 0.6, "restart": [1]}]
@@ -105,7 +105,7 @@ def test_a_robot_that_died_while_the_world_was_away_is_waited_for_and_then_left_
         async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
             server = Server(opened, gone_on_with(load("pair.toml", run__duration=0.4), 5), "test", RUN)
             agent = asyncio.ensure_future(session.live(endpoint, [0]))
-            while not server._registry.whole[0]:
+            while not server._registry.hosted[0]:
                 await asyncio.sleep(0.01)
             await server.gather()  # nobody comes for robot 1
             assert server._registry.alive.tolist() == [1, 0]
@@ -128,12 +128,12 @@ def test_who_comes_back_before_the_wait_is_over_is_not_left_out(monkeypatch: pyt
             gathering = asyncio.ensure_future(server.gather())
             async with session.client(endpoint) as puppet:
                 await session.appear(puppet, 0)
-                while not server._registry.whole[0]:
+                while not server._registry.hosted[0]:
                     await asyncio.sleep(0.01)
                 assert not gathering.done()
                 await session.appear(puppet, 1)
                 await gathering
-                return server._participation.there
+                return server._participation.reachable
 
     assert asyncio.run(main()).all()
 
@@ -158,9 +158,10 @@ def test_a_live_run_whose_world_dies_goes_on_in_lockstep_at_a_tick_that_its_robo
         """A world that dies when its robots have answered a tick that it has no note of; returns that tick."""
         dies, for_ever = asyncio.Event(), asyncio.Event()
         async with bus.opened(Endpoints("router", (), (endpoint,))) as opened:
-            run, checkpoints = Run(scenario), CheckpointWriter(tmp_path, 1e9, "test", RUN)
+            checkpoints = CheckpointWriter(tmp_path, 1e9, "test", RUN)
+            run = Run(scenario, note=checkpoints.note)
             checkpoints.begin(run)
-            server = Server(opened, run, "test", RUN, checkpoints=checkpoints)
+            server = Server(opened, run, "test", RUN, Options(checkpoints=checkpoints))
             agents += [asyncio.ensure_future(host(robot, robots)) for robot in (0, 1)]
             await server.gather()
             end_of_tick = server._clock._end_of_tick
@@ -191,7 +192,7 @@ def test_a_live_run_whose_world_dies_goes_on_in_lockstep_at_a_tick_that_its_robo
         async with bus.opened(Endpoints("router", (), (endpoint,))) as opened:
             run, checkpoints, elapsed = resume.run(tmp_path, resume.load(tmp_path), None, 1e9)
             begun = run.state.tick
-            server = Server(opened, run, "test", RUN, checkpoints=checkpoints, elapsed=elapsed)
+            server = Server(opened, run, "test", RUN, Options(checkpoints=checkpoints, elapsed=elapsed))
             await server.gather()
             await server.main_loop()
             server.dismiss()

@@ -87,7 +87,8 @@ def test_a_checkpoint_that_somebody_changes_is_told_of_at_the_end(
     tmp_path: Path, what: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     scenario = load("pair.toml", run__duration=0.4)
-    run, team, checkpoints = Run(scenario), Team(scenario), CheckpointWriter(tmp_path, 1e9, "pair", "main")
+    checkpoints = CheckpointWriter(tmp_path, 1e9, "pair", "main")
+    run, team = Run(scenario, note=checkpoints.note), Team(scenario)
     checkpoints.begin(run)
     folder = tmp_path / FOLDER
     removed = dict(zip(KINDS, (folder / DIGEST_INPUT, folder / "journal-1", folder / STATE), strict=False))
@@ -107,7 +108,8 @@ def test_a_checkpoint_that_somebody_changes_is_told_of_at_the_end(
 
 
 def test_no_checkpoint_is_made_of_a_trail_that_is_gone(tmp_path: Path) -> None:
-    run, checkpoints = Run(load("pair.toml")), CheckpointWriter(tmp_path, 1e9, "pair", "main")
+    checkpoints = CheckpointWriter(tmp_path, 1e9, "pair", "main")
+    run = Run(load("pair.toml"), note=checkpoints.note)
     checkpoints.begin(run)
     team = Team(run.scenario)
     for _ in range(5):
@@ -126,7 +128,8 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
     first.mkdir()
     team = Team(scenario)
     with Recorder(first / NAME, scenario, "pair", "processes") as recorder:
-        course, checkpoints = Run(scenario, recorder), CheckpointWriter(first, 1e9, "pair", "main")
+        checkpoints = CheckpointWriter(first, 1e9, "pair", "main")
+        course = Run(scenario, recorder, checkpoints.note)
         checkpoints.begin(course)
         for _ in range(10):
             team.step(course)

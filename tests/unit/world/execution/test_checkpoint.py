@@ -113,7 +113,8 @@ def test_after_a_note_for_which_there_was_no_room_there_are_no_others(tmp_path: 
 
 
 def test_who_shares_a_process_is_what_was_last_joined(tmp_path: Path) -> None:
-    run, checkpoints = Run(load("neighborhood.toml")), CheckpointWriter(tmp_path, 1e9, "test", "main")
+    checkpoints = CheckpointWriter(tmp_path, 1e9, "test", "main")
+    run = Run(load("neighborhood.toml"), note=checkpoints.note)
     checkpoints.begin(run)
     for robots in ([0, 1, 2], [0], [1, 2], [0, 1, 2], [2]):
         checkpoints.note(["join", robots, sum(robots)])
@@ -146,7 +147,7 @@ HARM = {
     "a function of the world": b"cworld.execution.checkpoint\nclear\n(Vtrapped\ntR.",
     "what the world imports": b"cworld.execution.checkpoint\nshutil\n.",
     "a class that others made": b"cworld.execution.checkpoint\nPath\n(Vtrapped\ntR.",
-    "a class of the world that is no table": b"cworld.execution.checkpoint\nKeeper\n.",
+    "a class of the world that is no table": b"cworld.execution.checkpoint\nCheckpointWriter\n.",
 }
 
 
@@ -169,7 +170,7 @@ def test_what_cannot_be_gone_on_from_is_one_line(tmp_path: Path) -> None:
     whole = state.read_bytes()
     for damaged, complaint in [
         (b"", "is not a checkpoint$"),
-        (b"fes checkpoint 9\n1\n", "is a checkpoint of format 9; this fes reads format 3$"),
+        (b"fes checkpoint 9\n1\n", "is a checkpoint of format 9; this fes reads format 4$"),
         (whole[:-10], "is damaged: its SHA-256 differs$"),
         (whole[:300] + b"\0" + whole[301:], "is damaged: its SHA-256 differs$"),
         (whole.replace(b'"numpy": "', b'"numpy": "9'), "is damaged: its SHA-256 differs$"),
@@ -191,7 +192,7 @@ def test_what_cannot_be_gone_on_from_is_one_line(tmp_path: Path) -> None:
     ]
     for note in notes:
         path.unlink()
-        kept = journal.Journal(path, snapshot.number, snapshot.notes)
+        kept = journal.Journal(path, snapshot.number, snapshot.checksum)
         kept.add(note)
         kept.close()
         with pytest.raises(FesError, match=r"^the notes in .*checkpoint are damaged: ") as caught:
@@ -204,8 +205,8 @@ def test_what_cannot_be_gone_on_from_is_one_line(tmp_path: Path) -> None:
     [
         ([], "give a SCENARIO, or --resume RUN_DIR"),
         (["--resume", "nowhere"], "there is no run directory nowhere"),
-        (["x.toml", "--resume", "nowhere"], "--resume goes on with the run as it was"),
-        (["--resume", "nowhere", "--seed", "3"], "--resume goes on with the run as it was"),
+        (["x.toml", "--resume", "nowhere"], "--resume continues the run as it was"),
+        (["--resume", "nowhere", "--seed", "3"], "--resume continues the run as it was"),
     ],
 )
 def test_flags_that_do_not_go_together_are_one_line(
@@ -220,5 +221,5 @@ def test_flags_that_do_not_go_together_are_one_line(
 def test_a_new_run_leaves_nothing_of_an_older_one_to_go_on_from(tmp_path: Path) -> None:
     begun(tmp_path / "run")
     flags = argparse.Namespace(out=tmp_path / "run", no_record=True, checkpoint=0.0)
-    process._recorder(flags, process.Start(load("pair.toml"), "pair", "main"))
+    process._open_log(flags, process.Start(load("pair.toml"), "pair", "main"))
     assert not checkpoint.has_checkpoint(tmp_path / "run")

@@ -46,7 +46,8 @@ def failing(name: str, number: int = 0) -> Iterator[None]:
 @pytest.fixture
 def kept(tmp_path: Path) -> tuple[Run, CheckpointWriter]:
     """A run of five ticks, kept at its first."""
-    run, checkpoints = Run(load("pair.toml")), CheckpointWriter(tmp_path, 1e9, "pair", "main")
+    checkpoints = CheckpointWriter(tmp_path, 1e9, "pair", "main")
+    run = Run(load("pair.toml"), note=checkpoints.note)
     checkpoints.begin(run)
     team = Team(run.scenario)
     for _ in range(5):

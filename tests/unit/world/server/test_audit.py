@@ -5,7 +5,7 @@ import logging
 import pytest
 
 from fes.transport.drop_log import LONGEST_LINE
-from world.server.audit import KINDS_OF_ONE, Audit
+from world.server.audit import KINDS_PER_NAME, Audit
 
 PLACE = "zenoh::net::routing::interceptor::access_control:"
 TRACE = f"2026-11-22T04:02:14.951301Z TRACE app-1 ThreadId(03) {PLACE}"
@@ -98,14 +98,14 @@ def denied(name: str, key: str) -> str:
 
 
 def test_who_fills_the_log_with_made_up_keys_and_names_hides_nobody_else(caplog: pytest.LogCaptureFixture) -> None:
-    made_up = [denied("robot-3", f"made/up/{number}") for number in range(10 * KINDS_OF_ONE)]
-    nobody = [denied(f"nobody-{number}", KEY) for number in range(10 * KINDS_OF_ONE)]
+    made_up = [denied("robot-3", f"made/up/{number}") for number in range(10 * KINDS_PER_NAME)]
+    nobody = [denied(f"nobody-{number}", KEY) for number in range(10 * KINDS_PER_NAME)]
     no_tls = f"{TRACE} zenoh_link_tls::unicast: received corrupt message"
     audit = fed(*made_up, *nobody, denied("operator", KEY), denied("operator", KEY), no_tls)
     said = [record.getMessage() for record in caplog.records]
     lines = [sum(name in line for line in said) for name in ("robot-3's", "nobody", "operator's")]
-    assert lines == [KINDS_OF_ONE + 1, KINDS_OF_ONE + 1, 1]
-    last = f"dropped robot-3's put on made/up/{KINDS_OF_ONE}: it has no right to it"
+    assert lines == [KINDS_PER_NAME + 1, KINDS_PER_NAME + 1, 1]
+    last = f"dropped robot-3's put on made/up/{KINDS_PER_NAME}: it has no right to it"
     assert f"{last} (further kinds are counted, not shown)" in said
     assert "dropped a connection: it does not speak TLS" in said[-1]
     caplog.clear()
@@ -113,7 +113,7 @@ def test_who_fills_the_log_with_made_up_keys_and_names_hides_nobody_else(caplog:
     totals = [record.getMessage() for record in caplog.records]
     assert totals[0] == "dropped messages: connection: it does not speak TLS x1"
     assert f"dropped messages: operator: put on {KEY} x2" in totals
-    assert sum(f"robot-3: other x{9 * KINDS_OF_ONE}, robot-3: put on" in line for line in totals) == 1
+    assert sum(f"robot-3: other x{9 * KINDS_PER_NAME}, robot-3: put on" in line for line in totals) == 1
     assert len(totals) == 4
 
 

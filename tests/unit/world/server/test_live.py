@@ -48,7 +48,7 @@ class Everybody:
     def hang(self, silent: Any) -> None:
         self.silent.append(np.flatnonzero(silent).tolist())
 
-    def woke(self, robot: int) -> bool:
+    def wake(self, robot: int) -> bool:
         self.heard.append(robot)
         return False
 

@@ -56,12 +56,12 @@ def test_second_answers_of_a_robot_that_is_asked_again_in_one_tick_after_the_oth
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """It stops for a moment between its answers: the second one comes when it was asked again for the next tick."""
-    monkeypatch.setattr("world.server.lockstep.ASK_AGAIN", 0.01)
+    monkeypatch.setattr("world.server.lockstep.RESEND_AFTER", 0.01)
     asked: list[int] = []
 
     async def main() -> DropLog:
         inbox, drops = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
-        everybody = SimpleNamespace(there=np.ones(2, dtype=np.bool_), woke=lambda robot: False)
+        everybody = SimpleNamespace(reachable=np.ones(2, dtype=np.bool_), wake=lambda robot: False)
         state = truth.start(truth.create(load("pair.toml")))
 
         def answer(tick: int, robot: int) -> None:
