@@ -1,4 +1,4 @@
-"""Agents that take whatever robot is free."""
+"""Agents that take any free robot."""
 
 import asyncio
 import logging
@@ -26,7 +26,7 @@ from world.server.server import Server
 
 @pytest.fixture
 def at_length(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have a question wait for its answer as long as that may take; an agent then asks once."""
+    """Let a query wait for its reply without a limit, so that an agent asks once."""
     monkeypatch.setattr("agents.process.PATIENCE", session.PATIENCE)
 
 

@@ -1,4 +1,4 @@
-"""Before a world starts or goes on: who counts as here, and what ends the wait."""
+"""The wait of a world before its run starts or resumes: the robots that count, and the end of the wait."""
 
 import asyncio
 from dataclasses import replace
@@ -20,7 +20,7 @@ from world.server.server import Options, Server
 
 
 def test_a_world_does_not_start_with_robots_whose_agents_it_has_not_accepted() -> None:
-    """As those of a world before, which have not noticed yet that this one is another."""
+    """Such as agents of an earlier world, which have not noticed yet that this is another one."""
 
     async def main() -> None:
         async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
@@ -53,7 +53,7 @@ def test_a_world_that_cannot_keep_who_joins_ends_instead_of_waiting_for_ever(tmp
             checkpoints.begin(run)
             assert checkpoints._journal is not None
             checkpoints._journal.close()
-            checkpoints._journal._file = Path("/dev/full").open("ab", buffering=0)  # noqa: SIM115 (the keeper closes it)
+            checkpoints._journal._file = Path("/dev/full").open("ab", buffering=0)  # noqa: SIM115 (the writer closes it)
             server = Server(opened, run, "test", RUN, Options(checkpoints=checkpoints))
             gathering = asyncio.ensure_future(server.gather())
             with pytest.raises(Rejected, match="No space left on device"):
@@ -66,7 +66,7 @@ def test_a_world_that_cannot_keep_who_joins_ends_instead_of_waiting_for_ever(tmp
 
 
 def test_who_comes_back_when_a_world_goes_on_takes_part_from_its_second_tick() -> None:
-    """What the world before published of the first one is sensed already, and must stay true."""
+    """Observations of the first tick, published by the world before, must stay true."""
 
     async def main() -> tuple[Server, list[Bools]]:
         async with session.router() as (opened, endpoint), asyncio.timeout(100.0):
