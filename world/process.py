@@ -45,9 +45,7 @@ _logger = logging.getLogger("world")
 class Outcome(Enum):
     """State of a run after the main loop of its world."""
 
-    FINISHED = (
-        "all ticks are executed: the robots are dismissed, and the checkpoint is deleted when the log is closed"
-    )
+    FINISHED = "all ticks are executed: the robots are dismissed, and the checkpoint goes after the log is closed"
     PAUSED = "the checkpoint stays, and the robots wait for a world that resumes the run"
     CANCELLED = "the run cannot be resumed: the robots are dismissed, and the checkpoint is deleted"
 
@@ -112,12 +110,14 @@ class World:
             self.server.log_drops()
         finally:
             results = self._write_summary()
-            if self._checkpoints is not None:
-                (self._checkpoints.discard if outcome is Outcome.CANCELLED else self._checkpoints.close)(self._run)
+            if outcome is Outcome.CANCELLED:
+                self.discard_checkpoint()
+            elif self._checkpoints is not None:
+                self._checkpoints.close(self._run)
         return results
 
     def discard_checkpoint(self) -> None:
-        """Delete the checkpoint of a finished run."""
+        """Delete the checkpoint: the run is over."""
         if self._checkpoints is not None:
             self._checkpoints.discard(self._run)
 

@@ -43,9 +43,7 @@ def test_a_bad_payload_on_every_key_is_counted_with_one_line_per_kind_and_change
 
     with caplog.at_level(logging.WARNING):
         server, agents = attacked(disturb)
-    assert (
-        server.drops.counts[kind] >= ROBOTS - 1
-    )  # robot 3 may receive from itself a message that another robot would not get
+    assert server.drops.counts[kind] >= ROBOTS - 1  # robot 3 is allowed the message on its own key
     said = [record for record in caplog.records if record.name == "world" and kind in record.getMessage()]
     assert len(said) == 1
     assert all(agent.complaints.counts for agent in agents)
@@ -84,9 +82,8 @@ def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -
 
 
 def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "world.server.lockstep.RESEND_AFTER", session.PATIENCE
-    )  # a second request allows a second answer
+    # An observation that is sent again allows a second answer.
+    monkeypatch.setattr("world.server.lockstep.RESEND_AFTER", session.PATIENCE)
     endless = load("pair.toml", run__duration=1000.0)
 
     async def main() -> None:

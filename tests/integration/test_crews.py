@@ -122,10 +122,7 @@ def test_a_crew_of_which_one_robot_is_mute_is_left_out_and_taken_in_when_that_on
     ]  # the world did not wait for robot 0, which could not answer without robot 1
     assert summary["ticks"] == 200
     (silent, first), (left, then), (_, back) = attendances(path)
-    assert (first, then, back) == (
-        [[0, 2]],
-        [[2]],
-        [[0, 1, 2]],
-    )  # robot 0 answered the tick at which the world waited
+    # Robot 0 answered the tick at which the world waited.
+    assert (first, then, back) == ([[0, 2]], [[2]], [[0, 1, 2]])
     assert left == silent + 1
     assert replay_command.again(log.load(path), everybody=True)["digest"] == summary["digest"]

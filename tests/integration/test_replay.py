@@ -117,9 +117,7 @@ def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
     assert summary["digest"] != inprocess.run(pair, "test")["digest"]
     assert replay_command.again(found, everybody=True) == as_json(summary)
 
-    recordings.record(
-        tmp_path / "again.mcap", server.run.scenario, "scenario"
-    )  # the content of scenario.toml by then
+    recordings.record(tmp_path / "again.mcap", server.run.scenario, "scenario")  # as scenario.toml holds it then
     again = log.load(tmp_path / "again.mcap")
     assert list(compare.of_scenarios(found, again)) == []
     assert compare.first_difference(found, again) is None
