@@ -59,38 +59,40 @@ def _robot(run: str, role: str, hosted: Sequence[int]) -> list[Rule]:
     beacons = keys.beacon(run, "*")  # peers in range change each tick: the radio decides, not the router
     welcome = keys.welcome(run, keys.span(hosted))
     return [
-        _allow(f"{role} says", "ingress", ["put"], own),
+        _allow(f"{role} publishes", "ingress", ["put"], own),
         _allow(f"{role} is alive", "ingress", ["liveliness_token"], [keys.robot_alive(run, i) for i in hosted]),
-        _allow(f"{role} listens", "ingress", ["declare_subscriber"], [*observations, beacons]),
-        _allow(f"{role} hears", "egress", ["put"], [*observations, beacons]),
-        _allow(f"{role} asks", "ingress", ["query"], [welcome]),
-        _allow(f"{role} is answered", "egress", ["reply"], [welcome]),
+        _allow(f"{role} subscribes", "ingress", ["declare_subscriber"], [*observations, beacons]),
+        _allow(f"{role} receives", "egress", ["put"], [*observations, beacons]),
+        _allow(f"{role} joins", "ingress", ["query"], [welcome]),
+        _allow(f"{role} is welcomed", "egress", ["reply"], [welcome]),
         _allow(f"{role} recalls", "ingress", ["query"], [keys.held_beacon(run, "*", keys.span(hosted))]),
-        _allow(f"{role} is recalled", "egress", ["reply"], [keys.held_beacon(run, "*", keys.span(hosted))]),
-        _allow(f"{role} remembers", "ingress", ["declare_queryable", "reply"], [keys.recall(run, i) for i in hosted]),
-        _allow(f"{role} is asked", "egress", ["query"], [keys.recall(run, i) for i in hosted]),
-        _allow("robots watch", "ingress", ["declare_liveliness_subscriber"], [keys.world_alive(run)]),
-        _allow("robots see", "egress", ["liveliness_token"], [keys.world_alive(run)]),
+        _allow(f"{role} gets recalled beacons", "egress", ["reply"], [keys.held_beacon(run, "*", keys.span(hosted))]),
+        _allow(
+            f"{role} serves recalls", "ingress", ["declare_queryable", "reply"], [keys.recall(run, i) for i in hosted]
+        ),
+        _allow(f"{role} gets recalls", "egress", ["query"], [keys.recall(run, i) for i in hosted]),
+        _allow("robots watch the world", "ingress", ["declare_liveliness_subscriber"], [keys.world_alive(run)]),
+        _allow("robots see the world", "egress", ["liveliness_token"], [keys.world_alive(run)]),
     ]
 
 
 def _observer(run: str) -> list[Rule]:
     alive = [keys.world_alive(run), keys.robot_alive(run, "*")]
     return [
-        _allow("observers listen", "ingress", ["declare_subscriber"], [keys.report(run)]),
-        _allow("observers hear", "egress", ["put"], [keys.report(run)]),
-        _allow("observers watch", "ingress", ["declare_liveliness_subscriber"], alive),
-        _allow("observers see", "egress", ["liveliness_token"], alive),
-        _allow("observers look", "ingress", ["liveliness_query"], [keys.tree(run)]),
-        _allow("observers ask", "ingress", ["query"], [keys.about(run)]),
-        _allow("observers are answered", "egress", ["reply"], [keys.about(run)]),
+        _allow("observers subscribe", "ingress", ["declare_subscriber"], [keys.report(run)]),
+        _allow("observers receive", "egress", ["put"], [keys.report(run)]),
+        _allow("observers watch tokens", "ingress", ["declare_liveliness_subscriber"], alive),
+        _allow("observers see tokens", "egress", ["liveliness_token"], alive),
+        _allow("observers query tokens", "ingress", ["liveliness_query"], [keys.tree(run)]),
+        _allow("observers query world info", "ingress", ["query"], [keys.about(run)]),
+        _allow("observers get world info", "egress", ["reply"], [keys.about(run)]),
     ]
 
 
 def _operator(run: str) -> list[Rule]:
     return [
-        _allow("operators ask", "ingress", ["query"], [keys.change(run)]),
-        _allow("operators are answered", "egress", ["reply"], [keys.change(run)]),
+        _allow("operators change the channel", "ingress", ["query"], [keys.change(run)]),
+        _allow("operators get results", "egress", ["reply"], [keys.change(run)]),
     ]
 
 
@@ -98,7 +100,7 @@ def _everything(run: str) -> Rule:
     """The rule of the world: every message on the keys of its run, in both directions."""
     published = ["put", "delete", "query", "reply", "liveliness_token", "liveliness_query"]
     declared = ["declare_subscriber", "declare_queryable", "declare_liveliness_subscriber"]
-    return _allow("the world does all", "ingress", [*published, *declared], [keys.tree(run)]) | {
+    return _allow("the world", "ingress", [*published, *declared], [keys.tree(run)]) | {
         "flows": ["ingress", "egress"]
     }
 
@@ -108,9 +110,7 @@ def _declarations(run: str) -> list[Rule]:
 
     Without it a publisher stays mute, and a forgery is neither sent nor logged.
     """
-    return [
-        _allow("all are told who listens", "egress", ["declare_subscriber", "declare_queryable"], [keys.tree(run)])
-    ]
+    return [_allow("all see declarations", "egress", ["declare_subscriber", "declare_queryable"], [keys.tree(run)])]
 
 
 def _allow(name: str, flow: str, messages: list[str], key_exprs: list[str]) -> Rule:

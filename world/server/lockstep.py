@@ -77,8 +77,8 @@ class Lockstep:
         A robot that is lost or does not answer in time takes no part from this tick on: its answer is None.
         """
         answers: list[Answer | None] = [None] * len(sent)
-        waited = state.present.copy()
-        missing, begun, patience = int(waited.sum()), time.monotonic(), RESEND_AFTER
+        pending = state.present.copy()
+        missing, begun, patience = int(pending.sum()), time.monotonic(), RESEND_AFTER
         self._due = self._due or begun
         resend_at = begun + patience
         while missing:
@@ -86,20 +86,20 @@ class Lockstep:
             await self._inbox.wait(missing, max(0.0, resend_at - time.monotonic()))
             for key, payload in self._inbox.drain():
                 command = self._read(state, key, payload)
-                if command is not None and payload is not None and waited[command.robot]:
+                if command is not None and payload is not None and pending[command.robot]:
                     answers[command.robot] = command, payload
-                    waited[command.robot] = False
+                    pending[command.robot] = False
                     missing -= 1
                 elif command is not None and answers[command.robot] and not self._may_repeat(command):
                     self._drops.reject("Command: came twice", f"{key}: a second command for tick {command.tick}")
             if missing:
-                waited &= self._participation.reachable
-                missing = int(waited.sum())
+                pending &= self._participation.reachable
+                missing = int(pending.sum())
             if missing and time.monotonic() >= resend_at:
                 if time.monotonic() - begun >= ANSWER_TIMEOUT:
-                    self._participation.hang(waited)
+                    self._participation.hang(pending)
                     break
-                for robot in np.flatnonzero(waited).tolist():
+                for robot in np.flatnonzero(pending).tolist():
                     self._send(robot, sent[robot])
                     before = [tick for tick in self._resent.get(robot, ()) if tick != state.tick]
                     self._resent[robot] = (*before[-1:], state.tick)
