@@ -129,13 +129,13 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
     team = Team(scenario)
     with Recorder(first / NAME, scenario, "pair", "processes") as recorder:
         checkpoints = CheckpointWriter(first, 1e9, "pair", "main")
-        course = Run(scenario, recorder, checkpoints.note)
-        checkpoints.begin(course)
+        original_run = Run(scenario, recorder, checkpoints.note)
+        checkpoints.begin(original_run)
         for _ in range(10):
-            team.step(course)
-        checkpoints.save(course, {}, 0.1, at_once=True)
+            team.step(original_run)
+        checkpoints.save(original_run, {}, 0.1, at_once=True)
         shutil.copytree(first, tmp_path / "killed")
-        checkpoints.discard(course)
+        checkpoints.discard(original_run)
     run = tmp_path / "killed"
     original = (run / NAME).read_bytes()
     kept = resume.load(run)
@@ -144,7 +144,7 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
     # A copy that does not hold what was copied: it is refused, and the original is where it was.
     with pytest.MonkeyPatch.context() as broken:
         broken.setattr(Recorder, "add", lambda *words: None)
-        broken.setattr("fes.recording.mcap_file.Container._again", lambda *words: None)
+        broken.setattr("fes.recording.mcap_file.McapFile._again", lambda *words: None)
         with pytest.raises(FesError, match=r"cannot be continued: .*run\.mcap does not hold what was copied to it$"):
             resume.recorder(run, kept)
     assert (run / NAME).read_bytes() == original
