@@ -12,6 +12,7 @@ import math
 import signal
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
+from enum import Enum
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -22,97 +23,167 @@ from fes.protocol import keys, world_info
 from fes.recording.layout import NAME
 from fes.system import encoding, output
 from fes.transport import bus, identity
+from fes.transport.bus import Bus
 from world.config import expectations, remarks
-from world.config.scenario import Scenario, load, parse_override
+from world.config.scenario import Scenario, load
 from world.execution import resume
-from world.execution.checkpoint import FOLDER, PERIOD, CheckpointWriter, clear, has_checkpoint
+from world.execution.checkpoint import FOLDER, CheckpointWriter, clear, has_checkpoint
 from world.execution.directory_lock import exclusive_lock
 from world.execution.recorder import Recorder
+from world.execution.resume import Resumed
 from world.execution.run import Run
 from world.execution.snapshot import Snapshot
+from world.flags import overrides, parser
 from world.metrics import summary
 from world.server import access, audit, claim
-from world.server.server import Server
+from world.server.server import Options, Server
+
+Summary = dict[str, Any]
+_logger = logging.getLogger("world")
+
+
+class Outcome(Enum):
+    """State of a run after the main loop of its world."""
+
+    FINISHED = "all ticks are executed: the robots are dismissed, and the checkpoint goes after the log is closed"
+    PAUSED = "the checkpoint stays, and the robots wait for a world that resumes the run"
+    CANCELLED = "the run cannot be resumed: the robots are dismissed, and the checkpoint is deleted"
 
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """A run that is to be started, or gone on with."""
+    """A run to be started, or resumed from a checkpoint."""
 
     scenario: Scenario
     name: str
+    """Name of the scenario."""
     run: str
-    kept: Snapshot | None = None
+    saved: Snapshot | None = None
+
+
+class World:
+    """A world process between startup and exit."""
+
+    def __init__(self, flags: argparse.Namespace, start: Start, opened: Bus, recorder: Recorder | None) -> None:
+        self._out: Path | None = flags.out
+        self._recorder = recorder
+        self._run, self._checkpoints, elapsed = _open_run(flags, start, recorder)
+        self._first_tick = self._run.state.tick
+        self._is_cancelled = False
+        # With --exit-with-stdin a launcher resumed the run, and its Ctrl-C always ends it.
+        self._is_resumed_by_person = start.saved is not None and not flags.exit_with_stdin
+        on_change = partial(summary.write_scenario, flags.out) if flags.out is not None else None
+        options = Options(flags.rtf, self._checkpoints, elapsed, guarded=bool(flags.keys), on_change=on_change)
+        self.server = Server(opened, self._run, start.name, start.run, options)
+        if on_change is not None:
+            on_change(self._run.scenario)
+
+    async def main_loop(self) -> None:
+        """Gather the robots, and execute the ticks that are left."""
+        try:
+            if not self._run.is_over:
+                await self.server.gather()
+            await self.server.main_loop()
+        except asyncio.CancelledError as stop:
+            # Only Ctrl-C ends a run permanently. Exception: a resumed world that is still waiting for its robots, for
+            # a person may have resumed it with a wrong flag.
+            is_waiting = self._is_resumed_by_person and self._run.state.tick == self._first_tick
+            self._is_cancelled = stop.args == (signal.SIGINT.name,) and not is_waiting
+            if self.outcome is Outcome.PAUSED:
+                self.server.save()
+            raise
+
+    @property
+    def outcome(self) -> Outcome:
+        """The outcome if the main loop ends now."""
+        if self._run.is_over:
+            return Outcome.FINISHED
+        return Outcome.CANCELLED if self._is_cancelled or self._checkpoints is None else Outcome.PAUSED
+
+    def shutdown(self) -> Summary | None:
+        """Dismiss the robots unless the run is paused, and write the summary, which is returned."""
+        outcome = self.outcome
+        self._log_early_end(outcome)
+        try:
+            if outcome is not Outcome.PAUSED:
+                self.server.dismiss()
+            self.server.log_drops()
+        finally:
+            results = self._write_summary()
+            if outcome is Outcome.CANCELLED:
+                self.discard_checkpoint()
+            elif self._checkpoints is not None:
+                self._checkpoints.close(self._run)
+        return results
+
+    def discard_checkpoint(self) -> None:
+        """Delete the checkpoint: the run is over."""
+        if self._checkpoints is not None:
+            self._checkpoints.discard(self._run)
+
+    def _log_early_end(self, outcome: Outcome) -> None:
+        if outcome is Outcome.FINISHED:
+            return
+        text = "ended early"
+        if outcome is Outcome.PAUSED:
+            assert self._out is not None
+            text = f"paused: fes-world --resume {self._out} continues it"
+            if self._run.state.tick == self._first_tick:
+                text += f"; to end it permanently, remove {self._out / FOLDER}"
+        _logger.info("tick %d of %d: %s", self._run.state.tick, self._run.scenario.ticks, text)
+
+    def _write_summary(self) -> Summary | None:
+        results = self.server.summarize()
+        if self._recorder is not None:
+            self._recorder.conclude(results)
+        if results is not None and self._out is not None:
+            summary.write(self._out, results)
+        for line in summary.lines(results) if results is not None else []:
+            _logger.info("summary: %s", line)
+        return results
 
 
 async def serve(flags: argparse.Namespace, start: Start) -> int:
-    """One world process, from start to exit code."""
-    run, scenario = start.run, start.scenario
-    for line in remarks.of(scenario) if start.kept is None else []:
-        logging.getLogger("world").warning("%s", line)
-    rules = access.control(run, scenario.robots.number, identity.crews(flags.keys)) if flags.keys else None
+    """Startup, main loop and shutdown of a world process; returns the exit code."""
+    for line in remarks.of(start.scenario) if start.saved is None else []:
+        _logger.warning("%s", line)
+    crews = identity.crews(flags.keys) if flags.keys else ()
+    rules = access.control(start.run, start.scenario.robots.number, crews) if flags.keys else None
     endpoints = process.world_endpoints(flags, rules)
-    audited = audit.kept(access.roles(rules)) if rules else contextlib.nullcontext()
+    audited = audit.running(access.roles(rules)) if rules else nullcontext()
     async with audited, bus.opened(endpoints) as opened:
         connected = bool(flags.connect or flags.config or flags.cfg) or flags.mode not in (None, "router")
-        await claim.claim_run(opened, run, connected=connected)
-        with _recorder(flags, start) as recorder:
-            course, checkpoints, elapsed = _course(flags, start, recorder)
-            server = Server(
-                opened, course, start.name, run, flags.rtf, checkpoints, elapsed, guarded=rules is not None
-            )
-            if flags.out is not None:
-                server.keep = partial(summary.write_scenario, flags.out)
-                server.keep(course.scenario)
-            reached, first = None, course.state.tick
-            goes_on, ended = checkpoints is not None, False
+        await claim.claim_run(opened, start.run, connected=connected)
+        with _open_log(flags, start) as recorder:
+            world = World(flags, start, opened, recorder)
             try:
-                if not course.is_over:
-                    await server.gather()
-                await server.main_loop()
-            except asyncio.CancelledError as stopped:
-                # Only who means it ends a run for good: no accident, and not who took it up by a wrong flag.
-                waited = start.kept is not None and course.state.tick == first and not flags.exit_with_stdin
-                ended = course.is_over or (stopped.args == (signal.SIGINT.name,) and not waited)
-                goes_on = goes_on and not ended
-                if goes_on:
-                    server.save()
-                raise
+                await world.main_loop()
             finally:
-                goes_on = goes_on and not course.is_over
-                if not course.is_over:
-                    what = f"paused: fes-world --resume {flags.out} goes on" if goes_on else "ended before its time"
-                    if goes_on and course.state.tick == first:
-                        what += f"; to end it for good, remove {flags.out / FOLDER}"
-                    server.logger.info("tick %d of %d: %s", course.state.tick, scenario.ticks, what)
-                try:
-                    if not goes_on:  # else the robots wait for a world that goes on
-                        server.dismiss()
-                    server.drops.log_total(server.overflow, server.strangers)
-                finally:
-                    reached = _keep(flags.out, server, recorder)
-                    if checkpoints is not None:
-                        (checkpoints.discard if ended else checkpoints.close)(course)
-        if checkpoints is not None:  # last of all: until here it can be gone on with
-            checkpoints.discard(course)
-        with contextlib.suppress(asyncio.CancelledError):  # the run is over and kept: a signal only ends the wait
-            await server.linger()
-        server.logger.info("the run is over after %d ticks", scenario.ticks)
-    for verdict in reached["expectations"] if reached else []:
+                results = world.shutdown()
+        world.discard_checkpoint()  # after the log is closed: until here the run can be resumed
+        with contextlib.suppress(asyncio.CancelledError):  # the results are written: a signal only ends the wait
+            await world.server.linger()
+        _logger.info("the run is over after %d ticks", start.scenario.ticks)
+    return _judge(results)
+
+
+def _judge(results: Summary | None) -> int:
+    """Log each expectation of the scenario with its verdict; returns the exit code."""
+    for verdict in results["expectations"] if results else []:
         level = logging.INFO if verdict["holds"] else logging.ERROR
         holds = "as expected" if verdict["holds"] else "not as expected"
-        server.logger.log(level, f"{holds}: %(of)s is %(seen)s, expected to be %(expected)s", verdict)
-    return process.UNMET if reached and expectations.unmet(reached) else process.SUCCESS
+        _logger.log(level, f"{holds}: %(of)s is %(seen)s, expected to be %(expected)s", verdict)
+    return process.UNMET if results and expectations.unmet(results) else process.SUCCESS
 
 
-def _recorder(flags: argparse.Namespace, start: Start) -> AbstractContextManager[Recorder | None]:
-    """The log of the run, or none."""
-    if start.kept is not None:
-        return resume.recorder(flags.out, start.kept) or nullcontext()
+def _open_log(flags: argparse.Namespace, start: Start) -> AbstractContextManager[Recorder | None]:
+    """The log of the run; None if it has none. Clears the run directory of a new run."""
+    if start.saved is not None:
+        return resume.recorder(flags.out, start.saved) or nullcontext()
     if flags.out is not None:
         if has_checkpoint(flags.out):
-            logging.getLogger("world").warning("the run that %s could have gone on with is given up", flags.out)
-        clear(flags.out)  # before the log, without which nobody could go on with it
+            _logger.warning("the checkpoint in %s is deleted: its run can no longer be resumed", flags.out)
+        clear(flags.out)  # before the log: without its log a checkpoint is worthless
         summary.clear(flags.out)
         (flags.out / NAME).unlink(missing_ok=True)
     if flags.out is None or flags.no_record:
@@ -120,34 +191,22 @@ def _recorder(flags: argparse.Namespace, start: Start) -> AbstractContextManager
     return Recorder(flags.out / NAME, start.scenario, start.name, "processes")
 
 
-def _course(
+def _open_run(
     flags: argparse.Namespace, start: Start, recorder: Recorder | None
-) -> tuple[Run, CheckpointWriter | None, float]:
-    """The run, from its start or from where it was left, who keeps it, and the time since tick 0 [s]."""
-    if start.kept is not None:
-        return resume.run(flags.out, start.kept, recorder, flags.checkpoint or math.inf)
-    run = Run(start.scenario, recorder)
+) -> Resumed | tuple[Run, CheckpointWriter | None, float]:
+    """The run, new or resumed, the writer of its checkpoints, and the wall-clock time since its tick 0 [s]."""
+    if start.saved is not None:
+        return resume.run(flags.out, start.saved, recorder, flags.checkpoint or math.inf)
     if flags.out is None or not flags.checkpoint:
-        return run, None, 0.0
+        return Run(start.scenario, recorder), None, 0.0
     checkpoints = CheckpointWriter(flags.out, flags.checkpoint, start.name, start.run)
+    run = Run(start.scenario, recorder, checkpoints.note)
     checkpoints.begin(run)
     return run, checkpoints, 0.0
 
 
-def _keep(out: Path | None, server: Server, recorder: Recorder | None) -> dict[str, Any] | None:
-    """Keep what was reached: the summary, which is returned."""
-    reached = server.summarize()
-    if recorder is not None:
-        recorder.conclude(reached)
-    if reached is not None and out is not None:
-        summary.write(out, reached)
-    for line in summary.lines(reached) if reached is not None else []:
-        server.logger.info("summary: %s", line)
-    return reached
-
-
-def _start(flags: argparse.Namespace, held: contextlib.ExitStack) -> Start:
-    """What the flags ask for, and the run directory to itself while it is `held`; raises FesError."""
+def _read_flags(flags: argparse.Namespace, locks: contextlib.ExitStack) -> Start:
+    """The run that the flags describe; its run directory is locked by `locks`. Raises FesError."""
     if flags.resume is None:
         if flags.scenario is None:
             raise FesError("give a SCENARIO, or --resume RUN_DIR")
@@ -156,20 +215,19 @@ def _start(flags: argparse.Namespace, held: contextlib.ExitStack) -> Start:
         _check_pace(flags, scenario)
         if flags.out is not None:
             flags.out.mkdir(parents=True, exist_ok=True)
-            held.enter_context(exclusive_lock(flags.out))
+            locks.enter_context(exclusive_lock(flags.out))
             summary.write_scenario(flags.out, scenario)
-        return Start(
-            scenario, encoding.check_name(flags.name) if flags.name else encoding.name_of(Path(flags.scenario)), run
-        )
+        path = Path(flags.scenario)
+        return Start(scenario, encoding.check_name(flags.name) if flags.name else encoding.name_of(path), run)
     if flags.scenario or flags.out or flags.name or flags.no_record or overrides(flags):
-        raise FesError("--resume goes on with the run as it was: no SCENARIO, and no flag about it")
-    held.enter_context(exclusive_lock(flags.resume))
-    kept = resume.load(flags.resume)
-    if flags.run not in (None, kept.run):
-        raise FesError(f"--resume goes on with run '{kept.run}', not with '{flags.run}'")
-    _check_pace(flags, kept.scenario)
+        raise FesError("--resume continues the run as it was: no SCENARIO, and no flag about it")
+    locks.enter_context(exclusive_lock(flags.resume))
+    saved = resume.load(flags.resume)
+    if flags.run not in (None, saved.run):
+        raise FesError(f"--resume continues run '{saved.run}', not run '{flags.run}'")
+    _check_pace(flags, saved.scenario)
     flags.out = flags.resume
-    return Start(kept.scenario, kept.name, keys.check_run(kept.run), kept)
+    return Start(saved.scenario, saved.name, keys.check_run(saved.run), saved)
 
 
 def _check_pace(flags: argparse.Namespace, scenario: Scenario) -> None:
@@ -178,56 +236,19 @@ def _check_pace(flags: argparse.Namespace, scenario: Scenario) -> None:
 
 
 def main() -> None:
-    """Entry point of fes-world."""
+    """Run fes-world."""
     output.configure()
-    parser = process.OneLineParser(
-        prog="fes-world",
-        description="Ground truth and radio channel of a run.",
-        epilog="example: fes-world configs/pair.toml --out runs/by-hand",
-    )
-    parser.add_argument("scenario", nargs="?", metavar="SCENARIO", help="a scenario file, such as configs/paper.toml")
-    parser.add_argument("--resume", type=Path, metavar="RUN_DIR", help="go on with a run whose world ended before it")
-    parser.add_argument("--name", help="name of the scenario in the summary (default: that of its file)")
-    add_scenario_flags(parser)
-    parser.add_argument("--rtf", type=process.real_time_factor, metavar="max|X", help="pace: simulated s per s")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="where to leave scenario, summary and log")
-    parser.add_argument(
-        "--checkpoint",
-        type=process.period,
-        default=PERIOD,
-        metavar="S",
-        help="time between two checkpoints in --out [s]; 0 for none (default: %(default)g)",
-    )
-    parser.add_argument("--no-record", action="store_true", help="write no log (run.mcap)")
-    process.add_network_flags(parser)
-    parser.set_defaults(run=None)  # a run that is gone on with has its own
-    flags = parser.parse_args()
-    with contextlib.ExitStack() as held:
+    command_line = parser()
+    flags = command_line.parse_args()
+    with contextlib.ExitStack() as locks:
         try:
-            world_info.version()  # needed by its log and its checkpoints: say now that it has none
-            start = _start(flags, held)
+            world_info.version()  # log and checkpoints need it: fail now if the package has none
+            start = _read_flags(flags, locks)
         except OSError as error:
-            parser.error(reason(error))
+            command_line.error(reason(error))
         except FesError as error:
-            parser.error(str(error))
+            command_line.error(str(error))
         process.run("fes-world", lambda: serve(flags, start), exit_with_stdin=flags.exit_with_stdin)
-
-
-def add_scenario_flags(parser: argparse.ArgumentParser) -> None:
-    """The flags that override fields of a scenario."""
-    parser.add_argument("--set", action="append", default=[], metavar="a.b=c", help="override a field")
-    parser.add_argument("--seed", type=int, metavar="N", help="override run.seed")
-    parser.add_argument("--duration", type=float, metavar="S", help="override run.duration [s]")
-
-
-def overrides(flags: argparse.Namespace) -> dict[str, object]:
-    """The overrides in the flags, by dotted path."""
-    found = dict(parse_override(text) for text in flags.set)
-    if flags.seed is not None:
-        found["run.seed"] = flags.seed
-    if flags.duration is not None:
-        found["run.duration"] = flags.duration
-    return found
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ LAYERS = (
     {"agents.control", "world.simulation"},
     {"agents.runtime", "world.metrics"},
     {"agents.process", "world.execution"},
-    {"agents.__main__", "world.server"},
+    {"agents.__main__", "world.flags", "world.server"},
     {"world.process"},
     {"world.__main__", "console.guide", "console.schema", "console.terminal"},
     {"console.keys"},

@@ -1,4 +1,4 @@
-"""Attacks on a run that goes on, over real Zenoh sessions: each is refused and counted, and no digit changes."""
+"""Attacks on a running run over real Zenoh sessions: each is rejected and counted, and no digit changes."""
 
 import asyncio
 import logging
@@ -29,12 +29,12 @@ from world.server.server import Server
 
 
 @pytest.mark.parametrize(("payload", "kind"), BAD_PAYLOADS.values(), ids=BAD_PAYLOADS.keys())
-def test_a_bad_payload_on_every_key_is_counted_with_one_line_a_kind_and_changes_no_digit(
+def test_a_bad_payload_on_every_key_is_counted_with_one_line_per_kind_and_changes_no_digit(
     payload: bytes, kind: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
-            await ticks_go_by(vandal, 2, begin)  # at tick 0 a command for tick 0 would be one like any other
+            await ticks_go_by(vandal, 2, begin)  # at tick 0 a command for tick 0 would be valid
             for _ in range(5):
                 for key, sent in everywhere(payload):
                     put(vandal, key, sent)
@@ -43,14 +43,14 @@ def test_a_bad_payload_on_every_key_is_counted_with_one_line_a_kind_and_changes_
 
     with caplog.at_level(logging.WARNING):
         server, agents = attacked(disturb)
-    assert server.drops.counts[kind] >= ROBOTS - 1  # robot 3 may hear of itself what another would not
+    assert server.drops.counts[kind] >= ROBOTS - 1  # robot 3 is allowed the message on its own key
     said = [record for record in caplog.records if record.name == "world" and kind in record.getMessage()]
     assert len(said) == 1
     assert all(agent.complaints.counts for agent in agents)
 
 
 def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -> None:
-    """What an agent says is said again a little later, as a network that repeats and reorders would."""
+    """Each message of an agent is sent again a little later, as by a network that repeats and reorders."""
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as echo:
@@ -82,7 +82,8 @@ def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -
 
 
 def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("world.server.lockstep.ASK_AGAIN", session.PATIENCE)  # who was asked twice may answer twice
+    # An observation that is sent again allows a second answer.
+    monkeypatch.setattr("world.server.lockstep.RESEND_AFTER", session.PATIENCE)
     endless = load("pair.toml", run__duration=1000.0)
 
     async def main() -> None:
@@ -92,7 +93,7 @@ def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds(monkeypa
                 await session.appear(puppet, robot)
             await server.gather()
             running = asyncio.ensure_future(server.main_loop())
-            for linear in (0.0, 50.0, 60.0):  # the last robot is answered for last, so all are of tick 0
+            for linear in (0.0, 50.0, 60.0):  # the last robot gets its answer last, so all answers are of tick 0
                 puppet._session.put(keys.command(RUN, 0), command(0, 0, linear), attachment=Join((0,), 0).mark)
             puppet._session.put(keys.command(RUN, 1), command(0, 1, 0.0), attachment=Join((1,), 1).mark)
             async with asyncio.timeout(PATIENCE):

@@ -14,7 +14,7 @@ from tests.support.session import PATIENCE, client, router
 
 
 async def until(holds: Callable[[], bool]) -> None:
-    """Wait until something holds that another thread brings about."""
+    """Wait until a condition holds that another thread makes true."""
     async with asyncio.timeout(PATIENCE):
         while not holds():
             await asyncio.sleep(0.005)
@@ -44,7 +44,7 @@ def test_a_payload_arrives_with_its_key_and_a_deletion_as_none() -> None:
 
 
 def test_a_subscription_declared_before_a_command_hears_every_beacon_after_the_next_tick() -> None:
-    """The order that makes the lockstep exact: declare, answer; what is put after the next tick is heard."""
+    """The order that makes the lockstep exact: declare, then answer. A put after the next tick is received."""
 
     async def main() -> None:
         async with router() as (world, endpoint), client(endpoint) as one, client(endpoint) as two:
@@ -70,7 +70,7 @@ def test_a_subscription_declared_before_a_command_hears_every_beacon_after_the_n
                     put(b"%d" % round_)
                 await ticks["two"].get()
                 await ticks["one"].get()
-                # One declares a new subscription every tick, and two speaks from the next tick on.
+                # The first session declares a subscription per tick; the second one publishes from the next tick on.
                 box = one.mailbox(f"beacon/{round_ % 2}")
                 answer["one"](b"done")
                 answer["two"](b"done")
@@ -94,7 +94,7 @@ def test_a_subscription_declared_before_a_command_hears_every_beacon_after_the_n
 
 
 def _settled(puts: dict[str, Callable[[bytes], None]], queues: dict[str, "asyncio.Queue[bytes | None]"]) -> bool:
-    """Whether both subscriptions are in place: each put has arrived; leaves the queues empty."""
+    """True if both subscriptions are in place, because each put has arrived; leaves the queues empty."""
     if all(not queue.empty() for queue in queues.values()):
         for queue in queues.values():
             while not queue.empty():
@@ -121,7 +121,7 @@ def test_tokens_are_seen_when_they_come_when_they_stood_before_and_when_they_go(
     run(main)
 
 
-def test_a_question_is_answered_refused_or_left_alone() -> None:
+def test_a_query_is_answered_rejected_or_ignored() -> None:
     async def main() -> None:
         def on_question(query: Query) -> None:
             if query.payload == b"yes?":

@@ -1,4 +1,4 @@
-"""Robots that share a process come and go together, whichever of them it is that comes or goes."""
+"""Robots that share a process join and leave together, whichever of their tokens appears or is lost."""
 
 import asyncio
 from collections import defaultdict
@@ -20,7 +20,7 @@ from world.config.scenario import Scenario
 from world.server.server import Server
 
 GROUPS = [[0, 1], [2]]
-"""A crew of two, and somebody who goes on."""
+"""A crew of two robots, and a robot that is never disturbed."""
 
 
 def three() -> Scenario:
@@ -29,7 +29,7 @@ def three() -> Scenario:
 
 
 def attendances(path: Path) -> list[tuple[int, list[list[int]]]]:
-    """Each tick at which somebody came or went, and who was there then, one after the other."""
+    """Each tick at which participation changed, and the robots that take part from then on."""
     return [(tick.number, tick.attended) for tick in log.load(path).ticks() if tick.attended]
 
 
@@ -52,7 +52,7 @@ def test_a_crew_goes_with_the_first_of_its_tokens_and_is_taken_in_with_the_last(
 
     async def story(server: Server, agents: list["asyncio.Task[Agent]"], endpoint: str) -> None:
         await until(server, lambda state: state.tick >= 20)
-        tokens[1][0].undeclare()  # robot 0's stands
+        tokens[1][0].undeclare()  # robot 0's token stays
         gone = await until(server, lambda state: not state.present[1])
         await until(server, lambda state: state.tick >= gone + 5)
         assert server._registry.alive.tolist() == [1, 0, 1]
@@ -65,7 +65,7 @@ def test_a_crew_goes_with_the_first_of_its_tokens_and_is_taken_in_with_the_last(
             agents[0] = asyncio.ensure_future(session.live(endpoint, [0, 1]))
             while not (server._registry.alive[0] and held):
                 await asyncio.sleep(0.01)
-        half = server.run.state.tick  # the token of robot 0 stands, that of robot 1 is to come
+        half = server.run.state.tick  # the token of robot 0 is alive, that of robot 1 will follow
         await until(server, lambda state: state.tick >= half + 20)
         assert server.run.state.present.tolist() == [False, False, True]
         async with standing_still(server):
@@ -104,12 +104,12 @@ def test_a_crew_of_which_one_robot_is_mute_is_left_out_and_taken_in_when_that_on
             gone = await until(server, lambda state: not state.present[1])
         await until(server, lambda state: state.tick >= gone + 20)
         assert server.run.state.present.tolist() == [False, False, True]
-        assert server._registry.whole.all()  # all tokens stand
+        assert server._registry.hosted.all()  # all tokens are alive
         async with standing_still(server):
             mute.clear()
             for late in unsaid:
                 say(*late)
-            while not (server._inbox._items or server._participation.there[1]):
+            while not (server._inbox._items or server._participation.reachable[1]):
                 await asyncio.sleep(0.01)
         await until(server, lambda state: state.present.all())
 
@@ -117,9 +117,12 @@ def test_a_crew_of_which_one_robot_is_mute_is_left_out_and_taken_in_when_that_on
     summary = live_through(three(), path, story, groups=GROUPS)
     assert len(unsaid) == 1
     told = [line for line in caplog.messages if "does not answer" in line]
-    assert told == ["robot 1 does not answer"]  # nobody waited for robot 0, which could not answer without it
+    assert told == [
+        "robot 1 does not answer"
+    ]  # the world did not wait for robot 0, which could not answer without robot 1
     assert summary["ticks"] == 200
     (silent, first), (left, then), (_, back) = attendances(path)
-    assert (first, then, back) == ([[0, 2]], [[2]], [[0, 1, 2]])  # robot 0 answered the tick that was waited for
+    # Robot 0 answered the tick at which the world waited.
+    assert (first, then, back) == ([[0, 2]], [[2]], [[0, 1, 2]])
     assert left == silent + 1
     assert replay_command.again(log.load(path), everybody=True)["digest"] == summary["digest"]

@@ -17,8 +17,8 @@ def test_no_damage_to_a_checkpoint_a_log_or_a_sweep_is_silent_or_a_traceback(tmp
     ends = {title: {kind for _, kind in counts} for title, counts in found.items()}
     assert {title: counts.total() for title, counts in found.items()} == dict.fromkeys(found, CHANGES)
     assert ends.pop("checkpoint/state") == ends.pop("checkpoint/trail") == ends.pop("a whole log") == {LINE}
-    # Notes that are cut from the end of a journal are lost, as after a loss of power. The part of a log after the
-    # checkpoint is written anew.
+    # Notes cut from the end of a journal are lost, as after a power loss. The part of a log after the checkpoint is
+    # written again.
     assert ends.pop("checkpoint/journal-2") == {LINE, SAME, BEHIND}
     assert found["checkpoint/journal-2"]["flip", LINE] + found["checkpoint/journal-2"]["zero", LINE] == 133
     assert LINE in ends["sweep.json"]

@@ -1,4 +1,4 @@
-"""What was dropped: a line a kind, however many kinds a sender makes up, and the totals at the end."""
+"""Dropped messages: one line per kind, a bounded number of kinds per sender, and the totals at the end."""
 
 import asyncio
 import logging
@@ -24,7 +24,7 @@ def test_a_sender_that_makes_up_kinds_fills_neither_memory_nor_log(caplog: pytes
     assert len(drops.counts) == MAX_KINDS + 1
     assert drops.counts["other"] == 9 * MAX_KINDS
     assert len(caplog.messages) == MAX_KINDS + 1
-    drops.reject("kind 3", "line 3")  # one that was there before
+    drops.reject("kind 3", "line 3")  # a kind that was known before
     assert drops.counts["kind 3"] == 2
 
 
@@ -44,7 +44,7 @@ def test_the_totals_of_a_world_and_of_an_agent_are_one_line_at_their_end(tmp_pat
         async with session.client(endpoint) as vandal:
             for _ in range(3):
                 vandal._session.put(keys.observation(keys.DEFAULT_RUN, 0), b"\xc1 junk")
-                with pytest.raises(Rejected):  # the answer takes no other way than what was put before
+                with pytest.raises(Rejected):  # the reply takes the same route as the puts before it
                     await vandal.get(keys.welcome(keys.DEFAULT_RUN, "1"), b"\xc1 junk", PATIENCE)
 
     try:
@@ -61,5 +61,5 @@ def test_the_totals_of_a_world_and_of_an_agent_are_one_line_at_their_end(tmp_pat
             process.kill()
             process.wait()
     for who, kind in (("world", "Join: is not msgpack"), ("agent", "Observation: is not msgpack")):
-        _, total = said(who, kind)  # the first of its kind, and how many there were
+        _, total = said(who, kind)  # the first of its kind, and their number
         assert total.endswith(" x3")

@@ -1,4 +1,4 @@
-"""What changes while a run goes on: scheduled in the scenario, or asked for from another terminal."""
+"""Changes of a running run: scheduled in the scenario, or requested from another terminal."""
 
 import asyncio
 import datetime
@@ -47,7 +47,7 @@ def test_of_two_events_of_one_tick_the_later_in_the_file_wins_and_others_come_in
     assert events.schedule([event(1.0, snr, 1.0), event(1.0, snr, 2.0)], 0.02) == {50: {snr: 2.0}}
     table, part = "channel.shadowing", "channel.shadowing.deviation"
     [again] = events.schedule([event(1.0, part, 6.0), event(1.0, table, {}), event(1.0, part, 6.0)], 0.02).values()
-    assert list(again) == [table, part]  # as it was set at last, not at first
+    assert list(again) == [table, part]  # the last value, not the first
 
 
 @pytest.mark.parametrize(
@@ -137,7 +137,7 @@ def test_what_an_event_that_is_scheduled_would_make_impossible_is_refused_and_th
     later = {"at": 3.0, "set": {"channel.bursts.bad_share": 0.9}}
     scenario = load("pair.toml", run__duration=4.0, channel__bursts=bursts, event=[later])
     short = ParameterChange("channel.bursts.mean_length", 0.1)
-    events.changed(scenario.channel, {short.path: short.value}, scenario.run.dt)  # now it is possible
+    events.changed(scenario.channel, {short.path: short.value}, scenario.run.dt)  # now the event is valid
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with session.client(endpoint) as terminal:

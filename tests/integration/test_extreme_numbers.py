@@ -1,4 +1,4 @@
-"""Numbers that a robot may say, however large, break no peer, no world and no viewer."""
+"""Numbers that a robot may publish, however large, break no peer, no world and no viewer."""
 
 from dataclasses import replace
 from typing import Any
@@ -37,7 +37,7 @@ EXTREMES = [MAX_TOLD, -MAX_TOLD, 1e6, 0.0, -5.0, 5e-324]
 
 
 def falsified(said: Beacons, field: str, value: float) -> Beacons:
-    """The beacons of a tick, one field of the hostile robot's beacon being another."""
+    """The beacons of a tick, with one field of the hostile robot's beacon replaced."""
     poses, estimates, statistics = said.poses.copy(), said.estimates.copy(), said.statistics.copy()
     if field == "poses":
         poses[HOSTILE] = value
@@ -54,7 +54,7 @@ CASES = [(law, field) for law in LAWS for field in ("poses", "estimates")] + [("
 @pytest.mark.parametrize("value", EXTREMES)
 @pytest.mark.parametrize(("law", "field"), CASES)
 def test_no_number_in_a_beacon_leaves_a_peer_without_a_twist(law: str, field: str, value: float) -> None:
-    """crew.step raises where a twist is not finite, and numpy's warnings are errors here."""
+    """crew.step raises if a twist is not finite, and numpy's warnings are errors here."""
     name, settings = LAWS[law]
     what = load(name, **settings)
     world = truth.create(what)
@@ -90,7 +90,7 @@ def any_command(choose: np.random.Generator, tick: int) -> bytes:
 @pytest.mark.parametrize("law", ["corrected", "log index", "measured"])
 @pytest.mark.parametrize("seed", range(8))
 def test_no_beacon_and_no_command_that_is_valid_stops_a_peer_or_the_world(law: str, seed: int) -> None:
-    """25 ticks of such messages, encoded and decoded, with everything that the world makes of them."""
+    """25 ticks of such messages, encoded and decoded, with all steps of the world on them."""
     choose, (name, settings) = np.random.default_rng(seed), LAWS[law]
     what = load(name, run__duration=0.9, run__seed=seed, **settings)
     run, stack = Run(what), MessageAssembler(np.arange(10))
@@ -107,8 +107,8 @@ def test_no_beacon_and_no_command_that_is_valid_stops_a_peer_or_the_world(law: s
         answers: list[Answer | None] = [
             (world_marshalling.decode(keys.command("r", i), order, 10), order) for i, (_, order) in enumerate(spoken)
         ]
-        run.take(sent, answers, [beacon for beacon, _ in spoken], ALIVE, 0.1)
-        run.account()
+        run.advance(sent, answers, [beacon for beacon, _ in spoken], ALIVE, 0.1)
+        run.record_tick()
         decode_report(encode_report(report_builder.build(run.metrics, "test", ALIVE, 0.0, 0.0)))
     assert summary.summarize(run.metrics, "test", "test", 1.0)["ticks"] == what.ticks
 

@@ -1,4 +1,4 @@
-"""A robot whose link is down when its run ends learns of the end, and its agent ends well."""
+"""A robot whose link is down when its run ends receives the farewell later, and its agent exits with success."""
 
 import asyncio
 import time
@@ -18,9 +18,9 @@ LAST = 40
 
 
 async def end_with(fault: str, seconds: float) -> tuple[float, object]:
-    """A run whose robot 1 has a faulty link at the farewell: the time of the world's lingering, and robot 1's end.
+    """A run whose robot 1 has a faulty link at the farewell: the time for which the world lingers, and robot 1's end.
 
-    The link heals after `seconds`.
+    The link works again after `seconds`.
     """
     scenario = load("pair.toml", run__duration=LAST * 0.02)
     async with session.router() as (opened, endpoint), link(endpoint) as faulty, asyncio.timeout(PATIENCE):

@@ -1,4 +1,4 @@
-"""Agents that take whatever robot is free."""
+"""Agents that take any free robot."""
 
 import asyncio
 import logging
@@ -20,13 +20,13 @@ from tests.support.loop import load
 from tests.support.session import RUN, client
 from world.config.scenario import agent_config
 from world.execution.run import Run
-from world.server.registry import LEASE, AgentRegistry
+from world.server.registry import LEASE, AgentRegistry, Membership, RunInfo
 from world.server.server import Server
 
 
 @pytest.fixture
 def at_length(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have a question wait for its answer as long as that may take; an agent then asks once."""
+    """Let a query wait for its reply without a limit, so that an agent asks once."""
     monkeypatch.setattr("agents.process.PATIENCE", session.PATIENCE)
 
 
@@ -122,7 +122,10 @@ def test_a_world_that_goes_on_leases_no_robot_whose_agent_may_still_find_it() ->
         async with session.router() as (opened, endpoint), client(endpoint) as spare:
             scenario, drops = load("pair.toml"), DropLog(logging.getLogger("test"))
             hosts = {robot: Join((robot,), 7) for robot in (0, 1)}
-            AgentRegistry(opened, RUN, 2, agent_config(scenario), drops, hosts)
+            info = RunInfo(RUN, 2, agent_config(scenario))
+            AgentRegistry(
+                opened, info, drops, Membership(hosts), on_join=lambda join: None, on_token=lambda robot, alive: None
+            )
             with pytest.raises(Rejected, match=r"^all 2 robots are hosted already$"):
                 await process.lease(spare, RUN, 0.5)
 

@@ -1,4 +1,4 @@
-"""The live clock: nobody is waited for, and what comes late is counted and held."""
+"""The live clock: it waits for no robot, and late commands are counted and held."""
 
 import asyncio
 import json
@@ -123,11 +123,11 @@ def test_nobody_waits_for_a_robot_that_says_nothing_and_it_stops(
         mute.set()
         await until(lambda: not run.state.present[1])
         seen["gone"], pose = run.state.tick, run.state.poses[1].tolist()
-        seen["heard"] = server._clock._last[1][0].tick  # type: ignore[union-attr]  # it may have been late
+        seen["heard"] = server._clock._last[1][0].tick  # type: ignore[union-attr]  # its command may have been late
         await until(lambda: run.state.tick >= seen["gone"] + 20)
         seen["stood"] = run.state.poses[1].tolist() == pose
         mute.clear()
-        say(*unsaid[-1])  # as one does that goes on where it hung
+        say(*unsaid[-1])  # as after a hang: the process continues where it stopped
         await until(lambda: run.state.present[1] or run.is_over)
         seen["back"] = run.state.since[1]
 
@@ -173,7 +173,7 @@ def test_ten_processes_keep_the_formation_on_the_live_clock(tmp_path: Path) -> N
     assert summary["deadlines"]["due"] == [700] * 10
     assert summary["wall_s"] >= 14.0 - WARM_UP * TICK - 0.05
     assert summary["estimate_error_max"] < 0.5
-    assert summary["separation_error_rms"] < 5.0  # m; it is on its way, as in lockstep
+    assert summary["separation_error_rms"] < 5.0  # m; it still converges, as in lockstep
 
 
 @pytest.mark.parametrize(

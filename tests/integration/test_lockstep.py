@@ -81,7 +81,7 @@ def test_a_measured_run_has_the_same_digest_over_zenoh(changes: dict[str, Any]) 
 
 
 def test_an_agent_listens_to_the_peers_in_range_and_to_nobody_else() -> None:
-    # Three in a row, 100 m apart, range 150 m: the ends must not hear each other, until they come together.
+    # Three in a row, 100 m apart, range 150 m: the outer robots must not receive each other until they approach.
     apart = load("pair.toml", robots__poses=[[0.0, 0.0, 0.0], [100.0, 0.0, 0.0], [200.0, 0.0, 0.0]])
     still = apart.model_copy(update={"run": apart.run.model_copy(update={"duration": 0.1})})
     _, _, agents = run(still, [[0], [1], [2]])
@@ -89,7 +89,7 @@ def test_an_agent_listens_to_the_peers_in_range_and_to_nobody_else() -> None:
 
 
 def test_an_agent_drops_its_subscription_when_a_peer_leaves() -> None:
-    # 149.9 m apart and told to be farther apart than the radio reaches: they part for ever.
+    # 149.9 m apart, with a desired separation beyond the range of the radio: they part for good.
     parting = load(
         "pair.toml",
         robots__poses=[[0.0, 0.0, np.pi], [149.0, 0.0, 0.0]],
@@ -166,14 +166,14 @@ def test_a_world_that_everybody_left_says_so(monkeypatch: pytest.MonkeyPatch) ->
                 await asyncio.sleep(0.01)
             for agent in agents:
                 agent.cancel()
-            with pytest.raises(Unavailable, match=r"^nobody is there any more: the world waited 1 s at tick \d+$"):
+            with pytest.raises(Unavailable, match=r"^no robot is reachable: the world waited 1 s at tick \d+$"):
                 await asyncio.wait_for(running, PATIENCE)
 
     asyncio.run(main())
 
 
 def test_junk_does_not_keep_a_hung_robot_alive(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The barrier's deadline holds although messages keep coming."""
+    """The deadline of the barrier holds although messages keep arriving."""
     monkeypatch.setattr("world.server.lockstep.ANSWER_TIMEOUT", 1.0)
     monkeypatch.setattr("world.server.lockstep.RETURN_TIMEOUT", 1.0)
     endless = load("pair.toml", run__duration=1000.0)
@@ -190,7 +190,7 @@ def test_junk_does_not_keep_a_hung_robot_alive(monkeypatch: pytest.MonkeyPatch) 
                 await asyncio.sleep(0.01)
                 if running.done():
                     break
-            with pytest.raises(Unavailable, match=r"^nobody is there any more: the world waited 1 s at tick 1$"):
+            with pytest.raises(Unavailable, match=r"^no robot is reachable: the world waited 1 s at tick 1$"):
                 await asyncio.wait_for(running, PATIENCE)
 
     asyncio.run(main())

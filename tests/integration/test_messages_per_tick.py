@@ -1,4 +1,4 @@
-"""What a tick costs the router, as docs/deployment.md says it: counted, and beside it what the world knows."""
+"""Cost of a tick at the router, as docs/deployment.md states it: counted, and compared with the world's state."""
 
 import shutil
 
@@ -12,11 +12,11 @@ from tests.support.loop import load
 def test_a_tick_is_an_observation_a_beacon_and_a_command_for_each_robot_and_a_delivery_for_each_contact(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    # A robot that pauses would be asked, and counted, twice.
-    monkeypatch.setattr("world.server.lockstep.ASK_AGAIN", 60.0)
+    # A robot that pauses would get, and count, an observation twice.
+    monkeypatch.setattr("world.server.lockstep.RESEND_AFTER", 60.0)
     robots, ticks = 6, growth.FIRST + growth.TICKS
     found = growth.measure(load("hundred.toml", robots__count=robots, run__duration=(ticks + 5) * 0.02))
-    # The window is not cut at the same moment for everybody: each may be a tick off, at both ends.
+    # The window does not end at the same moment for each robot: each may be one tick off, at both ends.
     share = 2.0 / growth.TICKS
     assert found.incoming == pytest.approx(2 * robots, rel=share)
     assert found.outgoing == pytest.approx(robots * (1.0 + found.contacts), rel=share)

@@ -36,7 +36,7 @@ def test_a_beacon_that_does_not_arrive_is_asked_for_again(monkeypatch: pytest.Mo
 
 def test_a_beacon_that_cannot_be_had_is_an_error_and_no_other_digest(monkeypatch: pytest.MonkeyPatch) -> None:
     deaf_at_tick_40(monkeypatch)
-    monkeypatch.setattr("world.execution.run.HELD", 0)
+    monkeypatch.setattr("world.execution.run.RECALLABLE", 0)
     monkeypatch.setattr("world.server.lockstep.RETURN_TIMEOUT", 1.0)
     near = load("pair.toml", channel__model="perfect", run__duration=1.0)
 
@@ -45,7 +45,7 @@ def test_a_beacon_that_cannot_be_had_is_an_error_and_no_other_digest(monkeypatch
             server = Server(opened, Run(near), "test", RUN)
             agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
             await server.gather()
-            with pytest.raises(Unavailable, match=r"^nobody is there any more: the world waited 1 s at tick 42$"):
+            with pytest.raises(Unavailable, match=r"^no robot is reachable: the world waited 1 s at tick 42$"):
                 await asyncio.wait_for(server.main_loop(), PATIENCE)
             for agent in agents:
                 with pytest.raises(Unavailable, match=r"a beacon that decoded did not arrive at tick 41"):
@@ -68,7 +68,7 @@ def test_the_world_repeats_a_beacon_as_its_peers_got_it_without_a_log_too() -> N
                     await asyncio.sleep(0)
                     continue
                 query = messages.encode_recall(messages.decode_beacon(sample[1]).tick)
-                with contextlib.suppress(Rejected):  # not judged yet, or forgotten already
+                with contextlib.suppress(Rejected):  # not judged yet, or deleted already
                     repeated.append(await robot.get(keys.held_beacon(RUN, 1, "0"), query, PATIENCE) == sample[1])
 
     asyncio.run(session.run(load("pair.toml", run__duration=20.0), [[0], [1]], disturb))
@@ -76,7 +76,7 @@ def test_the_world_repeats_a_beacon_as_its_peers_got_it_without_a_log_too() -> N
 
 
 @pytest.mark.parametrize(("robot", "tick"), [(1, 10**6), (77, 0), ("x", 0)])
-def test_the_world_refuses_to_repeat_what_it_does_not_hold(robot: int | str, tick: int) -> None:
+def test_the_world_refuses_to_repeat_a_beacon_that_it_does_not_hold(robot: int | str, tick: int) -> None:
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as opened:
             rule = f"^the world holds no beacon of robot {robot} from tick {tick}$"

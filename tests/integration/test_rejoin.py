@@ -1,4 +1,4 @@
-"""Agents that die, hang and come back while a run goes on, over Zenoh; the log can do it again."""
+"""Agents that die, hang and rejoin a running run, over Zenoh; the log can be executed again."""
 
 import asyncio
 import json
@@ -27,7 +27,7 @@ DEADS: list[dict[str, Any]] = [{"at": 0.6, "kill": [4, 6]}, {"at": 1.2, "restart
 def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_it_can_be_executed_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for patience in ("ANSWER_TIMEOUT", "ASK_AGAIN"):  # its token alone tells the barrier
+    for patience in ("ANSWER_TIMEOUT", "RESEND_AFTER"):  # only its token informs the barrier
         monkeypatch.setattr(f"world.server.lockstep.{patience}", 1e6)
     dying, say, unsaid = asyncio.Event(), Outbox.publish, list[int]()
     monkeypatch.setattr(
@@ -39,7 +39,7 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
 
     async def story(server: Server, agents: list["asyncio.Task[Agent]"], endpoint: str) -> None:
         await until(server, lambda state: state.tick >= 40)
-        dying.set()  # with an answer on its tongue, for which all wait
+        dying.set()  # just before its answer, for which all wait
         await until(server, lambda state: unsaid)
         dying.clear()
         agents[4].cancel()
@@ -49,7 +49,7 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
         seen["stood"] = server.run.state.poses[4].tolist() == pose
         async with standing_still(server):
             agents[4] = asyncio.ensure_future(session.live(endpoint, [4]))
-            while not server._registry.whole[4]:
+            while not server._registry.hosted[4]:
                 await asyncio.sleep(0.01)
         back = await until(server, lambda state: state.present[4])
         await until(server, lambda state: state.tick >= back + 30)
@@ -98,7 +98,7 @@ def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_wh
             asleep.clear()
             for late in delayed:
                 say(*late)
-            while not (server._inbox._items or server._participation.there[1]):
+            while not (server._inbox._items or server._participation.reachable[1]):
                 await asyncio.sleep(0.01)
         seen.append(await until(server, lambda state: state.present[1]))
 
@@ -132,7 +132,9 @@ def test_answers_of_a_robot_that_was_dead_by_schedule_may_come_when_it_takes_par
     delayed, say = [], Outbox.publish
 
     def slow(outbox: Outbox, tick: int, said: Any) -> None:
-        if said[0][0] == 6 and 70 <= tick < 80:  # nobody waits for these; it is back from tick 80 on
+        if (
+            said[0][0] == 6 and 70 <= tick < 80
+        ):  # the world does not wait for these; the robot takes part from tick 80 on
             delayed.append((outbox, tick, said))
             return
         while said[0][0] == 6 and delayed:
@@ -161,7 +163,7 @@ def test_a_log_of_scheduled_deaths_in_one_loop_is_executed_again(tmp_path: Path)
 
 
 def test_fes_run_kills_the_processes_that_its_scenario_has_die_and_the_digest_is_the_same(tmp_path: Path) -> None:
-    # Late and long: who may be back within a second, as the run catches up with its pace, keeps its process.
+    # Late and long: a robot that is due within a second, as the run catches up with its pace, keeps its process.
     dying = [{"at": 6.0, "kill": [4, 6]}, {"at": 18.0, "restart": [4]}]
     scenario = load("neighborhood.toml", run__duration=20.0, event=dying)
     write_scenario(tmp_path, scenario)
@@ -177,7 +179,7 @@ def test_fes_run_kills_the_processes_that_its_scenario_has_die_and_the_digest_is
 def test_a_team_that_hangs_as_one_is_taken_in_again_when_it_speaks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Nobody is there to wait for then but those who hang."""
+    """All that the world can then wait for are hung robots."""
     asleep, say, repeat = asyncio.Event(), Outbox.publish, Outbox.resend
     delayed: list[tuple[Outbox, int, Any]] = []
     monkeypatch.setattr(Outbox, "publish", lambda *what: delayed.append(what) if asleep.is_set() else say(*what))

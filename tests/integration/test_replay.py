@@ -1,4 +1,4 @@
-"""A recorded run executed again: the same to the bit, and whatever is not is named."""
+"""A recorded run executed again: the same to the bit, and each difference is named."""
 
 import asyncio
 import json
@@ -117,7 +117,7 @@ def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
     assert summary["digest"] != inprocess.run(pair, "test")["digest"]
     assert replay_command.again(found, everybody=True) == as_json(summary)
 
-    recordings.record(tmp_path / "again.mcap", server.run.scenario, "scenario")  # what scenario.toml then holds
+    recordings.record(tmp_path / "again.mcap", server.run.scenario, "scenario")  # as scenario.toml holds it then
     again = log.load(tmp_path / "again.mcap")
     assert list(compare.of_scenarios(found, again)) == []
     assert compare.first_difference(found, again) is None
@@ -139,9 +139,9 @@ def test_a_change_is_named_with_tick_robot_field_and_both_values(recorded: Recor
         with pytest.raises(Mismatch) as caught:
             execute(log.load(tampered))
         assert str(caught.value) == expected
-    assert replay_command.alone(log.load(tampered), 4) == recorded[1]["ticks"]  # robot 4 cannot know
+    assert replay_command.alone(log.load(tampered), 4) == recorded[1]["ticks"]  # robot 4 cannot know this
     with pytest.raises(Mismatch, match=r"^tick 41, Observation of robot 3: pose\.x is "):
-        replay_command.again(log.load(tampered))  # the world does not ask why a robot moves
+        replay_command.again(log.load(tampered))  # the world does not judge twists
 
 
 def test_a_summary_that_was_not_reached_is_named(recorded: Recorded, tmp_path: Path) -> None:
@@ -206,7 +206,7 @@ def test_a_log_of_a_world_that_was_ended_holds_what_was_reached(tmp_path: Path, 
     running = start(fes(*words), tmp_path)
     path = tmp_path / "out" / "run.mcap"
     begun = until(lambda: path.exists() and path.stat().st_size)
-    until(lambda: path.stat().st_size > begun + 1000)  # a chunk with ticks is whole
+    until(lambda: path.stat().st_size > begun + 1000)  # a chunk with ticks is complete
     pids = children(running.pid)
     os.kill(next(pid for pid, line in pids.items() if " -m world " in line), how)
     running.communicate(timeout=PATIENCE)
@@ -248,7 +248,7 @@ def test_a_run_that_was_stopped_is_said_to_be(tmp_path: Path, capfd: pytest.Capt
 
     with pytest.raises(FesError, match="fault"):
         run()
-    [summary] = kept  # whatever ends a run, what was reached is kept
+    [summary] = kept  # the results are kept however a run ends
     replay_command.replay(tmp_path / "run.mcap", json_=True)
     out, err = capfd.readouterr()
     assert json.loads(out) == as_json(summary)

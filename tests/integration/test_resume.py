@@ -1,4 +1,4 @@
-"""Runs that are gone on with from a checkpoint: after every tick of one loop, and not from a damaged one."""
+"""Runs resumed from a checkpoint: after every tick of one loop, and not from a damaged one."""
 
 import shutil
 from contextlib import suppress
@@ -42,13 +42,13 @@ def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, r
     first.mkdir()
     team, logs = Team(scenario), dict[int, list[tuple[str, int, bytes]]]()
     with Recorder(first / NAME, scenario, name, "processes") as recorder:
-        run = Run(scenario, recorder if recorded else None)
         checkpoints = CheckpointWriter(first, 1e9, name, "main")
+        run = Run(scenario, recorder if recorded else None, checkpoints.note)
         checkpoints.begin(run)
         for tick in range(scenario.ticks):
             if tick == 13:
                 run.change("channel.reference_snr", 2e6)
-            if tick == 20:  # a robot goes and comes back within a tick
+            if tick == 20:  # a robot leaves and rejoins within a tick
                 everybody = run.state.present
                 run.attend(everybody & (run.world.ids != 2))
                 run.attend(everybody)
@@ -63,7 +63,7 @@ def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, r
             assert (again is not None) == recorded
             other, kept, elapsed = resume.run(second, snapshot, again, 1e9)
             assert other.state.tick == tick + 1
-            assert elapsed == 0.1  # as every tick was told
+            assert elapsed == 0.1  # the value of every tick
             assert other.state.poses.tobytes() == run.state.poses.tobytes()
             assert other.state.radio.burst.tobytes() == run.state.radio.burst.tobytes()
             assert other.state.channel == run.state.channel
@@ -93,7 +93,7 @@ def test_a_damaged_log_is_one_line(tmp_path: Path) -> None:
     scenario = load("pair.toml", run__duration=0.2)
     team, checkpoints = Team(scenario), CheckpointWriter(tmp_path, 1e9, "pair", "main")
     with suppress(FesError), Recorder(tmp_path / NAME, scenario, "pair", "processes") as recorder:
-        run = Run(scenario, recorder)
+        run = Run(scenario, recorder, checkpoints.note)
         checkpoints.begin(run)
         for _ in range(5):
             team.step(run)

@@ -1,4 +1,4 @@
-"""Before a world starts or goes on: who counts as here, and what ends the wait."""
+"""The wait of a world before its run starts or resumes: the robots that count, and the end of the wait."""
 
 import asyncio
 from dataclasses import replace
@@ -16,11 +16,11 @@ from tests.support.loop import load
 from tests.support.session import RUN
 from world.execution.checkpoint import CheckpointWriter
 from world.execution.run import Run
-from world.server.server import Server
+from world.server.server import Options, Server
 
 
 def test_a_world_does_not_start_with_robots_whose_agents_it_has_not_accepted() -> None:
-    """As those of a world before, which have not noticed yet that this one is another."""
+    """Such as agents of an earlier world, which have not noticed yet that this is another one."""
 
     async def main() -> None:
         async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
@@ -48,12 +48,14 @@ def test_a_world_does_not_start_with_robots_whose_agents_it_has_not_accepted() -
 def test_a_world_that_cannot_keep_who_joins_ends_instead_of_waiting_for_ever(tmp_path: Path) -> None:
     async def main() -> None:
         async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
-            run, checkpoints = Run(load("pair.toml")), CheckpointWriter(tmp_path, 1e9, "test", RUN)
+            checkpoints = CheckpointWriter(tmp_path, 1e9, "test", RUN)
+            run = Run(load("pair.toml"), note=checkpoints.note)
             checkpoints.begin(run)
             assert checkpoints._journal is not None
             checkpoints._journal.close()
-            checkpoints._journal._file = Path("/dev/full").open("ab", buffering=0)  # noqa: SIM115 (the keeper closes it)
-            gathering = asyncio.ensure_future(Server(opened, run, "test", RUN, checkpoints=checkpoints).gather())
+            checkpoints._journal._file = Path("/dev/full").open("ab", buffering=0)  # noqa: SIM115 (the writer closes it)
+            server = Server(opened, run, "test", RUN, Options(checkpoints=checkpoints))
+            gathering = asyncio.ensure_future(server.gather())
             with pytest.raises(Rejected, match="No space left on device"):
                 await session.live(endpoint, [0])
             with pytest.raises(FesError, match="No space left on device"):
@@ -64,19 +66,19 @@ def test_a_world_that_cannot_keep_who_joins_ends_instead_of_waiting_for_ever(tmp
 
 
 def test_who_comes_back_when_a_world_goes_on_takes_part_from_its_second_tick() -> None:
-    """What the world before published of the first one is sensed already, and must stay true."""
+    """Observations of the first tick, published by the world before, must stay true."""
 
     async def main() -> tuple[Server, list[Bools]]:
         async with session.router() as (opened, endpoint), asyncio.timeout(100.0):
             run, took = Run(load("pair.toml", run__duration=0.4)), list[Bools]()
             run.state = replace(run.state, tick=5, present=np.array([True, False]), since=np.array([5, 0]))
-            server, take = Server(opened, run, "test", RUN), run.take
+            server, advance = Server(opened, run, "test", RUN), run.advance
 
             def taken(*words: Any) -> None:
                 took.append(run.state.present)
-                take(*words)
+                advance(*words)
 
-            run.take = taken  # type: ignore[assignment,method-assign]
+            run.advance = taken  # type: ignore[assignment,method-assign]
             agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
             while not server._registry.alive.all():
                 await asyncio.sleep(0.01)

@@ -1,4 +1,4 @@
-"""JSON has no NaN and no Infinity, wherever it is written, and none is taken where it is read."""
+"""JSON without NaN and Infinity: none is written anywhere, and none is accepted from a file."""
 
 import ast
 import csv
@@ -30,7 +30,7 @@ WORDS = ("NaN", "Infinity", "-Infinity", "1e999", "-1e999")
 
 
 def strictly(text: str | bytes) -> Any:
-    """The value that a strict reader of JSON finds."""
+    """The value for a strict reader of JSON."""
 
     def refuse(word: str) -> None:
         raise AssertionError(f"{word} is not JSON")

@@ -1,4 +1,4 @@
-"""Logs that somebody changed: whatever is executed, shown or drawn from them, one line says what is wrong."""
+"""Tampered logs: one line names the fault, whether they are executed, shown or drawn."""
 
 import json
 from collections.abc import Callable
@@ -33,12 +33,12 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def on(topic: str, tick: int, change: Callable[[bytes], bytes | None]) -> Edit:
-    """An edit of the message of a topic at one tick."""
+    """An edit of one topic's message at one tick."""
     return lambda found, at, data: change(data) if (found, at) == (topic, tick) else data
 
 
 def team(change: Callable[[list[bytes]], list[bytes]], tick: int | None = 10) -> Callable[[bytes], bytes]:
-    """A change of the payloads in a message of all robots; `tick` is what it says then, None: nothing."""
+    """A change of the payloads in a message of all robots; `tick` replaces its tick, and None removes it."""
 
     def changed(data: bytes) -> bytes:
         stamp = {} if tick is None else {"tick": tick}
@@ -100,7 +100,7 @@ WRONG: dict[str, tuple[Edit, str, tuple[str, ...]]] = {
         WORLD,
     ),
     "an end too early": (lambda topic, tick, data: data if tick <= 30 else None, "31 ticks are there, and its", ALL),
-    "a scenario that is no text": (
+    "a scenario that is not text": (
         on("/scenario", 0, told(scenario=7)),
         "what it says of its run cannot be read",
         ALL,
@@ -122,7 +122,7 @@ def farther(data: bytes) -> bytes:
 
 
 def shown(found: Log) -> None:
-    """The dashboard, to the end."""
+    """Show the dashboard to the end of the log."""
     screen = Player(found, 1e6)
     while screen.playing:
         screen.advance(1.0)

@@ -1,4 +1,4 @@
-"""Whom a world waits for, and for how long: robots that are due, and its own when it comes back; on either clock."""
+"""The waits of a world, on either clock: for robots that are due, and for its robots when it resumes a run."""
 
 import asyncio
 from dataclasses import replace
@@ -22,16 +22,16 @@ from world.execution.checkpoint import CheckpointWriter
 from world.execution.run import Answer, Run
 from world.server.live import WARM_UP
 from world.server.lockstep import Lockstep
-from world.server.server import Server
+from world.server.server import Options, Server
 from world.simulation.truth import State
 
 DYING = [{"at": 0.2, "kill": [1]}, {"at": 0.6, "restart": [1]}]
 
 
 async def due(scenario: Scenario, comes: bool) -> tuple[str, dict[str, Any]]:
-    """A run whose robot 1 dies by schedule and in truth; at the tick at which it is due it has no agent.
+    """A run whose robot 1 dies by schedule and really; when it is due again, it has no agent.
 
-    Returns the robots that the world then waited for, and the summary; robot 1 `comes` when it is waited for.
+    Returns the robots for which the world then waited, and the summary. Robot 1 `comes` while the world waits.
     """
     async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
         server = Server(opened, Run(scenario), "test", RUN)
@@ -89,8 +89,8 @@ def test_a_robot_that_is_due_and_does_not_come_is_missed_and_the_run_continues(
     assert caplog.messages.count(late) == 1
 
 
-def gone_on_with(scenario: Scenario, tick: int) -> Run:
-    """A run in which all took part, as a world finds it that goes on at a tick."""
+def resumed_at(scenario: Scenario, tick: int) -> Run:
+    """A run in which all robots took part, resumed at a tick."""
     run = Run(scenario)
     run.state = replace(run.state, tick=tick)
     return run
@@ -103,11 +103,11 @@ def test_a_robot_that_died_while_the_world_was_away_is_waited_for_and_then_left_
 
     async def main() -> Server:
         async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
-            server = Server(opened, gone_on_with(load("pair.toml", run__duration=0.4), 5), "test", RUN)
+            server = Server(opened, resumed_at(load("pair.toml", run__duration=0.4), 5), "test", RUN)
             agent = asyncio.ensure_future(session.live(endpoint, [0]))
-            while not server._registry.whole[0]:
+            while not server._registry.hosted[0]:
                 await asyncio.sleep(0.01)
-            await server.gather()  # nobody comes for robot 1
+            await server.gather()  # no agent joins for robot 1
             assert server._registry.alive.tolist() == [1, 0]
             await server.main_loop()
             server.dismiss()
@@ -124,16 +124,16 @@ def test_who_comes_back_before_the_wait_is_over_is_not_left_out(monkeypatch: pyt
 
     async def main() -> Bools:
         async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
-            server = Server(opened, gone_on_with(load("pair.toml"), 5), "test", RUN)
+            server = Server(opened, resumed_at(load("pair.toml"), 5), "test", RUN)
             gathering = asyncio.ensure_future(server.gather())
             async with session.client(endpoint) as puppet:
                 await session.appear(puppet, 0)
-                while not server._registry.whole[0]:
+                while not server._registry.hosted[0]:
                     await asyncio.sleep(0.01)
                 assert not gathering.done()
                 await session.appear(puppet, 1)
                 await gathering
-                return server._participation.there
+                return server._participation.reachable
 
     assert asyncio.run(main()).all()
 
@@ -155,12 +155,13 @@ def test_a_live_run_whose_world_dies_goes_on_in_lockstep_at_a_tick_that_its_robo
     monkeypatch.setattr(Lockstep, "collect", collected)
 
     async def first(agents: list["asyncio.Task[None]"], robots: list[Agent]) -> int:
-        """A world that dies when its robots have answered a tick that it has no note of; returns that tick."""
+        """A world that dies when its robots have answered a tick without a note; returns that tick."""
         dies, for_ever = asyncio.Event(), asyncio.Event()
         async with bus.opened(Endpoints("router", (), (endpoint,))) as opened:
-            run, checkpoints = Run(scenario), CheckpointWriter(tmp_path, 1e9, "test", RUN)
+            checkpoints = CheckpointWriter(tmp_path, 1e9, "test", RUN)
+            run = Run(scenario, note=checkpoints.note)
             checkpoints.begin(run)
-            server = Server(opened, run, "test", RUN, checkpoints=checkpoints)
+            server = Server(opened, run, "test", RUN, Options(checkpoints=checkpoints))
             agents += [asyncio.ensure_future(host(robot, robots)) for robot in (0, 1)]
             await server.gather()
             end_of_tick = server._clock._end_of_tick
@@ -187,11 +188,11 @@ def test_a_live_run_whose_world_dies_goes_on_in_lockstep_at_a_tick_that_its_robo
             await agent.live(await agent.join(PATIENCE))
 
     async def second() -> tuple[int, Run]:
-        """Its successor; returns from which tick on."""
+        """Its successor; returns its first tick, and the run."""
         async with bus.opened(Endpoints("router", (), (endpoint,))) as opened:
             run, checkpoints, elapsed = resume.run(tmp_path, resume.load(tmp_path), None, 1e9)
             begun = run.state.tick
-            server = Server(opened, run, "test", RUN, checkpoints=checkpoints, elapsed=elapsed)
+            server = Server(opened, run, "test", RUN, Options(checkpoints=checkpoints, elapsed=elapsed))
             await server.gather()
             await server.main_loop()
             server.dismiss()
@@ -212,6 +213,6 @@ def test_a_live_run_whose_world_dies_goes_on_in_lockstep_at_a_tick_that_its_robo
     died, begun, run = asyncio.run(main())
     assert begun == died - torn
     ticks = [*range(WARM_UP), *range(begun, begun + WARM_UP)]
-    assert barrier == [(tick, [True, True]) for tick in ticks]  # none of which was without an answer
+    assert barrier == [(tick, [True, True]) for tick in ticks]  # each of them was answered
     assert run.state.tick == scenario.ticks > begun + WARM_UP
-    assert run.state.since.tolist() == [0, 0]  # nobody was left out
+    assert run.state.since.tolist() == [0, 0]  # no robot was excluded

@@ -22,7 +22,7 @@ from world.execution.checkpoint import FOLDER, CheckpointWriter
 from world.execution.recorder import Recorder
 from world.execution.run import Run
 from world.server import access
-from world.server.server import Server
+from world.server.server import Options, Server
 
 ROBOTS, HOSTILE, FIRST = 10, 4, 40
 """Robot 4 stands in the middle of the ten, and is hostile from tick 40 on."""
@@ -84,10 +84,10 @@ async def _run(where: Path, keyed: Path, attack: Attack, beside: Beside | None) 
     world = Endpoints("router", (), (endpoint,), security={**team_keys.security(keyed, "world"), **rules})
     async with bus.opened(world) as opened:
         with Recorder(where / NAME, what, "hostile", "processes") as recorder:
-            run = Run(what, recorder)
             checkpoints = CheckpointWriter(where, 1e9, "hostile", RUN)
+            run = Run(what, recorder, checkpoints.note)
             checkpoints.begin(run)
-            server = Server(opened, run, "hostile", RUN, checkpoints=checkpoints, guarded=True)
+            server = Server(opened, run, "hostile", RUN, Options(checkpoints=checkpoints, guarded=True))
             agents = [
                 asyncio.ensure_future(_live(_member(keyed, endpoint, i), i, attack if i == HOSTILE else None))
                 for i in range(ROBOTS)

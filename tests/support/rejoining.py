@@ -13,7 +13,7 @@ from tests.support.session import RUN
 from world.config.scenario import Scenario
 from world.execution.recorder import Recorder
 from world.execution.run import Run
-from world.server.server import Server
+from world.server.server import Options, Server
 from world.simulation.truth import State
 
 Story = Callable[[Server, list["asyncio.Task[Agent]"], str], Awaitable[None]]
@@ -31,7 +31,7 @@ def live_through(
     async def main() -> dict[str, Any]:
         async with session.router() as (opened, endpoint), asyncio.timeout(100.0):
             with Recorder(path, scenario, "test", "processes") as recorder:
-                server = Server(opened, Run(scenario, recorder), "test", RUN, pace)
+                server = Server(opened, Run(scenario, recorder), "test", RUN, Options(pace))
                 crews = groups or [[robot] for robot in range(scenario.robots.number)]
                 agents = [asyncio.ensure_future(session.live(endpoint, crew)) for crew in crews]
                 await server.gather()

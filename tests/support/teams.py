@@ -35,15 +35,15 @@ class Team:
         beacons = [beacon if good else b"" for (beacon, _), good in zip(spoken, legible, strict=True)]
         answers: list[Answer | None] = [(messages.decode_command(command), command) for _, command in spoken]
         alive = (run.world.ids != run.state.tick % 3).astype(np.uint8)  # who hangs is alive; who is dead is not
-        run.take(sent, answers, beacons, alive, 0.1)
-        run.account()
+        run.advance(sent, answers, beacons, alive, 0.1)
+        run.record_tick()
 
 
 def begun(where: Path) -> Path:
     """A run directory with a checkpoint."""
     where.mkdir()
-    run = Run(load("pair.toml"))
     checkpoints = CheckpointWriter(where, 1e9, "pair", "main")
+    run = Run(load("pair.toml"), note=checkpoints.note)
     checkpoints.begin(run)
     checkpoints.close(run)
     return where / FOLDER / "state"

@@ -227,4 +227,4 @@ def test_an_accusation_and_a_flood_of_own_commands_exclude_nobody_and_change_not
     assert outcome.summary["unscheduled_absences"] == 0
     assert outcome.summary["digest"] == inprocess.run(scenario(), "hostile")["digest"]
     if beside is flood:
-        assert outcome.server.strangers > 0
+        assert outcome.server.rejected_commands > 0

@@ -1,6 +1,6 @@
-"""Files of older formats: each is refused in one line that names both formats, and stays as it was.
+"""Files of older formats: each is rejected in one line that names both formats, and stays as it was.
 
-`python -m tests.system.test_older_formats` records which tables a checkpoint of the present format holds.
+`python -m tests.system.test_older_formats` records the tables of a checkpoint of the present format.
 """
 
 import shutil
@@ -26,50 +26,53 @@ from world.execution.checkpoint import FOLDER, JOIN, STATE, CheckpointWriter
 from world.execution.recorder import Recorder
 from world.execution.run import Run
 
-KEPT = FORMATS
-
 
 @pytest.fixture
-def kept(tmp_path: Path) -> Path:
-    """A copy of all of them, as version 0.2.0 wrote them."""
-    return Path(shutil.copytree(KEPT, tmp_path / "formats"))
+def formats(tmp_path: Path) -> Path:
+    """A copy of all files of older formats, written by versions up to 0.2.0."""
+    return Path(shutil.copytree(FORMATS, tmp_path / "formats"))
 
 
 def contents(where: Path) -> dict[Path, bytes]:
     return {path: path.read_bytes() for path in where.rglob("*") if path.is_file()}
 
 
-def test_a_checkpoint_of_format_2(kept: Path) -> None:
-    run, before = kept / "checkpoint-2", contents(kept)
+@pytest.mark.parametrize("older", [2, 3])
+def test_a_checkpoint_of_an_older_format(formats: Path, older: int) -> None:
+    run, before = formats / f"checkpoint-{older}", contents(formats)
     with pytest.raises(FesError) as caught:
         resume.load(run)
-    assert str(caught.value) == f"{run / FOLDER / STATE} is a checkpoint of format 2; this fes reads format 3"
-    line = complaint(call(kept, "fes-world", "--resume", "checkpoint-2"), "fes-world")
-    assert line == "checkpoint-2/checkpoint/state is a checkpoint of format 2; this fes reads format 3"
-    assert contents(kept) == before
-    assert snapshot.FORMAT == 3
+    assert str(caught.value) == f"{run / FOLDER / STATE} is a checkpoint of format {older}; this fes reads format 4"
+    line = complaint(call(formats, "fes-world", "--resume", f"checkpoint-{older}"), "fes-world")
+    assert line == f"checkpoint-{older}/checkpoint/state is a checkpoint of format {older}; this fes reads format 4"
+    assert contents(formats) == before
+    assert snapshot.FORMAT == 4
 
 
-def test_a_log_of_version_1(kept: Path) -> None:
-    for run in (kept / "log-1", kept / "checkpoint-2"):
+def test_the_log_of_version_2_beside_a_checkpoint_of_format_3_is_still_read(formats: Path) -> None:
+    assert len(list(log.load(formats / "checkpoint-3").ticks())) == 65
+
+
+def test_a_log_of_version_1(formats: Path) -> None:
+    for run in (formats / "log-1", formats / "checkpoint-2"):
         with pytest.raises(FesError) as caught:
             log.load(run)
         assert str(caught.value) == f"{run / NAME} is a log of version 1; this fes reads version 2"
     assert schemas.VERSION == 2
 
 
-def test_a_sweep_without_a_format(kept: Path) -> None:
-    before = contents(kept)
+def test_a_sweep_without_a_format(formats: Path) -> None:
+    before = contents(formats)
     planned = design.plan(Path(PAIR), [], "0:2", ["run.duration=1"])
-    with pytest.raises(FesError) as caught, ledger.opened(kept / "sweep-1", planned):
+    with pytest.raises(FesError) as caught, ledger.opened(formats / "sweep-1", planned):
         pass
-    assert str(caught.value) == f"--out {kept / 'sweep-1'}: it holds a sweep of format 1; this fes reads format 2"
-    assert contents(kept) == before
+    assert str(caught.value) == f"--out {formats / 'sweep-1'}: it holds a sweep of format 1; this fes reads format 2"
+    assert contents(formats) == before
     assert ledger.FORMAT == 2
 
 
 def tables(value: object) -> Iterator[tuple[str, str]]:
-    """Name and fields of each table of the project in a value."""
+    """The name and the fields of each table of the project in a value."""
     if isinstance(value, dict):
         inner: list[object] = list(value.values())
     elif isinstance(value, list | tuple | deque):
@@ -79,46 +82,44 @@ def tables(value: object) -> Iterator[tuple[str, str]]:
     kind = type(value)
     if kind.__module__.split(".")[0] in ("fes", "world"):
         names = getattr(value, "_fields", getattr(kind, "model_fields", getattr(value, "__dataclass_fields__", None)))
-        found = list(vars(value) if names is None else names)
-        yield f"{kind.__module__}.{kind.__qualname__}", " ".join(sorted(found))
-        inner += [getattr(value, name) for name in found]
-    for one in inner:
-        yield from tables(one)
+        fields = list(vars(value) if names is None else names)
+        yield f"{kind.__module__}.{kind.__qualname__}", " ".join(sorted(fields))
+        inner += [getattr(value, name) for name in fields]
+    for item in inner:
+        yield from tables(item)
 
 
 def layout(where: Path) -> str:
-    """All tables that a checkpoint holds, a line each."""
+    """All tables in a checkpoint, one per line."""
     scenario = load("measured.toml", run__duration=0.2, channel__bursts={"bad_share": 0.2, "mean_length": 0.1})
     (where / "run").mkdir()
     with Recorder(where / "run" / NAME, scenario, "x", "processes") as recorder:
-        run, checkpoints, team = (
-            Run(scenario, recorder),
-            CheckpointWriter(where / "run", 1e9, "x", "main"),
-            Team(scenario),
-        )
+        checkpoints, team = CheckpointWriter(where / "run", 1e9, "x", "main"), Team(scenario)
+        run = Run(scenario, recorder, checkpoints.note)
         checkpoints.begin(run)
         checkpoints.note([JOIN, [0, 1], 7])
         for _ in range(5):
             team.step(run)
         checkpoints.save(run, {0: Join((0, 1), 7)}, 0.1, at_once=True)
-        kept = resume.load(where / "run")
+        saved = resume.load(where / "run")
         checkpoints.discard(run)
-    return "".join(f"{name}: {names}\n" for name, names in sorted(set(tables(kept))))
+    return "".join(f"{name}: {names}\n" for name, names in sorted(set(tables(saved))))
 
 
-LAYOUT = KEPT / f"checkpoint-{snapshot.FORMAT}.txt"
+LAYOUT = FORMATS / f"checkpoint-{snapshot.FORMAT}.txt"
 
 
 def test_no_table_of_a_checkpoint_changes_without_another_format(tmp_path: Path) -> None:
-    # A checkpoint names its format and not the version of the package: with other tables it would end amid the run.
+    # A checkpoint names its format, not the version of the package: with other tables the resumed run would fail.
     advice = "raise world.execution.snapshot.FORMAT, then python -m tests.system.test_older_formats"
     wanted = f"other tables in a checkpoint: {advice}"
     assert layout(tmp_path) == LAYOUT.read_text(encoding="utf-8"), wanted
 
 
-def test_all_that_is_kept_is_tried() -> None:
-    assert sorted(path.name for path in KEPT.iterdir()) == ["checkpoint-2", LAYOUT.name, "log-1", "sweep-1"]
-    assert all(len(content) < 100_000 for content in contents(KEPT).values())
+def test_each_file_of_an_older_format_is_tried() -> None:
+    names = ["checkpoint-2", "checkpoint-3", LAYOUT.name, "log-1", "sweep-1"]
+    assert sorted(path.name for path in FORMATS.iterdir()) == names
+    assert all(len(content) < 100_000 for content in contents(FORMATS).values())
 
 
 if __name__ == "__main__":

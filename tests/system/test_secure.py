@@ -26,7 +26,7 @@ from tests.support import team_keys
 from tests.support.loop import load
 from tests.support.processes import PATIENCE, until
 from tests.support.stage import ROLES, RUN, SECONDS, Stage, stage
-from world.server.audit import KINDS_OF_ONE
+from world.server.audit import KINDS_PER_NAME
 
 
 @pytest.fixture(scope="module")
@@ -120,7 +120,7 @@ def test_who_makes_up_keys_hides_nobody_else(tmp_path: Path, issuer: certificate
 
     log = asyncio.run(main())
     assert all(f"dropped operator's {act} on {key}: it has no right to it" in log for act, key in acts)
-    assert log.count("dropped observer's") == KINDS_OF_ONE + 1
+    assert log.count("dropped observer's") == KINDS_PER_NAME + 1
 
 
 def test_robots_observers_and_operators_do_what_they_may(tmp_path: Path, issuer: certificates.Authority) -> None:

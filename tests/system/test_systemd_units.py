@@ -112,7 +112,7 @@ def test_a_world_that_is_stopped_and_started_goes_on_and_its_robots_have_waited(
             if process.poll() is None:
                 process.kill()
                 process.wait()
-    assert "scenario goes on at tick" in said.read_text()
+    assert "scenario resumes at tick" in said.read_text()
     found = json.loads((tmp_path / "run/summary.json").read_text())
     assert found["digest"] == inprocess.run(load("pair.toml", run__duration=SECONDS), "pair")["digest"]
 

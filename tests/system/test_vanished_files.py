@@ -87,7 +87,8 @@ def test_a_checkpoint_that_somebody_changes_is_told_of_at_the_end(
     tmp_path: Path, what: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     scenario = load("pair.toml", run__duration=0.4)
-    run, team, checkpoints = Run(scenario), Team(scenario), CheckpointWriter(tmp_path, 1e9, "pair", "main")
+    checkpoints = CheckpointWriter(tmp_path, 1e9, "pair", "main")
+    run, team = Run(scenario, note=checkpoints.note), Team(scenario)
     checkpoints.begin(run)
     folder = tmp_path / FOLDER
     removed = dict(zip(KINDS, (folder / DIGEST_INPUT, folder / "journal-1", folder / STATE), strict=False))
@@ -107,7 +108,8 @@ def test_a_checkpoint_that_somebody_changes_is_told_of_at_the_end(
 
 
 def test_no_checkpoint_is_made_of_a_trail_that_is_gone(tmp_path: Path) -> None:
-    run, checkpoints = Run(load("pair.toml")), CheckpointWriter(tmp_path, 1e9, "pair", "main")
+    checkpoints = CheckpointWriter(tmp_path, 1e9, "pair", "main")
+    run = Run(load("pair.toml"), note=checkpoints.note)
     checkpoints.begin(run)
     team = Team(run.scenario)
     for _ in range(5):
@@ -126,13 +128,14 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
     first.mkdir()
     team = Team(scenario)
     with Recorder(first / NAME, scenario, "pair", "processes") as recorder:
-        course, checkpoints = Run(scenario, recorder), CheckpointWriter(first, 1e9, "pair", "main")
-        checkpoints.begin(course)
+        checkpoints = CheckpointWriter(first, 1e9, "pair", "main")
+        original_run = Run(scenario, recorder, checkpoints.note)
+        checkpoints.begin(original_run)
         for _ in range(10):
-            team.step(course)
-        checkpoints.save(course, {}, 0.1, at_once=True)
+            team.step(original_run)
+        checkpoints.save(original_run, {}, 0.1, at_once=True)
         shutil.copytree(first, tmp_path / "killed")
-        checkpoints.discard(course)
+        checkpoints.discard(original_run)
     run = tmp_path / "killed"
     original = (run / NAME).read_bytes()
     kept = resume.load(run)
@@ -141,7 +144,7 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
     # A copy that does not hold what was copied: it is refused, and the original is where it was.
     with pytest.MonkeyPatch.context() as broken:
         broken.setattr(Recorder, "add", lambda *words: None)
-        broken.setattr("fes.recording.mcap_file.Container._again", lambda *words: None)
+        broken.setattr("fes.recording.mcap_file.McapFile._again", lambda *words: None)
         with pytest.raises(FesError, match=r"cannot be continued: .*run\.mcap does not hold what was copied to it$"):
             resume.recorder(run, kept)
     assert (run / NAME).read_bytes() == original

@@ -60,7 +60,7 @@ def test_fes_run_kills_the_world_that_its_scenario_has_die_and_the_digest_is_the
     )
     assert ended.returncode == 0, ended.stderr
     assert json.loads(ended.stdout)["digest"] == inprocess.run(scenario, "scenario")["digest"]
-    assert (tmp_path / "out" / "world.log").read_text().count("goes on at tick") >= 2
+    assert (tmp_path / "out" / "world.log").read_text().count("resumes at tick") >= 2
 
 
 def test_a_run_that_was_ended_for_good_cannot_be_gone_on_with(run: Run) -> None:
@@ -168,5 +168,5 @@ def test_a_second_world_in_a_run_directory_is_refused_with_one_line(run: Run, ho
         _, err = second.communicate(timeout=PATIENCE)
     finally:
         second.kill()
-    assert (second.returncode, err) == (1, "fes-world: error: another world is at work in out\n")
+    assert (second.returncode, err) == (1, "fes-world: error: another world is using out\n")
     assert (run.out / "scenario.toml").read_bytes() == before

@@ -49,7 +49,7 @@ def test_ctrl_c_ends_a_run_for_good_but_not_where_it_was_only_waited_for_its_rob
     pair.start("--resume", str(pair.out))
     log: list[str] = []
     assert pair.world.stderr is not None
-    while "waiting for those that took part" not in (log or [""])[-1]:
+    while "waiting for the robots that took part" not in (log or [""])[-1]:
         log.append(pair.world.stderr.readline())
         assert log[-1], log
     pair.world.send_signal(signal.SIGINT)
@@ -61,7 +61,7 @@ def test_ctrl_c_ends_a_run_for_good_but_not_where_it_was_only_waited_for_its_rob
     until(lambda: pair.reached() > before + 5)
     pair.world.send_signal(signal.SIGINT)
     _, said = pair.world.communicate(timeout=PATIENCE)
-    assert "ended before its time" in said
+    assert "ended early" in said
     assert not (pair.out / FOLDER).exists()
     assert [agent.wait(PATIENCE) for agent in pair.agents.values()] == [0, 0]
 
@@ -87,7 +87,7 @@ def test_a_run_that_is_gone_on_with_keeps_its_name(pair: Run) -> None:
         text=True,
         timeout=PATIENCE,
     )
-    said = "fes-world: error: --resume goes on with run 'main', not with 'other'\n"
+    said = "fes-world: error: --resume continues run 'main', not run 'other'\n"
     assert (other.returncode, other.stderr) == (1, said)
     pair.start("--resume", str(pair.out), "--run", "main", rtf="max")
     assert pair.finish()["digest"] == whole()

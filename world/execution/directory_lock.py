@@ -1,4 +1,4 @@
-"""A run directory has one world: the system's lock on it."""
+"""One world per run directory: the system's lock on it."""
 
 import contextlib
 import fcntl
@@ -11,7 +11,7 @@ from fes.errors import FesError, reason
 
 @contextlib.contextmanager
 def exclusive_lock(directory: Path) -> Iterator[None]:
-    """A block in which no other world writes into this run directory; raises FesError if one does.
+    """Block in which no other world writes into this run directory; raises FesError if one does.
 
     The system's lock is on the folder itself, and ends with the process, however that ends.
     """
@@ -21,9 +21,9 @@ def exclusive_lock(directory: Path) -> Iterator[None]:
             held.callback(os.close, folder)
             fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except FileNotFoundError:
-            pass  # no world can be at work in a missing folder
+            pass  # no world can use a missing folder
         except BlockingIOError:
-            raise FesError(f"another world is at work in {directory}") from None
+            raise FesError(f"another world is using {directory}") from None
         except OSError as error:
             raise FesError(f"cannot use the run directory: {reason(error)}") from None
         yield

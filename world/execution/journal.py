@@ -1,8 +1,8 @@
-"""Notes of a run, appended as they are made: what a checkpoint is gone on from.
+"""The journal of a run: notes of every external input since a checkpoint.
 
 A note is handed to the system at once, so it outlives this process however it ends. Its frame holds its length, a
-checksum of the length, and a checksum of the note. Every checksum continues the one before it, from the first note of
-the run on, through all its journals. So a note that was altered, lost or moved is found anywhere.
+checksum of the length, and a checksum of the note. Each checksum continues the one before it, from the first note of
+the run on, through all its journals. So an altered, lost or moved note is detected anywhere.
 
 An incomplete frame ends a journal: power loss or a full disk may cut the last note. A complete frame whose checksum
 differs is damage, even the last one: the system writes a file from front to end.
@@ -32,7 +32,7 @@ class Journal:
         """`number` counts the journals of a run; `checksum` is that of all notes before."""
         self.path = path
         self.failure: FesError | None = None
-        """Why there are no more notes."""
+        """Reason why no more notes are written; None if they are."""
         self.checksum = checksum
         """Checksum of all notes so far."""
         self._size = 0
@@ -46,7 +46,7 @@ class Journal:
     def add(self, note: list[Any]) -> None:
         """Append a note of numbers, text, bytes, and lists of them.
 
-        After a failed write there are no further notes: reading ends at a torn one.
+        After a failed write no further note is written, because reading ends at a torn one.
         """
         if self.failure is not None:
             raise self.failure
@@ -57,11 +57,11 @@ class Journal:
         self._write(_FRAME.pack(len(packed), of_length, self.checksum) + packed)
 
     def loss(self) -> str | None:
-        """Loss of the file to other programs, in words; None if it is as it was written."""
+        """Damage of the file by other programs, in words; None if it is unchanged."""
         return hashed_file.loss(self.path, self._file.fileno(), self._size)
 
     def close(self) -> None:
-        """Write no more."""
+        """Close the file."""
         self._file.close()
 
     def _write(self, content: bytes) -> None:
@@ -76,7 +76,7 @@ class Journal:
 
 
 def notes(path: Path) -> Iterator[list[Any]]:
-    """The notes in one journal, in order, up to one that was cut; raises FesError where it is damaged."""
+    """The notes in one journal, in order, up to a torn one; raises FesError if it is damaged."""
     with path.open("rb") as file:
         head = _read_head(path, file)
         if head is not None:
@@ -84,9 +84,9 @@ def notes(path: Path) -> Iterator[list[Any]]:
 
 
 def chained(paths: list[Path], number: int, checksum: int) -> Iterator[tuple[int, list[Any]]]:
-    """The notes in the journals from `number` on, which continue `checksum`, each after the checksum of all so far.
+    """The notes in the journals from `number` on, which continue `checksum`: checksum of all so far, and note.
 
-    Raises FesError where one is damaged or missing, and OSError where one cannot be read.
+    Raises FesError if a journal is damaged or missing, and OSError if it cannot be read.
     """
     if not paths:
         raise FesError(f"journal {number} is missing")
@@ -96,14 +96,14 @@ def chained(paths: list[Path], number: int, checksum: int) -> Iterator[tuple[int
             if head is None:
                 continue
             if head != (expected, checksum):
-                raise FesError(f"{path} is damaged: notes before it are missing, or it is of another run")
+                raise FesError(f"{path} is damaged: notes before it are missing, or it belongs to another run")
             for after, note in _notes(path, file, checksum):
                 checksum = after
                 yield checksum, note
 
 
 def _read_head(path: Path, file: BinaryIO) -> tuple[int, int] | None:
-    """The number of a journal, and the checksum that its notes continue; None where its head was cut."""
+    """The number of a journal, and the checksum that its notes continue; None if its head was cut."""
     head = file.read(_HEAD.size)
     if len(head) < _HEAD.size:
         return None
@@ -114,7 +114,7 @@ def _read_head(path: Path, file: BinaryIO) -> tuple[int, int] | None:
 
 
 def _notes(path: Path, file: BinaryIO, checksum: int) -> Iterator[tuple[int, list[Any]]]:
-    """Each note of a file, and the checksum after it."""
+    """The notes of a file, each after the checksum that includes it."""
     place, size = _HEAD.size, os.fstat(file.fileno()).st_size
     while len(head := file.read(_FRAME.size)) == _FRAME.size:
         length, of_length, after = _FRAME.unpack(head)

@@ -1,4 +1,4 @@
-"""Between the world's arrays and the messages that cross the bus, one a robot."""
+"""Conversion between the world's arrays and the messages on the bus, one per robot."""
 
 from collections.abc import Sequence
 
@@ -15,7 +15,7 @@ from fes.protocol.messages import Command, Observation
 def observations(sensed: Observations, present: Bools, since: Ints) -> list[bytes]:
     """The payload of the Observation of each robot that is `present` [n], in id order; empty for others.
 
-    `since` [n]: the tick from which on each takes part.
+    `since` [n] is the tick since which each takes part.
     """
     rows = zip(sensed.poses.tolist(), sensed.in_range.spans, present.tolist(), since.tolist(), strict=True)
     return [
@@ -30,18 +30,18 @@ def observations(sensed: Observations, present: Bools, since: Ints) -> list[byte
                 since=begun,
             )
         )
-        if here
+        if addressed
         else b""
-        for robot, (pose, span, here, begun) in enumerate(rows)
+        for robot, (pose, span, addressed, begun) in enumerate(rows)
     ]
 
 
 def farewells(tick: int, poses: Floats) -> list[bytes]:
-    """The payload that tells each robot, at `poses` [n, 3], that the run is over."""
-    nobody = np.zeros(0, dtype=np.int64)
-    nothing = nobody.astype(np.uint8)
+    """The payload that tells each robot that the run is over, with its pose from `poses` [n, 3]."""
+    peers = np.zeros(0, dtype=np.int64)
+    reception = peers.astype(np.uint8)
     return [
-        messages.encode_observation(Observation(tick, robot, tuple(pose), nobody, nothing, over=True, since=0))
+        messages.encode_observation(Observation(tick, robot, tuple(pose), peers, reception, over=True, since=0))
         for robot, pose in enumerate(poses.tolist())
     ]
 
@@ -50,15 +50,15 @@ def decode(key: str, payload: bytes | None, robots: int) -> Command:
     """The Command in a message of a team of `robots`; raises MessageError."""
     if payload is None:
         raise MessageError("Command", "a deletion is not a command")
-    found = messages.decode_command(payload)
-    if keys.robot_of(key) != found.robot or found.robot >= robots:
+    command = messages.decode_command(payload)
+    if keys.robot_of(key) != command.robot or command.robot >= robots:
         raise MessageError("Command", "came on another robot's key", key)
-    if len(found.links) and found.links[-1] >= robots:
-        raise MessageError("Command", "has a link to a robot that does not exist", str(found.links[-1]))
-    return found
+    if len(command.links) and command.links[-1] >= robots:
+        raise MessageError("Command", "has a link to a robot that does not exist", str(command.links[-1]))
+    return command
 
 
-_NOTHING = Command(0, 0, (0.0, 0.0), np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
+_STANDSTILL = Command(0, 0, (0.0, 0.0), np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
 
 
 class CommandBatch:
@@ -68,15 +68,15 @@ class CommandBatch:
         self._ids = ids
         self._stack = Stack()
 
-    def read(self, given: Sequence[Command | None]) -> tuple[Floats, Telemetry]:
+    def read(self, received: Sequence[Command | None]) -> tuple[Floats, Telemetry]:
         """The twists [n, 2] in the commands of all robots, in id order, and the telemetry beside them.
 
-        None is the command of a robot that is not there: it stands still and says nothing.
+        A robot whose command is None stands still and reports no links.
         """
-        commands = [_NOTHING if decode is None else decode for decode in given]
-        links = self._stack.edges(self._ids, [decode.links for decode in commands])
-        estimates = np.concatenate([decode.estimates for decode in commands])
+        commands = [_STANDSTILL if command is None else command for command in received]
+        links = self._stack.edges(self._ids, [command.links for command in commands])
+        estimates = np.concatenate([command.estimates for command in commands])
         learnt = np.zeros((2, 0))
-        if len(estimates) and all(len(decode.learnt) == 2 * len(decode.links) for decode in commands):
-            learnt = np.concatenate([decode.learnt.reshape(2, -1) for decode in commands], axis=1)
-        return np.array([decode.twist for decode in commands]), Telemetry(links, estimates, learnt)
+        if len(estimates) and all(len(command.learnt) == 2 * len(command.links) for command in commands):
+            learnt = np.concatenate([command.learnt.reshape(2, -1) for command in commands], axis=1)
+        return np.array([command.twist for command in commands]), Telemetry(links, estimates, learnt)

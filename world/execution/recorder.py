@@ -1,9 +1,9 @@
-"""The log of a run, run.mcap: everything that was said, tick by tick, and what viewers show of it.
+"""The log of a run, run.mcap: every message, tick by tick, and topics for viewers.
 
-The order is canonical: of a tick first Observations, Beacons and Commands, each with the payloads of all robots in id
-order, then what was set, then, ten times a simulated second, the Report and what viewers show: see docs/log.md.
-A chunk never divides a tick and is handed to the system when it is closed, so that whatever becomes of this process,
-the file can be read up to its last chunk.
+The order is canonical (see docs/log.md). A tick begins with its Observations, Beacons and Commands, each with the
+payloads of all robots in id order. Events follow. Ten times per simulated second a Report and the topics for viewers
+end the tick. A chunk never divides a tick and is handed to the system when it is closed. So the file can be read up
+to its last chunk, however this process ends.
 """
 
 import logging
@@ -29,32 +29,36 @@ from world.config.scenario import Scenario
 from world.metrics import report_builder
 from world.metrics.collector import MetricsCollector
 
-_ENDED = 4096  # bytes; room beside a summary for how the run ended
+_ENDED = 4096  # bytes beside a summary, for the way the run ended
 
 VIEW_PERIOD = 0.1
 """Simulated time between two Reports [s]."""
 
 MAX_VIEWED = 256
-"""With more robots than this there is nothing for viewers: a topic for each link would be too many."""
+"""With more robots than this a log has no topics for viewers, because one per link would be too many."""
 
 
 @dataclass(frozen=True)
 class LogPosition:
-    """A log up to one tick, to be gone on with."""
+    """A log up to one tick, from which it can be continued."""
 
     size: int
-    """Bytes of the file that are whole."""
+    """Length of the file up to its last complete chunk [bytes]."""
     sha256: str
     """SHA-256 of these bytes, in hexadecimal."""
     tick: int
-    told: tuple[int, float]
+    reported: tuple[int, float]
+    """Ticks, and wall-clock time since tick 0 [s], at the last Report."""
     pending: list[tuple[int, str, Any]]
+    """Changes by persons that no tick holds yet: tick, path, value."""
     present: dict[int, list[list[int]]]
+    """Tick -> robots that take part from then on, otherwise than by schedule."""
     excluded: dict[int, list[tuple[list[int], str]]]
+    """Tick -> robots that are excluded from then on, and the reason."""
 
 
 class Recorder:
-    """Writes the log of one run while the block lasts; raises FesError where the file cannot be written."""
+    """Writes the log of one run while its block lasts; raises FesError if the file cannot be written."""
 
     def __init__(
         self,
@@ -64,7 +68,7 @@ class Recorder:
         backend: str,
         before: tuple[Path, LogPosition] | None = None,
     ) -> None:
-        """`before` is the log so far, in another file, where a run is gone on with."""
+        """`before` is the log so far of a resumed run, in another file."""
         self.path = path
         self._scenario, self._name = scenario, name
         self._changes = scenario.changes
@@ -75,16 +79,16 @@ class Recorder:
         self._present: dict[int, list[list[int]]] = {}
         self._excluded: dict[int, list[tuple[list[int], str]]] = {}
         self._tick = -1
-        self._told = (0, 0.0)
+        self._reported = (0, 0.0)
         self._file = McapFile(path)
         if before is None:
             self._begin(backend)
             return
-        source, kept = before
-        self._file.copy(source, kept.size)
-        self._tick, self._told = kept.tick, kept.told
-        self._pending, self._present = list(kept.pending), dict(kept.present)
-        self._excluded = dict(kept.excluded)
+        source, position = before
+        self._file.copy(source, position.size)
+        self._tick, self._reported = position.tick, position.reported
+        self._pending, self._present = list(position.pending), dict(position.present)
+        self._excluded = dict(position.excluded)
 
     def __enter__(self) -> Self:
         return self
@@ -95,20 +99,20 @@ class Recorder:
         else:
             self._end(str(error) if isinstance(error, FesError) else "it was stopped")
         if self._file.loss is not None:
-            said = f"{self.path} {self._file.loss} during the run: the log is incomplete"
+            loss = f"{self.path} {self._file.loss} during the run: the log is incomplete"
             if error is None:
-                raise FesError(said)
-            logging.getLogger("world").warning("%s", said)
+                raise FesError(loss)
+            logging.getLogger("world").warning("%s", loss)
 
     def add(
-        self, metrics: MetricsCollector, twists: Floats, said: TickPayloads, alive: Bytes, elapsed: float
+        self, metrics: MetricsCollector, twists: Floats, tick_payloads: TickPayloads, alive: Bytes, elapsed: float
     ) -> None:
-        """Add the last tick of `metrics`, `elapsed` [s; wall clock] after tick 0, and what made it.
+        """Add the last tick of `metrics`, and its messages.
 
-        `twists` [n, 2]; `alive` [n].
+        `twists` [n, 2]; `alive` [n] is 1 for each robot with a token; `elapsed` [s; wall clock] since tick 0.
         """
         tick = self._tick = metrics.state.tick
-        for name, payloads in zip(("Observations", "Beacons", "Commands"), said, strict=True):
+        for name, payloads in zip(("Observations", "Beacons", "Commands"), tick_payloads, strict=True):
             self._put(f"/{name.lower()}", OWN[name], OWN[name].encode({"tick": tick, "payloads": payloads}))
         for path, value in self._changes.get(tick, {}).items():
             self._set(tick, "schedule", path, value)
@@ -126,11 +130,11 @@ class Recorder:
         self._file.settle()
 
     def change(self, tick: int, path: str, value: Any) -> None:
-        """A person sets a field of the channel: it holds from `tick` on, which has not been added yet."""
+        """Note that a person set a field of the channel from `tick` on, which has not been added yet."""
         self._pending.append((tick, path, value))
 
     def attend(self, tick: int, robots: list[int]) -> None:
-        """From `tick` on, which has not been added yet, these robots take part, otherwise than by schedule."""
+        """Note that these robots, not the scheduled ones, take part from `tick` on, which has not been added yet."""
         self._present.setdefault(tick, []).append(robots)
 
     def exclude(self, tick: int, robots: list[int], reason: str) -> None:
@@ -143,25 +147,25 @@ class Recorder:
         return self._file.fileno
 
     def pause(self) -> LogPosition:
-        """The log up to the last tick that was added: from now on a reader finds all of it."""
+        """Close the chunk; returns the position after the last tick, up to which a reader can now read."""
         return LogPosition(
             self._file.close_chunk(),
             self._file.sha256,
             self._tick,
-            self._told,
+            self._reported,
             list(self._pending),
             dict(self._present),
             dict(self._excluded),
         )
 
     def conclude(self, summary: dict[str, Any] | None) -> None:
-        """Keep the summary of what was reached."""
+        """Set the summary, which is written at the end."""
         self._summary = summary
 
     def _begin(self, backend: str) -> None:
         versions = {name: metadata.version(name) for name in ("numpy", "mcap", "eclipse-zenoh")}
         tables = self._scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
-        told = {
+        head = {
             "log": schemas.VERSION,
             "name": self._name,
             "backend": backend,
@@ -174,7 +178,7 @@ class Recorder:
                 "machine": platform.machine(),
             },
         }
-        self._put("/scenario", schemas.SCENARIO, strict_json.dumps(told).encode())
+        self._put("/scenario", schemas.SCENARIO, strict_json.dumps(head).encode())
         robots = self._scenario.robots.number
         seed, ticks = self._scenario.run.seed, self._scenario.ticks
         self._remark(viewer_topics.INFO, f"{self._name}: {robots} robots, seed {seed}, {ticks} ticks")
@@ -192,15 +196,15 @@ class Recorder:
         level = viewer_topics.WARNING if reason else viewer_topics.INFO
         self._remark(level, f"the run is over after {ticks} ticks{because}")
         ended = {"ended": reason or AT_ITS_END}
-        told = strict_json.dumps(self._summary)
-        if self._summary is not None and len(told) <= MAX_JSON - _ENDED:
-            ended["summary"] = told
+        summary = strict_json.dumps(self._summary)
+        if self._summary is not None and len(summary) <= MAX_JSON - _ENDED:
+            ended["summary"] = summary
         self._file.finish(SUMMARY, ended)
 
     def _set_by_persons(self, tick: int) -> None:
         while self._pending and self._pending[0][0] <= tick:
-            at, path, value = self._pending.pop(0)
-            self._set(at, "person", path, value)
+            since, path, value = self._pending.pop(0)
+            self._set(since, "person", path, value)
 
     def _set(self, tick: int, by: str, path: str, value: Any) -> None:
         event = {"tick": tick, "what": "set", "by": by, "path": path, "value": value}
@@ -208,16 +212,16 @@ class Recorder:
         self._remark(viewer_topics.INFO, f"{path} = {value}, by {by}")
 
     def _report(self, metrics: MetricsCollector, twists: Floats, alive: Bytes, elapsed: float) -> None:
-        (told_at, then), ticks = self._told, metrics.link_errors.ticks
-        self._told = ticks, elapsed
-        rate = (ticks - told_at) / (elapsed - then) if elapsed > then else 0.0
+        (ticks_before, before), ticks = self._reported, metrics.link_errors.ticks
+        self._reported = ticks, elapsed
+        rate = (ticks - ticks_before) / (elapsed - before) if elapsed > before else 0.0
         report = report_builder.build(metrics, self._name, alive, elapsed, rate)
         self._put("/report", OWN["Report"], viewer_topics.team(report, encode_report(report)))
         if not self._viewed:
             return
-        at = viewer_topics.time(self._now)
-        self._put("/tf", FOXGLOVE["FrameTransforms"], viewer_topics.transforms(report, at))
-        self._put("/scene/links", FOXGLOVE["SceneUpdate"], viewer_topics.links(report, at))
+        time = viewer_topics.time(self._now)
+        self._put("/tf", FOXGLOVE["FrameTransforms"], viewer_topics.transforms(report, time))
+        self._put("/scene/links", FOXGLOVE["SceneUpdate"], viewer_topics.links(report, time))
         for robot, state in enumerate(viewer_topics.robots(report, twists, metrics.telemetry)):
             self._put(f"/robot/{robot}/state", OWN["RobotState"], state)
         for a, b, state in viewer_topics.pairs(report):
@@ -228,7 +232,7 @@ class Recorder:
 
     @property
     def _now(self) -> int:
-        """Simulated time [ns]."""
+        """Simulated time of the last tick [ns]."""
         return round(max(0, self._tick) * self._scenario.run.dt * 1e9)
 
     def _put(self, topic: str, schema: Schema, payload: bytes) -> None:

@@ -1,7 +1,7 @@
-"""One run as the world goes through it: the truth at this tick, the account of it, and what is kept of both.
+"""One run of a scenario: the truth at this tick, the metrics until then, and the log and notes of both.
 
-Nothing here waits for anybody. What comes in from outside, and is not a function of the scenario, is noted before it
-is relied on: from a checkpoint and those notes a run is gone through again, to the bit (`world.execution.resume`).
+A run waits for nothing. Each external input is noted before it takes effect. From a checkpoint and these notes a run
+is executed again, to the bit (`world.execution.resume`).
 """
 
 from collections.abc import Callable, Iterable
@@ -34,19 +34,23 @@ ATTEND, EXCLUDE, SET, TICK = "attend", "exclude", "set", "tick"
 """Kinds of notes: [ATTEND, tick, robots], [EXCLUDE, tick, robots, reason], [SET, tick, path, value],
 [TICK, tick, commands, beacons, alive, elapsed]."""
 
-HELD = 2
-"""Number of ticks whose beacons can be recalled: a robot that misses one asks within the next tick."""
+RECALLABLE = 2
+"""Number of ticks whose beacons can be recalled: a robot that misses a beacon asks for it within the next tick."""
+
+
+def ignore(note: list[Any]) -> None:
+    """Drop a note: the run keeps no checkpoints."""
 
 
 class _LastTick(NamedTuple):
-    """A tick that is over, and not accounted for yet."""
+    """A tick that is over, and not recorded yet."""
 
     state: State
     twists: Floats
     observations: list[bytes]
     commands: list[bytes]
     beacons: list[bytes]
-    spoken: Ints
+    answered: Ints
     """Tick of each robot's command [n], -1 for none."""
     alive: Bytes
     elapsed: float
@@ -55,30 +59,30 @@ class _LastTick(NamedTuple):
 class Run:
     """The state of one run, moved by the robots' commands."""
 
-    def __init__(self, scenario: Scenario, recorder: Recorder | None = None) -> None:
+    def __init__(self, scenario: Scenario, recorder: Recorder | None = None, note: Note = ignore) -> None:
+        """`note` is called with each note, as soon as the input that it describes takes effect."""
         self.scenario = scenario
-        """With what persons have set until now."""
+        """The scenario, with all changes by persons until now."""
         self.world = truth.create(scenario)
         self.state = truth.start(self.world)
         self.metrics = MetricsCollector(scenario)
         self.telemetry: Telemetry = no_telemetry(self.world.ids)
         self.recorder = recorder
         self.excluded: dict[int, str] = {}
-        """Robots at fault and their faults, until another agent joins for them."""
+        """Robot -> its fault, until another agent joins for it."""
         self.beacons: dict[int, list[bytes]] = {}
-        """Tick -> the payload of each robot's Beacon, of the last HELD ticks; empty for a robot that took no part."""
-        self.note: Note = lambda note: None
-        """Called with each note, as soon as what it is about holds."""
+        """Tick -> the payload of each robot's Beacon, of RECALLABLE ticks; empty for a robot that took no part."""
+        self.note = note
         self._commands = CommandBatch(self.world.ids)
         self._last: _LastTick | None = None
 
     @property
     def is_over(self) -> bool:
-        """Whether all ticks of the scenario are done."""
+        """True if all ticks of the scenario have been executed."""
         return self.state.tick >= self.scenario.ticks
 
     def attend(self, present: Bools) -> None:
-        """The robots of `present` [n] take part from this tick on."""
+        """Let the robots of `present` [n] take part from this tick on."""
         if (present == self.state.present).all():
             return
         robots = np.flatnonzero(present).tolist()
@@ -102,7 +106,7 @@ class Run:
     def change(self, path: str, value: Any, replayed: bool = False) -> ChangeResult:
         """Set a field of the channel from this tick on; raises ScenarioError if it cannot be set.
 
-        A change that was accepted before is `replayed`, however much memory is free now.
+        A `replayed` change was accepted before, and is not checked against the memory that is free now.
         """
         tick = self.state.tick
         channel = events.changed(self.state.channel, {path: value}, self.scenario.run.dt)
@@ -121,31 +125,32 @@ class Run:
         """The payload of each robot's Observation of this tick, in id order; empty for all but `addressed` [n]."""
         return marshalling.observations(truth.observe(self.state), addressed, self.state.since)
 
-    def take(
+    def advance(
         self, sent: list[bytes], answers: list[Answer | None], beacons: list[bytes], alive: Bytes, elapsed: float
     ) -> None:
-        """Move on to the next tick with the robots' `answers` to what was `sent`; a robot without one stands still.
+        """Advance to the next tick with the robots' `answers` to the observations `sent`.
 
-        `beacons` are their payloads in id order; `alive` [n] are those whose token stands; `elapsed` [s; wall clock]
-        since tick 0. Input from outside is noted before anything follows from it.
+        All lists are in id order. A robot whose answer is None stands still. `beacons` are payloads; `alive` [n] is 1
+        for each robot with a token; `elapsed` is the wall-clock time since tick 0 [s]. The input is noted before it
+        takes effect.
         """
         state = self.state
         commands = [answer[1] if answer else b"" for answer in answers]
         self.beacons[state.tick] = beacons
-        self.beacons.pop(state.tick - HELD, None)
+        self.beacons.pop(state.tick - RECALLABLE, None)
         self.note([TICK, state.tick, commands, beacons, alive.tobytes(), elapsed])
         twists, self.telemetry = self._commands.read([answer and answer[0] for answer in answers])
-        sensed = [payload if here else b"" for payload, here in zip(sent, state.present.tolist(), strict=True)]
-        spoken = np.array([answer[0].tick if answer else -1 for answer in answers])
-        self._last = _LastTick(state, twists, sensed, commands, beacons, spoken, alive, elapsed)
+        sensed = [payload if present else b"" for payload, present in zip(sent, state.present.tolist(), strict=True)]
+        answered = np.array([answer[0].tick if answer else -1 for answer in answers])
+        self._last = _LastTick(state, twists, sensed, commands, beacons, answered, alive, elapsed)
         self.state = truth.step(self.world, state, twists)
 
-    def account(self) -> None:
-        """Add the tick that is over to the account, if that was not done yet."""
+    def record_tick(self) -> None:
+        """Add the tick that is over to metrics and log, if that was not done yet."""
         if self._last is None:
             return
-        gone, self._last = self._last, None
-        self.metrics.add(gone.state, gone.twists, self.telemetry, gone.spoken)
+        last, self._last = self._last, None
+        self.metrics.add(last.state, last.twists, self.telemetry, last.answered)
         if self.recorder is not None:
-            said = TickPayloads(gone.observations, gone.beacons, gone.commands)
-            self.recorder.add(self.metrics, gone.twists, said, gone.alive, gone.elapsed)
+            payloads = TickPayloads(last.observations, last.beacons, last.commands)
+            self.recorder.add(self.metrics, last.twists, payloads, last.alive, last.elapsed)

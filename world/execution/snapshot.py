@@ -1,10 +1,10 @@
-"""A run at one tick, and the file `state` that holds it: a head of three lines, and the run's tables as a pickle.
+"""Snapshot of a run at one tick, and its file `state`: a head of three lines, and the run's tables as a pickle.
 
-    fes checkpoint 3
-    SHA-256 of all that follows
-    {"fes": "0.2.0", "arithmetic": {"fingerprint": ..., "numpy": ..., "core": ...}}
+    fes checkpoint 4
+    SHA-256 of the rest of the file
+    {"fes": "0.3.0", "arithmetic": {"fingerprint": ..., "numpy": ..., "core": ...}}
 
-A state is read only if all of this matches. Loading it cannot execute code.
+A state is read only if the whole head matches. Loading it cannot execute code.
 """
 
 import hashlib
@@ -30,16 +30,16 @@ from world.metrics.period_average import PeriodAverage
 from world.metrics.tracking import Tracking
 from world.simulation.truth import State
 
-FORMAT = 3
-"""Format of a checkpoint, its journals and its trail: raise it when one of them, or a table of the run, changes."""
+FORMAT = 4
+"""Format of a checkpoint, its journals and its trail. Raise it when one of them, or a table of the run, changes."""
 
 LARGEST = 1 << 30
-"""Largest state that is read [bytes]; that of a hundred robots has 200 kB."""
+"""Largest state that is read [bytes]; the state of a hundred robots has 200 kB."""
 
 _FIRST = re.compile(rb"fes checkpoint (\d{1,9})")
 
 _PLAIN = (MetricsCollector, PeriodAverage, Digest, Tracking)
-_OTHERS = {
+_FOREIGN = {
     ("collections", "deque"),
     ("numpy", "dtype"),
     ("numpy", "ndarray"),
@@ -49,8 +49,8 @@ _OTHERS = {
 }
 """Names that a checkpoint may hold beside the world's own tables: loading them cannot execute code."""
 
-_PLACED = {"PUT", "BINPUT", "LONG_BINPUT"}
-"""Opcodes that our pickles never have: a few bytes of them would claim all memory."""
+_FORBIDDEN = {"PUT", "BINPUT", "LONG_BINPUT"}
+"""Opcodes that the project's pickles never have: a few bytes of them would claim all memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,29 +64,29 @@ class Snapshot:
     run: str
     scenario: Scenario
     """The scenario with which the run began."""
-    now: Scenario
-    """The scenario with all that persons have set since."""
+    changed_scenario: Scenario
+    """The scenario with all changes by persons since."""
     state: State
     metrics: MetricsCollector
     hosts: dict[int, Join]
-    """The last Join that was accepted for each robot."""
+    """Robot -> the last Join that was accepted for it."""
     renewed: list[int]
     """Robots whose agents have joined, but answered no tick yet."""
     excluded: dict[int, str]
-    """Robots that are excluded, and why."""
+    """Robot -> its fault."""
     beacons: dict[int, list[bytes]]
-    """Tick -> the Beacons that peers may still ask for, by robot."""
+    """Tick -> the Beacons that peers may still recall, by robot."""
     log: LogPosition | None
     elapsed: float
     """Wall-clock time since tick 0 [s]."""
-    notes: int
+    checksum: int
     """Checksum of all notes so far."""
 
 
 _KINDS: dict[str, Any] = {
-    **dict.fromkeys(("number", "notes"), int),
+    **dict.fromkeys(("number", "checksum"), int),
     **dict.fromkeys(("name", "run"), str),
-    **dict.fromkeys(("scenario", "now"), Scenario),
+    **dict.fromkeys(("scenario", "changed_scenario"), Scenario),
     "state": State,
     "metrics": MetricsCollector,
     "hosts": dict,
@@ -96,35 +96,35 @@ _KINDS: dict[str, Any] = {
     "log": LogPosition | None,
     "elapsed": float,
 }
-"""Types of its fields."""
+"""Types of the fields of a Snapshot."""
 
 
 def pack(snapshot: Snapshot) -> bytes:
     """The content of the file of a snapshot."""
     head = {"fes": world_info.version(), "arithmetic": fingerprint.table()}
-    told = strict_json.dumps(head).encode() + b"\n" + pickle.dumps(snapshot, protocol=5)
-    return b"\n".join([b"fes checkpoint %d" % FORMAT, hashlib.sha256(told).hexdigest().encode(), told])
+    body = strict_json.dumps(head).encode() + b"\n" + pickle.dumps(snapshot, protocol=5)
+    return b"\n".join([b"fes checkpoint %d" % FORMAT, hashlib.sha256(body).hexdigest().encode(), body])
 
 
 def read(path: Path) -> Snapshot:
-    """The snapshot in a file; raises FesError in one line, also where nothing but a checksum is wrong."""
+    """The snapshot in a file; raises FesError in one line, also if only a checksum is wrong."""
     try:
         first, _, rest = files.read(path, LARGEST).partition(b"\n")
     except OSError as error:
         raise FesError(f"{path} cannot be read: {reason(error)}") from None
-    found = _FIRST.fullmatch(first)
-    if found is None:
+    match = _FIRST.fullmatch(first)
+    if match is None:
         raise FesError(f"{path} is not a checkpoint")
-    if int(found[1]) != FORMAT:
-        raise FesError(f"{path} is a checkpoint of format {int(found[1])}; this fes reads format {FORMAT}")
-    checksum, _, told = rest.partition(b"\n")
-    if checksum != hashlib.sha256(told).hexdigest().encode():
+    if int(match[1]) != FORMAT:
+        raise FesError(f"{path} is a checkpoint of format {int(match[1])}; this fes reads format {FORMAT}")
+    checksum, _, body = rest.partition(b"\n")
+    if checksum != hashlib.sha256(body).hexdigest().encode():
         raise FesError(f"{path} is damaged: its SHA-256 differs")
-    head, _, pickled = told.partition(b"\n")
+    head, _, pickled = body.partition(b"\n")
     _check_arithmetic(path, head)
     try:
         for opcode, _, _ in pickletools.genops(pickled):
-            if opcode.name in _PLACED:
+            if opcode.name in _FORBIDDEN:
                 raise pickle.UnpicklingError(opcode.name)
         snapshot = _Tables(io.BytesIO(pickled)).load()
     except Exception as error:
@@ -147,14 +147,14 @@ def _check_arithmetic(path: Path, head: bytes) -> None:
 
 
 class _Tables(pickle.Unpickler):
-    """Reads arrays and the world's own tables, and nothing else."""
+    """Reads only arrays and the world's own tables."""
 
     def find_class(self, module: str, name: str) -> Any:
-        other = (module, name) in _OTHERS
-        if "." in name or not (other or module.split(".")[0] in ("fes", "world")):  # before the import runs code
+        is_foreign = (module, name) in _FOREIGN
+        if "." in name or not (is_foreign or module.split(".")[0] in ("fes", "world")):  # before the import runs code
             raise pickle.UnpicklingError(f"{module}.{name}")
-        found = super().find_class(module, name)
-        ours = isinstance(found, type) and found.__module__ == module
-        if other or (ours and (is_dataclass(found) or issubclass(found, (BaseModel, tuple)) or found in _PLAIN)):
-            return found
+        kind = super().find_class(module, name)
+        is_own = isinstance(kind, type) and kind.__module__ == module
+        if is_foreign or (is_own and (is_dataclass(kind) or issubclass(kind, (BaseModel, tuple)) or kind in _PLAIN)):
+            return kind
         raise pickle.UnpicklingError(f"{module}.{name}")

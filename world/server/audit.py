@@ -1,8 +1,8 @@
-"""Who was turned away: Zenoh's own log, read for refused connections and denied messages, one line a kind.
+"""The audit: rejected connections and denied messages, read from Zenoh's own log, one line per kind.
 
-Zenoh drops what access control denies and tells neither side; only its log, at the finest level, speaks of it.
-That goes to the process's standard output, which the world has no use for: so a pipe is put in its place.
-The hot path is the search of a block of the log for what it may hold; see docs/security.md for the cost.
+Zenoh drops a message that access control denies, and tells neither side. Only its log at the finest level shows it.
+That log goes to the standard output of the process, which the world does not use, so a pipe takes its place.
+The hot path is the search of a block of the log for marks; see docs/security.md for the cost.
 """
 
 import contextlib
@@ -21,16 +21,16 @@ from fes.transport.drop_log import DropLog
 
 LEVELS = "off,zenoh::net::routing::interceptor::access_control=trace,zenoh_link_tls=warn"
 PIPE = 1 << 20
-"""Bytes that the log may be ahead of its reader."""
+"""Length of log that its reader may lag behind [bytes]."""
 
 PAUSE = 0.05
-"""The reader looks so often [s]: more often it would hold up the world's own thread."""
+"""Pause of the reader between two blocks [s]. A shorter one would hold up the world's own thread."""
 
-KINDS_OF_ONE = 20
-"""Kinds that are told apart for one name on a certificate: nobody can fill the log, or hide another."""
+KINDS_PER_NAME = 20
+"""Kinds that are logged per name on a certificate, so that no client can fill the log or hide another client."""
 
 MAX_NAMES = 10_000
-"""Sessions whose names are remembered."""
+"""Number of sessions whose names are stored."""
 
 _MARKS = (b" is unauthorized to ", b" caching permissions ", b"zenoh_link_tls", b" did not match any ")
 
@@ -51,77 +51,77 @@ REASONS = (
     (b"received fatal alert", "it does not trust the world's certificate"),
     (b"invalid peer certificate", "its certificate is not of this run's authority"),
 )
-"""What Zenoh says of a connection that failed, and what it means."""
+"""Zenoh's message about a failed connection, and its meaning."""
 
 
 class Audit:
-    """What was turned away, by kind; fed with the log as it comes."""
+    """Rejected connections and messages by kind, from blocks of the log."""
 
     def __init__(self, logger: logging.Logger, roles: Iterable[str]) -> None:
-        """For a run that has these `roles`; whoever else is named, even by a forged line, is one of the others."""
-        self._connections, self._others = DropLog(logger), DropLog(logger, KINDS_OF_ONE)
-        self._by_role = {role: DropLog(logger, KINDS_OF_ONE, f"{role}: other") for role in roles}
+        """For a run with these `roles`; every other name, even in a forged line, counts as one of the others."""
+        self._connections, self._others = DropLog(logger), DropLog(logger, KINDS_PER_NAME)
+        self._by_role = {role: DropLog(logger, KINDS_PER_NAME, f"{role}: other") for role in roles}
         self._rest = b""
         self._names: dict[bytes, str] = {}
         self._caching: dict[bytes, tuple[bytes, bytes, set[bytes]]] = {}
-        """By thread, what it computes ahead: flow, key, and actions that would be denied."""
+        """Thread -> its computation ahead: flow, key, and actions that would be denied."""
 
     @property
     def counts(self) -> Counter[str]:
-        """How often what was turned away."""
-        return sum((each.counts for each in self._each()), Counter[str]())
+        """Number of rejections by kind."""
+        return sum((log.counts for log in self._logs()), Counter[str]())
 
     def log_total(self) -> None:
-        """A line for each who was turned away."""
-        for each in self._each():
-            each.log_total()
+        """Log the total of each kind."""
+        for log in self._logs():
+            log.log_total()
 
-    def _each(self) -> list[DropLog]:
+    def _logs(self) -> list[DropLog]:
         return [self._connections, *self._by_role.values(), self._others]
 
     def feed(self, block: bytes) -> None:
-        """Read a block of the log, which may begin and end amid a line."""
-        whole, newline, rest = (self._rest + block).rpartition(b"\n")
+        """Read a block of the log, which may begin and end within a line."""
+        lines, newline, rest = (self._rest + block).rpartition(b"\n")
         self._rest = rest[-PIPE:]
-        if newline and any(mark in whole for mark in _MARKS):
-            for line in whole.split(b"\n"):
+        if newline and any(mark in lines for mark in _MARKS):
+            for line in lines.split(b"\n"):
                 self._read(line)
 
     def _read(self, line: bytes) -> None:
-        if found := _DENIED.search(line):
-            self._on_denial(line, found)
-        elif found := _CACHING.search(line):
-            self._caching[found[1]] = found[2], found[3], set()
-        elif found := _TLS.search(line):
-            why = next((meaning for said, meaning in REASONS if said in found["why"]), "it failed")
+        if match := _DENIED.search(line):
+            self._on_denial(line, match)
+        elif match := _CACHING.search(line):
+            self._caching[match[1]] = match[2], match[3], set()
+        elif match := _TLS.search(line):
+            why = next((meaning for message, meaning in REASONS if message in match["why"]), "it failed")
             self._connections.reject(f"connection: {why}", f"a connection: {why}")
-        elif found := _STRANGER.search(line):
+        elif _STRANGER.search(line):
             self._connections.reject(
                 "stranger", "all that a client says: no role of this run has its certificate's name"
             )
 
-    def _on_denial(self, line: bytes, found: re.Match[bytes]) -> None:
-        """A message that was denied, or, while Zenoh computes ahead what a key permits, one that would be."""
-        if found["zid"]:
+    def _on_denial(self, line: bytes, match: re.Match[bytes]) -> None:
+        """Count a denied message, but not one that Zenoh only computes ahead for a key."""
+        if match["zid"]:
             if len(self._names) >= MAX_NAMES:
                 self._names.clear()
-            self._names[found["zid"]] = found["name"].decode(errors="replace")
-        if found["flow"] == b"egress":
-            return  # nobody did anything: a wildcard of the world's reaches somebody it does not concern
+            self._names[match["zid"]] = match["name"].decode(errors="replace")
+        if match["flow"] == b"egress":
+            return  # not an act of a client: a wildcard of the world's reaches a client that has no right to it
         thread = _THREAD.search(line)
-        ahead = self._caching.get(thread[1]) if thread and found["zid"] else None
-        if ahead is not None and ahead[:2] == (found["flow"], found["key"]) and found["act"] not in ahead[2]:
-            ahead[2].add(found["act"])
+        ahead = self._caching.get(thread[1]) if thread and match["zid"] else None
+        if ahead is not None and ahead[:2] == (match["flow"], match["key"]) and match["act"] not in ahead[2]:
+            ahead[2].add(match["act"])
             return
-        who = self._names.get(found["zid"] or found["cached"], "somebody")
-        act, key = found["act"].decode().lower(), found["key"].decode(errors="replace")
-        drops = self._by_role.get(who, self._others)
-        drops.reject(f"{who}: {act} on {key}", f"{who}'s {act} on {key}: it has no right to it")
+        name = self._names.get(match["zid"] or match["cached"], "somebody")
+        act, key = match["act"].decode().lower(), match["key"].decode(errors="replace")
+        drops = self._by_role.get(name, self._others)
+        drops.reject(f"{name}: {act} on {key}", f"{name}'s {act} on {key}: it has no right to it")
 
 
 @contextlib.asynccontextmanager
-async def kept(roles: Iterable[str]) -> AsyncIterator[None]:
-    """Log what is turned away from a run of these `roles` while the block lasts, and at its end how often."""
+async def running(roles: Iterable[str]) -> AsyncIterator[None]:
+    """Block in which rejections from a run of these `roles` are logged, with their totals at its end."""
     audit = Audit(logging.getLogger("world"), roles)
     sys.stdout.flush()
     original = os.dup(1)
@@ -137,16 +137,16 @@ async def kept(roles: Iterable[str]) -> AsyncIterator[None]:
     try:
         yield
     finally:
-        os.dup2(original, 1)  # the pipe's last writer is gone, which ends its reader
+        os.dup2(original, 1)  # closes the pipe's last writer, which ends its reader
         os.close(original)
         reader.join(1.0)
         audit.log_total()
 
 
 def _follow(pipe: int, audit: Audit) -> None:
-    """Feed the audit with what comes through the pipe, to its end."""
+    """Feed the audit from the pipe, to its end."""
     while block := os.read(pipe, PIPE):
         audit.feed(block)
-        if len(block) < PIPE // 2:  # else the log comes faster than it is read, and would hold up its writers
+        if len(block) < PIPE // 2:  # else the log grows faster than it is read, and would hold up its writers
             time.sleep(PAUSE)
     os.close(pipe)

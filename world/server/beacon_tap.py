@@ -1,7 +1,7 @@
-"""The world's own copy of every Beacon, by which it judges the robots that sent them.
+"""The world's own copy of each Beacon, by which it judges the robot that sent it.
 
 A robot puts Beacon k before Command k on one first-in first-out link. So when the commands of tick k have
-arrived, a missing or unreadable Beacon k is the fault of its sender alone: peers have no say in it.
+arrived, a missing or unreadable Beacon k is the fault of its sender alone. An accusation by a peer excludes no robot.
 """
 
 import asyncio
@@ -14,15 +14,14 @@ from fes.arrays.types import Bools
 from fes.errors import MessageError, Overloaded, Rejected, Unavailable
 from fes.protocol import keys, messages, wire
 from fes.protocol.messages import Beacon
-from fes.transport import bus
-from fes.transport.bus import Bus, Query
+from fes.transport.bus import MAILBOX, Bus, Query
 from fes.transport.drop_log import DropLog, shown
 
 RECALL_TIMEOUT = 2.0
-"""A robot that does not repeat its beacon within this time [s] has none."""
+"""A robot that does not repeat its beacon within this time [s] is at fault."""
 
 RETRY = 0.05
-"""A robot that cannot answer at the moment is asked again after this time [s]."""
+"""Time between two queries to a robot that cannot answer at the moment [s]."""
 
 Faults = dict[int, str]
 """Robot -> what is wrong with its beacon."""
@@ -33,7 +32,7 @@ class BeaconTap:
 
     def __init__(
         self,
-        opened: Bus,
+        bus: Bus,
         run: str,
         robots: int,
         drops: DropLog,
@@ -42,56 +41,56 @@ class BeaconTap:
     ) -> None:
         """`judged` holds, now and later, the beacons of past ticks that peers may ask for: tick -> payloads.
 
-        `guarded`: access control lets only a robot itself put on its key, so all that comes there is its own doing.
+        `guarded`: access control lets only a robot itself put on its key, so all messages there are its own.
         """
         self._judged, self._guarded, self._robots = judged, guarded, robots
-        self._bus, self._run, self._complaints = opened, run, drops
-        self._boxes = [opened.mailbox(keys.beacon(run, robot)) for robot in range(robots)]
-        self._held: dict[int, dict[int, bytes]] = {}
+        self._bus, self._run, self._drops = bus, run, drops
+        self._mailboxes = [bus.mailbox(keys.beacon(run, robot)) for robot in range(robots)]
+        self._payloads: dict[int, dict[int, bytes]] = {}
         """Tick -> robot -> the first readable payload, of three ticks at most."""
         self._faults: dict[int, Faults] = {}
-        """Tick -> robot -> how it broke the rules then."""
-        opened.declare_queryable(keys.held_beacon(run, "*", "*"), self._on_recall)
+        """Tick -> robot -> the rule that it broke."""
+        bus.declare_queryable(keys.held_beacon(run, "*", "*"), self._on_recall)
 
-    def heard(self, tick: int, legible: Bools) -> list[bytes]:
-        """The payload of each robot's Beacon of `tick` as far as it arrived, in id order; a missing one is counted.
+    def received(self, tick: int, decodable: Bools) -> list[bytes]:
+        """The payload of each robot's Beacon of `tick`, in id order; missing ones are counted.
 
-        The payload is empty for a robot that is not `legible` [n], and if nothing readable arrived.
+        The payload is empty for a robot that is not `decodable` [n], and if no readable beacon arrived.
         """
-        found = self._collect(tick, legible)
-        for robot in np.flatnonzero(legible).tolist():
-            if not found[robot]:
-                self._complaints.note_missing(
-                    "beacons in the log", f"no beacon of robot {robot} came for tick {tick}"
-                )
-        return found
+        payloads = self._collect(tick, decodable)
+        for robot in np.flatnonzero(decodable).tolist():
+            if not payloads[robot]:
+                self._drops.note_missing("beacons in the log", f"no beacon of robot {robot} came for tick {tick}")
+        return payloads
 
-    def _collect(self, tick: int, legible: Bools) -> list[bytes]:
-        for robot in np.flatnonzero(legible).tolist():
+    def _collect(self, tick: int, decodable: Bools) -> list[bytes]:
+        for robot in np.flatnonzero(decodable).tolist():
             self._read(robot, tick)
-        for old in [known for known in self._held if known < tick - 1]:
-            del self._held[old]
+        for old in [known for known in self._payloads if known < tick - 1]:
+            del self._payloads[old]
             self._faults.pop(old, None)
-        held = self._held.get(tick, {})
-        return [held.get(robot, b"") if here else b"" for robot, here in enumerate(legible.tolist())]
+        payloads = self._payloads.get(tick, {})
+        return [
+            payloads.get(robot, b"") if is_decodable else b"" for robot, is_decodable in enumerate(decodable.tolist())
+        ]
 
-    async def judge(self, tick: int, legible: Bools) -> tuple[list[bytes], Faults]:
-        """The payload of each robot's Beacon of `tick`, in id order, and the `legible` [n] robots at fault.
+    async def judge(self, tick: int, decodable: Bools) -> tuple[list[bytes], Faults]:
+        """The payload of each robot's Beacon of `tick`, in id order, and the `decodable` [n] robots at fault.
 
         A robot whose beacon is missing is asked for it once, since junk may have pushed it out of the mailbox.
         """
-        found = self._collect(tick, legible)
-        absent = [robot for robot, here in enumerate(legible.tolist()) if here and not found[robot]]
-        answers = await asyncio.gather(*(self._recall(robot, tick) for robot in absent))
+        payloads = self._collect(tick, decodable)
+        missing = [robot for robot in np.flatnonzero(decodable).tolist() if not payloads[robot]]
+        answers = await asyncio.gather(*(self._recall(robot, tick) for robot in missing))
         faults = dict(self._faults.pop(tick - 1, {}))  # of a beacon that arrived after the judgement of its tick
-        for robot, answer in zip(absent, answers, strict=True):
-            found[robot] = answer if isinstance(answer, bytes) else b""
+        for robot, answer in zip(missing, answers, strict=True):
+            payloads[robot] = answer if isinstance(answer, bytes) else b""
             if isinstance(answer, str):
                 faults[robot] = answer
             else:
-                self._held.setdefault(tick, {})[robot] = answer
+                self._payloads.setdefault(tick, {})[robot] = answer
         faults |= self._faults.pop(tick, {})
-        return found, {robot: shown(why) for robot, why in faults.items() if legible[robot]}
+        return payloads, {robot: shown(fault) for robot, fault in faults.items() if decodable[robot]}
 
     def _on_recall(self, query: Query) -> None:
         """Answer a robot that misses a beacon with the copy by which its sender was judged."""
@@ -103,9 +102,9 @@ class BeaconTap:
             query.reply_err(f"the world holds no beacon of robot {shown(robot)} from tick {tick}")
 
     def _read(self, robot: int, tick: int) -> None:
-        """Sort the beacons in a robot's box by tick: at most a full box, as it may be filled while it is emptied."""
-        for _ in range(bus.MAILBOX):
-            sample = self._boxes[robot].take()
+        """Sort the beacons in a mailbox by tick, at most MAILBOX of them: it may be filled while it is emptied."""
+        for _ in range(MAILBOX):
+            sample = self._mailboxes[robot].take()
             if sample is None:
                 return
             payload = sample[1]
@@ -119,15 +118,15 @@ class BeaconTap:
             try:
                 beacon = self._decoded(payload, robot)
             except MessageError:
-                continue  # the robots that hear it complain of it
+                continue  # its peers count and log it
             assert payload is not None
-            first = self._held.setdefault(beacon.tick, {}).setdefault(robot, payload)
+            first = self._payloads.setdefault(beacon.tick, {}).setdefault(robot, payload)
             if payload != first:
-                what = f"it sent two different beacons for tick {beacon.tick}"
-                self._faults.setdefault(beacon.tick, {})[robot] = what
+                fault = f"it sent two different beacons for tick {beacon.tick}"
+                self._faults.setdefault(beacon.tick, {})[robot] = fault
 
     async def _recall(self, robot: int, tick: int) -> bytes | str:
-        """The beacon that a robot repeats, or why there is none."""
+        """The beacon that a robot repeats, or its fault."""
         key, missing = keys.recall(self._run, robot), f"no readable beacon of tick {tick}"
         end = time.monotonic() + RECALL_TIMEOUT
         while True:
@@ -138,7 +137,7 @@ class BeaconTap:
                 payload = await self._bus.get(key, messages.encode_recall(tick), left)
                 beacon = self._decoded(payload, robot)
                 break
-            except (Overloaded, Unavailable):  # its queue may be crowded, or its session be new
+            except (Overloaded, Unavailable):  # its queue may be full, or its session new
                 await asyncio.sleep(RETRY)
             except Rejected as refused:
                 return f"{missing}, and it refused to repeat it: {refused}"
@@ -146,11 +145,11 @@ class BeaconTap:
                 return f"{missing}, and it repeated junk: {error}"
         if beacon.tick != tick:
             return f"{missing}, and it repeated that of tick {beacon.tick}"
-        self._complaints.reject("Beacon: recalled", f"by a full mailbox: a beacon of robot {robot}; asked for anew")
+        self._drops.reject("Beacon: recalled", f"by a full mailbox: a beacon of robot {robot}; asked for anew")
         return payload
 
     def _decoded(self, payload: bytes | None, robot: int) -> Beacon:
-        """The beacon of this robot in a payload; raises MessageError, also where a peer could not use it."""
+        """The beacon of this robot in a payload; raises MessageError if a peer could not use it."""
         if payload is None:
             raise MessageError("Beacon", "a deletion is not a beacon")
         beacon = messages.decode_beacon(payload)

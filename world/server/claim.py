@@ -1,8 +1,9 @@
-"""One world a run: a claim that a world makes before it does anything else.
+"""One world per run: a claim that a world makes before it does anything else.
 
-A world first declares a token of its own, then looks who else has one. If two start at the same time, at least one
-of them sees the other's: of two tokens that pass one router, the later one's owner looks later still. It may be that
-both see each other, and neither starts: a person starts one again, where two worlds would have moved one team.
+A world first declares a token of its own, then looks for tokens of other worlds. If two worlds start at the same
+time, at least one of them sees the other's token. Of two tokens that pass one router, the owner of the later one
+looks later still. Both may see each other: then neither starts, and a person starts one of them again. Two running
+worlds would both have moved the same team.
 """
 
 import asyncio
@@ -13,15 +14,16 @@ from fes.protocol import keys
 from fes.transport.bus import Bus
 
 TIMEOUT = 10.0
-"""How long a look may take [s]: who cannot look does not start."""
+"""A world that cannot look for other worlds within this time [s] does not start."""
 
 SETTLING = 0.3
 """A world that is connected to others waits this long [s] for its claim and theirs to cross the network."""
 
 
 async def claim_run(bus: Bus, run: str, *, connected: bool) -> None:
-    """Claim the run, until the session ends; raises Refused if another world has it or claims it too,
-    and Absent if that cannot be seen.
+    """Claim the run until the session ends.
+
+    Raises Rejected if another world has it or claims it too, and Unavailable if that cannot be seen.
     """
     own = keys.claim(run, uuid.uuid4().hex)
     bus.declare_token(own)
@@ -29,6 +31,4 @@ async def claim_run(bus: Bus, run: str, *, connected: bool) -> None:
         await asyncio.sleep(SETTLING)
     others = set(await bus.liveliness_get(keys.world_tokens(run), TIMEOUT)) - {own}
     if others:
-        raise Rejected(
-            f"another world of run '{run}' is here, or starts just now (--run gives this one another name)"
-        )
+        raise Rejected(f"another world of run '{run}' is running or starting (--run gives this one another name)")

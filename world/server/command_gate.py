@@ -9,7 +9,7 @@ from fes.protocol.messages import Join
 class CommandGate:
     """Admits a Command by the mark beside it, which only the agent that joined knows.
 
-    `admits` runs in threads of Zenoh, before a message waits anywhere: a flood of commands from another process of
+    `admits` runs in threads of Zenoh, before a message waits anywhere. So a flood of commands from another process of
     the same robot neither fills a queue nor wakes the world.
     """
 
@@ -19,7 +19,7 @@ class CommandGate:
         self._marks: dict[str, bytes] = {}
         self.rejected = 0
         """Number of commands that were not admitted."""
-        for robot, join in hosts.items():  # another robot of the same Join may have a new agent
+        for robot, join in hosts.items():  # another robot of the same Join may have a newer agent
             self._marks[keys.command(run, robot)] = join.mark
 
     def expect(self, join: Join) -> None:

@@ -1,4 +1,4 @@
-"""The end of a run, repeated until it is heard."""
+"""The end of a run, repeated until each agent has received it."""
 
 import asyncio
 import time
@@ -10,32 +10,34 @@ from fes.arrays.types import Bools
 from world.server.registry import AgentRegistry
 
 LINGER = 5.0
-"""A world whose run is over stays at most this long [s] for robots that have not heard of it."""
+"""A world whose run is over stays at most this long [s] for robots that have not received the farewell."""
 
 PROMPT = 1.0
-"""An agent that hears of the end withdraws its tokens within this time [s]; a token that goes later was cut off."""
+"""An agent withdraws its tokens within this time [s] of the farewell; a token lost later was cut off."""
 
 REPEAT = 0.5
-"""The farewell is repeated this often [s] while a token stands."""
+"""The farewell is repeated this often [s] while a token is alive."""
 
 
 class Farewell:
-    """Tells every robot that the run is over, also one whose link is down at that moment.
+    """Tells each robot that the run is over, even if its link is down at that moment.
 
-    An agent that hears it withdraws its tokens at once. A token that stands, or that went at another time, belongs to
-    a robot that may not know: its agent would wait for a world that never returns, and may reconnect in a moment.
+    An agent that receives the farewell withdraws its tokens at once. A token that stays, or that was lost at another
+    time, belongs to a robot that may not know. Its agent would wait for a world that never returns, and may reconnect
+    in a moment.
     """
 
     def __init__(self, observe: Sequence[Callable[[bytes], None]], registry: AgentRegistry) -> None:
-        """`observe` puts a robot's observation, by id."""
-        self._observe, self._roster = observe, registry
+        """`observe` holds, by robot, the function that publishes its observation."""
+        self._observe, self._registry = observe, registry
         self._payloads: list[bytes] = []
-        self._said: dict[int, float] = {}
+        self._published: dict[int, float] = {}
+        """Robot -> time of its last farewell [s; monotonic]."""
         self._lost: dict[int, float] = {}
-        """Robot -> time at which its token went for another reason than the farewell [s; monotonic]."""
+        """Robot -> time at which its token was lost for another reason than the farewell [s; monotonic]."""
 
-    def say(self, payloads: list[bytes]) -> None:
-        """Put the farewell of each robot, in id order."""
+    def publish(self, payloads: list[bytes]) -> None:
+        """Publish the farewell of each robot; `payloads` in id order."""
         self._payloads = payloads
         for robot in range(len(payloads)):
             self._put(robot)
@@ -47,25 +49,25 @@ class Farewell:
             self._lost.pop(robot, None)
             if self._payloads:
                 self._put(robot)
-        elif now - self._said.get(robot, -PROMPT) >= PROMPT:
+        elif now - self._published.get(robot, -PROMPT) >= PROMPT:
             self._lost[robot] = now
 
-    async def heard(self, expected: Bools) -> None:
-        """Wait until the `expected` robots [n] have heard it, for up to LINGER."""
+    async def delivered(self, expected: Bools) -> None:
+        """Wait until the `expected` robots [n] have received the farewell, for up to LINGER."""
         begun = time.monotonic()
         while (left := begun + LINGER - time.monotonic()) > 0.0:
-            standing = np.flatnonzero((self._roster.alive == 1) & expected).tolist()
-            cut = [robot for robot, went in self._lost.items() if expected[robot] and went > begun - LINGER]
-            if not standing and not cut:
+            alive = np.flatnonzero((self._registry.alive == 1) & expected).tolist()
+            cut = [robot for robot, lost in self._lost.items() if expected[robot] and lost > begun - LINGER]
+            if not alive and not cut:
                 return
-            self._roster.changed.clear()
+            self._registry.changed.clear()
             try:
                 async with asyncio.timeout(min(REPEAT, left)):
-                    await self._roster.changed.wait()
+                    await self._registry.changed.wait()
             except TimeoutError:
-                for robot in standing:
+                for robot in alive:
                     self._put(robot)
 
     def _put(self, robot: int) -> None:
-        self._said[robot] = time.monotonic()
+        self._published[robot] = time.monotonic()
         self._observe[robot](self._payloads[robot])

@@ -1,7 +1,7 @@
-"""The live clock: ticks are due at times of the wall clock, and wait for nobody.
+"""The live clock: ticks are due at times of the wall clock, and wait for no robot.
 
-At the end of a tick each robot's body does what it was told last. A command that is too old is no command: the robot
-stops. If the world itself is late, its clock slips: robots are given a whole tick, and none is skipped.
+At the end of a tick each robot's body follows its last command. A robot whose last command is too old stops. If the
+world itself is late, its clock slips: each tick has its full length, and none is skipped.
 """
 
 import asyncio
@@ -21,11 +21,12 @@ from world.server.participation import Participation
 from world.simulation.truth import State
 
 WARM_UP = 25
-"""The first ticks of a run, and those after a world came back, are in lockstep: contacts open, subscriptions are
-made, and everything runs for the first time, on a machine that has just started eleven interpreters."""
+"""The first ticks of a run, and those after a world resumed it, are in lockstep. In these ticks contacts open,
+subscriptions are made, and all code runs for the first time, on a machine that may just have started the agents."""
 
 HANG_TIMEOUT = 2.0
-"""A living robot that says nothing for this long [s] is left out until it speaks again, and then begins anew."""
+"""A robot that sends no command for this long [s] is excluded, though its token may stay. When it sends one again, it
+rejoins and starts without state."""
 
 
 class LiveClock:
@@ -40,21 +41,23 @@ class LiveClock:
         deadlines: Deadlines,
         dt: float,
     ) -> None:
-        """`warm_up` has the first ticks, WARM_UP of them."""
+        """`warm_up` collects the first WARM_UP ticks."""
         self._warm_up, self._left = warm_up, WARM_UP
-        self._inbox, self._attendance = inbox, participation
-        self._complaints, self._deadlines = drops, deadlines
+        self._inbox, self._participation = inbox, participation
+        self._drops, self._deadlines = drops, deadlines
         self._dt = dt
         self._last: dict[int, Answer] = {}
+        """Robot -> its newest answer."""
         self._due = 0.0  # end of the present tick [s; monotonic]
 
     async def present(self, state: State) -> Bools:
-        """Who takes part at the tick of `state` [n]: who is there now."""
-        return self._attendance.now(state)
+        """The robots that take part at the tick of `state` [n]: those that are reachable now."""
+        return self._participation.participating(state)
 
     async def collect(self, state: State, sent: list[bytes]) -> tuple[list[Answer | None], Bools]:
-        """The command that each robot follows at the end of this tick and its payload, in id order, None to stop; and
-        who takes part from now on [n].
+        """The answer that each robot follows at the end of this tick, and the robots that take part from now on [n].
+
+        Answers are in id order. A robot whose answer is None stops.
         """
         if self._left:
             self._left -= 1
@@ -68,12 +71,12 @@ class LiveClock:
         silent = np.zeros(len(sent), dtype=np.bool_)
         for robot in np.flatnonzero(state.present).tolist():
             last, since = self._last.get(robot), int(state.since[robot])
-            heard = last[0].tick if last is not None else -1
-            if heard >= since and (state.tick - heard) * self._dt < COMMAND_TIMEOUT:
+            answered = last[0].tick if last is not None else -1
+            if answered >= since and (state.tick - answered) * self._dt < COMMAND_TIMEOUT:
                 answers[robot] = last
-            silent[robot] = (state.tick - max(heard, since)) * self._dt >= HANG_TIMEOUT
+            silent[robot] = (state.tick - max(answered, since)) * self._dt >= HANG_TIMEOUT
         if silent.any():
-            self._attendance.hang(silent)
+            self._participation.hang(silent)
         return answers, state.present
 
     async def _end_of_tick(self) -> None:
@@ -94,9 +97,9 @@ class LiveClock:
             if command.tick > state.tick:
                 raise MessageError("Command", "is not for this tick", str(command.tick))
         except MessageError as error:
-            self._complaints.unread(key, error)
+            self._drops.unread(key, error)
             return
-        self._attendance.woke(command.robot)
+        self._participation.wake(command.robot)
         last = self._last.get(command.robot)
         if payload is not None and (last is None or command.tick > last[0].tick):
             self._last[command.robot] = command, payload

@@ -1,4 +1,4 @@
-"""Who takes part in a run: all that are there, unless the scenario has them dead or hung."""
+"""The robots that take part in a tick: all reachable ones, unless the scenario has them dead or hung."""
 
 import asyncio
 import contextlib
@@ -16,121 +16,124 @@ from world.simulation.truth import State
 
 
 class Participation:
-    """The robots that are there, and those that ought to be."""
+    """The reachable robots, and the robots that should take part."""
 
     def __init__(
         self, registry: AgentRegistry, scenario: Scenario, excluded: Mapping[int, str] = MappingProxyType({})
     ) -> None:
         """`excluded` maps robots at fault, which take no part, to their faults; it may change later."""
-        self._roster, self._excluded = registry, excluded
+        self._registry, self._excluded = registry, excluded
         self._schedule = scenario.participation
         self._robots = scenario.robots.number
         self._hung = np.zeros(self._robots, dtype=np.bool_)
-        self._asleep = np.zeros(self._robots, dtype=np.bool_)
-        """Who hangs by the schedule at this tick, and has a process of its own [n]."""
-        self._lost = np.zeros(self._robots, dtype=np.bool_)
-        """Whose token went since the tick before [n], though it may stand again: what was sent to it went, too."""
+        """Robots that did not answer in time, and all robots of the same process [n]."""
+        self._suspended = np.zeros(self._robots, dtype=np.bool_)
+        """Robots that hang by schedule at this tick, each in a process of its own [n]."""
+        self._disconnected = np.zeros(self._robots, dtype=np.bool_)
+        """Robots whose token was lost since the last tick [n]. It may be back, but the messages to it are lost."""
         self._logger = logging.getLogger("world")
 
     @property
-    def there(self) -> Bools:
-        """Which robots can answer, and all that share their process with them [n].
+    def reachable(self) -> Bools:
+        """Robots that can answer, as can all robots of the same process [n].
 
-        Not a process that hangs by the schedule: nothing may wait in its queues. One of several robots goes on, as
-        the others' does.
+        Excludes processes suspended by schedule, whose queues must stay empty. In a multi-robot process the scheduled
+        robot keeps receiving, because its process keeps running.
         """
-        return self._able & ~self._hung & ~self._asleep & ~self._lost
+        return self._able & ~self._hung & ~self._suspended & ~self._disconnected
 
     def expected(self, state: State) -> Bools:
         """The robots that should take part at the tick of `state`: neither absent by schedule nor excluded [n]."""
-        wanted, _ = self._planned(state.tick)
-        wanted[list(self._excluded)] = False
-        return wanted
+        expected, _ = self._scheduled(state.tick)
+        expected[list(self._excluded)] = False
+        return expected
 
     def hang(self, silent: Bools) -> None:
-        """The `silent` robots [n] did not answer in time: they are left out, and all that share their process.
+        """Exclude the `silent` robots [n], which did not answer in time, and all robots of the same process.
 
-        Not those whose process or session is gone: they are out already, and come back with their token.
+        Robots whose process or session is gone are absent already, and return with their token.
         """
-        for robot in np.flatnonzero(silent & (self._roster.alive == 1) & ~self._lost).tolist():
-            self._hung[list(self._roster.group(robot))] = True
+        for robot in np.flatnonzero(silent & (self._registry.alive == 1) & ~self._disconnected).tolist():
+            self._hung[list(self._registry.group(robot))] = True
             self._logger.warning("robot %d does not answer", robot)
 
-    def lost(self, robot: int) -> None:
-        """The process of this robot is gone, or its session: the next one does not hang."""
-        group = list(self._roster.group(robot))
-        self._hung[group], self._lost[group] = False, True
+    def disconnect(self, robot: int) -> None:
+        """Note that the process or the session of this robot is gone; the next one does not hang."""
+        group = list(self._registry.group(robot))
+        self._hung[group], self._disconnected[group] = False, True
 
-    def woke(self, robot: int) -> bool:
-        """Whether this robot, which was just heard of, was hung until now."""
+    def wake(self, robot: int) -> bool:
+        """Note that a robot has sent something; True if it was hung until now."""
         hung = bool(self._hung[robot])
         if hung:
-            self._hung[list(self._roster.group(robot))] = False
+            self._hung[list(self._registry.group(robot))] = False
         return hung
 
     def due(self, state: State) -> list[int]:
-        """The robots that the scenario brings back at the tick of `state`, and that cannot take part yet."""
-        planned = self._schedule.get(state.tick)
-        if planned is None:
+        """The robots that the scenario restarts or wakes at the tick of `state`, and that cannot take part yet."""
+        scheduled = self._schedule.get(state.tick)
+        if scheduled is None:
             return []
-        late = planned.back & ~(self._able & ~self._hung)
+        late = scheduled.back & ~(self._able & ~self._hung)
         return [robot for robot in np.flatnonzero(late).tolist() if robot not in self._excluded]
 
     def missing(self, state: State) -> str:
-        """Reason why the tick of `state` cannot begin: none of the robots that should take part can; else empty."""
-        there = self._able & ~self._hung
-        nobody = not there.any() and self._planned(state.tick)[0].any()
-        return "nobody is there any more" if nobody else ""
+        """Reason why the tick of `state` cannot begin: no robot that should take part can; else empty."""
+        able = self._able & ~self._hung
+        return "no robot is reachable" if not able.any() and self._scheduled(state.tick)[0].any() else ""
 
-    def now(self, state: State) -> Bools:
-        """Who takes part at the tick of `state` [n]."""
-        wanted, self._asleep = self._planned(state.tick)
-        told: Bools = state.present & (state.since != state.tick)  # who was not is told all anew
-        there = self._able & ~self._hung & ~(self._lost & told)
-        self._lost[:] = False
-        return there & wanted & ~self._begin_anew(state, there)
+    def participating(self, state: State) -> Bools:
+        """The robots that take part at the tick of `state` [n]."""
+        expected, self._suspended = self._scheduled(state.tick)
+        informed: Bools = state.present & (state.since != state.tick)  # others start without state in any case
+        able = self._able & ~self._hung & ~(self._disconnected & informed)
+        self._disconnected[:] = False
+        return able & expected & ~self._restarted(state, able)
 
-    async def wait_for(self, present: Bools, timeout: float) -> None:
-        """Wait until the robots of `present` [n] are there, for up to `timeout` [s]."""
+    async def wait_for(self, robots: Bools, timeout: float) -> None:
+        """Wait until `robots` [n] are reachable, for up to `timeout` [s]."""
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(timeout):
-                while not self.there[present].all():
-                    self._roster.changed.clear()
-                    await self._roster.changed.wait()
+                while not self.reachable[robots].all():
+                    self._registry.changed.clear()
+                    await self._registry.changed.wait()
 
     @property
     def _able(self) -> Bools:
-        """Robots that are not excluded and whose agents live, as do all that share their process [n]."""
-        whole = self._roster.whole
+        """Robots that are not excluded and whose agents are alive, as are all of the same process [n]."""
+        hosted = self._registry.hosted
         if not self._excluded:
-            return whole
-        able = whole.copy()
+            return hosted
+        able = hosted.copy()
         able[list(self._excluded)] = False
         return able
 
-    def _begin_anew(self, state: State, there: Bools) -> Bools:
-        """Robots that are taken to be there all the time, but have a new process [n]: they miss a tick."""
-        anew = np.zeros(self._robots, dtype=np.bool_)
-        for robot in [robot for robot in self._roster.renewed if there[robot]]:
-            self._roster.renewed.discard(robot)
-            anew[robot] = state.present[robot] and state.since[robot] != state.tick
-        return anew
+    def _restarted(self, state: State, able: Bools) -> Bools:
+        """Robots that took part until now, but have a new process [n]: they miss a tick."""
+        restarted = np.zeros(self._robots, dtype=np.bool_)
+        for robot in [robot for robot in self._registry.renewed if able[robot]]:
+            self._registry.renewed.discard(robot)
+            restarted[robot] = state.present[robot] and state.since[robot] != state.tick
+        return restarted
 
-    def told(self, before: State, now: State) -> None:
-        """Say who came and who went."""
-        for robot in np.flatnonzero(before.present & ~now.present).tolist():
-            self._logger.info("robot %d is not there from tick %d on: its body stands still", robot, now.tick)
-        for robot in np.flatnonzero(now.present & ~before.present).tolist():
-            self._logger.info("robot %d is back from tick %d on", robot, now.tick)
+    def log_changes(self, before: State, after: State) -> None:
+        """Log the robots that take part in only one of two states."""
+        for robot in np.flatnonzero(before.present & ~after.present).tolist():
+            self._logger.info("robot %d is not there from tick %d on: its body stands still", robot, after.tick)
+        for robot in np.flatnonzero(after.present & ~before.present).tolist():
+            self._logger.info("robot %d is back from tick %d on", robot, after.tick)
 
-    def _planned(self, tick: int) -> tuple[Bools, Bools]:
-        """Whom the schedule does not have dead or hung at a tick [n], and who hangs in a process of its own [n]."""
-        wanted = np.ones(self._robots, dtype=np.bool_)
-        hung = ~wanted
-        for at, planned in self._schedule.items():
-            if at <= tick:
-                wanted = events.participating(wanted, planned)
-                hung = (hung & ~planned.back) | planned.hung
+    def _scheduled(self, tick: int) -> tuple[Bools, Bools]:
+        """The robots that the schedule has neither dead nor hung at a tick, and those hung in a process of their own.
+
+        Both are [n].
+        """
+        expected = np.ones(self._robots, dtype=np.bool_)
+        hung = ~expected
+        for start, scheduled in self._schedule.items():
+            if start <= tick:
+                expected = events.participating(expected, scheduled)
+                hung = (hung & ~scheduled.back) | scheduled.hung
         for robot in np.flatnonzero(hung).tolist():
-            hung[robot] = len(self._roster.group(robot)) == 1
-        return wanted, hung
+            hung[robot] = len(self._registry.group(robot)) == 1
+        return expected, hung

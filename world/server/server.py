@@ -4,16 +4,16 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from fes.arrays.types import Bools
 from fes.errors import MessageError, ScenarioError
-from fes.protocol import keys, wire
+from fes.protocol import keys
 from fes.protocol.channel_change import decode_change, encode_result
 from fes.protocol.messages import Join
-from fes.protocol.report import encode_report
 from fes.system import fingerprint
 from fes.transport.bus import Bus, Query
 from fes.transport.drop_log import DropLog
@@ -22,236 +22,238 @@ from world.config.scenario import Scenario, agent_config
 from world.execution import marshalling
 from world.execution.checkpoint import JOIN, CheckpointWriter
 from world.execution.run import Answer, Run
-from world.metrics import report_builder, summary
+from world.metrics import summary
 from world.server.beacon_tap import BeaconTap
 from world.server.command_gate import CommandGate
 from world.server.farewell import Farewell
 from world.server.live import LiveClock
 from world.server.lockstep import Lockstep
 from world.server.participation import Participation
-from world.server.registry import RESUME_TIMEOUT, AgentRegistry
+from world.server.registry import RESUME_TIMEOUT, AgentRegistry, Membership, RunInfo
+from world.server.report_publisher import ReportPublisher
+
+
+@dataclass(frozen=True)
+class Options:
+    """Settings of a server beside its run."""
+
+    rtf: float | None = None
+    """Pace [simulated seconds per second]; None for full speed."""
+    checkpoints: CheckpointWriter | None = None
+    elapsed: float = 0.0
+    """Wall-clock time since tick 0 at which the run is resumed [s]."""
+    guarded: bool = False
+    """True if access control protects the run."""
+    on_change: Callable[[Scenario], None] | None = None
+    """Called with the scenario whenever a person has changed it."""
 
 
 class Server:
-    """One run of one scenario."""
+    """The world of one run: it gathers the agents, executes all ticks with them, and dismisses them."""
 
-    def __init__(
-        self,
-        bus: Bus,
-        course: Run,
-        name: str,
-        run: str,
-        rtf: float | None = None,
-        checkpoints: CheckpointWriter | None = None,
-        elapsed: float = 0.0,
-        guarded: bool = False,
-    ) -> None:
-        """`elapsed` [s; wall clock] since tick 0, where the run is resumed; `guarded` by access control."""
-        self.run, self.name = course, name
+    def __init__(self, bus: Bus, run: Run, name: str, run_name: str, options: Options | None = None) -> None:
+        """`name` is that of the scenario, `run_name` that of the run in every key."""
+        options = Options() if options is None else options
+        self.run, self.name = run, name
         self.logger = logging.getLogger("world")
         self.drops = DropLog(self.logger)
-        robots = range(course.scenario.robots.number)
-        self._checkpoints = checkpoints
-        self.keep: Callable[[Scenario], None] = lambda scenario: None
-        """Called with the scenario whenever a person has changed it."""
-        self._tap = BeaconTap(bus, run, len(robots), self.drops, course.beacons, guarded)
+        robots = run.scenario.robots.number
+        self._checkpoints, self._on_scenario_change = options.checkpoints, options.on_change
+        self._tap = BeaconTap(bus, run_name, robots, self.drops, run.beacons, options.guarded)
         self._inbox = Inbox(asyncio.get_running_loop())
-        self._observe = [bus.declare_publisher(keys.observation(run, robot), "fes.Observation") for robot in robots]
-        self._report = bus.declare_publisher(keys.report(run), "fes.Report", drop=True)
-        hosts, renewed = (checkpoints.hosts, checkpoints.renewed) if checkpoints is not None else ({}, set[int]())
-        config = agent_config(course.scenario)
-        self._gate = CommandGate(run, hosts)
-        bus.declare_subscriber(keys.command(run, "*"), self._inbox.put, self._gate.admits)
-        self._registry = AgentRegistry(bus, run, len(robots), config, self.drops, hosts, renewed, course.excluded)
-        self._registry.on_join = self._on_join
-        bus.declare_queryable(keys.change(run), self._on_change)
-        bus.declare_token(keys.world_alive(run))  # last: it says that everything above is in place
-        self._participation = Participation(self._registry, course.scenario, course.excluded)
+        self._observe = [
+            bus.declare_publisher(keys.observation(run_name, robot), "fes.Observation") for robot in range(robots)
+        ]
+        self._reports = ReportPublisher(bus, run_name, name, run.metrics)
+        members = Membership(excluded=run.excluded)
+        if self._checkpoints is not None:
+            members = Membership(self._checkpoints.hosts, self._checkpoints.renewed, run.excluded)
+        self._gate = CommandGate(run_name, members.hosts)
+        bus.declare_subscriber(keys.command(run_name, "*"), self._inbox.put, self._gate.admits)
+        info = RunInfo(run_name, robots, agent_config(run.scenario))
+        self._registry = AgentRegistry(bus, info, self.drops, members, on_join=self._on_join, on_token=self._on_token)
+        self._participation = Participation(self._registry, run.scenario, run.excluded)
         self._farewell = Farewell(self._observe, self._registry)
-        self._clock = self._make_clock(None if rtf is None else course.scenario.run.dt / rtf)
-        self._elapsed = elapsed
-        self._begun = self._told_at = self._ended = 0.0
-        self._told_tick = course.metrics.link_errors.ticks
+        bus.declare_queryable(keys.change(run_name), self._on_change)
+        bus.declare_token(keys.world_alive(run_name))  # last: it promises that all of the above is in place
+        self._clock = self._create_clock(None if options.rtf is None else run.scenario.run.dt / options.rtf)
+        self._gathered = False
+        self._elapsed = options.elapsed
+        self._begun = self._ended = 0.0  # of the main loop [s; performance counter]
 
     async def gather(self) -> None:
-        """Wait until every robot is here; where a run is gone on with, for those that took part, for a while.
+        """Wait for all robots; in a resumed run for those that took part, for RESUME_TIMEOUT at most.
 
-        Raises FesError where nobody can be accepted, as it cannot be kept.
+        Raises FesError if no agent can be accepted, because the journal cannot be written.
         """
         tick, present = self.run.state.tick, self.run.state.present
         if tick == 0:
             self.logger.info("waiting for %d robots", len(self._observe))
-            while not self._registry.whole.all():
+            while not self._registry.hosted.all():
                 self._registry.changed.clear()
                 await self._registry.changed.wait()
                 if self._checkpoints is not None:
                     self._checkpoints.check()
             self._registry.renewed.clear()
         else:
-            self.logger.info("waiting for those that took part to come back: %d", np.count_nonzero(present))
+            self.logger.info("waiting for the robots that took part: %d", np.count_nonzero(present))
             await self._participation.wait_for(present, RESUME_TIMEOUT)
-        self._registry.report_to(self._on_token)
-        missing = np.flatnonzero(present & ~self._participation.there).tolist() if tick else []
-        here = f"all robots but {missing} are here" if missing else "all robots are here"
-        self.logger.info("%s: %s %s", here, self.name, f"goes on at tick {tick}" if tick else "starts")
+        self._gathered = True
+        missing = np.flatnonzero(present & ~self._participation.reachable).tolist() if tick else []
+        robots = f"all robots but {missing} are here" if missing else "all robots are here"
+        self.logger.info("%s: %s %s", robots, self.name, f"resumes at tick {tick}" if tick else "starts")
 
     async def main_loop(self) -> None:
-        """All ticks of the scenario; ends early, with what was reached, if it is cancelled."""
+        """Execute all ticks of the scenario; if it is cancelled, the executed ticks count."""
         run = self.run
-        self._begun = self._told_at = time.perf_counter()
+        self._begun = time.perf_counter()
+        self._reports.start()
         first = run.state.tick
         while not run.is_over:
             present = await self._clock.present(run.state)
             if run.state.tick == first > 0:
-                # The world before may have published this tick: who comes back would change what others sense of it.
-                present &= run.state.present
+                present &= run.state.present  # a robot that rejoined now would change what may be published already
             self._attend(present)
-            sent = self._publish()
-            self._account()  # for the last tick, while the robots think about this one
+            sent = self._publish_observations()
+            self._record_tick()  # the last one, while the robots compute this one
             if self._checkpoints is not None and self._checkpoints.due:
                 self._checkpoints.save(run, self._registry.hosts, self.elapsed)
+
             answers, present = await self._clock.collect(run.state, sent)
-            beacons = await self._hear(answers, present)
+            beacons = await self._collect_beacons(answers, present)
             self._attend(present)
-            run.take(sent, answers, beacons, self._registry.alive.copy(), self.elapsed)
-        self._account()
+            run.advance(sent, answers, beacons, self._registry.alive.copy(), self.elapsed)
+        self._record_tick()
         self._ended = time.perf_counter()
 
     def summarize(self) -> dict[str, Any] | None:
-        """The summary of the ticks that were run; None before the first."""
-        self._account()
+        """The summary of the executed ticks; None before the first."""
+        self._record_tick()
         if self.run.metrics.link_errors.ticks == 0:
             return None
         return summary.summarize(self.run.metrics, self.name, "processes", self.elapsed)
 
     @property
     def elapsed(self) -> float:
-        """Wall-clock time since tick 0, that without a world left out [s]."""
+        """Wall-clock time since tick 0, without the time that the run had no world [s]."""
         return self._elapsed + (self._ended or time.perf_counter()) - (self._begun or time.perf_counter())
 
     @property
-    def overflow(self) -> int:
-        """Messages that found no room to wait."""
-        return self._inbox.dropped
-
-    @property
-    def strangers(self) -> int:
+    def rejected_commands(self) -> int:
         """Number of commands from processes other than the agent that was accepted for their robot."""
         return self._gate.rejected
 
+    def log_drops(self) -> None:
+        """Log the total of each kind of dropped message."""
+        self.drops.log_total(self._inbox.dropped, self._gate.rejected)
+
     def dismiss(self) -> None:
-        """Tell every robot and observer that the run is over."""
-        self._account()
+        """Tell each robot and observer that the run is over."""
+        self._record_tick()
         if self.run.metrics.link_errors.ticks:
-            self._tell()
-        self._farewell.say(marshalling.farewells(self.run.state.tick, self.run.state.poses))
+            self._reports.publish(self._registry.alive, self.elapsed)
+        self._farewell.publish(marshalling.farewells(self.run.state.tick, self.run.state.poses))
 
     async def linger(self) -> None:
-        """Stay until every robot that takes part has heard that the run is over, for a few seconds at most."""
-        await self._farewell.heard(self._participation.expected(self.run.state))
+        """Wait a few seconds at most until each robot that takes part knows that the run is over."""
+        await self._farewell.delivered(self._participation.expected(self.run.state))
 
     def save(self) -> None:
-        """Keep the run as it is, to be gone on with."""
-        self._account()
+        """Write a checkpoint of the run at this tick."""
+        self._record_tick()
         if self._checkpoints is not None:
             self._checkpoints.save(self.run, self._registry.hosts, self.elapsed, at_once=True)
 
-    def _make_clock(self, pace: float | None) -> Lockstep | LiveClock:
-        lockstep = Lockstep(self._inbox, self._participation, self.drops, self._ask, pace)
+    def _create_clock(self, pace: float | None) -> Lockstep | LiveClock:
+        lockstep = Lockstep(self._inbox, self._participation, self.drops, self._send, pace)
         deadlines, dt = self.run.metrics.deadlines, self.run.scenario.run.dt
         if deadlines is None:
             return lockstep
         return LiveClock(lockstep, self._inbox, self._participation, self.drops, deadlines, dt)
 
     def _on_change(self, query: Query) -> None:
-        """Somebody wants the channel to be another one; it is from the tick that goes on, beacons of it included."""
+        """Change the channel on a person's request: from the tick that is running, its beacons included."""
         try:
             change = decode_change(query.payload)
             if self.run.is_over:
                 query.reply_err("the run is over")
                 return
-            effect = self.run.change(change.path, change.value)
+            result = self.run.change(change.path, change.value)
         except (MessageError, ScenarioError) as error:
             self.drops.reject("Change: refused", f"a change: {error}")
             query.reply_err(str(error))
             return
-        self.keep(self.run.scenario)
-        self.logger.info(
-            "tick %d: %s = %s, r* = %.3f m", effect.tick, effect.path, effect.value, effect.optimal_separation
-        )
-        query.reply(encode_result(effect), "fes.Effect")
+        if self._on_scenario_change is not None:
+            self._on_scenario_change(self.run.scenario)
+        text = "tick %d: %s = %s, r* = %.3f m"
+        self.logger.info(text, result.tick, result.path, result.value, result.optimal_separation)
+        query.reply(encode_result(result), "fes.Effect")
 
     def _on_join(self, join: Join) -> None:
         if self._checkpoints is not None:
             self._checkpoints.note([JOIN, list(join.robots), join.agent, join.arithmetic])
         self.run.readmit(join.robots)
-        here = fingerprint.text()
-        if join.arithmetic not in ("", here):
-            told = "robots %s are computed with %s, and this world with %s: their digits are not those of one loop"
-            self.logger.warning(told, list(join.robots), join.arithmetic, here)
+        own = fingerprint.text()
+        if join.arithmetic not in ("", own):
+            warning = "robots %s are computed with %s, and this world with %s: their digits are not those of one loop"
+            self.logger.warning(warning, list(join.robots), join.arithmetic, own)
         self._gate.expect(join)
 
     def _on_token(self, robot: int, alive: bool) -> None:
+        if not self._gathered:
+            if not alive:
+                self.logger.info("robot %d left before the start", robot)
+            return
         if not alive:
-            self._participation.lost(robot)
+            self._participation.disconnect(robot)
         self._farewell.on_token(robot, alive)
         self._inbox.nudge()
 
     def _attend(self, present: Bools) -> None:
-        """These robots take part from this tick on."""
+        """Let the robots of `present` [n] take part from this tick on."""
         before = self.run.state
         if (present == before.present).all():
             return
         self.run.attend(present)
-        self._participation.told(before, self.run.state)
+        self._participation.log_changes(before, self.run.state)
 
-    def _account(self) -> None:
-        """Account for the last tick, and keep the run and report to observers if it is time."""
-        self.run.account()
-        if time.perf_counter() - self._told_at >= report_builder.PERIOD and self.run.metrics.link_errors.ticks:
-            self._tell()
+    def _record_tick(self) -> None:
+        """Add the last tick to metrics and log, and report to observers if it is time."""
+        self.run.record_tick()
+        if self._reports.is_due:
+            self._reports.publish(self._registry.alive, self.elapsed)
 
-    async def _hear(self, answers: list[Answer | None], present: Bools) -> list[bytes]:
-        """The beacons of this tick, in id order; a robot at fault is excluded, in `answers` and `present` [n] too.
+    async def _collect_beacons(self, answers: list[Answer | None], present: Bools) -> list[bytes]:
+        """The beacons of this tick, in id order; excludes robots at fault, also from `answers` and `present` [n].
 
         The live clock waits for no beacon: a missing one is only late, and its sender is not at fault.
         """
-        state = self.run.state
-        legible = state.decodable & present
+        tick, decodable = self.run.state.tick, self.run.state.decodable & present
         if self.run.metrics.deadlines is not None:
-            return self._tap.heard(state.tick, legible)
+            return self._tap.received(tick, decodable)
         hosts = dict(self._registry.hosts)
-        beacons, faults = await self._tap.judge(state.tick, legible)
-        for robot, reason in faults.items():
+        beacons, faults = await self._tap.judge(tick, decodable)
+        for robot, fault in faults.items():
             group = list(hosts[robot].robots) if robot in hosts else [robot]
             if hosts.get(robot) != self._registry.hosts.get(robot):  # its agent died: the next one is not at fault
-                answers[robot], beacons[robot], present[robot] = None, b"", False
-                continue
-            if robot in self.run.excluded:
+                group = [robot]
+            elif robot in self.run.excluded:
                 continue  # with another robot of its process
-            self.run.exclude(group, f"robot {robot}: {reason}")
-            self.logger.warning("robots %s are excluded from tick %d on: %s", group, state.tick, reason)
+            else:
+                self.run.exclude(group, f"robot {robot}: {fault}")
+                self.logger.warning("robots %s are excluded from tick %d on: %s", group, tick, fault)
             for member in group:
                 answers[member], beacons[member], present[member] = None, b"", False
         return beacons
 
-    def _publish(self) -> list[bytes]:
-        """Put each robot's observation; returns the payloads, to be sent again if need be."""
-        # Whom only the scenario has dead must not fall behind.
-        sent = self.run.observations(self.run.state.present | self._participation.there)
-        for put, payload in zip(self._observe, sent, strict=True):
+    def _publish_observations(self) -> list[bytes]:
+        """Publish each robot's observation; returns the payloads, which may be sent again."""
+        # Agents whose robots are dead only by schedule still receive observations, so that they keep up.
+        payloads = self.run.observations(self.run.state.present | self._participation.reachable)
+        for put, payload in zip(self._observe, payloads, strict=True):
             if payload:
                 put(payload)
-        return sent
+        return payloads
 
-    def _ask(self, robot: int, payload: bytes) -> None:
+    def _send(self, robot: int, payload: bytes) -> None:
         self._observe[robot](payload)
-
-    def _tell(self) -> None:
-        now, ticks = time.perf_counter(), self.run.metrics.link_errors.ticks
-        rate = (ticks - self._told_tick) / max(now - self._told_at, 1e-9)
-        self._told_at, self._told_tick = now, ticks
-        report = report_builder.build(self.run.metrics, self.name, self._registry.alive, self.elapsed, rate)
-        payload = encode_report(report)
-        if len(payload) <= wire.MAX_PAYLOAD:  # beyond, at about 8,000 robots, there is nothing to watch
-            self._report(payload)

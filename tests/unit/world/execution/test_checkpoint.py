@@ -1,4 +1,4 @@
-"""What a run is gone on from: notes and checkpoints that may be torn, damaged, or made to do harm."""
+"""Notes and checkpoints of a run: torn, damaged, or crafted to do harm."""
 
 import argparse
 import hashlib
@@ -48,7 +48,7 @@ def test_a_flipped_bit_in_a_note_is_damage_wherever_it_stands_and_a_cut_is_not(t
             path.write_bytes(whole[:place] + bytes([whole[place] ^ 1 << bit]) + whole[place + 1 :])
             with pytest.raises(FesError, match=r"journal is damaged at byte \d+: "):
                 list(journal.notes(path))
-    for count in range(1, 100):  # the system writes from front to end: zeros at the end are no cut
+    for count in range(1, 100):  # the system writes from front to end, so zeros at the end are damage
         path.write_bytes(whole[:-count] + bytes(count))
         with pytest.raises(FesError, match=r"journal is damaged at byte \d+: "):
             list(journal.notes(path))
@@ -82,13 +82,13 @@ def test_notes_that_are_lost_moved_or_of_another_run_are_damage(tmp_path: Path) 
     for paths, number, first_tick in (([second], 1, 7), ([first], 2, 7), ([first, second], 1, 8), ([], 1, 7)):
         with pytest.raises(FesError, match=r"is damaged: notes before it are missing|^journal 1 is missing"):
             read(paths, number, first_tick)
-    # A resumed world dropped the cut note, and died again before its next checkpoint: the checksums show it.
+    # A resumed world dropped the cut note, and died again before its next checkpoint: the checksums prove it.
     first.write_bytes(whole + b"x")
     assert len(read([first, second])) == 6
 
 
 class Full:
-    """A file on a disk without room for more than the head of what is written, until there is again."""
+    """A file on a full disk, which takes only the first bytes of a write until it has room again."""
 
     def __init__(self, file: Any) -> None:
         self._file, self.room = file, False
@@ -112,8 +112,9 @@ def test_after_a_note_for_which_there_was_no_room_there_are_no_others(tmp_path: 
     assert list(journal.notes(kept.path)) == [["set", 1, "first", 1.0]]
 
 
-def test_who_shares_a_process_is_what_was_last_joined(tmp_path: Path) -> None:
-    run, checkpoints = Run(load("neighborhood.toml")), CheckpointWriter(tmp_path, 1e9, "test", "main")
+def test_the_last_join_determines_the_robots_of_a_process(tmp_path: Path) -> None:
+    checkpoints = CheckpointWriter(tmp_path, 1e9, "test", "main")
+    run = Run(load("neighborhood.toml"), note=checkpoints.note)
     checkpoints.begin(run)
     for robots in ([0, 1, 2], [0], [1, 2], [0, 1, 2], [2]):
         checkpoints.note(["join", robots, sum(robots)])
@@ -127,7 +128,7 @@ def test_who_shares_a_process_is_what_was_last_joined(tmp_path: Path) -> None:
 
 
 def holding(state: bytes, pickled: bytes) -> bytes:
-    """The file of a state with something else in it, its checksum included."""
+    """The file of a state with another pickle in it, and the right checksum."""
     magic, _, head, _ = state.split(b"\n", 3)
     checksum = hashlib.sha256(head + b"\n" + pickled).hexdigest().encode()
     return b"\n".join([magic, checksum, head, pickled])
@@ -146,7 +147,7 @@ HARM = {
     "a function of the world": b"cworld.execution.checkpoint\nclear\n(Vtrapped\ntR.",
     "what the world imports": b"cworld.execution.checkpoint\nshutil\n.",
     "a class that others made": b"cworld.execution.checkpoint\nPath\n(Vtrapped\ntR.",
-    "a class of the world that is no table": b"cworld.execution.checkpoint\nKeeper\n.",
+    "a class of the world that is not a table": b"cworld.execution.checkpoint\nCheckpointWriter\n.",
 }
 
 
@@ -169,7 +170,7 @@ def test_what_cannot_be_gone_on_from_is_one_line(tmp_path: Path) -> None:
     whole = state.read_bytes()
     for damaged, complaint in [
         (b"", "is not a checkpoint$"),
-        (b"fes checkpoint 9\n1\n", "is a checkpoint of format 9; this fes reads format 3$"),
+        (b"fes checkpoint 9\n1\n", "is a checkpoint of format 9; this fes reads format 4$"),
         (whole[:-10], "is damaged: its SHA-256 differs$"),
         (whole[:300] + b"\0" + whole[301:], "is damaged: its SHA-256 differs$"),
         (whole.replace(b'"numpy": "', b'"numpy": "9'), "is damaged: its SHA-256 differs$"),
@@ -191,7 +192,7 @@ def test_what_cannot_be_gone_on_from_is_one_line(tmp_path: Path) -> None:
     ]
     for note in notes:
         path.unlink()
-        kept = journal.Journal(path, snapshot.number, snapshot.notes)
+        kept = journal.Journal(path, snapshot.number, snapshot.checksum)
         kept.add(note)
         kept.close()
         with pytest.raises(FesError, match=r"^the notes in .*checkpoint are damaged: ") as caught:
@@ -204,11 +205,11 @@ def test_what_cannot_be_gone_on_from_is_one_line(tmp_path: Path) -> None:
     [
         ([], "give a SCENARIO, or --resume RUN_DIR"),
         (["--resume", "nowhere"], "there is no run directory nowhere"),
-        (["x.toml", "--resume", "nowhere"], "--resume goes on with the run as it was"),
-        (["--resume", "nowhere", "--seed", "3"], "--resume goes on with the run as it was"),
+        (["x.toml", "--resume", "nowhere"], "--resume continues the run as it was"),
+        (["--resume", "nowhere", "--seed", "3"], "--resume continues the run as it was"),
     ],
 )
-def test_flags_that_do_not_go_together_are_one_line(
+def test_flags_that_exclude_each_other_are_one_line(
     words: list[str], complaint: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sys.argv", ["fes-world", *words])
@@ -220,5 +221,5 @@ def test_flags_that_do_not_go_together_are_one_line(
 def test_a_new_run_leaves_nothing_of_an_older_one_to_go_on_from(tmp_path: Path) -> None:
     begun(tmp_path / "run")
     flags = argparse.Namespace(out=tmp_path / "run", no_record=True, checkpoint=0.0)
-    process._recorder(flags, process.Start(load("pair.toml"), "pair", "main"))
+    process._open_log(flags, process.Start(load("pair.toml"), "pair", "main"))
     assert not checkpoint.has_checkpoint(tmp_path / "run")

@@ -1,4 +1,4 @@
-"""A checkpoint that is not finished: the one before it, and all notes since, are what a run is gone on from."""
+"""An incomplete checkpoint: the run resumes from the one before it, and from all notes since."""
 
 import contextlib
 import os
@@ -18,7 +18,7 @@ from world.execution.run import Run
 
 @contextlib.contextmanager
 def files_up_to(size: int) -> Iterator[None]:
-    """The system lets no file grow beyond `size` [bytes]: it writes what fits, and then refuses."""
+    """Block in which no file can grow beyond `size` [bytes]: a write stops there, and the next one fails."""
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
     try:
@@ -29,7 +29,7 @@ def files_up_to(size: int) -> Iterator[None]:
 
 @contextlib.contextmanager
 def failing(name: str, number: int = 0) -> Iterator[None]:
-    """A call to the system fails, after so many that do not."""
+    """Block in which a system call fails after `number` calls that succeed."""
     done, left = getattr(os, name), [number]
 
     def refused(*words: object) -> None:
@@ -45,8 +45,9 @@ def failing(name: str, number: int = 0) -> Iterator[None]:
 
 @pytest.fixture
 def kept(tmp_path: Path) -> tuple[Run, CheckpointWriter]:
-    """A run of five ticks, kept at its first."""
-    run, checkpoints = Run(load("pair.toml")), CheckpointWriter(tmp_path, 1e9, "pair", "main")
+    """A run of five ticks, with a checkpoint of its first."""
+    checkpoints = CheckpointWriter(tmp_path, 1e9, "pair", "main")
+    run = Run(load("pair.toml"), note=checkpoints.note)
     checkpoints.begin(run)
     team = Team(run.scenario)
     for _ in range(5):
@@ -73,7 +74,7 @@ def test_where_a_checkpoint_fails_halfway_the_one_before_it_and_all_notes_are_th
     with broken[how], pytest.raises(FesError, match=r"^cannot keep a checkpoint: "):
         checkpoints.save(run, {}, 0.1, at_once=True)
     assert state.read_bytes() == before
-    run.attend(run.world.ids != 1)  # goes into the new journal
+    run.attend(run.world.ids != 1)  # noted in the new journal
     checkpoints.close(run)
     snapshot = resume.load(tmp_path)
     assert (snapshot.number, snapshot.state.tick) == (1, 0)
@@ -89,7 +90,7 @@ def test_a_checkpoint_takes_the_place_of_the_one_before_it_when_all_of_it_is_on_
     tmp_path: Path, kept: tuple[Run, CheckpointWriter], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run, checkpoints = kept
-    synced: set[tuple[int, int]] = set()  # which file, and how much of it
+    synced: set[tuple[int, int]] = set()  # inode, and size
     fsync, replace, replaced = os.fsync, os.replace, list[tuple[int, int]]()
 
     def of(path: Path) -> tuple[int, int]:
@@ -102,7 +103,7 @@ def test_a_checkpoint_takes_the_place_of_the_one_before_it_when_all_of_it_is_on_
     def take_its_place(part: Path, whole: Path) -> None:
         replaced.append(of(part))
         assert replaced[-1] in synced
-        assert of(tmp_path / FOLDER / DIGEST_INPUT) in synced  # without it there is no digest
+        assert of(tmp_path / FOLDER / DIGEST_INPUT) in synced  # the digest needs it
         replace(part, whole)
 
     monkeypatch.setattr(os, "fsync", sync)

@@ -15,18 +15,18 @@ CONTROL: Any = access.control(RUN, 6, [range(4, 6), range(4, 9)])["access_contro
 
 
 def permitted(role: str, flow: str, message: str, key: str) -> bool:
-    """Whether a rule of the role includes the message, as Zenoh decides."""
-    named = {name for policy in CONTROL["policies"] if role in policy["subjects"] for name in policy["rules"]}
+    """True if a rule of the role includes the message, as Zenoh decides."""
+    rules = {name for policy in CONTROL["policies"] if role in policy["subjects"] for name in policy["rules"]}
     return any(
         message in rule["messages"] and flow in rule["flows"] and zenoh.KeyExpr(pattern).includes(zenoh.KeyExpr(key))
         for rule in CONTROL["rules"]
-        if rule["id"] in named
+        if rule["id"] in rules
         for pattern in rule["key_exprs"]
     )
 
 
 def everything(message: str, flow: str, role: str) -> set[str]:
-    """The keys of the table, for robots 2 to 4, that a role may use so."""
+    """The keys of the table, for robots 2 to 4, on which a role may send or receive such a message."""
     table = [key(RUN) for key in WORLD] + [key(RUN, robot) for key in ROBOT for robot in (2, 3, 4)]
     table += [keys.held_beacon(RUN, robot, ids) for robot in (2, 3, 4) for ids in ("2", "3", "4", "4-5")]
     table += [keys.welcome(RUN, ids) for ids in ("2", "3", "4", "4-5")]
@@ -37,35 +37,35 @@ BEACONS = {f"robot/{robot}/beacon" for robot in (2, 3, 4)}
 TOKENS = {"world/alive", *(f"robot/{robot}/alive" for robot in (2, 3, 4))}
 
 
-def held(ids: str) -> set[str]:
-    """Where an agent asks for beacons that it missed."""
+def recalled(ids: str) -> set[str]:
+    """The keys on which an agent recalls beacons that it missed."""
     return {f"world/beacon/{robot}/{ids}" for robot in (2, 3, 4)}
 
 
-def test_a_robot_says_only_what_is_its_own() -> None:
+def test_a_robot_publishes_only_on_its_own_keys() -> None:
     assert everything("put", "ingress", "robot-3") == {"robot/3/beacon", "robot/3/command"}
     assert everything("liveliness_token", "ingress", "robot-3") == {"robot/3/alive"}
-    assert everything("query", "ingress", "robot-3") == {"world/welcome/3", *held("3")}
+    assert everything("query", "ingress", "robot-3") == {"world/welcome/3", *recalled("3")}
     for message in ("declare_queryable", "reply"):
         assert everything(message, "ingress", "robot-3") == {"robot/3/recall"}
 
 
-def test_a_robot_hears_its_own_observation_beacons_and_whether_the_world_lives() -> None:
+def test_a_robot_receives_its_own_observation_beacons_and_the_token_of_the_world() -> None:
     for flow, message in (("ingress", "declare_subscriber"), ("egress", "put")):
         assert everything(message, flow, "robot-3") == {"robot/3/observation", *BEACONS}
     for flow, message in (("ingress", "declare_liveliness_subscriber"), ("egress", "liveliness_token")):
         assert everything(message, flow, "robot-3") == {"world/alive"}
-    assert everything("reply", "egress", "robot-3") == {"world/welcome/3", *held("3")}
+    assert everything("reply", "egress", "robot-3") == {"world/welcome/3", *recalled("3")}
     assert everything("query", "egress", "robot-3") == {"robot/3/recall"}
 
 
 def test_a_crew_has_the_rights_of_its_robots_and_asks_for_them_together() -> None:
     assert everything("put", "ingress", "robot-4-5") == {"robot/4/beacon", "robot/4/command"}
-    assert everything("query", "ingress", "robot-4-5") == {"world/welcome/4-5", *held("4-5")}
+    assert everything("query", "ingress", "robot-4-5") == {"world/welcome/4-5", *recalled("4-5")}
 
 
 @pytest.mark.parametrize("role", ["observer", "operator"])
-def test_observers_and_operators_read_reports_and_tokens_and_say_nothing(role: str) -> None:
+def test_observers_and_operators_receive_reports_and_tokens_and_publish_nothing(role: str) -> None:
     for flow, message in (("ingress", "declare_subscriber"), ("egress", "put")):
         assert everything(message, flow, role) == {"world/report"}
     for flow, message in (("ingress", "declare_liveliness_subscriber"), ("egress", "liveliness_token")):
@@ -74,13 +74,13 @@ def test_observers_and_operators_read_reports_and_tokens_and_say_nothing(role: s
         assert everything(message, "ingress", role) == set()
 
 
-def test_only_an_operator_may_ask_for_a_change() -> None:
+def test_only_an_operator_may_request_a_change() -> None:
     asking = {role for role in SUBJECTS if "world/set" in everything("query", "ingress", role)}
     assert asking == {"operator"}
 
 
 class Endless(Sequence[int]):
-    """A crew of a certificate that somebody put there: too many robots to look at each."""
+    """The crew of a foreign certificate, with too many robots to look at each."""
 
     def __len__(self) -> int:
         return 10**10
@@ -103,7 +103,7 @@ def test_a_crew_that_no_run_can_have_costs_nothing() -> None:
 SUBJECTS = [name for subject in CONTROL["subjects"] for name in subject["cert_common_names"]]
 
 
-def test_nobody_may_delete_answer_or_use_a_pattern_and_all_else_is_denied() -> None:
+def test_no_robot_may_delete_reply_or_use_a_pattern_and_every_other_message_is_denied() -> None:
     assert CONTROL["enabled"]
     assert CONTROL["default_permission"] == "deny"
     for role in SUBJECTS:

@@ -1,11 +1,11 @@
-"""The audit on lines of Zenoh 1.10's log: what happened is told from what Zenoh only computes ahead."""
+"""The audit on lines of Zenoh 1.10's log: it separates real attempts from those that Zenoh only computes ahead."""
 
 import logging
 
 import pytest
 
 from fes.transport.drop_log import LONGEST_LINE
-from world.server.audit import KINDS_OF_ONE, Audit
+from world.server.audit import KINDS_PER_NAME, Audit
 
 PLACE = "zenoh::net::routing::interceptor::access_control:"
 TRACE = f"2026-11-22T04:02:14.951301Z TRACE app-1 ThreadId(03) {PLACE}"
@@ -25,7 +25,7 @@ ACTIONS = [
 
 
 def ahead(flow: str) -> list[str]:
-    """What Zenoh logs when it computes what a key permits."""
+    """The lines that Zenoh logs when it computes the permissions of a key."""
     denials = [f"{TRACE} {WHO} is unauthorized to {action} ({flow}) on {KEY}" for action in ACTIONS]
     return [f"{TRACE} ACL ({flow}): caching permissions for `{KEY}` ...", *denials]
 
@@ -44,7 +44,7 @@ def fed(*lines: str) -> Audit:
     return audit
 
 
-def test_what_is_computed_ahead_is_no_attempt() -> None:
+def test_a_computation_ahead_is_not_an_attempt() -> None:
     assert counted(*ahead("ingress"), *ahead("egress")) == {}
 
 
@@ -56,13 +56,13 @@ def test_an_attempt_is_counted_with_the_name_on_its_certificate() -> None:
     }
 
 
-def test_an_attempt_that_is_not_looked_up_is_told_from_the_same_words_computed_ahead() -> None:
+def test_an_attempt_without_a_cached_result_is_distinguished_from_the_same_line_computed_ahead() -> None:
     plain = f"{TRACE} {WHO} is unauthorized to Query (ingress) on {KEY}"
     assert counted(*ahead("ingress"), *ahead("egress"), plain) == {f"robot-3: query on {KEY}": 1}
     assert counted(plain) == {f"robot-3: query on {KEY}": 1}
 
 
-def test_what_does_not_reach_somebody_and_what_is_permitted_is_nobodys_fault() -> None:
+def test_an_undelivered_message_and_a_permitted_one_are_not_attempts() -> None:
     permitted = f"{TRACE} Using cached result: 5630af is authorized to Put (ingress) on fes/main/robot/3/beacon"
     assert counted(cached("Put (egress)"), permitted) == {}
 
@@ -77,7 +77,7 @@ def test_what_does_not_reach_somebody_and_what_is_permitted_is_nobodys_fault() -
         ("received fatal alert: DecryptError", "it does not trust the world's certificate"),
     ],
 )
-def test_a_connection_that_failed_is_told_in_our_words(said: str, meant: str) -> None:
+def test_a_failed_connection_is_explained_in_plain_words(said: str, meant: str) -> None:
     line = f"2026-11-22T04:01:46Z  WARN app-3 ThreadId(11) zenoh_link_tls::unicast: {said}. Hint: increase the limit."
     assert counted(line, line) == {f"connection: {meant}": 2}
 
@@ -93,19 +93,21 @@ def test_each_kind_is_logged_once_however_the_log_is_cut(caplog: pytest.LogCaptu
 
 
 def denied(name: str, key: str) -> str:
-    """A put of whoever has that name on its certificate."""
+    """The line of a denied put by a client with this name on its certificate."""
     return f"{TRACE} {WHO.replace('robot-3', name)} is unauthorized to Put (ingress) on {key}"
 
 
-def test_who_fills_the_log_with_made_up_keys_and_names_hides_nobody_else(caplog: pytest.LogCaptureFixture) -> None:
-    made_up = [denied("robot-3", f"made/up/{number}") for number in range(10 * KINDS_OF_ONE)]
-    nobody = [denied(f"nobody-{number}", KEY) for number in range(10 * KINDS_OF_ONE)]
+def test_a_client_that_fills_the_log_with_made_up_keys_and_names_hides_no_other(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    made_up = [denied("robot-3", f"made/up/{number}") for number in range(10 * KINDS_PER_NAME)]
+    nobody = [denied(f"nobody-{number}", KEY) for number in range(10 * KINDS_PER_NAME)]
     no_tls = f"{TRACE} zenoh_link_tls::unicast: received corrupt message"
     audit = fed(*made_up, *nobody, denied("operator", KEY), denied("operator", KEY), no_tls)
     said = [record.getMessage() for record in caplog.records]
     lines = [sum(name in line for line in said) for name in ("robot-3's", "nobody", "operator's")]
-    assert lines == [KINDS_OF_ONE + 1, KINDS_OF_ONE + 1, 1]
-    last = f"dropped robot-3's put on made/up/{KINDS_OF_ONE}: it has no right to it"
+    assert lines == [KINDS_PER_NAME + 1, KINDS_PER_NAME + 1, 1]
+    last = f"dropped robot-3's put on made/up/{KINDS_PER_NAME}: it has no right to it"
     assert f"{last} (further kinds are counted, not shown)" in said
     assert "dropped a connection: it does not speak TLS" in said[-1]
     caplog.clear()
@@ -113,7 +115,7 @@ def test_who_fills_the_log_with_made_up_keys_and_names_hides_nobody_else(caplog:
     totals = [record.getMessage() for record in caplog.records]
     assert totals[0] == "dropped messages: connection: it does not speak TLS x1"
     assert f"dropped messages: operator: put on {KEY} x2" in totals
-    assert sum(f"robot-3: other x{9 * KINDS_OF_ONE}, robot-3: put on" in line for line in totals) == 1
+    assert sum(f"robot-3: other x{9 * KINDS_PER_NAME}, robot-3: put on" in line for line in totals) == 1
     assert len(totals) == 4
 
 

@@ -1,4 +1,4 @@
-"""The live clock's rules, tick by tick: what is held, what is late, and what is skipped."""
+"""The rules of the live clock, tick by tick: held, late and skipped commands."""
 
 import asyncio
 import logging
@@ -38,8 +38,8 @@ def command(robot: int, tick: int, speed: float = 1.0) -> bytes:
     return messages.encode_command(Command(tick, robot, (speed, 0.0), NOTHING, np.zeros(0), np.zeros(0)))
 
 
-class Everybody:
-    """An attendance that notes what it is told."""
+class StubParticipation:
+    """Participation that notes the calls to it."""
 
     def __init__(self) -> None:
         self.silent: list[list[int]] = []
@@ -48,32 +48,32 @@ class Everybody:
     def hang(self, silent: Any) -> None:
         self.silent.append(np.flatnonzero(silent).tolist())
 
-    def woke(self, robot: int) -> bool:
+    def wake(self, robot: int) -> bool:
         self.heard.append(robot)
         return False
 
 
-def world_of_two() -> tuple[State, Deadlines, Everybody]:
+def world_of_two() -> tuple[State, Deadlines, StubParticipation]:
     world = truth.create(load("pair.toml", run__clock="live"))
-    return truth.start(world), no_deadlines(2), Everybody()
+    return truth.start(world), no_deadlines(2), StubParticipation()
 
 
-def warm(everybody: Any, deadlines: Deadlines) -> tuple[Inbox, LiveClock]:
-    """A live clock whose ticks in lockstep are over, and where its commands come in."""
+def warm(participation: Any, deadlines: Deadlines) -> tuple[Inbox, LiveClock]:
+    """The inbox of a live clock, and the clock, whose ticks in lockstep are over."""
     inbox, drops = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
-    lockstep = Lockstep(inbox, everybody, drops, lambda robot, payload: None)
-    clock = LiveClock(lockstep, inbox, everybody, drops, deadlines, TICK)
+    lockstep = Lockstep(inbox, participation, drops, lambda robot, payload: None)
+    clock = LiveClock(lockstep, inbox, participation, drops, deadlines, TICK)
     clock._left = 0
     return inbox, clock
 
 
-def spoken(said: dict[int, list[bytes]], ticks: int) -> tuple[list[list[int]], Deadlines, Everybody]:
-    """For each tick the tick of the command that each of two robots follows, -1 for none; `said` by tick."""
-    state, deadlines, everybody = world_of_two()
+def spoken(said: dict[int, list[bytes]], ticks: int) -> tuple[list[list[int]], Deadlines, StubParticipation]:
+    """Per tick: the tick of the command that each of two robots follows, -1 for none; `said` are commands by tick."""
+    state, deadlines, participation = world_of_two()
     found: list[list[int]] = []
 
     async def main() -> None:
-        inbox, clock = warm(everybody, deadlines)
+        inbox, clock = warm(participation, deadlines)
         clock._end_of_tick = lambda: asyncio.sleep(0)  # type: ignore[method-assign]
         for tick in range(ticks):
             for payload in said.get(tick, []):
@@ -86,7 +86,7 @@ def spoken(said: dict[int, list[bytes]], ticks: int) -> tuple[list[list[int]], D
             found.append(ticks_of.tolist())
 
     asyncio.run(main())
-    return found, deadlines, everybody
+    return found, deadlines, participation
 
 
 class WarmUp:
@@ -102,14 +102,14 @@ class WarmUp:
 
 
 def test_the_first_ticks_of_a_live_clock_are_in_lockstep_and_their_last_command_holds_on() -> None:
-    state, deadlines, everybody = world_of_two()
+    state, deadlines, participation = world_of_two()
     warm_up = WarmUp()
 
     async def main() -> list[tuple[list[int], list[bool]]]:
         inbox, drops = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
-        clock = LiveClock(warm_up, inbox, everybody, drops, deadlines, TICK)  # type: ignore[arg-type]
+        clock = LiveClock(warm_up, inbox, participation, drops, deadlines, TICK)  # type: ignore[arg-type]
         found = []
-        for tick in range(7, 7 + WARM_UP + 1):  # a world that goes on warms up, too
+        for tick in range(7, 7 + WARM_UP + 1):  # a resumed world warms up, too
             answers, present = await clock.collect(replace(state, tick=tick), [b"", b""])
             found.append(([answer[0].tick if answer else -1 for answer in answers], present.tolist()))
         return found
@@ -124,7 +124,7 @@ def test_the_last_command_is_held_until_it_is_too_old_and_then_the_robot_stops()
     ticks = 40
     always = {tick: [command(0, tick)] for tick in range(ticks)}
     always[0].append(command(1, 0))
-    found, deadlines, everybody = spoken(always, ticks)
+    found, deadlines, participation = spoken(always, ticks)
     alive = round(COMMAND_TIMEOUT / TICK + 0.4999)  # ticks for which a command holds
     assert [robots[0] for robots in found] == list(range(ticks))
     assert [robots[1] for robots in found] == [0] * alive + [-1] * (ticks - alive)
@@ -132,7 +132,7 @@ def test_the_last_command_is_held_until_it_is_too_old_and_then_the_robot_stops()
     assert deadlines.missed.tolist() == [0, ticks - 1]
     assert deadlines.stopped.tolist() == [0, ticks - alive]
     assert deadlines.late.tolist() == [0, 0]
-    assert everybody.silent == []
+    assert participation.silent == []
 
 
 def test_what_comes_late_is_counted_once_and_followed_from_then_on() -> None:
@@ -149,13 +149,13 @@ def test_what_comes_late_is_counted_once_and_followed_from_then_on() -> None:
     assert deadlines.table()["missed_share"] == 2 / 8
 
 
-def test_who_says_nothing_for_long_is_left_out() -> None:
+def test_a_silent_robot_is_excluded() -> None:
     ticks = round(live.HANG_TIMEOUT / TICK) + 1
-    _, _, everybody = spoken({tick: [command(0, tick)] for tick in range(ticks)}, ticks)
-    assert everybody.silent == [[1]]
+    _, _, participation = spoken({tick: [command(0, tick)] for tick in range(ticks)}, ticks)
+    assert participation.silent == [[1]]
 
 
-def test_a_command_of_a_tick_to_come_is_refused() -> None:
+def test_a_command_for_a_future_tick_is_rejected() -> None:
     found, deadlines, _ = spoken({0: [command(0, 1), command(1, 0)]}, 2)
     assert found == [[-1, 0], [-1, 0]]
     assert deadlines.late.tolist() == [0, 0]
@@ -176,7 +176,7 @@ def test_an_agent_answers_the_newest_tick_and_counts_those_it_skipped() -> None:
         for tick in (0, 1, 2):
             sense(0, tick)
         sense(1, 0)
-        sense(1, 1)  # robot 1's of tick 2 is on its way
+        sense(1, 1)  # robot 1's observation of tick 2 is on its way
         async for observations in ticks.live(world):
             assert {one.tick for one in observations} == {ticks.tick}
             answered.append(ticks.tick)
@@ -186,7 +186,7 @@ def test_an_agent_answers_the_newest_tick_and_counts_those_it_skipped() -> None:
                     sense(0, tick)
             elif ticks.tick == 5:
                 for robot in (0, 1):
-                    sense(robot, 900, since=900)  # it was away: nothing was skipped
+                    sense(robot, 900, since=900)  # the robots were absent: no tick was skipped
             elif ticks.tick == 900:
                 sense(0, 901, over=True)
         return answered, ticks
@@ -196,8 +196,8 @@ def test_an_agent_answers_the_newest_tick_and_counts_those_it_skipped() -> None:
     assert ticks.skipped == 3
 
 
-class Nobody:
-    """A bus on which nobody listens."""
+class SilentBus:
+    """A bus without subscribers."""
 
     def declare_publisher(self, key: str, schema: str, mark: bytes | None = None) -> Any:
         return lambda payload: None
@@ -205,8 +205,8 @@ class Nobody:
     def declare_queryable(self, key: str, handler: Any) -> None: ...
 
 
-def test_a_mouth_that_skips_ticks_forgets_as_much() -> None:
-    outbox = Outbox(Nobody(), "test", (0,), DropLog(logging.getLogger("test")))  # type: ignore[arg-type]
+def test_an_outbox_that_skips_ticks_forgets_as_much() -> None:
+    outbox = Outbox(SilentBus(), "test", (0,), DropLog(logging.getLogger("test")))  # type: ignore[arg-type]
     for tick in range(0, 3000, 3):
         outbox.publish(tick, [(0, b"beacon", b"command")])
     assert len(outbox._commands) <= 2
@@ -214,11 +214,11 @@ def test_a_mouth_that_skips_ticks_forgets_as_much() -> None:
 
 
 def test_a_world_that_is_late_slips_and_gives_every_robot_a_whole_tick(monkeypatch: pytest.MonkeyPatch) -> None:
-    _, deadlines, everybody = world_of_two()
+    _, deadlines, participation = world_of_two()
     wall = Clock(monkeypatch, "world.server.live", lambda sleep: 0.5 if sleep == 2 else 0.001)
 
     async def main() -> None:
-        _, clock = warm(everybody, deadlines)
+        _, clock = warm(participation, deadlines)
         for _ in range(4):
             await clock._end_of_tick()
 

@@ -1,0 +1,53 @@
+"""The command line of fes-world."""
+
+import argparse
+from pathlib import Path
+
+from fes import process
+from world.config.scenario import parse_override
+from world.execution.checkpoint import PERIOD
+
+
+def parser() -> process.OneLineParser:
+    """The parser of all flags."""
+    parser = process.OneLineParser(
+        prog="fes-world",
+        description="Ground truth and radio channel of a run.",
+        epilog="example: fes-world configs/pair.toml --out runs/by-hand",
+    )
+    parser.add_argument(
+        "scenario", nargs="?", metavar="SCENARIO", help="scenario file, for example configs/paper.toml"
+    )
+    parser.add_argument("--resume", type=Path, metavar="RUN_DIR", help="resume the run of this directory")
+    parser.add_argument("--name", help="name of the scenario in the summary (default: that of its file)")
+    add_scenario_flags(parser)
+    parser.add_argument("--rtf", type=process.real_time_factor, metavar="max|X", help="pace: simulated s per s")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="run directory for scenario, summary and log")
+    parser.add_argument(
+        "--checkpoint",
+        type=process.period,
+        default=PERIOD,
+        metavar="S",
+        help="time between two checkpoints in --out [s]; 0 for none (default: %(default)g)",
+    )
+    parser.add_argument("--no-record", action="store_true", help="write no log (run.mcap)")
+    process.add_network_flags(parser)
+    parser.set_defaults(run=None)  # a resumed run has its own name
+    return parser
+
+
+def add_scenario_flags(parser: argparse.ArgumentParser) -> None:
+    """Add the flags that override fields of a scenario."""
+    parser.add_argument("--set", action="append", default=[], metavar="a.b=c", help="override a field")
+    parser.add_argument("--seed", type=int, metavar="N", help="override run.seed")
+    parser.add_argument("--duration", type=float, metavar="S", help="override run.duration [s]")
+
+
+def overrides(flags: argparse.Namespace) -> dict[str, object]:
+    """The overrides in the flags, by dotted path."""
+    values = dict(parse_override(text) for text in flags.set)
+    if flags.seed is not None:
+        values["run.seed"] = flags.seed
+    if flags.duration is not None:
+        values["run.duration"] = flags.duration
+    return values
