@@ -8,14 +8,14 @@ for ten robots is most of the time.
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from agents.control import clocks, crew
-from agents.control.crew import Crew
-from agents.laws import perturbation
+from agents.control import crew
+from agents.control.state import Crew
+from agents.laws.draws import SeededDraws
 from console.backends import inprocess
 from console.backends.inprocess import Tick
 from fes.arrays.edges import Edges
@@ -89,26 +89,34 @@ class _Places:
         return [values[a:b] for a, b in zip(self.first[:-1].tolist(), self.first[1:].tolist(), strict=True)]
 
 
+@dataclass(frozen=True, eq=False)
+class _StackedDraws:
+    """The random numbers of several runs in one crew: each pair gets those that it has in its own run."""
+
+    runs: list[SeededDraws]
+    places: _Places
+
+    def __call__(self, stream: str, robots: Ints, peers: Ints) -> Floats:
+        """A uniform number in [0, 1) for each pair of ids in the crew (robot, peer) [m]."""
+        numbers = np.empty(len(robots))
+        indices = np.searchsorted(self.places.first, robots, "right") - 1
+        for index in np.unique(indices).tolist():
+            pairs, own, first = indices == index, self.places.own[index], self.places.first[index]
+            numbers[pairs] = self.runs[index](stream, own[robots[pairs] - first], own[peers[pairs] - first])
+        return numbers
+
+
 def _assemble(scenarios: Sequence[Scenario], places: _Places) -> Crew:
-    seeds = [agent_config(scenario).seed for scenario in scenarios]
-
-    def numbers(_: int, stream: str, links: Edges) -> Floats:
-        runs = zip(seeds, _parts(links, places), strict=True)
-        return np.concatenate([perturbation.pair_numbers(seed, stream, part) for seed, part in runs])
-
+    """The crew of all runs."""
     config = agent_config(scenarios[0])
     faults = [
         fault.model_copy(update={"robot": fault.robot + first})
         for first in places.first[:-1].tolist()
         for fault in config.faults
     ]
-    together = crew.create(config.model_copy(update={"faults": faults}), np.arange(places.first[-1]))
-    drawn = [clocks.drawn(agent_config(scenario), own) for scenario, own in zip(scenarios, places.own, strict=True)]
-    return replace(
-        together,
-        seeker=replace(together.seeker, numbers=numbers),
-        clocks=replace(together.clocks, drawn=np.concatenate(drawn)),
-    )
+    seeds = [SeededDraws(agent_config(scenario).seed) for scenario in scenarios]
+    stacked = config.model_copy(update={"faults": faults})
+    return crew.create(stacked, np.arange(places.first[-1]), _StackedDraws(seeds, places))
 
 
 def _parts(edges: Edges, places: _Places) -> list[Edges]:

@@ -91,7 +91,7 @@ def link_reception(radio: Radio, links: Edges) -> Floats:
     """The true reception probability of each of `links.undirected` [u], mean of both ways; NaN out of contact."""
     if not len(radio.edges):
         return np.full(len(links.undirected), np.nan)
-    at = links.places_in(radio.edges)[links.undirected]
+    at = links.after(radio.edges).positions[links.undirected]
     both = 0.5 * (radio.probability.take(at) + radio.probability.take(radio.edges.reverse.take(at)))
     return np.where(at >= 0, both, np.nan)
 

@@ -6,14 +6,15 @@ for the bursts. A contact opens two ticks after the robots came in range.
 """
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fes.arrays import draws, geometry
-from fes.arrays.edges import Edges
+from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Bools, Bytes, Floats, Ints
 from fes.model import outage
 from fes.model.sensing import CLOSED, OPENING_TICKS
@@ -21,6 +22,8 @@ from world.config.radio import JammerConfig, RadioConfig, ShadowingConfig
 from world.simulation import bursts, shadowing
 from world.simulation.draw_cache import DrawCache
 from world.simulation.neighbor_list import Proximity
+
+Array = NDArray[Any]
 
 _FARTHEST = 100.0  # powers of ten by which shadowing moves an effective separation at most: numbers stay finite
 
@@ -63,18 +66,21 @@ class Radio:
     """GOOD, BAD or UNKNOWN, for the previous tick's beacon; it stands still while the channel has no bursts [m]."""
 
 
-_FRESH: dict[str, Any] = {
-    "age": np.int64(0),
-    "reception": np.uint8(CLOSED),
-    "sent": np.int64(0),
-    "decoded": np.int64(0),
-    "probability": np.float64(math.nan),
-    "outage_sum": np.float64(0.0),
-    "gap": np.int64(0),
-    "longest_gap": np.int64(0),
-    "burst": np.uint8(bursts.UNKNOWN),
-}
-"""The ledger of a pair that has just come in range."""
+_NO_INTS: Ints = np.zeros(0, dtype=np.int64)
+_NO_CODES: Bytes = np.zeros(0, dtype=np.uint8)
+_NO_NUMBERS: Floats = np.zeros(0)
+_NO_LEDGER = Radio(
+    no_edges(_NO_INTS),
+    age=_NO_INTS,
+    reception=_NO_CODES,
+    sent=_NO_INTS,
+    decoded=_NO_INTS,
+    probability=_NO_NUMBERS,
+    outage_sum=_NO_NUMBERS,
+    gap=_NO_INTS,
+    longest_gap=_NO_INTS,
+    burst=_NO_CODES,
+)
 
 
 def medium(seed: int, dt: float) -> Medium:
@@ -84,40 +90,44 @@ def medium(seed: int, dt: float) -> Medium:
 
 
 def quiet(edges: Edges) -> Radio:
-    """The radio before the first tick: nothing was sent."""
-    return Radio(edges, **{name: np.full(len(edges), value) for name, value in _FRESH.items()})
+    """The radio before the first tick: every pair has just come in range, and no beacon was sent."""
+    return _converted(_NO_LEDGER, edges, edges.after(_NO_LEDGER.edges).carry)
 
 
-def transmit(
-    medium: Medium,
-    config: RadioConfig,
-    radio: Radio,
-    tick: int,
-    poses: Floats,
-    present: Bools,
-    before: Proximity,
-    after: Proximity,
-    kept: Floats | None = None,
-) -> Radio:
-    """The radio at tick + 1: what became of the beacons of `tick`, sent from `poses` [n, 3] among `before`.
+@dataclass(frozen=True, eq=False)
+class RadioInput:
+    """The state of the robots at one tick, as far as it decides which of their beacons decode."""
 
-    Robots that are not `present` [n] neither send nor hear: their peers' code is LOST, but nothing was sent. `kept`
-    [n]: what each robot's own transmitter leaves of the reception probability; None where all are healthy.
+    tick: int
+    poses: Floats
+    """[n, 3] [m, m, rad; world frame]"""
+    present: Bools
+    """Robots that take part [n]: another neither sends nor receives."""
+    proximity: Proximity
+    reception_factor: Floats | None = None
+    """Factor of each robot's own transmitter on the reception probability [n]; None where all are healthy."""
+
+
+def transmit(medium: Medium, config: RadioConfig, radio: Radio, robots: RadioInput, after: Edges) -> Radio:
+    """The radio one tick later, over the pairs `after` that are then in range.
+
+    The peers of a robot that takes no part get the code LOST, but no beacon was sent.
     """
+    before, present, factor = robots.proximity, robots.present, robots.reception_factor
     edges, age = before.edges, radio.age + 1
     is_open = age >= OPENING_TICKS
     on_air = is_open if present.all() else is_open & among(edges, present)
-    probability = reception_probability(medium, config, poses, before)
-    if kept is not None:
-        probability *= kept.take(_senders(edges))
+    probability = reception_probability(medium, config, robots.poses, before)
+    if factor is not None:
+        probability *= factor.take(_senders(edges))
     average, burst = probability, radio.burst
     if config.bursts is not None:
-        burst = bursts.step(burst, config.bursts, medium.dt, medium.bursts.at(tick, edges))
+        burst = bursts.step(burst, config.bursts, medium.dt, medium.bursts.at(robots.tick, edges))
         average = probability * bursts.mean_reception_factor(config.bursts)
         probability = probability * bursts.reception_factor(burst, config.bursts)
     heard = on_air
-    if kept is not None or not config.is_certain:
-        heard = on_air & (medium.fading.at(tick, edges) < probability)
+    if factor is not None or not config.is_certain:
+        heard = on_air & (medium.fading.at(robots.tick, edges) < probability)
     gap = (radio.gap + 1) * (on_air ^ heard)
     now = Radio(
         edges,
@@ -131,7 +141,7 @@ def transmit(
         np.maximum(radio.longest_gap, gap),
         burst,
     )
-    return now if after.edges is edges else _carry(now, after.edges)
+    return now if after is edges else _converted(now, after, after.after(edges).carry)
 
 
 def reception_probability(medium: Medium, config: RadioConfig, poses: Floats, near: Proximity) -> Floats:
@@ -155,8 +165,7 @@ def among(edges: Edges, present: Bools) -> Bools:
 def reopen(radio: Radio, back: Bools) -> Radio:
     """The radio when the robots of `back` [n] return: their contacts begin as if they had just come in range."""
     fresh = ~among(radio.edges, ~back)
-    ledger: dict[str, Any] = {name: np.where(fresh, value, getattr(radio, name)) for name, value in _FRESH.items()}
-    return replace(radio, **ledger)
+    return _converted(radio, radio.edges, lambda values, first: np.where(fresh, values.dtype.type(first), values))
 
 
 def _effective(
@@ -198,12 +207,17 @@ def _senders(edges: Edges) -> Ints:
     return np.searchsorted(edges.ids, edges.peers)
 
 
-def _carry(radio: Radio, edges: Edges) -> Radio:
-    """The ledger of the pairs `edges`: of those that stay, and a fresh one for those that are new."""
-    if len(radio.edges) == 0:
-        return quiet(edges)
-    at = edges.places_in(radio.edges)
-    ledger: dict[str, NDArray[Any]] = {
-        name: np.where(at >= 0, getattr(radio, name).take(at, mode="clip"), value) for name, value in _FRESH.items()
-    }
-    return replace(radio, edges=edges, **ledger)
+def _converted(radio: Radio, edges: Edges, convert: Callable[[Array, float], Array]) -> Radio:
+    """The radio over `edges`, each array converted by `convert(values, value of a pair that just came in range)`."""
+    return Radio(
+        edges,
+        age=convert(radio.age, 0),
+        reception=convert(radio.reception, CLOSED),
+        sent=convert(radio.sent, 0),
+        decoded=convert(radio.decoded, 0),
+        probability=convert(radio.probability, math.nan),
+        outage_sum=convert(radio.outage_sum, 0.0),
+        gap=convert(radio.gap, 0),
+        longest_gap=convert(radio.longest_gap, 0),
+        burst=convert(radio.burst, bursts.UNKNOWN),
+    )

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fes.arrays import draws
-from fes.arrays.edges import Edges
+from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Floats, Ints
 
 _BLOCK = 128  # ticks of numbers drawn at a time: drawing costs per pair, not per number
@@ -18,7 +18,7 @@ class DrawCache:
 
     def __init__(self, key: Ints) -> None:
         self._key = key
-        self._edges: Edges | None = None
+        self._edges = no_edges(np.zeros(0, dtype=np.int64))
         self._first = 0
         self._blocks: Floats = np.zeros((0, 0))
         """Numbers of the ticks from `_first` on, a column a pair, in the order in which pairs came."""
@@ -29,8 +29,8 @@ class DrawCache:
         """The numbers of one tick for (receiver, sender) `edges` [m], in [0, 1)."""
         if not 0 <= tick - self._first < len(self._blocks):
             count = max(4, min(_BLOCK, _MOST // (4 * max(1, len(edges))) * 4))
-            self._first, self._edges = tick - tick % count, None
-            self._blocks = np.zeros((count, 0))
+            self._first, self._edges = tick - tick % count, no_edges(edges.ids)
+            self._blocks, self._columns = np.zeros((count, 0)), self._edges.rows
         if edges is not self._edges:
             self._take_in(edges)
         numbers: Floats = self._blocks[tick - self._first].take(self._columns)
@@ -38,9 +38,8 @@ class DrawCache:
 
     def _take_in(self, edges: Edges) -> None:
         """Columns for the pairs of `edges`; only those that have none yet are drawn."""
-        at = edges.places_in(self._edges).copy() if self._edges is not None else np.full(len(edges), -1)
-        new = np.flatnonzero(at < 0)
-        columns = self._columns.take(at, mode="clip") if len(self._columns) else at
+        columns = edges.carry(self._columns, self._edges, -1)
+        new = np.flatnonzero(columns < 0)
         columns[new] = self._blocks.shape[1] + np.arange(len(new))
         receivers = edges.ids[edges.rows[new]]
         drawn = draws.uniform_ticks(self._key, self._first, len(self._blocks), edges.peers[new], receivers)

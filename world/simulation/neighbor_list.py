@@ -6,8 +6,7 @@ a bounded number of pairs at once: memory grows only with the pairs in range.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -51,17 +50,10 @@ class Proximity:
     """Which candidates are in range [p]."""
     edges: Edges
     """They, in both directions [m]; the same object while neither the pairs in range nor the list change."""
+    pair: Ints
+    """Position of each edge's pair among the candidates [m]."""
     separation: Floats
     """Separation of the candidates [p] [m]."""
-
-    @cached_property
-    def pair(self) -> Ints:
-        """Position of each edge's pair among the candidates [m]."""
-        at = np.flatnonzero(self.mask)
-        n = len(self.edges.ids)
-        codes = np.concatenate([self.candidates.a[at] * n + self.candidates.b[at]])
-        rows, peers = self.edges.rows, np.searchsorted(self.edges.ids, self.edges.peers)
-        return at[np.searchsorted(codes, np.minimum(rows, peers) * n + np.maximum(rows, peers))]
 
 
 def measure(ids: Ints, poses: Floats, reach: float, before: Proximity | None) -> Proximity:
@@ -73,16 +65,16 @@ def measure(ids: Ints, poses: Floats, reach: float, before: Proximity | None) ->
     )
     mask = separation <= reach
     if before and before.candidates is candidates and np.array_equal(mask, before.mask):
-        current = Proximity(candidates, mask, before.edges, separation)
-        current.__dict__["pair"] = before.pair  # the same pairs stand in the same places
-        return current
-    return Proximity(candidates, mask, _edges(ids, candidates.a[mask], candidates.b[mask]), separation)
+        return replace(before, separation=separation)
+    return Proximity(candidates, mask, *_edges(ids, candidates, np.flatnonzero(mask)), separation)
 
 
-def _edges(ids: Ints, a: Ints, b: Ints) -> Edges:
+def _edges(ids: Ints, candidates: Candidates, near: Ints) -> tuple[Edges, Ints]:
+    """The pairs at positions `near` of `candidates`, in both directions, and the position of each edge's pair [m]."""
+    a, b = candidates.a[near], candidates.b[near]
     rows, columns = np.concatenate([a, b]), np.concatenate([b, a])
     order = np.argsort(rows * len(ids) + columns)
-    return Edges(ids, rows[order], ids[columns[order]])
+    return Edges(ids, rows[order], ids[columns[order]]), np.concatenate([near, near])[order]
 
 
 def _holds(candidates: Candidates, poses: Floats, reach: float) -> bool:

@@ -13,7 +13,7 @@ from world.config.faults import Transmission
 from world.config.radio import RadioConfig
 from world.config.scenario import Scenario, initial_poses
 from world.simulation import channel, crowd, neighbor_list, unicycle
-from world.simulation.channel import Medium, Radio
+from world.simulation.channel import Medium, Radio, RadioInput
 from world.simulation.neighbor_list import Proximity
 
 
@@ -88,17 +88,9 @@ def step(world: World, state: State, twists: Floats) -> State:
     """The state one tick later, the robots holding `twists` [n, 2] [m/s, rad/s]; see `held`."""
     poses = unicycle.move(state.poses, twists, world.scenario.run.dt)
     near = neighbor_list.measure(world.ids, poses, state.channel.communication_range, state.proximity)
-    radio = channel.transmit(
-        world.medium,
-        state.channel,
-        state.radio,
-        state.tick,
-        state.poses,
-        state.present,
-        state.proximity,
-        near,
-        state.transmission.reception_factor if state.transmission is not None else None,
-    )
+    factor = None if state.transmission is None else state.transmission.reception_factor
+    robots = RadioInput(state.tick, state.poses, state.present, state.proximity, factor)
+    radio = channel.transmit(world.medium, state.channel, state.radio, robots, near.edges)
     on_air = radio.reception
     if not state.present.all():
         on_air = on_air[channel.among(radio.edges, state.present)]

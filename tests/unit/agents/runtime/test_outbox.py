@@ -29,7 +29,7 @@ class Kept:
         """What is said to who asks for a beacon."""
         said: list[str] = []
         asked = SimpleNamespace(payload=messages.encode_recall(tick), reply_err=said.append)
-        asked.answer = lambda payload, schema: said.append(payload.decode())
+        asked.reply = lambda payload, schema: said.append(payload.decode())
         self.desks[keys.recall("test", robot)](asked)
         [answer] = said
         return answer
