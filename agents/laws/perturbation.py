@@ -136,10 +136,10 @@ def relink(seeker: Seeker, draws: Draws, old: Edges, state: Floats, new: Edges, 
 def extrapolate(seeker: Seeker, state: Floats, heard: Floats, age: Floats) -> Floats:
     """The peers' estimates now [l] [m], from those `heard` [l] [m] `age` [l] [s] ago.
 
-    (18) compares two estimates of the same time, but a beacon is at least a tick old. Both peers climb the same index,
-    so meanwhile the peer's estimate has drifted about as the robot's own: by xi age. Without this term the exchange
-    slows both down, by 15 % at a delay of 20 ms. Of an old beacon, only MAX_EXTRAPOLATION counts. The printed law
-    stays literal: it takes the estimate as it was heard.
+    (18) compares two estimates of the same time, but a beacon is at least a tick old. Both peers climb the same
+    index, so meanwhile the peer's estimate has drifted about as the robot's own: by xi age. Without this term the
+    exchange slows both down, by 15 % at a delay of 20 ms. Of an old beacon, only MAX_EXTRAPOLATION counts. The
+    printed law stays literal: it takes the estimate as it was heard.
     """
     if seeker.config.law == "paper":
         return heard

@@ -2,8 +2,8 @@
 
 A crew hosts n robots; each has a list of peers of its own length. Instead of padding these lists to a
 rectangle [n, K], the pairs lie one after the other, sorted by robot, then by peer. A sum over a robot's
-pairs is taken strictly in that order (`numpy.bincount` adds one by one), so a robot's digits do not
-depend on who else shares its process.
+pairs is taken strictly in that order (`numpy.bincount` adds term by term). So a robot's digits do not
+depend on the other robots of its process.
 """
 
 from dataclasses import dataclass
@@ -67,12 +67,12 @@ class Edges:
 
     @cached_property
     def mutual(self) -> Ints:
-        """Positions of the pairs with robot < peer that stand in both directions."""
+        """Positions of the pairs with robot < peer whose reverse is among the edges too."""
         return np.flatnonzero((self.reverse >= 0) & (self.robots < self.peers))
 
     @cached_property
     def undirected(self) -> Ints:
-        """Positions of one pair for each two robots that stand in either direction."""
+        """Positions of a single pair for each two robots that are linked in any direction."""
         return np.flatnonzero((self.reverse < 0) | (self.robots < self.peers))
 
     @cached_property
@@ -82,7 +82,7 @@ class Edges:
 
     @cached_property
     def spans(self) -> list[slice]:
-        """Where each robot's pairs stand [n]."""
+        """Positions of each robot's pairs [n]."""
         ends = np.cumsum(self.counts)
         begins = ends - self.counts
         return [slice(begin, end) for begin, end in zip(begins.tolist(), ends.tolist(), strict=True)]

@@ -1,8 +1,8 @@
-"""The radio: whose beacon decodes at whom.
+"""The radio: the fate of each beacon at each robot in range.
 
-A beacon is put on the air by every robot at every tick. Between two robots in range it decodes with the
-reception probability of their channel at that tick, independently for each tick and direction (block fading) but
-for the bursts. A contact opens two ticks after the robots came in range.
+Every robot sends a beacon at every tick. At a robot in range it decodes with the reception probability of the channel
+between the two at that tick. But for bursts, ticks and directions are independent (block fading). A contact opens two
+ticks after the robots came in range.
 """
 
 import math
@@ -25,12 +25,12 @@ from world.simulation.neighbor_list import Proximity
 
 Array = NDArray[Any]
 
-_FARTHEST = 100.0  # powers of ten by which shadowing moves an effective separation at most: numbers stay finite
+_FARTHEST = 100.0  # largest shift of an effective separation by shadowing [powers of ten]: numbers stay finite
 
 
 @dataclass(frozen=True, eq=False)
 class Medium:
-    """What the radio of a run rests on: all of it a function of the seed, whatever the channel is."""
+    """The random numbers of the radio of a run: functions of the seed, independent of the channel's settings."""
 
     dt: float
     """Tick length [s]."""
@@ -41,29 +41,29 @@ class Medium:
 
 @dataclass(frozen=True, eq=False)
 class Radio:
-    """What the radio did at one tick, over the pairs in range [m], and the ledger of each contact."""
+    """The result of one tick of the radio, over the pairs in range [m], and the ledger of each contact."""
 
     edges: Edges
     """(receiver, sender)"""
     age: Ints
     """Ticks since each pair came in range [m]."""
     reception: Bytes
-    """What became of the previous tick's beacon: CLOSED, LOST or DECODED [m]."""
+    """Fate of the previous tick's beacon: CLOSED, LOST or DECODED [m]."""
     sent: Ints
     """Beacons sent on each contact since it opened [m]."""
     decoded: Ints
     """Beacons decoded on it [m]."""
     probability: Floats
-    """True reception probability of the previous tick's beacon, all that lies over it included, bursts as their
-    average over the stationary law; NaN before the first [m]."""
+    """True reception probability of the previous tick's beacon, with shadowing, jammers and faults, and with the mean
+    factor of the bursts; NaN before the first beacon [m]."""
     outage_sum: Floats
-    """Sum of 1 - probability over the beacons sent: the number that is lost on average [m]."""
+    """Sum of 1 - probability over the beacons sent: the expected number of lost ones [m]."""
     gap: Ints
-    """Beacons lost in a row by now [m]."""
+    """Beacons lost in a row until now [m]."""
     longest_gap: Ints
     """The largest `gap` since the contact opened [m]."""
     burst: Bytes
-    """GOOD, BAD or UNKNOWN, for the previous tick's beacon; it stands still while the channel has no bursts [m]."""
+    """GOOD, BAD or UNKNOWN, for the previous tick's beacon; unchanged while the channel has no bursts [m]."""
 
 
 _NO_INTS: Ints = np.zeros(0, dtype=np.int64)
@@ -84,7 +84,7 @@ _NO_LEDGER = Radio(
 
 
 def medium(seed: int, dt: float) -> Medium:
-    """The medium of a run with ticks of `dt` [s]."""
+    """The medium of a run with `seed` and ticks of `dt` [s]."""
     fading, states = (DrawCache(draws.key(seed, stream)) for stream in ("channel", "bursts"))
     return Medium(dt, fading, states, shadowing.modes(seed))
 
@@ -122,12 +122,12 @@ def transmit(medium: Medium, config: RadioConfig, radio: Radio, robots: RadioInp
         probability *= factor.take(_senders(edges))
     average, burst = probability, radio.burst
     if config.bursts is not None:
-        burst = bursts.step(burst, config.bursts, medium.dt, medium.bursts.at(robots.tick, edges))
+        burst = bursts.step(burst, config.bursts, medium.dt, medium.bursts.numbers(robots.tick, edges))
         average = probability * bursts.mean_reception_factor(config.bursts)
         probability = probability * bursts.reception_factor(burst, config.bursts)
     heard = on_air
     if factor is not None or not config.is_certain:
-        heard = on_air & (medium.fading.at(robots.tick, edges) < probability)
+        heard = on_air & (medium.fading.numbers(robots.tick, edges) < probability)
     gap = (radio.gap + 1) * (on_air ^ heard)
     now = Radio(
         edges,
@@ -145,20 +145,20 @@ def transmit(medium: Medium, config: RadioConfig, radio: Radio, robots: RadioInp
 
 
 def reception_probability(medium: Medium, config: RadioConfig, poses: Floats, near: Proximity) -> Floats:
-    """Probability [m] that a beacon decodes on each edge of `near` at `poses` [n, 3], bursts aside."""
+    """Probability [m] that a beacon decodes on each edge of `near` at `poses` [n, 3], without bursts."""
     separation = near.separation
     if config.shadowing is not None and config.model != "perfect":
         separation = _effective(medium, config, config.shadowing, poses, near)
     probability = outage.reception_probability(separation.take(near.pair), config)
     if config.jammers:
-        probability *= _left_by(config.jammers, poses).take(near.edges.rows)
+        probability *= _jamming_factor(config.jammers, poses).take(near.edges.rows)
     if config.partition:
-        probability *= _on_one_side(config.partition, near.edges)
+        probability *= _same_side(config.partition, near.edges)
     return probability
 
 
 def among(edges: Edges, present: Bools) -> Bools:
-    """Which edges [m] stand between robots that are `present` [n]."""
+    """True for an edge between two robots that are `present` [n] [m]."""
     return present[edges.rows] & present[_senders(edges)]
 
 
@@ -171,30 +171,32 @@ def reopen(radio: Radio, back: Bools) -> Radio:
 def _effective(
     medium: Medium, config: RadioConfig, shadows: ShadowingConfig, poses: Floats, near: Proximity
 ) -> Floats:
-    """The separation [p] [m] at which the candidates in range would have the SNR that shadowing leaves them.
+    """The separation [p] [m] at which the candidates in range would have their SNR without shadowing.
 
     A gain of g dB is a separation times 10^(-g/(10 nu)), exactly so in (3).
     """
-    at = np.flatnonzero(near.mask)
+    in_range = np.flatnonzero(near.mask)
     separation = near.separation.copy()
-    apart = separation.take(at)
-    gain = shadowing.gain(medium.waves, shadows, poses, near.candidates.a.take(at), near.candidates.b.take(at), apart)
+    apart = separation.take(in_range)
+    gain = shadowing.gain(
+        medium.waves, shadows, poses, near.candidates.a.take(in_range), near.candidates.b.take(in_range), apart
+    )
     power = np.clip(gain / (-10.0 * config.path_loss_exponent), -_FARTHEST, _FARTHEST)
-    separation[at] = apart * np.power(10.0, power)
+    separation[in_range] = apart * np.power(10.0, power)
     return separation
 
 
-def _left_by(jammers: list[JammerConfig], poses: Floats) -> Floats:
-    """What the jammers leave of the reception probability of each robot [n]."""
-    left = np.ones(len(poses))
+def _jamming_factor(jammers: list[JammerConfig], poses: Floats) -> Floats:
+    """Factor of the jammers on the reception probability of each robot [n]."""
+    factor = np.ones(len(poses))
     for jammer in jammers:
         away = geometry.separation(poses[:, geometry.X] - jammer.x, poses[:, geometry.Y] - jammer.y)
-        left[away <= jammer.radius] *= jammer.reception_factor
-    return left
+        factor[away <= jammer.radius] *= jammer.reception_factor
+    return factor
 
 
-def _on_one_side(partition: list[list[int]], edges: Edges) -> Bools:
-    """Which edges [m] stand between robots of one group."""
+def _same_side(partition: list[list[int]], edges: Edges) -> Bools:
+    """True for an edge between two robots of the same group [m]."""
     side = np.zeros(len(edges.ids), dtype=np.int64)
     for number, group in enumerate(partition, 1):
         side[np.searchsorted(edges.ids, group)] = number

@@ -1,8 +1,8 @@
-"""Which pairs of robots are within communication range.
+"""The pairs of robots within communication range.
 
-Candidate pairs (a Verlet list) are found once with a margin and kept until some robot has moved half of it;
-per tick only the candidates' separations are measured. The search sorts robots into square cells, and examines
-a bounded number of pairs at once: memory grows only with the pairs in range.
+A list of candidate pairs (a Verlet list) has a margin, and holds until a robot has moved half of it. Per tick only
+the candidates' separations are measured. The search sorts robots into square cells, and examines a bounded number of
+pairs at once: memory grows only with the pairs in range.
 """
 
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats, Ints
 
 SMALL = 64
-"""Up to this many robots every pair is a candidate for ever: it is cheaper than looking after a list."""
+"""Largest team of which every pair is a permanent candidate: maintaining a list costs more."""
 
 MARGIN = 0.2
 """Margin of the candidate list, as a fraction of the communication range."""
@@ -24,7 +24,7 @@ BLOCK = 2**16
 """Approximate number of pairs of robots in near cells that are examined at once."""
 
 _FARTHEST_CELL = 2.0**61
-"""Where a double's spacing is hundreds of cells, robots share a cell: only those at one place are in range."""
+"""Largest number of a cell. There a double's spacing is hundreds of cells: only coinciding robots are in range."""
 
 _NEAR_CELLS = ((0, 0), (1, 0), (-1, 1), (0, 1), (1, 1))
 
@@ -36,9 +36,9 @@ class Candidates:
     a: Ints
     b: Ints
     positions: Floats | None
-    """Where the robots were when the list was made [n, 2]; None if it holds for ever."""
+    """The robots' positions when the list was made [n, 2]; None for a permanent list."""
     reach: float
-    """The communication range that it was made for [m]."""
+    """The communication range of the list [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,9 +47,9 @@ class Proximity:
 
     candidates: Candidates
     mask: Bools
-    """Which candidates are in range [p]."""
+    """True for a candidate in range [p]."""
     edges: Edges
-    """They, in both directions [m]; the same object while neither the pairs in range nor the list change."""
+    """The pairs in range, in both directions [m]; the same object while neither they nor the list change."""
     pair: Ints
     """Position of each edge's pair among the candidates [m]."""
     separation: Floats
@@ -91,8 +91,8 @@ def _find(poses: Floats, reach: float) -> Candidates:
     if n <= SMALL:
         a, b = np.triu_indices(n, 1)
         return Candidates(a, b, None, reach)
-    found = [pairs for *pairs, _ in _blocks(poses, (1.0 + MARGIN) * reach)]
-    left, right = (np.concatenate(side_) for side_ in zip(*found, strict=True))
+    blocks = [pairs for *pairs, _ in _blocks(poses, (1.0 + MARGIN) * reach)]
+    left, right = (np.concatenate(ends) for ends in zip(*blocks, strict=True))
     a, b = np.minimum(left, right), np.maximum(left, right)
     sort = np.argsort(a * n + b)
     return Candidates(a[sort], b[sort], poses[:, :2].copy(), reach)
@@ -109,8 +109,8 @@ def count(poses: Floats, reach: float, most: int) -> int:
 
 
 def _blocks(poses: Floats, side: float) -> Iterator[tuple[Ints, Ints, int]]:
-    """The pairs of robots at most `side` [m] apart, each pair once, in blocks of rows: the two rows of each pair, and
-    the number of rows in the block."""
+    """The pairs of robots at most `side` [m] apart, each once, in blocks: both rows of each pair, and the number of rows
+    of the block."""
     n = len(poses)
     with np.errstate(over="ignore"):
         cells = np.clip(np.floor(poses[:, :2] / side), -_FARTHEST_CELL, _FARTHEST_CELL).astype(np.int64)
@@ -129,7 +129,7 @@ def _blocks(poses: Floats, side: float) -> Iterator[tuple[Ints, Ints, int]]:
             _between(order, rows, first[rows], last[rows], own=step == (0, 0))
             for step, (first, last) in zip(_NEAR_CELLS, spans, strict=True)
         ]
-        left, right = (np.concatenate(side_) for side_ in zip(*parts, strict=True))
+        left, right = (np.concatenate(ends) for ends in zip(*parts, strict=True))
         apart = geometry.separation(
             poses[left, geometry.X] - poses[right, geometry.X], poses[left, geometry.Y] - poses[right, geometry.Y]
         )
@@ -137,8 +137,8 @@ def _blocks(poses: Floats, side: float) -> Iterator[tuple[Ints, Ints, int]]:
 
 
 def _between(order: Ints, rows: Ints, first: Ints, last: Ints, own: bool) -> tuple[Ints, Ints]:
-    """All pairs of a robot of `rows` and one at the places `first` to `last` [rows] of `order`; pairs within their
-    `own` cell only once."""
+    """All pairs of a robot of `rows` and a robot at the positions `first` to `last` [rows] of `order`. Pairs within
+    their `own` cell occur only once."""
     counts = last - first
     left = np.repeat(rows, counts)
     offset = np.arange(len(left)) - np.repeat(np.cumsum(counts) - counts, counts)

@@ -88,7 +88,7 @@ def test_each_robot_mixes_in_a_tenth_of_what_each_heard_robot_has_more_than_itse
     )
     np.testing.assert_allclose(
         told.statistics, [[19.0] * STATISTICS], rtol=1e-14
-    )  # 19 of 20 parts: nobody gives more than all
+    )  # 19 of 20 parts: no robot gives more than all that it has
 
 
 def test_bounds_of_estimates_grow_with_what_the_team_wants() -> None:
