@@ -186,7 +186,7 @@ def main() -> None:
         type=process.seconds,
         default=30.0,
         metavar="S",
-        help="time out if the world is not there within this time, at the start or after it left (default: %(default)g s)",
+        help="longest wait for the world, at the start or after it left (default: %(default)g s)",
     )
     process.add_network_flags(parser)
     flags = parser.parse_args()

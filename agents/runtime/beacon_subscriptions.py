@@ -48,8 +48,8 @@ class BeaconSubscriptions:
     async def recall(self, tick: int, peers: Collection[int]) -> tuple[list[Beacon], bool]:
         """The beacons of `peers` from `tick` that the world resends now, and True if it rejected a request finally.
 
-        For beacons that junk pushed out of a mailbox, or that took a slower path than the tick. The request goes to the
-        world, not the peer, so that all robots receive the same beacon, even from a hostile sender.
+        For beacons that junk pushed out of a mailbox, or that took a slower path than the tick. The request goes to
+        the world, not the peer, so that all robots receive the same beacon, even from a hostile sender.
         """
         answers = await asyncio.gather(*(self._held(peer, tick) for peer in peers))
         return [answer for answer in answers if isinstance(answer, Beacon)], False in answers

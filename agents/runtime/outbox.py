@@ -30,7 +30,7 @@ class Outbox:
             self._listen(bus, keys.recall(run, robot), robot)
 
     def publish(self, tick: int, payloads: list[tuple[int, bytes, bytes]]) -> None:
-        """Publish the beacons first, the commands last: the world's next tick then follows every beacon of this one."""
+        """Publish the beacons, then the commands: the world's next tick then follows every beacon of this one."""
         # Stored before they are published: a peer may ask as soon as the first of them arrives.
         self._beacons[tick] = {robot: beacon for robot, beacon, _ in payloads}
         self._commands[tick] = {robot: command for robot, _, command in payloads}

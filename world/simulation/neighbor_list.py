@@ -109,8 +109,8 @@ def count(poses: Floats, reach: float, most: int) -> int:
 
 
 def _blocks(poses: Floats, side: float) -> Iterator[tuple[Ints, Ints, int]]:
-    """The pairs of robots at most `side` [m] apart, each once, in blocks: both rows of each pair, and the number of rows
-    of the block."""
+    """The pairs of robots at most `side` [m] apart, each once, in blocks: both rows of each pair, and the number of
+    rows of the block."""
     n = len(poses)
     with np.errstate(over="ignore"):
         cells = np.clip(np.floor(poses[:, :2] / side), -_FARTHEST_CELL, _FARTHEST_CELL).astype(np.int64)

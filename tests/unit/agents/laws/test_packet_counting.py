@@ -40,7 +40,7 @@ def test_misses_are_learnt_from_the_gap_at_separations_in_between() -> None:
         now = contacts.update(before, sensed, layouts.poses([(0.0, 0.0)]), said, 50)
         at, separation, decoded = beacon_counting.slots(before, now, tick, np.ones(1, dtype=np.bool_))
         found.append((at.tolist(), separation.tolist(), decoded.tolist()))
-    assert found[0] == ([], [], [])  # nobody knows how many were missed before the first
+    assert found[0] == ([], [], [])  # the number missed before the first is unknown
     assert found[1:4] == [([], [], [])] * 3
     assert found[4] == ([0] * 4, [64.0, 61.0, 62.0, 63.0], [True, False, False, False])
 
