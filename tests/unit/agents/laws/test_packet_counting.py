@@ -1,4 +1,4 @@
-"""What is counted and what is learnt from it: samples, misses, exchange, and links that learn alone."""
+"""Counted beacons and the fit to them: samples, misses, exchange, and links that learn alone."""
 
 import numpy as np
 import pytest
