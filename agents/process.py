@@ -1,4 +1,4 @@
-"""The shell of an agent: joins, waits for a tick, gathers beacons, steps its crew, publishes."""
+"""The shell of an agent: joins, waits for a tick, collects beacons, steps its crew, publishes."""
 
 import os
 
@@ -33,105 +33,106 @@ from fes.transport.identity import Identity
 from fes.transport.inbox import Inbox
 
 AUTO = "auto"
-"""Instead of an id: the lowest robot that is free."""
+"""Value of --id that stands for the lowest free robot."""
 
 
 class Agent:
-    """One process's part in a run: the robots it hosts, and their way to the bus."""
+    """One process in a run: the robots that it hosts, and their connection to the bus."""
 
     def __init__(self, opened: Bus, run: str, robots: tuple[int, ...]) -> None:
         name = f"agent.{robots[0]}" if len(robots) == 1 else f"agent.{robots[0]}-{robots[-1]}"
         self.logger = logging.getLogger(name)
-        self.complaints = DropLog(self.logger)
-        self.radio = BeaconSubscriptions(opened, run, keys.span(robots), self.complaints)
+        self.drops = DropLog(self.logger)
+        self.radio = BeaconSubscriptions(opened, run, keys.span(robots), self.drops)
         self._bus = opened
         self._run = run
         self._robots = robots
         self._inbox = Inbox(asyncio.get_running_loop())
-        self.membership = Membership(opened, run, robots, self._inbox, lambda: self._turns.tick)
-        self._mouth = Outbox(opened, run, robots, self.complaints, self.membership.join.mark)
-        self._turns = TickSource(robots, self._inbox, self._mouth, self.complaints, self.membership.on_quiet)
+        self.membership = Membership(opened, run, robots, self._inbox, lambda: self._ticks.tick)
+        self._outbox = Outbox(opened, run, robots, self.drops, self.membership.join.mark)
+        self._ticks = TickSource(robots, self._inbox, self._outbox, self.drops, self.membership.on_quiet)
         self._late = 0
 
     async def join(self, timeout: float) -> Welcome:
-        """Wait for the world, and ask it for the robots; raises Absent or Refused."""
+        """Wait for the world, and ask it for the robots; raises Unavailable or Rejected."""
         return await self.membership.join_run(timeout)
 
     async def live(self, welcome: Welcome) -> None:
-        """The robots' life: one step a tick, until the world says that the run is over."""
+        """Make one step per tick, until the world ends the run."""
         ids = np.array(welcome.robots, dtype=np.int64)
         robots = crew.create(welcome.config, ids)
         state = crew.start(robots)
         stack = MessageAssembler(ids)
         for robot in self._robots:
             self._bus.declare_subscriber(keys.observation(self._run, robot), self._inbox.put)
-        for robot in self._robots:  # last of all: a token says that everything above is in place
+        for robot in self._robots:  # last: a token means that everything above is in place
             self._bus.declare_token(keys.robot_alive(self._run, robot))
         self.logger.info("ready")
         world = self.membership.world
-        tuned, since = None, np.zeros(len(ids), dtype=np.int64)
+        subscribed, since = None, np.zeros(len(ids), dtype=np.int64)
         lockstep = welcome.config.clock == "lockstep"
-        async for received in self._turns.lockstep(world) if lockstep else self._turns.live(world):
+        async for received in self._ticks.lockstep(world) if lockstep else self._ticks.live(world):
             observations = stack.observations(received)
-            now = np.array([message.since for message in received])
-            if (now != since).any():  # they were away
-                state, since = crew.forget(robots, state, now != since), now
+            joined = np.array([message.since for message in received])
+            if (joined != since).any():  # robots were absent
+                state, since = crew.forget(robots, state, joined != since), joined
             heard = self.radio.heard(observations.tick - 1)
             if lockstep:
                 heard = await self._complete(observations, heard)
             else:  # a late beacon is lost
                 self._late += contacts.missing(observations, [beacon.robot for beacon in heard])
             beacons = stack.beacons(observations.tick - 1, heard)
-            state, said, twists = crew.step(robots, state, observations, beacons)
-            if observations.in_range is not tuned:
-                tuned = observations.in_range
-                self.radio.update(set(tuned.peers.tolist()))
-            spoken = list(marshalling.encode_tick(said, twists, crew.telemetry(robots, state)))
-            self._mouth.publish(observations.tick, transmitter.on_air(robots.transmitters, observations.tick, spoken))
+            state, sent, twists = crew.step(robots, state, observations, beacons)
+            if observations.in_range is not subscribed:
+                subscribed = observations.in_range
+                self.radio.update(set(subscribed.peers.tolist()))
+            payloads = list(marshalling.encode_tick(sent, twists, crew.telemetry(robots, state)))
+            payloads = transmitter.on_air(robots.transmitters, observations.tick, payloads)
+            self._outbox.publish(observations.tick, payloads)
         self.membership.close()
 
     async def _complete(self, observations: Observations, heard: list[Beacon]) -> list[Beacon]:
-        """All beacons that decoded, by sender; raises Absent if one is missing, since digits would change.
+        """All beacons that decoded, by sender; raises Unavailable if a beacon stays missing: digits would change.
 
         Links are first-in first-out. So a beacon is missing only if junk filled a mailbox, if it took a slower path
-        than the tick, or if a router died with it. A busy world is asked again for as long as it is there.
+        than the tick, or if a router died with it. A busy world is asked again while it is reachable.
         """
         world = self.membership.world
         while absent := contacts.decoded(observations) - {beacon.robot for beacon in heard}:
-            found, refused = await self.radio.recall(observations.tick - 1, sorted(absent))
-            heard = sorted([*heard, *found], key=lambda beacon: beacon.robot)
-            if len(found) == len(absent):
+            recalled, refused = await self.radio.recall(observations.tick - 1, sorted(absent))
+            heard = sorted([*heard, *recalled], key=lambda beacon: beacon.robot)
+            if len(recalled) == len(absent):
                 break
             if not (await world.comes_back() if refused else await world.stays()):
                 raise Unavailable(f"a beacon that decoded did not arrive at tick {observations.tick}")
         return heard
 
     def certified(self, endpoints: Endpoints, directory: Path) -> str:
-        """What its certificate, with which the session opened, may have to do with a world that is absent."""
-        who = Identity(directory, identity.robot_role(self._robots))
+        """A reason in the certificate of this agent for an absent world; empty if there is none."""
+        own = Identity(directory, identity.robot_role(self._robots))
         try:
-            who.check()  # it was good at the start
-        except FesError as wrong:
-            return str(wrong)
+            own.check()  # it was valid when the session opened
+        except FesError as error:
+            return str(error)
         if self.membership.world.was_seen or endpoints.mode != "client":
             return ""
-        return f"{endpoints.shown} takes our certificate; a world there logs whether its run has no role '{who.role}'"
+        return f"{endpoints.shown} takes our certificate; a world there logs whether its run has no role '{own.role}'"
 
     @property
     def lag(self) -> str:
-        """What the live clock did not wait for, in words; empty if nothing."""
-        if self._late or self._turns.skipped:
-            return f"{self._late} beacons came too late, {self._turns.skipped} ticks were skipped"
+        """Beacons and ticks that the live clock did not wait for, in words; empty if none."""
+        if self._late or self._ticks.skipped:
+            return f"{self._late} beacons came too late, {self._ticks.skipped} ticks were skipped"
         return ""
 
     @property
     def overflow(self) -> int:
-        """Messages that found no room to wait."""
+        """Number of messages dropped from a full inbox."""
         return self._inbox.dropped
 
 
 async def lease(opened: Bus, run: str, timeout: float) -> int:
-    """The lowest robot that nobody hosts, once there is one; raises Absent or Refused after `timeout` [s]."""
+    """The lowest robot without an agent, once one is free; raises Unavailable or Rejected after `timeout` [s]."""
     end = time.monotonic() + timeout
     while True:
         left = end - time.monotonic()
@@ -141,13 +142,13 @@ async def lease(opened: Bus, run: str, timeout: float) -> int:
             if left <= PATIENCE:
                 never = Unavailable(f"no world of run '{run}' leases robots here (asked for {timeout:g} s)")
                 raise error if isinstance(error, Rejected) else never from None
-            await asyncio.sleep(PATIENCE)  # a world may come, or a robot be left by its agent
+            await asyncio.sleep(PATIENCE)  # a world may start, or an agent leave its robot
         else:
             return messages.decode_lease(answer)
 
 
 async def serve(flags: argparse.Namespace) -> int:
-    """One agent process, from start to exit code."""
+    """Run one agent process, and return its exit code."""
     run = keys.check_run(flags.run)
     robots = keys.parse_span(flags.id, "--id", "I, A-B or auto") if flags.id != AUTO else (0,)
     if flags.id == AUTO and flags.keys:
@@ -167,7 +168,7 @@ async def serve(flags: argparse.Namespace) -> int:
                 raise Unavailable(f"{absent}: {why}") from None
             raise
         finally:
-            agent.complaints.log_total(agent.overflow)
+            agent.drops.log_total(agent.overflow)
             if agent.lag:
                 agent.logger.info("%s", agent.lag)
     return process.SUCCESS
@@ -185,7 +186,7 @@ def main() -> None:
         type=process.seconds,
         default=30.0,
         metavar="S",
-        help="give up if the world is not there by then, at first or when it has left (default: %(default)g s)",
+        help="longest wait for the world, at the start or after it left (default: %(default)g s)",
     )
     process.add_network_flags(parser)
     flags = parser.parse_args()

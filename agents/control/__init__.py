@@ -1,9 +1,11 @@
 """The control step of a crew: pure.
 
-crew             crew.step: from observations and beacons to twists and the next beacons
-contacts         update of the contacts by the beacons of a tick
-links            the links that the graph rule selected
-beacon_counting  beacons as samples of the packet reception ratio
-clocks           emulated clocks that drift
-transmitter      emulated transmitters that are faulty
+crew             crew.step, from observations and beacons to twists and the next beacons
+state            a crew and its state.
+seeking          each index with the law that climbs it.
+contacts         the peers in range, updated by the beacons of a tick.
+links            the links that the graph rule selected.
+beacon_counting  beacons as samples of the packet reception ratio.
+clocks           emulated clocks that drift.
+transmitter      emulated transmitters that are faulty.
 """

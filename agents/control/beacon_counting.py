@@ -1,7 +1,7 @@
-"""Counting beacons: which of a peer's beacons decoded, which were missed, and at which separations.
+"""Beacons as samples of the channel: which of a peer's beacons decoded, which were missed, and at which separations.
 
-A beacon slot is one Bernoulli sample of the channel. That a beacon decoded is known at once; that it was missed is
-learnt from the gap before the next one that decodes, as a receiver learns it from sequence numbers.
+A beacon slot is one Bernoulli sample of the channel. A decoded beacon is known at once. A missed one shows in the gap
+before the next that decodes, as a receiver infers it from sequence numbers.
 """
 
 import numpy as np
@@ -9,41 +9,39 @@ import numpy as np
 from fes.arrays.types import Bools, Floats, Ints
 from fes.model import objective
 from fes.model.config import ObjectiveConfig
-from fes.model.contacts import Contacts
+from fes.model.contacts import NEVER, Contacts
 
 MOST_MISSED = 10_000
-"""Most slots that count of one silence, the latest ones: 200 s at 50 Hz, longer than a robot remembers them."""
+"""Most slots of one silence that count, the latest ones: 200 s at 50 Hz, longer than the memory of a robot."""
 
 
-def slots(before: Contacts, now: Contacts, tick: int, among: Bools) -> tuple[Ints, Floats, Bools]:
-    """The beacon slots [s] learnt of at this tick: position of the contact, separation [m], decoded or missed.
+def slots(before: Contacts, now: Contacts, tick: int, is_counted: Bools) -> tuple[Ints, Floats, Bools]:
+    """The beacon slots [s] that become known at this tick: position of the contact, separation [m], True if decoded.
 
-    `among` [m] says which contacts count. The separation at the time of a miss is interpolated between the decoded
-    beacons on its two sides. The first beacon that decodes on a contact is no sample: those missed before it are
-    unknown, so it would always be a success.
+    Only the contacts `is_counted` [m] are counted. The separation of a missed beacon is interpolated between the
+    decoded beacons before and after it. The first decoded beacon of a contact is not a sample: the number of those
+    missed before it is unknown, so it would always be a success.
     """
-    at = now.edges.places_in(before.edges) if now.edges is not before.edges else np.arange(len(now.edges))
-    if len(before.edges) == 0:
-        at = np.full(len(now.edges), -1)
-    last = np.where(at >= 0, before.heard.take(at, mode="clip"), -1) if len(before.edges) else at
-    fresh = np.flatnonzero((now.heard == tick - 1) & among & (last >= 0))
+    transition = now.edges.after(before.edges)
+    last = transition.carry(before.heard, NEVER)
+    fresh = np.flatnonzero((now.heard == tick - 1) & is_counted & (last >= 0))
     if len(fresh) == 0:
         return fresh, np.zeros(0), np.zeros(0, dtype=np.bool_)
     missed = tick - 2 - last[fresh]
     counted = np.minimum(missed, MOST_MISSED)
-    start = before.heard_separation[at[fresh]]
+    start = before.heard_separation[transition.positions[fresh]]
     end = now.heard_separation[fresh]
-    which = np.repeat(np.arange(len(fresh)), counted)
-    order = np.arange(len(which)) - np.repeat(np.cumsum(counted) - missed, counted) + 1
-    between = start[which] + (end - start)[which] * order / (missed[which] + 1)
-    decoded = np.concatenate([np.ones(len(fresh), dtype=np.bool_), np.zeros(len(which), dtype=np.bool_)])
-    return np.concatenate([fresh, fresh[which]]), np.concatenate([end, between]), decoded
+    silence = np.repeat(np.arange(len(fresh)), counted)
+    order = np.arange(len(silence)) - np.repeat(np.cumsum(counted) - missed, counted) + 1
+    between = start[silence] + (end - start)[silence] * order / (missed[silence] + 1)
+    decoded = np.concatenate([np.ones(len(fresh), dtype=np.bool_), np.zeros(len(silence), dtype=np.bool_)])
+    return np.concatenate([fresh, fresh[silence]]), np.concatenate([end, between]), decoded
 
 
-def sample(contacts: Contacts, tick: int, at: Ints, wish: ObjectiveConfig) -> Floats:
-    """One sample of J of (16) for each contact of `at` [l]: S(r) if its beacon of the last tick decoded, else 0.
+def sample(contacts: Contacts, tick: int, positions: Ints, config: ObjectiveConfig) -> Floats:
+    """One sample of J of (16) for the contacts at `positions` [l]: S(r) if the last tick's beacon decoded, else 0.
 
-    Its mean is S(r) p(r) at the true separation r: all that (18) can be given by a radio.
+    Its mean is S(r) p(r) at the true separation r: no radio can give (18) more.
     """
-    heard = contacts.heard.take(at) == tick - 1
-    return np.where(heard, objective.preference(contacts.separation.take(at), wish), 0.0)
+    heard = contacts.heard.take(positions) == tick - 1
+    return np.where(heard, objective.preference(contacts.separation.take(positions), config), 0.0)

@@ -1,9 +1,9 @@
-"""Robots' own clocks: how far each is ahead of the team's, and so how far its dither is out of step."""
+"""Emulated clocks: the skew of each robot's clock against the team's, which shifts the robot's dither."""
 
 from dataclasses import dataclass
 
 from agents.laws import perturbation
-from fes.arrays import draws
+from agents.laws.draws import Draws
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
 from fes.model.config import AgentConfig
@@ -13,38 +13,33 @@ from fes.model.config import AgentConfig
 class Clocks:
     """The clocks of a crew."""
 
-    drawn: Floats
-    """How far each is ahead of the team's [n] [s], as long as nothing is set."""
-    right: bool
-    """Whether all are right at all times."""
+    initial: Floats
+    """Skew of each clock until an event sets it [n] [s]; positive: ahead of the team's."""
+    is_exact: bool
+    """True if no clock has a skew at any tick."""
     changes: tuple[tuple[int, int, float | None], ...]
-    """Tick, row and what is set from that tick on [s]; None: as it was drawn. In order of time."""
+    """Tick, row, and skew from that tick on [s], by time; None restores the initial skew."""
 
 
-def of(config: AgentConfig, ids: Ints) -> Clocks:
+def of(config: AgentConfig, ids: Ints, draws: Draws) -> Clocks:
     """The clocks of robots `ids` [n]."""
     rows = {robot: row for row, robot in enumerate(ids.tolist())}
-    mine = [(fault.tick, rows[fault.robot], fault.skew) for fault in config.faults if fault.robot in rows]
-    changes = tuple(sorted(mine, key=lambda change: change[0]))
-    right = config.clock_skew == 0.0 and all(skew is None for _, _, skew in changes)
-    return Clocks(drawn(config, ids), right, changes)
-
-
-def drawn(config: AgentConfig, ids: Ints) -> Floats:
-    """How far the clock of each robot is ahead of the team's [n] [s]: a function of (seed, robot)."""
-    ahead = 2.0 * draws.uniform_pairs(draws.key(config.seed, "clock skew"), ids, ids) - 1.0
-    return config.clock_skew * ahead
+    own = [(fault.tick, rows[fault.robot], fault.skew) for fault in config.faults if fault.robot in rows]
+    changes = tuple(sorted(own, key=lambda change: change[0]))
+    is_exact = config.clock_skew == 0.0 and all(skew is None for _, _, skew in changes)
+    ahead = 2.0 * draws("clock skew", ids, ids) - 1.0
+    return Clocks(config.clock_skew * ahead, is_exact, changes)
 
 
 def skew(clocks: Clocks, tick: int, edges: Edges) -> Floats:
-    """How far the clock of each link's robot is ahead at a tick [l] [s], or [1] if all are right."""
-    if clocks.right:
-        return perturbation.ON_TIME
-    ahead = clocks.drawn
+    """Skew of the clock of each link's robot at a tick [l] [s], or [1] if all clocks are exact."""
+    if clocks.is_exact:
+        return perturbation.NO_SKEW
+    ahead = clocks.initial
     if clocks.changes:
         ahead = ahead.copy()
-        for at, row, value in clocks.changes:
-            if at > tick:
+        for start, row, value in clocks.changes:
+            if start > tick:
                 break
-            ahead[row] = clocks.drawn[row] if value is None else value
+            ahead[row] = clocks.initial[row] if value is None else value
     return ahead.take(edges.rows)

@@ -1,9 +1,10 @@
-"""Who is heard, and where: the peers in range, each with what its last decoded beacon said."""
+"""Contacts: the peers in range of each robot, each with the content of its last decoded beacon."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fes.arrays import geometry
 from fes.arrays.edges import Edges, no_edges
@@ -11,79 +12,73 @@ from fes.arrays.types import Bools, Floats, Ints
 from fes.model.contacts import NEVER, Contacts, Lookup
 from fes.model.sensing import DECODED, Beacons, Observations, no_beacons
 
+Array = NDArray[Any]
+
 
 def no_contacts(ids: Ints) -> Contacts:
-    """The contacts of a crew that has heard nobody."""
-    return _blank(no_edges(ids))
+    """The contacts of a crew that has heard no beacon."""
+    edges = no_edges(ids)
+    nothing, no = np.zeros(0), np.zeros(0, dtype=np.bool_)
+    lookup = _look_up(edges, no_beacons())
+    return Contacts(edges, lookup, edges.rows, nothing, nothing, nothing, no, nothing, no, nothing, nothing, nothing)
 
 
 def update(contacts: Contacts, observations: Observations, own: Floats, beacons: Beacons, timeout: int) -> Contacts:
-    """Contacts after the beacons of the previous tick.
+    """The contacts after the beacons of the previous tick.
 
-    `own` are the robots' poses [n, 3] at that tick: where both beacons decoded, a separation is formed from the
-    same two poses on both sides, so r_ij = r_ji to the bit. `timeout` [ticks]: a peer unheard for longer is not
-    known any more.
+    `own` holds the robots' poses [n, 3] at that tick. Where both beacons decoded, both ends form a separation from
+    the same two poses, so r_ij = r_ji to the bit. A peer unheard for more than `timeout` [ticks] is unknown again.
     """
     if observations.in_range is not contacts.edges:
-        contacts = _carry(contacts, observations.in_range)
+        carry = observations.in_range.after(contacts.edges).carry
+        contacts = _converted(contacts, observations.in_range, carry)
     edges = contacts.edges
     lookup = contacts.lookup if contacts.lookup.fits(edges, beacons) else _look_up(edges, beacons)
     decoded = (observations.reception == DECODED) & lookup.present
     heard, x, y = contacts.heard, contacts.x, contacts.y
-    estimates, names_us = contacts.estimates, contacts.selected_by_peer
+    estimates, selected_by_peer = contacts.estimates, contacts.selected_by_peer
     if np.count_nonzero(decoded):
         linked = lookup.link >= 0
         heard = np.where(decoded, beacons.tick, heard)
         x = np.where(decoded, beacons.poses[:, geometry.X].take(lookup.sender), x)
         y = np.where(decoded, beacons.poses[:, geometry.Y].take(lookup.sender), y)
-        told, names = np.full(len(edges), np.nan), linked
-        if len(beacons.links):  # else nobody has a link, and what was heard of one before no longer holds
-            told = np.where(linked, beacons.estimates.take(lookup.link, mode="clip"), np.nan)
-            names = beacons.selected.take(lookup.link, mode="clip") & linked
-        estimates = np.where(decoded, told, estimates)
-        names_us = np.where(decoded, names, names_us)
+        received, selected = np.full(len(edges), np.nan), linked
+        if len(beacons.links):  # without links in any beacon, earlier estimates no longer hold
+            received = np.where(linked, beacons.estimates.take(lookup.link, mode="clip"), np.nan)
+            selected = beacons.selected.take(lookup.link, mode="clip") & linked
+        estimates = np.where(decoded, received, estimates)
+        selected_by_peer = np.where(decoded, selected, selected_by_peer)
     dx = x - own[:, geometry.X].take(edges.rows)
     dy = y - own[:, geometry.Y].take(edges.rows)
     known = heard >= observations.tick - timeout
     separation = geometry.separation(dx, dy)
-    at_beacon = np.where(decoded, separation, contacts.heard_separation)
-    return Contacts(edges, lookup, heard, x, y, estimates, names_us, at_beacon, known, dx, dy, separation)
-
-
-def forget(contacts: Contacts, who: Bools) -> Contacts:
-    """The contacts, those of the robots `who` [n] blank."""
-    blank, gone = _blank(contacts.edges), who[contacts.edges.rows]
-    names = (
-        "heard",
-        "x",
-        "y",
-        "estimates",
-        "selected_by_peer",
-        "heard_separation",
-        "known",
-        "dx",
-        "dy",
-        "separation",
+    heard_separation = np.where(decoded, separation, contacts.heard_separation)
+    return Contacts(
+        edges, lookup, heard, x, y, estimates, selected_by_peer, heard_separation, known, dx, dy, separation
     )
-    kept = {name: np.where(gone, getattr(blank, name), getattr(contacts, name)) for name in names}
-    return replace(contacts, **kept)
+
+
+def forget(contacts: Contacts, restarted: Bools) -> Contacts:
+    """The contacts, those of the robots `restarted` [n] as before their first beacon."""
+    blank = restarted[contacts.edges.rows]
+    return _converted(contacts, contacts.edges, lambda values, initial: np.where(blank, initial, values))
 
 
 def mean_estimates(contacts: Contacts, beacons: Beacons) -> Floats:
-    """What robots that have links say in the `beacons` just heard, on average at each robot [n] [m]; NaN if none."""
+    """Mean of the mean estimates of the peers just heard that have links [n] [m]; NaN without such a peer."""
     links = beacons.links
     if len(links) == 0 or len(contacts.edges) == 0:
         return np.full(len(contacts.edges.ids), np.nan)
-    said = links.sum(beacons.estimates) / np.maximum(links.counts, 1)
+    means = links.sum(beacons.estimates) / np.maximum(links.counts, 1)
     sender = contacts.lookup.sender
     fresh = (contacts.heard == beacons.tick) & contacts.lookup.present & (links.counts.take(sender) > 0)
     count = contacts.edges.sum(fresh.astype(np.float64))
-    total = contacts.edges.sum(np.where(fresh, said.take(sender), 0.0))
+    total = contacts.edges.sum(np.where(fresh, means.take(sender), 0.0))
     return np.where(count > 0, total / np.maximum(count, 1.0), np.nan)
 
 
 def all_here(contacts: Contacts, observations: Observations) -> bool:
-    """Whether every beacon that the world says was decoded had come: the promise of the lockstep."""
+    """True if each beacon that decoded, by the world's account, has arrived: the guarantee of the lockstep."""
     present = contacts.lookup.present
     return bool(present.all() or present[observations.reception == DECODED].all())
 
@@ -94,12 +89,13 @@ def decoded(observations: Observations) -> set[int]:
 
 
 def missing(observations: Observations, senders: Sequence[int]) -> int:
-    """Number of contacts whose beacon decoded and is not among those of `senders`."""
+    """Number of contacts whose beacon decoded, but is not among those of `senders`."""
     peers = observations.in_range.peers[observations.reception == DECODED]
     return int(np.count_nonzero(~np.isin(peers, senders)))
 
 
 def _look_up(edges: Edges, beacons: Beacons) -> Lookup:
+    """The place of each contact's beacon among `beacons`."""
     if len(beacons.ids) == 0:
         nowhere = np.zeros(len(edges), dtype=np.int64)
         return Lookup(edges, beacons.ids, beacons.links, nowhere, nowhere > 0, nowhere - 1)
@@ -108,40 +104,19 @@ def _look_up(edges: Edges, beacons: Beacons) -> Lookup:
     return Lookup(edges, beacons.ids, beacons.links, sender, present, beacons.links.find(edges.reverse_keys))
 
 
-def _blank(edges: Edges) -> Contacts:
-    count = len(edges)
-    zero = np.zeros(count)
-    no = np.zeros(count, dtype=np.bool_)
-    never = np.full(count, NEVER, dtype=np.int64)
+def _converted(contacts: Contacts, edges: Edges, convert: Callable[[Array, float], Array]) -> Contacts:
+    """The contacts over `edges`, each array converted by `convert(values, value before the first beacon)`."""
     return Contacts(
         edges,
-        _look_up(edges, no_beacons()),
-        never,
-        zero,
-        zero,
-        np.full(count, np.nan),
-        no,
-        zero,
-        no,
-        zero,
-        zero,
-        zero,
-    )
-
-
-def _carry(contacts: Contacts, edges: Edges) -> Contacts:
-    """What was heard of the peers that stay in range; the others are forgotten."""
-    blank = _blank(edges)
-    if len(contacts.edges) == 0:
-        return blank
-    at = edges.places_in(contacts.edges)
-    stays = at >= 0
-    return replace(
-        blank,
-        heard=np.where(stays, contacts.heard[at], blank.heard),
-        x=np.where(stays, contacts.x[at], blank.x),
-        y=np.where(stays, contacts.y[at], blank.y),
-        estimates=np.where(stays, contacts.estimates[at], blank.estimates),
-        selected_by_peer=np.where(stays, contacts.selected_by_peer[at], blank.selected_by_peer),
-        heard_separation=np.where(stays, contacts.heard_separation[at], blank.heard_separation),
+        _look_up(edges, no_beacons()) if edges is not contacts.edges else contacts.lookup,
+        heard=convert(contacts.heard, NEVER),
+        x=convert(contacts.x, 0.0),
+        y=convert(contacts.y, 0.0),
+        estimates=convert(contacts.estimates, np.nan),
+        selected_by_peer=convert(contacts.selected_by_peer, False),
+        heard_separation=convert(contacts.heard_separation, 0.0),
+        known=convert(contacts.known, False),
+        dx=convert(contacts.dx, 0.0),
+        dy=convert(contacts.dy, 0.0),
+        separation=convert(contacts.separation, 0.0),
     )

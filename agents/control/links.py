@@ -1,4 +1,4 @@
-"""The links that robots use: the contacts that either side's graph rule chose."""
+"""The links that robots use: the contacts that the graph rule of either end selected."""
 
 from dataclasses import dataclass
 
@@ -11,45 +11,54 @@ from fes.model.contacts import Contacts
 
 @dataclass(frozen=True, eq=False)
 class Links:
-    """The links that the robots use, and what they seek on each."""
+    """The links that the robots use, and the seeking state of each."""
 
-    among: Bools
-    """Which contacts they are [m]."""
+    is_link: Bools
+    """True for a contact that is a link [m]."""
     contact: Ints
     """Position of each link among the contacts [l]."""
     edges: Edges
     state: Floats
     """Seeking state [3, l]; rows as in `agents.laws.perturbation`."""
-    said: Floats
+    published: Floats
     """Estimates as in the last beacon [l] [m]."""
+    stagger: Floats
+    """Time by which the dither of each link is ahead of the common one [l] [s]."""
 
 
 def no_links(contacts: Contacts) -> Links:
     """No link among these contacts."""
-    nothing = np.zeros(0, dtype=np.int64)
-    return Links(contacts.known & False, nothing, no_edges(contacts.edges.ids), np.zeros((3, 0)), np.zeros(0))
+    edges, nothing = no_edges(contacts.edges.ids), np.zeros(0)
+    return Links(contacts.known & False, edges.rows, edges, np.zeros((3, 0)), nothing, nothing)
 
 
-def forget(links: Links, who: Bools) -> Links:
-    """The links without those of the robots `who` [n]."""
-    stays = ~who[links.edges.rows]
-    among = links.among.copy()
-    among[links.contact[~stays]] = False
-    return Links(among, links.contact[stays], links.edges.select(stays), links.state[:, stays], links.said[stays])
+def forget(links: Links, restarted: Bools) -> Links:
+    """The links without those of the robots `restarted` [n]."""
+    remains = ~restarted[links.edges.rows]
+    is_link = links.is_link.copy()
+    is_link[links.contact[~remains]] = False
+    return Links(
+        is_link,
+        links.contact[remains],
+        links.edges.select(remains),
+        links.state[:, remains],
+        links.published[remains],
+        links.stagger[remains],
+    )
 
 
-def bearing(known: Contacts, at: Ints) -> Floats:
-    """Unit vectors [2, l] of the lines of sight of the contacts at positions `at` [l].
+def bearing(contacts: Contacts, positions: Ints) -> Floats:
+    """Unit vectors [2, l] of the lines of sight of the contacts at `positions` [l].
 
     The paper needs psi_ji = pi + psi_ij even where two robots coincide: there the lower id looks along +x.
     """
-    size = known.separation.take(at)
-    direction = np.empty((2, len(at)))
-    known.dx.take(at, out=direction[0], mode="clip")
-    known.dy.take(at, out=direction[1], mode="clip")
+    size = contacts.separation.take(positions)
+    direction = np.empty((2, len(positions)))
+    contacts.dx.take(positions, out=direction[0], mode="clip")
+    contacts.dy.take(positions, out=direction[1], mode="clip")
     if np.count_nonzero(size) < len(size):
-        apart, edges = size > 0.0, known.edges
-        direction[0] = np.where(apart, direction[0], np.sign(edges.peers - edges.ids[edges.rows]).take(at))
+        apart, edges = size > 0.0, contacts.edges
+        direction[0] = np.where(apart, direction[0], np.sign(edges.peers - edges.robots).take(positions))
         size = np.where(apart, size, 1.0)
     direction /= size
     return direction

@@ -1,7 +1,7 @@
-"""What goes on the air: what a robot says, unless its transmitter is late or damages it.
+"""Emulated transmitters, some of them faulty: late, or damaging what they send.
 
-A late transmitter sends what it was given some ticks ago, stamped as of now: no receiver can tell. A damaged beacon
-is none: the world has nobody decode it, and whoever gets its bytes refuses them.
+A late transmitter sends what it was given some ticks ago, with the present time stamp: no receiver can tell. A
+damaged beacon decodes at no robot, by the world's account, and every process that gets its bytes rejects them.
 """
 
 from collections.abc import Mapping
@@ -18,7 +18,7 @@ from fes.model.config import AgentConfig
 from fes.model.sensing import Beacons
 from fes.protocol import messages
 
-Spoken = tuple[int, bytes, bytes]
+RobotPayloads = tuple[int, bytes, bytes]
 """A robot, and the payloads of its beacon and its command."""
 
 
@@ -28,13 +28,13 @@ class Transmitters:
 
     seed: int
     late: tuple[tuple[int, int, int], ...]
-    """Tick, row and delay from that tick on [ticks], in order of time."""
+    """Tick, row, and delay from that tick on [ticks], in order of time."""
     damaging: tuple[tuple[int, int, bool], ...]
-    """Tick, robot and whether its beacons are damaged from that tick on, in order of time."""
+    """Tick, robot, and True if its beacons are damaged from that tick on, in order of time."""
 
 
 class RepeatedBeacons(NamedTuple):
-    """What one transmitter was given at one tick."""
+    """The content of the beacon that one transmitter was given at one tick."""
 
     pose: Floats
     links: Ints
@@ -44,110 +44,110 @@ class RepeatedBeacons(NamedTuple):
 
 
 Memory = Mapping[int, tuple[RepeatedBeacons, ...]]
-"""Row of a late transmitter -> what it was given, the oldest first."""
+"""Row of a late transmitter -> the contents it was given, the oldest first."""
 
 
 def of(config: AgentConfig, ids: Ints) -> Transmitters:
     """The transmitters of robots `ids` [n]."""
     rows = {robot: row for row, robot in enumerate(ids.tolist())}
-    mine = sorted((fault for fault in config.faults if fault.robot in rows), key=lambda fault: fault.tick)
-    late = tuple((fault.tick, rows[fault.robot], fault.delay) for fault in mine)
-    damaging = tuple((fault.tick, fault.robot, fault.corrupt) for fault in mine)
+    own = sorted((fault for fault in config.faults if fault.robot in rows), key=lambda fault: fault.tick)
+    late = tuple((fault.tick, rows[fault.robot], fault.delay) for fault in own)
+    damaging = tuple((fault.tick, fault.robot, fault.corrupt) for fault in own)
     return Transmitters(
         config.seed,
-        late if any(fault.delay for fault in mine) else (),
-        damaging if any(fault.corrupt for fault in mine) else (),
+        late if any(fault.delay for fault in own) else (),
+        damaging if any(fault.corrupt for fault in own) else (),
     )
 
 
-def send(transmitters: Transmitters, memory: Memory, said: Beacons) -> tuple[Beacons, Memory]:
-    """The beacons that go on the air when the robots have `said` this, and what late transmitters then remember.
+def send(transmitters: Transmitters, memory: Memory, beacons: Beacons) -> tuple[Beacons, Memory]:
+    """The beacons that go on the air for these `beacons` of the robots, and the memory of late transmitters after it.
 
-    One that is not yet as old as its delay sends the oldest that it was given.
+    A transmitter whose memory is shorter than its delay sends the oldest content that it was given.
     """
     if not transmitters.late:
-        return said, memory
-    late = {row: delay for row, delay in _now(transmitters.late, said.tick).items() if delay}
+        return beacons, memory
+    late = {row: delay for row, delay in _values_at(transmitters.late, beacons.tick).items() if delay}
     if not late:
-        return said, {}
+        return beacons, {}
     memory = {
-        row: (*memory.get(row, ()), _words(said, row))[-delay - 1 :]  # it may have been longer before
+        row: (*memory.get(row, ()), _content(beacons, row))[-delay - 1 :]  # an earlier delay may have been longer
         for row, delay in late.items()
     }
-    return _with(said, {row: given[0] for row, given in memory.items()}), memory
+    return _replaced(beacons, {row: contents[0] for row, contents in memory.items()}), memory
 
 
-def forget(memory: Memory, who: Bools) -> Memory:
-    """The memory without that of the robots `who` [n]."""
-    return {row: given for row, given in memory.items() if not who[row]}
+def forget(memory: Memory, restarted: Bools) -> Memory:
+    """The memory without that of the robots `restarted` [n]."""
+    return {row: contents for row, contents in memory.items() if not restarted[row]}
 
 
 def damaging(transmitters: Transmitters, tick: int) -> set[int]:
     """The robots whose beacons are damaged at a tick."""
-    return {robot for robot, corrupt in _now(transmitters.damaging, tick).items() if corrupt}
+    return {robot for robot, corrupt in _values_at(transmitters.damaging, tick).items() if corrupt}
 
 
-def on_air(transmitters: Transmitters, tick: int, spoken: list[Spoken]) -> list[Spoken]:
-    """What is spoken, the beacons of damaging transmitters damaged."""
+def on_air(transmitters: Transmitters, tick: int, payloads: list[RobotPayloads]) -> list[RobotPayloads]:
+    """The payloads of a tick, with the beacons of damaging transmitters damaged."""
     if not transmitters.damaging:
-        return spoken
-    broken = damaging(transmitters, tick)
+        return payloads
+    faulty = damaging(transmitters, tick)
     return [
-        (robot, damage(transmitters.seed, tick, robot, beacon) if robot in broken else beacon, command)
-        for robot, beacon, command in spoken
+        (robot, damage(transmitters.seed, tick, robot, beacon) if robot in faulty else beacon, command)
+        for robot, beacon, command in payloads
     ]
 
 
 def damage(seed: int, tick: int, robot: int, beacon: bytes) -> bytes:
     """A beacon's payload with bytes flipped, cut short, or garbage of its length: a function of (seed, tick, robot).
 
-    None of it is a beacon. Most flipped bits would give one, of other numbers, as nothing in a beacon is redundant;
-    a real radio's checksum finds those out, so bytes are flipped until it is none.
+    The result never decodes as a beacon. Nothing in a beacon is redundant, so most flipped bits would give a valid
+    one with other numbers. A real radio's checksum detects those, so bytes are flipped until decoding fails.
     """
     counter = np.array([0, tick, robot, 0], dtype=np.uint64)
     numbers = np.random.Generator(np.random.Philox(key=draws.key(seed, "damage"), counter=counter))
     kind = numbers.integers(3)
     if kind == 0:
         return beacon[: numbers.integers(len(beacon))]
-    broken = bytearray(numbers.bytes(len(beacon)) if kind == 1 else beacon)
-    while _is_beacon(bytes(broken)):
-        broken[numbers.integers(len(broken))] ^= 1 << int(numbers.integers(8))
-    return bytes(broken)
+    damaged = bytearray(numbers.bytes(len(beacon)) if kind == 1 else beacon)
+    while _is_beacon(bytes(damaged)):
+        damaged[numbers.integers(len(damaged))] ^= 1 << int(numbers.integers(8))
+    return bytes(damaged)
 
 
-def _now(changes: tuple[tuple[int, int, int], ...], tick: int) -> dict[int, int]:
-    """What holds at a tick, of what is set from some ticks on."""
-    return {who: value for at, who, value in changes if at <= tick}
+def _values_at(changes: tuple[tuple[int, int, int], ...], tick: int) -> dict[int, int]:
+    """The latest value of each row or robot at a tick, from changes in order of time."""
+    return {subject: value for start, subject, value in changes if start <= tick}
 
 
-def _words(said: Beacons, row: int) -> RepeatedBeacons:
-    span = said.links.spans[row]
-    links, estimates, named = said.links.peers[span], said.estimates[span], said.selected[span]
-    return RepeatedBeacons(said.poses[row], links, estimates, named, said.statistics[row])
+def _content(beacons: Beacons, row: int) -> RepeatedBeacons:
+    span = beacons.links.spans[row]
+    links, estimates, selected = beacons.links.peers[span], beacons.estimates[span], beacons.selected[span]
+    return RepeatedBeacons(beacons.poses[row], links, estimates, selected, beacons.statistics[row])
 
 
-def _with(said: Beacons, old: Mapping[int, RepeatedBeacons]) -> Beacons:
-    """What was said, the robots at the rows of `old` with other words."""
-    poses, statistics, links = said.poses.copy(), said.statistics.copy(), said.links
-    for row, words in old.items():
-        poses[row], statistics[row] = words.pose, words.statistics
+def _replaced(beacons: Beacons, old: Mapping[int, RepeatedBeacons]) -> Beacons:
+    """The beacons, those of the rows of `old` with the content given there."""
+    poses, statistics, links = beacons.poses.copy(), beacons.statistics.copy(), beacons.links
+    for row, content in old.items():
+        poses[row], statistics[row] = content.pose, content.statistics
     spans = links.spans
-    estimates = [said.estimates[span] for span in spans]
-    named = [said.selected[span] for span in spans]
+    estimates = [beacons.estimates[span] for span in spans]
+    selected = [beacons.selected[span] for span in spans]
     peers = [links.peers[span] for span in spans]
-    for row, words in old.items():
-        peers[row], estimates[row], named[row] = words.links, words.estimates, words.selected
-    together = np.concatenate(peers)
-    if together.tobytes() != links.peers.tobytes() or any(
-        len(words.links) != links.counts[row] for row, words in old.items()
+    for row, content in old.items():
+        peers[row], estimates[row], selected[row] = content.links, content.estimates, content.selected
+    all_peers = np.concatenate(peers)
+    if all_peers.tobytes() != links.peers.tobytes() or any(
+        len(content.links) != links.counts[row] for row, content in old.items()
     ):
-        links = Edges(links.ids, np.repeat(np.arange(len(peers)), [len(some) for some in peers]), together)
+        links = Edges(links.ids, np.repeat(np.arange(len(peers)), [len(ids) for ids in peers]), all_peers)
     return replace(
-        said,
+        beacons,
         poses=poses,
         links=links,
         estimates=np.concatenate(estimates),
-        selected=np.concatenate(named),
+        selected=np.concatenate(selected),
         statistics=statistics,
     )
 

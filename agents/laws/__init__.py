@@ -1,9 +1,10 @@
 """The laws: pure functions of arrays.
 
-neighbor_rules   graph rules: which contacts become links
-formation        distance-based formation control (21), (22)
-perturbation     extremum seeking by perturbation (18), (19), and consensus (20)
-collocation      solution of the linear filters over one step
-packet_counting  packet reception ratio, and the optimum it implies
-oracle           the performance index computed from the channel; for robots that are told it
+neighbor_rules   graph rules: the contacts that become links.
+formation        distance-based formation control (21), (22).
+perturbation     extremum seeking by perturbation (18), (19), and consensus (20).
+collocation      solution of the linear filters over one step.
+packet_counting  packet reception ratio, and the optimum it implies.
+oracle           the performance index computed from the channel, for robots that know it.
+draws            random numbers, passed in.
 """

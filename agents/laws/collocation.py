@@ -1,12 +1,12 @@
 """One step of the seeking law (18) by collocation: the filters exactly, the index at a few times at once.
 
-In (18) only the index is nonlinear; the rest is a washout, a low-pass and an integrator, whose answer to an
-input known at Gauss-Legendre nodes is a matrix that can be computed once. What remains is to make the estimate's
-path and the index along it agree, by a fixed number of Picard sweeps: each evaluates the index at all nodes of
-all links in one call. A classic Runge-Kutta step would need four calls one after the other.
+In (18) only the index is nonlinear. The rest is a washout, a low-pass and an integrator. Their response to an input
+known at Gauss-Legendre nodes is a matrix that is computed once. A fixed number of Picard sweeps then makes the
+estimate's path and the index along it agree. Each sweep evaluates the index at all nodes of all links in one call; a
+classic Runge-Kutta step would need four calls one after the other.
 
-Sums over nodes run along the second axis of small arrays, one by one, so a link's digits do not depend on how
-many links are computed with it (a matrix product's would).
+Sums over nodes run along the second axis of small arrays, term by term. So a link's digits do not depend on the
+number of links that are computed with it, as those of a matrix product would.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,7 @@ import numpy as np
 from fes.arrays.types import Floats
 
 NODES = 5
-"""Gauss-Legendre nodes a step; fewer than 8, so that numpy adds them in order."""
+"""Gauss-Legendre nodes per step; fewer than 8, so that numpy adds them in order."""
 
 _QUADRATURE = 24
 _TAYLOR = 30
@@ -25,7 +25,7 @@ _TAYLOR = 30
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """The answers of the linear part over one step, at the nodes and at its end."""
+    """Response matrices of the linear part over one step, at the nodes and at its end."""
 
     nodes: Floats
     """Times of the nodes within the step [NODES] [s]."""
@@ -42,8 +42,8 @@ class Step:
 def step(length: float, low_pass: float, washout: float, consensus: float, sign: float) -> Step:
     """The linear part of (18) over `length` [s].
 
-    `low_pass` and `washout` are the cut-offs [rad/s], `consensus` is kappa [1/s] (0 for a link without a
-    peer), and `sign` is that of the kappa term in xi': -1 as printed, +1 for consensus.
+    `low_pass` and `washout` are the cut-offs [rad/s], and `consensus` is kappa [1/s], 0 for a link without a peer.
+    `sign` is that of the kappa term in xi': -1 as printed, +1 for consensus.
     """
     points, _ = np.polynomial.legendre.leggauss(NODES)
     nodes = 0.5 * (points + 1.0)
@@ -55,12 +55,12 @@ def step(length: float, low_pass: float, washout: float, consensus: float, sign:
     from_index = np.array([0.0, low_pass])
     path_start, path_input = [], []
     for end in ends:
-        peer = _answer(system, from_peer, length, end, np.ones_like)[:, :1]
+        peer = _response(system, from_peer, length, end, np.ones_like)[:, :1]
         path_start.append(np.hstack([_exponential(system * length * end), peer]))
-        path_input.append(_answer(system, from_index, length, end, lambda s: _lagrange(nodes, s)))
+        path_input.append(_response(system, from_index, length, end, lambda s: _lagrange(nodes, s)))
     rows = [part[0] for part in path_start] + [path_start[-1][1]]
     inputs = [part[0] for part in path_input] + [path_input[-1][1]]
-    wash = [_answer(high_pass, np.array([washout]), length, end, lambda s: _lagrange(nodes, s))[0] for end in ends]
+    wash = [_response(high_pass, np.array([washout]), length, end, lambda s: _lagrange(nodes, s))[0] for end in ends]
     return Step(
         nodes=length * nodes,
         washout_start=np.exp(-washout * length * ends)[:, None],
@@ -70,20 +70,20 @@ def step(length: float, low_pass: float, washout: float, consensus: float, sign:
     )
 
 
-def _answer(system: Floats, gain: Floats, length: float, end: float, shape: Callable[[Floats], Floats]) -> Floats:
+def _response(system: Floats, gain: Floats, length: float, end: float, shape: Callable[[Floats], Floats]) -> Floats:
     """Integral over [0, end length] of exp(system (end length - t)) gain shape(t / length) dt."""
     points, weights = np.polynomial.legendre.leggauss(_QUADRATURE)
-    at = 0.5 * end * (points + 1.0)
-    kernels = np.stack([_exponential(system * length * (end - s)) @ gain for s in at], axis=1)
-    return 0.5 * end * length * (kernels * weights) @ np.atleast_2d(shape(at)).reshape(len(at), -1)
+    times = 0.5 * end * (points + 1.0)
+    kernels = np.stack([_exponential(system * length * (end - s)) @ gain for s in times], axis=1)
+    return 0.5 * end * length * (kernels * weights) @ np.atleast_2d(shape(times)).reshape(len(times), -1)
 
 
-def _lagrange(nodes: Floats, at: Floats) -> Floats:
-    """The Lagrange polynomials of the nodes at times `at` [s] -> [len(at), NODES]."""
+def _lagrange(nodes: Floats, times: Floats) -> Floats:
+    """The Lagrange polynomials of the nodes at `times` [t], both in units of the step [t, NODES]."""
     columns = []
     for j, node in enumerate(nodes):
         others = np.delete(nodes, j)
-        columns.append(np.prod((at[:, None] - others) / (node - others), axis=1))
+        columns.append(np.prod((times[:, None] - others) / (node - others), axis=1))
     return np.stack(columns, axis=1)
 
 

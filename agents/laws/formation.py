@@ -11,9 +11,9 @@ from fes.model.config import FormationConfig
 def weights(links: Edges, separation_error: Floats) -> Floats:
     """Weights a_ij [l] of each robot's links; equation (9).
 
-    Half the weight goes to the link with the largest |separation error| (among equals the lowest peer id),
-    the other half is shared by the rest. With two or more neighbors the weights sum to 1, so a_ii = 0
-    although (1) asks for a_ii > 0; a single neighbor has weight 1/2. (9) is implemented as printed.
+    Half the weight goes to the link with the largest |separation error| (among equals the lowest peer id). The rest
+    shares the other half; a single neighbor has weight 1/2. With two or more neighbors the weights sum to 1, so
+    a_ii = 0, although (1) asks for a_ii > 0. (9) is implemented as printed.
     """
     if len(links) == 0:
         return np.zeros(0)
@@ -36,15 +36,15 @@ def formation_vector(links: Edges, separation_error: Floats, bearing: Floats) ->
     return total
 
 
-def twist(pull_: Floats, heading: Floats, dt: float, config: FormationConfig) -> Floats:
+def twist(vector: Floats, heading: Floats, dt: float, config: FormationConfig) -> Floats:
     """Twists [n, 2] [m/s, rad/s] to hold over a tick of `dt` [s]; equations (6), (7).
 
-    With g held, (7) turns the heading by delta' = -mu'|g| sin(delta), delta the bearing of g from the
-    heading. At mu' = 10 that is stiff (hundreds of rad/s), so omega is the mean rate of its exact flow,
-    delta(h) = 2 atan(tan(delta_0 / 2) exp(-mu'|g| h)). v is (6) at the beginning of the tick.
+    `vector` [n, 2] [m] is g, held over the tick. (7) then turns the heading by delta' = -mu'|g| sin(delta), with
+    delta the bearing of g from the heading. At mu' = 10 that is stiff (hundreds of rad/s). So omega is the mean rate
+    of the exact flow, delta(h) = 2 atan(tan(delta_0 / 2) exp(-mu'|g| h)). v is (6) at the beginning of the tick.
     """
-    size = geometry.separation(pull_[:, 0], pull_[:, 1])
-    begin = geometry.wrap(np.arctan2(pull_[:, 1], pull_[:, 0]) - heading)
+    size = geometry.separation(vector[:, 0], vector[:, 1])
+    begin = geometry.wrap(np.arctan2(vector[:, 1], vector[:, 0]) - heading)
     end = 2.0 * np.arctan(np.tan(0.5 * begin) * np.exp(-config.angular_gain * dt * size))
     result = np.empty((len(heading), 2))
     result[:, geometry.LINEAR] = config.linear_gain * size * np.cos(begin)

@@ -1,6 +1,6 @@
-"""Graph rules: which of its contacts a robot chooses as neighbors, from what it hears alone.
+"""Graph rules: the contacts that a robot selects as neighbors, from the beacons it hears alone.
 
-Ties break by robot id: pairs are ordered by peer id, and the first of equals is taken.
+Ties break by robot id: pairs are ordered by peer id, and a rule takes the first of equals.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -13,23 +13,24 @@ from fes.arrays.types import Bools, Floats, Ints
 from fes.model.contacts import Contacts
 
 FEW = 4096
-"""Up to this many (robot, peer, witness) all are looked at in every tick: it is cheaper than choosing among them."""
+"""Largest number of triples (robot, peer, witness) that are all examined in every tick: selecting costs more."""
 
 BLOCK = 2**16
-"""Triples that are examined at once: memory grows with the contacts, not with contacts times degree."""
+"""Number of triples examined at once: memory grows with the contacts, not with contacts times degree."""
 
 NEAREST = 16
-"""Nearest contacts of a robot that are tried first in a crowd: they exclude most of its pairs."""
+"""Number of nearest contacts of a robot that are tried first in a crowd: they exclude most of its pairs."""
 
 
 class Witnesses:
     """Third robots that may exclude a pair, for one set of contacts.
 
-    A cache: it changes what is computed, never what is found. For few contacts it holds all triples. For many
-    it remembers which robot excluded each pair last; most of them still do in the next tick.
+    A cache: it changes the amount of computing, never the result. For few contacts it holds all triples. For many it
+    holds the robot that last excluded each pair; most of them still do in the next tick.
     """
 
     def __init__(self, edges: Edges, before: "Witnesses | None" = None) -> None:
+        """For the contacts `edges`; those that stay keep their last witness of `before`."""
         self.edges = edges
         self.all: tuple[Ints, Ints] | None = None
         self.last: Ints = np.full(len(edges), -1, dtype=np.int64)
@@ -52,12 +53,11 @@ class Witnesses:
     def blocks(self, pairs: Ints, counts: Ints) -> Iterator[tuple[Ints, Ints]]:
         """The same in blocks of consecutive `pairs`, with about BLOCK triples each."""
         ends = np.cumsum(counts)
-        where = np.searchsorted(ends, np.arange(BLOCK, ends[-1], BLOCK))
-        return map(self.of, np.split(pairs, where), np.split(counts, where))
+        cuts = np.searchsorted(ends, np.arange(BLOCK, ends[-1], BLOCK))
+        return map(self.of, np.split(pairs, cuts), np.split(counts, cuts))
 
     def _carry(self, before: "Witnesses") -> None:
-        at = self.edges.places_in(before.edges)
-        old = np.where(at >= 0, before.last[at], -1)
+        old = self.edges.carry(before.last, before.edges, -1)
         self.last = np.where(old >= 0, self.edges.find(before.edges.keys[old]), -1)
 
 
@@ -67,7 +67,7 @@ def disk(contacts: Contacts, witnesses: Witnesses) -> Bools:
 
 
 def two_nearest(contacts: Contacts, witnesses: Witnesses) -> Bools:
-    """The two nearest contacts (the paper's footnote 2); an edge stands if either end chose it [m]."""
+    """The two nearest contacts (the paper's footnote 2); a link stands if either end selected it [m]."""
     chosen = np.zeros(len(contacts.edges), dtype=np.bool_)
     chosen[contacts.edges.smallest(np.where(contacts.known, contacts.separation, np.inf), 2)] = True
     chosen &= contacts.known
@@ -77,8 +77,8 @@ def two_nearest(contacts: Contacts, witnesses: Witnesses) -> Bools:
 def relative_neighborhood(contacts: Contacts, witnesses: Witnesses) -> Bools:
     """The contacts to which no third robot is closer from both ends [m].
 
-    Edge i-j stands iff there is no k with max(d_ik, d_jk) < d_ij. Such a k is in range of both i and j, so
-    both find the same answer from what they hear.
+    Edge i-j stands iff there is no k with max(d_ik, d_jk) < d_ij. Such a k is in range of both i and j, so both
+    select alike from the beacons they hear.
     """
     known = contacts.known
     reach = np.where(known, contacts.separation, np.inf)
@@ -93,8 +93,8 @@ def relative_neighborhood(contacts: Contacts, witnesses: Witnesses) -> Bools:
     last[remembered[~still]] = -1
     suspects = np.flatnonzero(known & (last < 0))
     for pair, witness in _candidates(contacts, reach, witnesses, suspects):
-        found = np.flatnonzero(_excludes(contacts, reach, pair, witness))
-        last[pair[found]] = witness[found]
+        excluding = np.flatnonzero(_excludes(contacts, reach, pair, witness))
+        last[pair[excluding]] = witness[excluding]
     remaining: Bools = np.logical_and(known, last < 0)
     return remaining
 
@@ -114,7 +114,7 @@ def _candidates(
 
 
 def _try_nearest(contacts: Contacts, reach: Floats, last: Ints, suspects: Ints) -> Ints:
-    """The `suspects` that no robot among the NEAREST of their own excludes; `last` [m] remembers those that do."""
+    """The `suspects` that no NEAREST contact of their robot excludes; `last` [m] gets those that exclude."""
     edges, left = contacts.edges, np.fmin(reach, np.inf)
     for _ in range(NEAREST):
         nearest = edges.first_smallest(left)
@@ -127,7 +127,7 @@ def _try_nearest(contacts: Contacts, reach: Floats, last: Ints, suspects: Ints) 
 
 
 def _excludes(contacts: Contacts, reach: Floats, pair: Ints, witness: Ints) -> Bools:
-    """Whether max(d_ik, d_jk) < d_ij, for positions of (i, j) and of (i, k) [t]; never for k = j."""
+    """True if max(d_ik, d_jk) < d_ij, for positions of (i, j) and of (i, k) [t]; never for k = j."""
     if len(pair) > BLOCK:
         parts = [slice(first, first + BLOCK) for first in range(0, len(pair), BLOCK)]
         return np.concatenate([_excludes(contacts, reach, pair[part], witness[part]) for part in parts])

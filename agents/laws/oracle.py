@@ -1,4 +1,4 @@
-"""The paper's shortcut (33): the index computed from the channel's formula, which its robots are told.
+"""The paper's shortcut (33): the index computed from the channel's formula, which its robots know.
 
 No process of a measured run imports this module.
 """
@@ -18,16 +18,16 @@ NEARLY_ZERO = 1e-9
 """The smallest separation [m] at which the index is evaluated: an estimate may be thrown below zero."""
 
 LEAST = -1e9
-"""The smallest logarithm of an index. The index itself is zero there, as it is below exp(-745). Without this bound an
-estimate thrown far off, as by a peer's estimate of 1e12 m, would meet an infinite slope."""
+"""The smallest logarithm of an index, where the index itself rounds to zero, as it does below exp(-745). Without this
+bound an estimate far off, because of a peer's estimate of 1e12 m say, would meet an infinite slope."""
 
 
 def index(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal["log", "none"]) -> Index:
     """J of (33), or ln J, as a function of separations [m] in an array.
 
-    J(r) = S(r) p(r) = [1 - exp(-A)] exp(-q A - c r^nu), with A = (r/r_min)^s and q = (r_min/r_x)^s: one exponential
-    less than `fes.model.objective` times `fes.model.outage`, since it is evaluated at many points a tick. Of a
-    logistic channel ln p = -ln(1 + e^z) stands for -c r^nu.
+    J(r) = S(r) p(r) = [1 - exp(-A)] exp(-q A - c r^nu), with A = (r/r_min)^s and q = (r_min/r_x)^s. It is evaluated
+    at many points per tick, so it saves an exponential of `fes.model.objective` times `fes.model.outage`. For a
+    logistic channel, ln p = -ln(1 + e^z) replaces -c r^nu.
     """
     shape, scale = objective.shape_exponent, objective.minimum_separation
     reach = -((scale / objective.maximum_separation) ** shape)
@@ -49,15 +49,15 @@ def index(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal
         return np.negative(spread, out=spread), decay
 
     def plain(separation: Floats) -> Floats:
-        kept, decay = exponents(separation)
+        gain, decay = exponents(separation)
         np.exp(decay, out=decay)
-        decay *= kept
+        decay *= gain
         return decay
 
     def log(separation: Floats) -> Floats:
-        kept, decay = exponents(separation)
+        gain, decay = exponents(separation)
         np.maximum(decay, LEAST, out=decay)
-        decay += np.log(kept, out=kept)
+        decay += np.log(gain, out=gain)
         return decay
 
     return log if transform == "log" else plain

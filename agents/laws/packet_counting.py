@@ -1,13 +1,13 @@
-"""Measured reception: what a robot learns of the channel by counting beacons; nobody tells it the formula.
+"""Measured reception: a robot's fit of the channel from counted beacons, without its formula.
 
-Each beacon slot of a link is one Bernoulli sample at the link's separation: decoded or missed. Over a small range
-of separations ln(-ln p), p the reception probability, is close to a line in u = ln(r / rho_0), with slope nu (the
-exponent) and level alpha. The line is fitted by iteratively reweighted regression with two memories, a short one (F)
-for the level and a long one (S) for the slope. What is sought is then (ln J)' = (ln S)' + (ln p)' = 0.
+Each beacon slot of a link is one Bernoulli sample at the link's separation: decoded or missed. With reception
+probability p, ln(-ln p) is over a small range of separations close to a line in u = ln(r / rho_0). Its slope is nu
+(the exponent), its level alpha. The line is fitted by iteratively reweighted regression with two memories, a short
+one (F) for the level and a long one (S) for the slope. The law then seeks (ln J)' = (ln S)' + (ln p)' = 0.
 
-Who learns is a learner, one row of the arrays. With pooling, learners are robots: each mixes its sums with those of
-the robots it hears (they travel in the Beacon), so every link teaches all, and links that come and go lose nothing.
-Without, each end of each link is a learner of its own.
+A *learner* is one row of the arrays: a robot with pooling, a link end without. With pooling, each robot mixes its
+statistics with those of the robots it hears, which travel in the Beacon. So every link teaches all robots, and a link
+that ends loses nothing.
 """
 
 from dataclasses import dataclass, replace
@@ -19,52 +19,52 @@ from fes.arrays.types import Bools, Floats, Ints
 from fes.model import objective
 from fes.model.config import ObjectiveConfig
 
-SUMS = 5
+STATISTICS = 5
 """F0, F1, F3 (short memory: weight, weighted u, weighted working response), S11, S1z (long memory: slope)."""
 
 
 @dataclass(frozen=True)
 class Method:
-    """How the samples of one learner are weighed."""
+    """The weights of the samples of one learner."""
 
     short_memory: float
     """Of the level [s]."""
     long_memory: float
     """Of the slope [s]."""
     slope_prior: tuple[float, float]
-    """S1z and S11 that stand for a slope before anything was measured: little, for their ratio is where estimates are
-    pulled to. Ten times as much biases them by 0.2 m on a channel whose slope is 5.4 instead of 2.5."""
+    """S1z and S11 of the slope before any sample: small, as estimates are biased towards their ratio. Ten times as
+    much biases estimates by 0.2 m on a channel whose slope is 5.4 instead of 2.5."""
     slopes: tuple[float, float]
     """Bounds of the slope nu."""
     gain: float
-    """Share of Newton's step that is taken in a second."""
+    """Share of Newton's step that is taken per second."""
 
 
 POOLED = Method(6.0, 120.0, (0.025, 0.01), (0.5, 8.0), 0.3)
-"""Many links teach one learner."""
+"""For a learner that many links teach."""
 
 ALONE = Method(10.0, 30.0, (0.05, 0.02), (-15.0, 20.0), 0.2)
-"""One link does. In a shadow its reception may well rise with its length; and what it learnt some meters away tells
-little of where it is, so it forgets sooner."""
+"""For a learner of one link. In a shadow its reception may rise with its length. Samples from some meters away say
+little about where the link is now, so their memory is shorter."""
 
 MIXING = 0.1
-"""Share of each heard robot's sums that is mixed in each tick."""
+"""Share of each heard robot's statistics that is mixed in per tick."""
 
 LOW, HIGH = -6.0, 1.5
 """Bounds of the linear predictor ln(-ln p): reception between 99.8 % and 1.1 %."""
 
 NEAREST = 0.1
-"""Part of rho_0 below which a separation counts as this: the line is not meant for there."""
+"""Smallest separation that is distinguished, in units of rho_0: the line is not meant for shorter links."""
 
 LEAST_WEIGHT = 2.0
 """Weight from which on the short memory's means are good enough to correct the slope."""
 
 LEVEL_PRIOR = (float(np.log(-np.log(0.9))), 0.1 / 2.25)
-"""A reception of 0.9 at rho_0, with the weight that it has."""
+"""A reception of 0.9 at rho_0, and its weight."""
 
 SPEED, LEAST_CURVATURE, ESTIMATES = 5.0, 2e-4, (20.0, 145.0)
-"""Bounds on an estimate's speed [m/s], on the curvature [1/m^2] and on an estimate [m], for a team that spreads up to
-FARTHEST; others scale them."""
+"""Bounds on an estimate's speed [m/s], on the curvature [1/m^2] and on an estimate [m], for a team whose maximum
+separation is FARTHEST; for another they scale with it."""
 
 FARTHEST = 150.0
 """[m]"""
@@ -72,11 +72,11 @@ FARTHEST = 150.0
 
 @dataclass(frozen=True, eq=False)
 class Reception:
-    """What learners know of the channel."""
+    """The samples of the learners, and the fit to them."""
 
     method: Method
-    sums: Floats
-    """[g, SUMS]"""
+    statistics: Floats
+    """[g, STATISTICS]"""
     level: Floats
     """alpha [g]"""
     exponent: Floats
@@ -84,49 +84,48 @@ class Reception:
 
 
 def no_counts(method: Method, learners: int) -> Reception:
-    """What they know before their first beacon."""
-    return _fit(method, np.zeros((learners, SUMS)))
+    """The fit of learners that have counted no beacon: the prior."""
+    return _fit(method, np.zeros((learners, STATISTICS)))
 
 
 def carry(reception: Reception, old: Edges, new: Edges) -> Reception:
-    """The learners of the links `new`, where those of `old` were before: new ones know nothing."""
+    """The learners of the links `new`, from those of the links `old`; a new link has counted no beacon."""
     if new is old:
         return reception
-    at, metrics = new.places_in(old), np.zeros((len(new), SUMS))
-    metrics[at >= 0] = reception.sums[at[at >= 0]]
-    return _fit(reception.method, metrics)
+    return _fit(reception.method, new.carry(reception.statistics, old, 0.0))
 
 
-def forget(reception: Reception, who: Bools) -> Reception:
-    """The learners `who` [g] know nothing any more."""
-    return _fit(reception.method, np.where(who[:, None], 0.0, reception.sums))
+def forget(reception: Reception, restarted: Bools) -> Reception:
+    """The learners, of which those `restarted` [g] have counted no beacon."""
+    return _fit(reception.method, np.where(restarted[:, None], 0.0, reception.statistics))
 
 
 def fade(reception: Reception, dt: float) -> Reception:
-    """The sums a tick of `dt` [s] older."""
-    metrics = reception.sums.copy()
-    metrics[:, :3] *= np.exp(-dt / reception.method.short_memory)
-    metrics[:, 3:] *= np.exp(-dt / reception.method.long_memory)
-    return replace(reception, sums=metrics)
+    """The statistics, a tick of `dt` [s] older."""
+    statistics = reception.statistics.copy()
+    statistics[:, :3] *= np.exp(-dt / reception.method.short_memory)
+    statistics[:, 3:] *= np.exp(-dt / reception.method.long_memory)
+    return replace(reception, statistics=statistics)
 
 
-def mix(reception: Reception, edges: Edges, heard: Bools, theirs: Floats) -> Reception:
-    """The sums of robots after a tick's exchange: mixed with `theirs` [m, SUMS] of the peers heard.
+def mix(reception: Reception, edges: Edges, heard: Bools, received: Floats) -> Reception:
+    """The statistics of robots after a tick's exchange: mixed with those `received` [m, STATISTICS] of peers `heard`.
 
-    It comes before the tick's own samples are added: hearing a peer is correlated with its beacon having decoded,
-    and sums mixed afterwards carry that (an rmse of 0.32 m instead of 0.27 over the same ten seeds).
+    The exchange comes before the tick's own samples. Hearing a peer is correlated with its beacon having decoded, and
+    statistics mixed afterwards carry that bias (an rmse of 0.32 m instead of 0.27 over the same ten seeds).
     """
     count = edges.sum(heard.astype(np.float64))
     share = np.minimum(MIXING, 1.0 / (1.0 + count))
-    metrics = np.empty_like(reception.sums)
-    for column in range(SUMS):
-        told = edges.sum(np.where(heard, theirs[:, column], 0.0))
-        metrics[:, column] = reception.sums[:, column] + share * (told - count * reception.sums[:, column])
-    return replace(reception, sums=metrics)
+    own = reception.statistics
+    mixed = np.empty_like(own)
+    for column in range(STATISTICS):
+        total = edges.sum(np.where(heard, received[:, column], 0.0))
+        mixed[:, column] = own[:, column] + share * (total - count * own[:, column])
+    return replace(reception, statistics=mixed)
 
 
 def learn(reception: Reception, rows: Ints, separation: Floats, decoded: Bools, scale: float) -> Reception:
-    """The sums and the fit after beacon slots [s] of learners `rows`, at `separation` [m]; rho_0 is `scale` [m]."""
+    """Statistics and fit after beacon slots [s] of the learners `rows`, at `separation` [m]; rho_0 is `scale` [m]."""
     n = len(reception.level)
     u = np.log(np.maximum(separation / scale, NEAREST))
     predictor = np.clip(reception.level[rows] + reception.exponent[rows] * u, LOW, HIGH)
@@ -134,43 +133,46 @@ def learn(reception: Reception, rows: Ints, separation: Floats, decoded: Bools, 
     p = np.exp(-rate)
     weight = rate * rate * p / (1.0 - p)
     response = weight * predictor + np.where(decoded, -rate, rate * p / (1.0 - p))
-    before = reception.sums
+    before = reception.statistics
     known = before[:, 0] > LEAST_WEIGHT
     safe = np.where(known, before[:, 0], 1.0)
     centered = u - (before[:, 1] / safe)[rows]
     mean = (before[:, 2] / safe)[rows]
     counts = known[rows].astype(np.float64)
-    metrics = before.copy()
+    statistics = before.copy()
     for column, values in enumerate(
         (weight, weight * u, response, counts * weight * centered**2, counts * centered * (response - weight * mean))
     ):
-        metrics[:, column] += np.bincount(rows, values, minlength=n)
-    return _fit(reception.method, metrics)
+        statistics[:, column] += np.bincount(rows, values, minlength=n)
+    return _fit(reception.method, statistics)
 
 
-def drift(reception: Reception, rows: Ints, estimate: Floats, preferred: ObjectiveConfig, scale: float) -> Floats:
+def drift(reception: Reception, rows: Ints, estimate: Floats, config: ObjectiveConfig, scale: float) -> Floats:
     """Speed [l] [m/s] at which estimates [l] [m] of links of learners `rows` climb ln J: a bounded Newton step."""
     exponent = reception.exponent[rows]
     rate = np.exp(reception.level[rows]) * np.power(estimate / scale, exponent)
     channel = -exponent * rate / estimate  # (ln p)'
-    slope = objective.log_preference_slope(estimate, preferred) + channel
-    curvature = objective.log_preference_curvature(estimate, preferred) + channel * (exponent - 1.0) / estimate
-    size = preferred.maximum_separation / FARTHEST
+    slope = objective.log_preference_slope(estimate, config) + channel
+    curvature = objective.log_preference_curvature(estimate, config) + channel * (exponent - 1.0) / estimate
+    size = config.maximum_separation / FARTHEST
     step = -reception.method.gain * slope / np.minimum(curvature, -LEAST_CURVATURE / np.square(size))
     speed: Floats = np.clip(step, -SPEED * size, SPEED * size)
     return speed
 
 
-def bounded(estimate: Floats, preferred: ObjectiveConfig) -> Floats:
-    """Estimates [l] [m] within what the team can want: the line that was fitted says nothing beyond."""
-    size = preferred.maximum_separation / FARTHEST
+def bounded(estimate: Floats, config: ObjectiveConfig) -> Floats:
+    """Estimates [l] [m], clipped to separations that the team can seek: the fitted line does not hold beyond."""
+    size = config.maximum_separation / FARTHEST
     inside: Floats = np.clip(estimate, ESTIMATES[0] * size, ESTIMATES[1] * size)
     return inside
 
 
-def _fit(method: Method, metrics: Floats) -> Reception:
+def _fit(method: Method, statistics: Floats) -> Reception:
+    """The level and the exponent that fit the statistics [g, STATISTICS] and the priors best."""
     prior = method.slope_prior
-    exponent = np.clip((metrics[:, 4] + prior[0]) / (metrics[:, 3] + prior[1]), *method.slopes)
+    exponent = np.clip((statistics[:, 4] + prior[0]) / (statistics[:, 3] + prior[1]), *method.slopes)
     value, weight = LEVEL_PRIOR
-    level = np.clip((metrics[:, 2] - exponent * metrics[:, 1] + weight * value) / (metrics[:, 0] + weight), LOW, HIGH)
-    return Reception(method, metrics, level, exponent)
+    level = np.clip(
+        (statistics[:, 2] - exponent * statistics[:, 1] + weight * value) / (statistics[:, 0] + weight), LOW, HIGH
+    )
+    return Reception(method, statistics, level, exponent)

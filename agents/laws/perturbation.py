@@ -1,10 +1,10 @@
 """The seeking law (18): each robot's estimate of the optimal separation of each of its links.
 
-Per link three states: the estimate r_hat, its filtered drift xi, and the washout's baseline eta. The same
-dither is added for all links on one clock. `law = "paper"` integrates (18) as printed; it conserves
-beta_l r_hat + xi but for the gradient, so two estimates that start d apart freeze at 2/(2 + beta_l) d.
-`law = "consensus"` reverses the sign of the kappa term in xi', which at the paper's own kappa = beta_l^2/4
-makes the derivative of its Lyapunov function (28) negative definite. It is the default.
+Each link has three states: the estimate r_hat, its filtered drift xi, and the washout's baseline eta. All links of a
+clock have the same dither. `law = "paper"` integrates (18) as printed. But for the gradient it conserves
+beta_l r_hat + xi, so two estimates that start d apart freeze at 2/(2 + beta_l) d. `law = "consensus"`, the default,
+reverses the sign of the kappa term in xi'. At the paper's own kappa = beta_l^2/4 that makes the derivative of its
+Lyapunov function (28) negative definite.
 """
 
 import math
@@ -16,7 +16,7 @@ import numpy as np
 
 from agents.laws import collocation
 from agents.laws.collocation import Step
-from fes.arrays import draws
+from agents.laws.draws import Draws
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats
 from fes.model import counts
@@ -26,29 +26,19 @@ ESTIMATE, DRIFT, BASELINE = 0, 1, 2
 """Rows of the seeking state [3, l]: r_hat [m], xi [m/s], eta [index]."""
 
 SWEEPS = 3
-"""Picard sweeps a step: at 2 rad of dither a step they leave an error below 1e-5 of the travel from a start in
-[50, 90] m, and below 1e-3 from 25 m, where ln J is steepest."""
+"""Picard sweeps per step. At 2 rad of dither per step the error stays below 1e-5 of the travel from a start in
+[50, 90] m. From 25 m, where ln J is steepest, it stays below 1e-3."""
 
 MAX_EXTRAPOLATION = 0.1
 """Age [s] up to which a peer's estimate is extrapolated."""
 
 Index = Callable[[Floats], Floats]
-Numbers = Callable[[int, str, Edges], Floats]
 
 FIRST_ESTIMATE, STAGGER = "first estimate", "stagger"
-"""Streams of numbers for links; those of the latter are the same at both ends of a link."""
+"""Streams of random numbers for links."""
 
-
-def pair_numbers(seed: int, stream: str, links: Edges) -> Floats:
-    """A uniform number in [0, 1) for each link [l]: a function of (seed, stream, i, j)."""
-    robots, peers = links.ids[links.rows], links.peers
-    if stream == STAGGER:
-        robots, peers = np.minimum(robots, peers), np.maximum(robots, peers)
-    return draws.uniform_pairs(draws.key(seed, stream), robots, peers)
-
-
-ON_TIME = np.zeros(1)
-"""The skew of clocks that are all right [s]."""
+NO_SKEW = np.zeros(1)
+"""The skew of clocks that are all exact [s]."""
 
 
 @dataclass(frozen=True)
@@ -59,12 +49,10 @@ class Seeker:
     index: Index
     dt: float
     """Tick length [s]."""
-    numbers: Numbers = pair_numbers
-    """What draws a number for each link; several runs in one crew have a seed each."""
 
     @cached_property
     def sub_steps(self) -> int:
-        """Steps of the integration a tick."""
+        """Steps of the integration per tick."""
         return counts.steps(self.dt, self.config.sub_step)
 
     @cached_property
@@ -88,30 +76,27 @@ def dither(seeker: Seeker, time: Floats) -> Floats:
     return seeker.config.dither_amplitude * np.sin(seeker.config.dither_frequency * time)
 
 
-def stagger(seeker: Seeker, seed: int, links: Edges) -> Floats:
-    """How far the dither of each link is ahead of the common one [l] [s], the same at both ends.
+def stagger(seeker: Seeker, draws: Draws, links: Edges) -> Floats:
+    """Time by which the dither of each link is ahead of the common one [l] [s], the same at both ends.
 
-    With one phase for all, the formation breathes as a whole: far from its middle robots are carried over many times
-    the amplitude, and where shadowing makes the channel a matter of place, a link would learn how reception changes
-    with where it is instead of with its length.
+    With one phase for all links, the formation oscillates as a whole, and far from its center robots move by many
+    times the amplitude. Under shadowing, which depends on place, a link would then learn how reception changes with
+    its place instead of its length.
     """
-    found: Floats | None = links.__dict__.get("stagger")
-    if found is None:
-        number = seeker.numbers(seed, STAGGER, links)
-        found = links.__dict__["stagger"] = 2.0 * math.pi / seeker.config.dither_frequency * number
-    return found
+    low, high = np.minimum(links.robots, links.peers), np.maximum(links.robots, links.peers)
+    return 2.0 * math.pi / seeker.config.dither_frequency * draws(STAGGER, low, high)
 
 
-def first_estimates(seeker: Seeker, seed: int, links: Edges) -> Floats:
+def first_estimates(seeker: Seeker, draws: Draws, links: Edges) -> Floats:
     """r_hat_ij(0) [l] [m], uniform in the configured interval; a function of (seed, i, j)."""
     low, high = seeker.config.initial_estimate
-    return low + (high - low) * seeker.numbers(seed, FIRST_ESTIMATE, links)
+    return low + (high - low) * draws(FIRST_ESTIMATE, links.robots, links.peers)
 
 
 def begin(seeker: Seeker, tick: int, estimates: Floats) -> Floats:
     """State [3, l] of links that begin at this tick with `estimates` [l] [m]: xi = 0, eta = the first sample.
 
-    (18) leaves eta(0) open. From 0, the washout would throw the estimate away by tens of meters.
+    (18) leaves eta(0) open. From 0, the transient of the washout would shift the estimate by tens of meters.
     """
     state = np.zeros((3, len(estimates)))
     state[ESTIMATE] = estimates
@@ -120,36 +105,41 @@ def begin(seeker: Seeker, tick: int, estimates: Floats) -> Floats:
     return state
 
 
-def relink(
-    seeker: Seeker, seed: int, tick: int, old: Edges, state: Floats, new: Edges, fresh: Bools, told: Floats
-) -> Floats:
-    """State [3, l'] of the new links: carried over where the link stood before.
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """The conditions under which new links begin."""
 
-    A link that is new begins with its robot's own mean estimate; where the robot is `fresh` [n] (or has no
-    estimate yet), with what its neighbors have `told` it [n] [m]; where that is NaN, with a seeded draw.
+    tick: int
+    is_fresh: Bools
+    """True for a robot whose initial graph still grows: its own mean estimate does not count yet [n]."""
+    reported: Floats
+    """Mean estimate that the neighbors of each robot reported [n] [m]; NaN where none did."""
+
+
+def relink(seeker: Seeker, draws: Draws, old: Edges, state: Floats, new: Edges, entry: Entry) -> Floats:
+    """State [3, l'] of the links `new`: that of `state` [3, l] for a link that `old` has.
+
+    A new link begins with its robot's own mean estimate. A fresh robot, or one without an estimate, takes the
+    reported mean instead, and a seeded draw where none was reported.
     """
-    at = new.places_in(old)
-    stays = at >= 0
-    result = np.empty((3, len(new)))
-    if stays.any():
-        result[:, stays] = state[:, at[stays]]
-    if not stays.all():
-        count = np.maximum(old.counts, 1)
-        mean = (old.sum(state[ESTIMATE]) / count).take(new.rows)
-        drawn = (fresh | (old.counts == 0)).take(new.rows)
-        first, told = first_estimates(seeker, seed, new), told.take(new.rows)
-        estimates = np.where(drawn, np.where(np.isfinite(told), told, first), mean)
-        result[:, ~stays] = begin(seeker, tick, estimates[~stays])
+    transition = new.after(old)
+    result, is_new = transition.carry(state, np.nan, axis=1), transition.is_new
+    if is_new.any():
+        mean = (old.sum(state[ESTIMATE]) / np.maximum(old.counts, 1)).take(new.rows)
+        without_mean = (entry.is_fresh | (old.counts == 0)).take(new.rows)
+        reported, first = entry.reported.take(new.rows), first_estimates(seeker, draws, new)
+        estimates = np.where(without_mean, np.where(np.isfinite(reported), reported, first), mean)
+        result[:, is_new] = begin(seeker, entry.tick, estimates[is_new])
     return result
 
 
 def extrapolate(seeker: Seeker, state: Floats, heard: Floats, age: Floats) -> Floats:
-    """The peers' estimates now [l] [m], from what was `heard` of them `age` [l] [s] ago.
+    """The peers' estimates now [l] [m], from those `heard` [l] [m] `age` [l] [s] ago.
 
-    (18) compares two estimates of the same time, but a beacon is at least a tick old. Both peers climb the
-    same index, so meanwhile the other's estimate has drifted about as one's own: by xi age. Without this the
-    exchange holds both back, by 15 % at a delay of 20 ms. For an old beacon the drift counts up to
-    MAX_EXTRAPOLATION only. The printed law stays literal: it takes the peer's last word as it is.
+    (18) compares two estimates of the same time, but a beacon is at least a tick old. Both peers climb the same
+    index, so meanwhile the peer's estimate has drifted about as the robot's own: by xi age. Without this term the
+    exchange slows both down, by 15 % at a delay of 20 ms. Of an old beacon, only MAX_EXTRAPOLATION counts. The
+    printed law stays literal: it takes the estimate as it was heard.
     """
     if seeker.config.law == "paper":
         return heard
@@ -158,12 +148,12 @@ def extrapolate(seeker: Seeker, state: Floats, heard: Floats, age: Floats) -> Fl
 
 
 def advance(
-    seeker: Seeker, tick: int, state: Floats, heard: Floats, skew: Floats = ON_TIME, index: Index | None = None
+    seeker: Seeker, tick: int, state: Floats, heard: Floats, skew: Floats = NO_SKEW, index: Index | None = None
 ) -> Floats:
     """State [3, l] one tick later; equation (18).
 
     `heard` [l] [m] is the peer's estimate for the link, held over the tick; NaN where none was heard, which is
-    s_ij = 0 of (2). `skew` is how far each link's clock is ahead [l] [s]. `index` replaces the seeker's.
+    s_ij = 0 of (2). `skew` [l] [s] is that of each link's clock. `index` replaces the seeker's.
     """
     if state.shape[1] == 0:
         return state
@@ -180,7 +170,7 @@ def advance(
 
 
 def _integrate(seeker: Seeker, begin: Floats, state: Floats, peer: Floats, linear: Step, index: Index) -> Floats:
-    """State [3, l] one tick later, by collocation; see `agents.laws.collocation`."""
+    """State [3, l] one tick later, by `agents.laws.collocation`; `peer` [l] is the peer's estimate."""
     n = collocation.NODES
     start = np.empty((3, len(peer)))
     start[2] = peer

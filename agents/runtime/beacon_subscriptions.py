@@ -1,4 +1,4 @@
-"""A process's ear: subscribed to the beacons of the peers in range of its robots, and to no others."""
+"""The beacon subscriptions of a process: to the peers in range of its robots, and to no others."""
 
 import asyncio
 from collections.abc import Collection
@@ -11,11 +11,11 @@ from fes.transport.bus import Bus, Mailbox
 from fes.transport.drop_log import DropLog
 
 RECALL_TIMEOUT = 2.0
-"""A world that does not repeat a beacon within this time [s] is asked again."""
+"""A world that does not resend a beacon within this time [s] is asked again."""
 
 
 class BeaconSubscriptions:
-    """One mailbox for each peer in range."""
+    """One mailbox per peer in range."""
 
     def __init__(self, opened: Bus, run: str, robots: str, drops: DropLog) -> None:
         """`robots` are those of this process, as `fes.protocol.keys.span` writes them."""
@@ -24,15 +24,15 @@ class BeaconSubscriptions:
         self._drops = drops
         self._boxes: dict[int, Mailbox] = {}
         self._early: dict[int, Beacon] = {}
-        """A peer's beacon of a tick that this process has not reached yet: at most one a peer."""
+        """Beacon of a tick that this process has not reached yet: at most one per peer."""
 
     @property
     def peers(self) -> list[int]:
-        """The peers it listens to, ascending."""
+        """The peers whose beacons are subscribed, ascending."""
         return list(self._boxes)
 
     def update(self, peers: set[int]) -> None:
-        """Listen to `peers` from now on. A beacon put after this, in tick order, will be heard."""
+        """Subscribe to `peers` from now on. Each beacon put after this, in tick order, will be received."""
         for peer in self._boxes.keys() - peers:
             self._boxes.pop(peer).close()
             self._early.pop(peer, None)
@@ -41,21 +41,21 @@ class BeaconSubscriptions:
         self._boxes = dict(sorted(self._boxes.items()))
 
     def heard(self, tick: int) -> list[Beacon]:
-        """The beacons of `tick` that came, by sender; older ones are forgotten."""
-        found = (self._beacon(peer, box, tick) for peer, box in self._boxes.items())
-        return [beacon for beacon in found if beacon is not None]
+        """The beacons of `tick` that have arrived, by sender; older ones are dropped."""
+        beacons = (self._beacon(peer, box, tick) for peer, box in self._boxes.items())
+        return [beacon for beacon in beacons if beacon is not None]
 
     async def recall(self, tick: int, peers: Collection[int]) -> tuple[list[Beacon], bool]:
-        """The beacons of `peers` from `tick` that the world repeats now, and True if it refused one for good.
+        """The beacons of `peers` from `tick` that the world resends now, and True if it rejected a request finally.
 
-        For beacons that junk pushed out of a mailbox, or that took a slower path than the tick. The world is asked,
-        not the peer, so that all robots hear the same beacon, even from a hostile sender.
+        For beacons that junk pushed out of a mailbox, or that took a slower path than the tick. The request goes to
+        the world, not the peer, so that all robots receive the same beacon, even from a hostile sender.
         """
         answers = await asyncio.gather(*(self._held(peer, tick) for peer in peers))
         return [answer for answer in answers if isinstance(answer, Beacon)], False in answers
 
     async def _held(self, peer: int, tick: int) -> Beacon | bool:
-        """The world's copy of a beacon; False if it has none, True if it cannot say at the moment."""
+        """The world's copy of a beacon; False if it has none, True if it cannot answer at the moment."""
         key = keys.held_beacon(self._run, peer, self._robots)
         try:
             payload = await self._bus.get(key, messages.encode_recall(tick), RECALL_TIMEOUT)
@@ -72,12 +72,12 @@ class BeaconSubscriptions:
         return beacon
 
     def _beacon(self, peer: int, box: Mailbox, tick: int) -> Beacon | None:
-        """The first beacon of `tick` in a box. As in the world's own copy, one beyond the next tick is dropped.
+        """The first beacon of `tick` in a box. As in the world's own copy, a beacon beyond the next tick is dropped.
 
-        At most a full box is taken, as it may be filled while it is emptied.
+        At most a full box is read, since it may be filled while it is emptied.
         """
         early = self._early.pop(peer, None)
-        found = early if early is not None and early.tick == tick else None
+        first = early if early is not None and early.tick == tick else None
         for _ in range(bus.MAILBOX):
             sample = box.take()
             if sample is None:
@@ -88,10 +88,10 @@ class BeaconSubscriptions:
                 continue
             beacon = self._read(peer, *sample)
             if beacon is not None and beacon.tick == tick:
-                found = found or beacon
+                first = first or beacon
             elif beacon is not None and beacon.tick == tick + 1:
                 self._early.setdefault(peer, beacon)
-        return found
+        return first
 
     def _read(self, peer: int, key: str, payload: bytes | None) -> Beacon | None:
         try:

@@ -1,4 +1,4 @@
-"""Messages into a crew's arrays, and back."""
+"""Marshalling between messages and a crew's arrays."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,7 @@ from fes.protocol.messages import Beacon, Command, Observation
 
 
 class MessageAssembler:
-    """Stacks the messages of one process; keeps arrays that did not change, so that nobody recomputes."""
+    """Stacks the messages of one process; reuses arrays that did not change, so that the crew need not recompute."""
 
     def __init__(self, ids: Ints) -> None:
         self._ids = ids
@@ -49,18 +49,18 @@ class MessageAssembler:
     @staticmethod
     def _statistics(received: list[Floats]) -> Floats:
         """Statistics [n, q]; those of a sender with another number of them count as not measured (zeros)."""
-        q = max(len(one) for one in received)
-        return np.array([one if len(one) == q else np.zeros(q) for one in received]).reshape(len(received), q)
+        q = max(map(len, received))
+        return np.array([row if len(row) == q else np.zeros(q) for row in received]).reshape(len(received), q)
 
 
-def encode_tick(said: Beacons, twists: Floats, told: Telemetry) -> Iterator[tuple[int, bytes, bytes]]:
-    """For each robot its id, and the payloads of its beacon and its command; `told` is the crew's telemetry."""
-    named = said.selected.view(np.uint8)
-    spans = zip(said.links.spans, told.links.spans, strict=True)  # they are others where a transmitter is late
-    rows = zip(said.ids.tolist(), said.poses.tolist(), twists.tolist(), spans, said.statistics, strict=True)
-    for robot, pose, twist, (at, own), statistics in rows:
-        links, estimates = said.links.peers[at], said.estimates[at]
-        beacon = Beacon(said.tick, robot, tuple(pose), links, estimates, named[at], statistics)
-        links, estimates = told.links.peers[own], told.estimates[own]
-        command = Command(said.tick, robot, tuple(twist), links, estimates, told.learnt[:, own].ravel())
+def encode_tick(beacons: Beacons, twists: Floats, telemetry: Telemetry) -> Iterator[tuple[int, bytes, bytes]]:
+    """For each robot its id, and the payloads of its beacon and its command."""
+    selected = beacons.selected.view(np.uint8)
+    spans = zip(beacons.links.spans, telemetry.links.spans, strict=True)  # these differ if a transmitter is late
+    rows = zip(beacons.ids.tolist(), beacons.poses.tolist(), twists.tolist(), spans, beacons.statistics, strict=True)
+    for robot, pose, twist, (sent, own), statistics in rows:
+        links, estimates = beacons.links.peers[sent], beacons.estimates[sent]
+        beacon = Beacon(beacons.tick, robot, tuple(pose), links, estimates, selected[sent], statistics)
+        links, estimates = telemetry.links.peers[own], telemetry.estimates[own]
+        command = Command(beacons.tick, robot, tuple(twist), links, estimates, telemetry.learnt[:, own].ravel())
         yield robot, messages.encode_beacon(beacon), messages.encode_command(command)

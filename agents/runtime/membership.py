@@ -38,7 +38,7 @@ class Membership:
         self._confirming: asyncio.Future[None] | None = None
 
     async def join_run(self, timeout: float) -> Welcome:
-        """Wait for the world, and ask it for the robots; raises Absent or Refused."""
+        """Wait for the world, and ask it for the robots; raises Unavailable or Rejected."""
         self._bus.declare_liveliness_subscriber(keys.world_alive(self._run), self.on_world)
         self.world.patience = timeout
         end = time.monotonic() + timeout

@@ -1,4 +1,4 @@
-"""A process's mouth: beacons to peers, commands to the world, and either again when it is asked for."""
+"""The outbox of a process: beacons to peers, commands to the world, and retransmission of both on request."""
 
 from collections.abc import Callable
 
@@ -10,14 +10,14 @@ from fes.transport.drop_log import DropLog
 Put = Callable[[bytes], None]
 
 REMEMBERED = 2
-"""Ticks whose beacons can be recalled: who misses one asks within the next tick, as the barrier waits for it."""
+"""Ticks whose beacons can be recalled: the barrier waits for a missed beacon, so its request comes within a tick."""
 
 
 class Outbox:
-    """What the robots of a process say."""
+    """The publishers of a process's robots, and its latest payloads."""
 
     def __init__(self, bus: Bus, run: str, robots: tuple[int, ...], drops: DropLog, mark: bytes = b"") -> None:
-        """`mark` is that of the Join: the world takes commands from no other process of these robots."""
+        """`mark` is that of the Join: the world accepts commands from no other process of these robots."""
         self._drops = drops
         self._beacon: dict[int, Put] = {}
         self._command: dict[int, Put] = {}
@@ -29,32 +29,32 @@ class Outbox:
             self._command[robot] = bus.declare_publisher(keys.command(run, robot), "fes.Command", mark=mark)
             self._listen(bus, keys.recall(run, robot), robot)
 
-    def publish(self, tick: int, said: list[tuple[int, bytes, bytes]]) -> None:
-        """Beacons first, commands last: the world's next tick then follows every beacon of this one."""
-        # Remembered before they are put: a peer may ask as soon as one of them arrives.
-        self._beacons[tick] = {robot: beacon for robot, beacon, _ in said}
-        self._commands[tick] = {robot: command for robot, _, command in said}
-        for told in (self._beacons, self._commands):
-            for old in [known for known in told if known <= tick - REMEMBERED]:
-                del told[old]
-        for robot, beacon, _ in said:
+    def publish(self, tick: int, payloads: list[tuple[int, bytes, bytes]]) -> None:
+        """Publish the beacons, then the commands: the world's next tick then follows every beacon of this one."""
+        # Stored before they are published: a peer may ask as soon as the first of them arrives.
+        self._beacons[tick] = {robot: beacon for robot, beacon, _ in payloads}
+        self._commands[tick] = {robot: command for robot, _, command in payloads}
+        for stored in (self._beacons, self._commands):
+            for old in [known for known in stored if known <= tick - REMEMBERED]:
+                del stored[old]
+        for robot, beacon, _ in payloads:
             self._beacon[robot](beacon)
-        for robot, _, command in said:
+        for robot, _, command in payloads:
             self._command[robot](command)
 
     def has(self, tick: int) -> bool:
-        """Whether this tick can be answered again."""
+        """True if the payloads of this tick are still stored."""
         return tick in self._commands
 
     def resend(self, tick: int, robot: int) -> None:
-        """Answer a tick again that is remembered, as the world asked for it again."""
+        """Publish the payloads of a stored tick again, at the world's request."""
         self._beacon[robot](self._beacons[tick][robot])
         self._command[robot](self._commands[tick][robot])
 
     def _listen(self, bus: Bus, key: str, robot: int) -> None:
-        """Tell a beacon again to who asks for it by its tick."""
+        """Reply to recall queries with the beacon of their tick."""
 
-        def on_question(query: Query) -> None:
+        def on_query(query: Query) -> None:
             try:
                 tick = messages.decode_recall(query.payload)
             except MessageError as error:
@@ -66,4 +66,4 @@ class Outbox:
                 return
             query.reply(self._beacons[tick][robot], "fes.Beacon")
 
-        bus.declare_queryable(key, on_question)
+        bus.declare_queryable(key, on_query)

@@ -1,4 +1,4 @@
-"""When an agent takes its next step: at each tick in lockstep, at the newest one when the clock is live."""
+"""The ticks at which an agent steps: every tick in lockstep, the newest with a live clock."""
 
 import time
 from collections.abc import AsyncIterator, Callable
@@ -12,14 +12,14 @@ from fes.transport.drop_log import DropLog
 from fes.transport.inbox import Inbox
 
 SILENCE_TIMEOUT = 3600.0
-"""An agent that hears nothing from a living world for this long [s] gives up."""
+"""An agent that receives nothing from a living world for this long [s] exits."""
 
 QUIET = 5.0
 """After each silence of this length [s] an agent asks the world whether it is still welcome."""
 
 
 class TickSource:
-    """The observations of each tick that is to be answered, one per robot in id order."""
+    """The observations of each tick to answer, one per robot in id order."""
 
     def __init__(
         self,
@@ -29,35 +29,35 @@ class TickSource:
         drops: DropLog,
         on_quiet: Callable[[], None] = lambda: None,
     ) -> None:
-        """`on_quiet` is called after each time QUIET without a message."""
+        """`on_quiet` is called after each period QUIET without a message."""
         self._robots, self._on_quiet = robots, on_quiet
         self._inbox, self._outbox = inbox, outbox
         self._drops = drops
         self.tick = -1
-        """The last one."""
+        """The last tick yielded."""
         self._forgotten = -1
         self.skipped = 0
-        """Ticks that nobody answered, as a newer one was there already."""
+        """Number of ticks that were not answered, because a newer one had arrived."""
 
     async def lockstep(self, world: WorldLiveliness) -> AsyncIterator[list[Observation]]:
-        """Every tick. Those that come again are answered again."""
+        """Yield every tick; answer a repeated tick again from the outbox."""
         waiting: dict[int, Observation] = {}
         while True:
             async for key, observation in self._received(len(self._robots) - len(waiting)):
                 if observation.over:
                     return
                 if observation.tick > self.tick + 1 and observation.since == observation.tick:
-                    self.tick = observation.tick - 1  # the run went on without it
+                    self.tick = observation.tick - 1  # the run continued without this agent
                     waiting.clear()
                 if observation.tick == self.tick + 1:
                     waiting.setdefault(observation.robot, observation)
                 elif observation.tick == self.tick or (world.is_new and observation.tick < self.tick):
-                    # A world that comes back has gone through what it knew again, a tick less than this at most.
+                    # A restarted world repeats the ticks since its checkpoint, at most to the tick before this.
                     if self._outbox.has(observation.tick):
                         self._outbox.resend(observation.tick, observation.robot)
                     elif observation.tick < self.tick:
                         self._behind(key, observation.tick)
-                elif self.tick >= 0:  # else it stands by, and its time has not come yet
+                elif self.tick >= 0:  # before its first tick an agent has joined, but does not take part yet
                     self._drops.reject("Observation: is not for this tick", f"{key}: tick {observation.tick}")
             if len(waiting) == len(self._robots):
                 self.tick += 1
@@ -66,36 +66,36 @@ class TickSource:
                 waiting.clear()
 
     async def live(self, world: WorldLiveliness) -> AsyncIterator[list[Observation]]:
-        """The newest tick of which every robot's observation is here."""
+        """Yield the newest tick of which every robot's observation has arrived."""
         newest: dict[int, dict[int, Observation]] = {}
         while True:
             async for _, observation in self._received(1):
                 if observation.over:
                     return
                 if world.is_new and observation.tick <= self.tick:
-                    self.tick = observation.tick - 1  # it is back where it was a moment before
+                    self.tick = observation.tick - 1  # the world resumed from an earlier tick
                 world.is_new = False
                 if observation.tick > self.tick:
                     newest.setdefault(observation.tick, {})[observation.robot] = observation
-            whole = [tick for tick, found in newest.items() if len(found) == len(self._robots)]
-            if whole:
-                tick, before = max(whole), self.tick
+            complete = [tick for tick, by_robot in newest.items() if len(by_robot) == len(self._robots)]
+            if complete:
+                tick, before = max(complete), self.tick
                 observations = [newest[tick][robot] for robot in self._robots]
-                newest = {at: found for at, found in newest.items() if at > tick}
+                newest = {later: by_robot for later, by_robot in newest.items() if later > tick}
                 if before >= 0 and observations[0].since <= before:
                     self.skipped += tick - before - 1
                 self.tick = tick
                 yield observations
 
     def _behind(self, key: str, tick: int) -> None:
-        """A world that is back asks for a tick that is forgotten: if it does so again, it cannot go on with us."""
+        """Handle a restarted world's request for a tick no longer stored; a second one raises Unavailable."""
         if tick == self._forgotten:
             raise Unavailable(f"the world is back at tick {tick}, and {self.tick} was answered")
         self._forgotten = tick
         self._drops.reject("Observation: is not for this tick", f"{key}: tick {tick}")
 
     async def _received(self, count: int) -> AsyncIterator[tuple[str, Observation]]:
-        """Wait for that many messages; the key and content of all that are here and can be read."""
+        """Wait for `count` messages; yield key and content of all that have arrived and can be decoded."""
         end = time.monotonic() + SILENCE_TIMEOUT
         while not await self._inbox.wait(count, QUIET):
             if time.monotonic() >= end:

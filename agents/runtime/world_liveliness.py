@@ -1,4 +1,4 @@
-"""Whether the world is there: an agent waits for it at first, and again when it has left."""
+"""Liveliness of the world: an agent waits for it at the start, and again after it left."""
 
 import asyncio
 import logging
@@ -7,71 +7,71 @@ from fes.errors import Unavailable
 from fes.transport.inbox import Inbox
 
 GRACE = 5.0
-"""Others may take this long [s] to find a world again that is back."""
+"""Other processes may take this long [s] to see a restarted world again."""
 
 RETRY = 0.2
 """[s]"""
 
 
 class WorldLiveliness:
-    """The world, as its liveliness token tells of it. While it is away the robots of an agent stand still."""
+    """The world's liveliness token. While the world is absent, the robots of an agent stand still."""
 
     def __init__(self, name: str, inbox: Inbox) -> None:
         self.is_new = False
-        """Whether it has come back, and not gone on yet."""
+        """True if the world has restarted, but not continued the run yet."""
         self.was_seen = False
-        """Whether it ever was there."""
+        """True once the world has been alive."""
         self._name, self._inbox = name, inbox
-        self._here = asyncio.Event()
+        self._alive = asyncio.Event()
         self._loop = asyncio.get_running_loop()
         self.patience = 0.0
-        """How long it may be away [s]."""
+        """Longest absence that the agent waits for [s]."""
         self._came = -GRACE
-        self._giving_up: asyncio.TimerHandle | None = None
+        self._timer: asyncio.TimerHandle | None = None
         self._logger = logging.getLogger("agent")
 
     async def appears(self, timeout: float) -> None:
-        """Wait for it; raises Absent after `timeout` [s], which belong to a patience that may be longer."""
+        """Wait for the world; raises Unavailable after `timeout` [s], the rest of a patience that may be longer."""
         try:
             async with asyncio.timeout(timeout):
-                await self._here.wait()
+                await self._alive.wait()
         except TimeoutError:
             raise Unavailable(f"no {self._name.removeprefix('the ')} appeared within {self.patience:g} s") from None
 
     def on_token(self, alive: bool, tick: int) -> None:
-        """Its token came or went, after `tick` was answered."""
-        if alive and self._giving_up is not None:
-            self._giving_up.cancel()
-            self._giving_up, self.is_new = None, True
+        """Handle the appearance or the loss of the world's token, after `tick` was answered."""
+        if alive and self._timer is not None:
+            self._timer.cancel()
+            self._timer, self.is_new = None, True
             self._came = self._loop.time()
             self._logger.info("%s is back", self._name)
         if alive:
             self.was_seen = True
-            self._here.set()
-        elif self._here.is_set():
-            self._here.clear()
+            self._alive.set()
+        elif self._alive.is_set():
+            self._alive.clear()
             self._logger.info("%s left after tick %d: waiting %g s for it", self._name, tick, self.patience)
             gone = Unavailable(f"{self._name} left after tick {tick}")
-            self._giving_up = self._loop.call_later(self.patience, self._inbox.fail, gone)
+            self._timer = self._loop.call_later(self.patience, self._inbox.fail, gone)
 
     @property
     def is_here(self) -> bool:
-        """True while its token stands."""
-        return self._here.is_set()
+        """True while the world's token is alive."""
+        return self._alive.is_set()
 
     async def stays(self) -> bool:
-        """True if it may answer another time: it is there, or comes back in time; after a moment."""
-        if not self._here.is_set():
+        """True, after a pause, if another request makes sense: the world is alive, or restarts in time."""
+        if not self._alive.is_set():
             return await self.comes_back()
         await asyncio.sleep(RETRY)
         return True
 
     async def comes_back(self) -> bool:
-        """Whether there is hope that what was lost can be had: it was away, and now is back."""
-        if not self._here.is_set():
+        """True if a lost beacon may still be recalled: the world was absent, and has just restarted."""
+        if not self._alive.is_set():
             try:
                 async with asyncio.timeout(self.patience):
-                    await self._here.wait()
+                    await self._alive.wait()
             except TimeoutError:
                 return False
         if self._loop.time() - self._came > GRACE:

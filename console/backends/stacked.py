@@ -1,21 +1,21 @@
-"""Several runs as one array program: one crew steps the robots of all of them, each run has a world of its own.
+"""Several runs as one array program: one crew steps the robots of all runs, and each run has its own world.
 
-Robots of different runs are never in range of each other, so they share nothing but the arrays. A robot's digits do
-not depend on who else shares its process (`fes.arrays.edges`), and its seed and its id within its run are looked up
-where numbers are drawn. So every run has the digest that it has alone. What it saves is numpy's cost a call, which
-for ten robots is most of the time.
+Robots of different runs are never in range of each other, so they share only the arrays. A robot's digits do not
+depend on the other robots of its process (`fes.arrays.edges`). Its random numbers are those of its seed and its id
+within its run. So each run has the digest that it has alone. The gain is numpy's cost per call, which for ten robots
+is most of the time.
 """
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from agents.control import clocks, crew
-from agents.control.crew import Crew
-from agents.laws import perturbation
+from agents.control import crew
+from agents.control.state import Crew
+from agents.laws.draws import SeededDraws
 from console.backends import inprocess
 from console.backends.inprocess import Tick
 from fes.arrays.edges import Edges
@@ -30,85 +30,93 @@ from world.simulation.truth import State
 
 
 def alike(scenario: Scenario) -> tuple[AgentConfig, int]:
-    """What runs must have in common to be stacked: all that their robots are told but the seed, and the ticks."""
+    """The settings that stacked runs must share: those of the robots except the seed, and the number of ticks."""
     return agent_config(scenario).model_copy(update={"seed": 0}), scenario.ticks
 
 
 def run(scenarios: Sequence[Scenario], name: str, watch: Callable[[int], None] | None = None) -> list[dict[str, Any]]:
-    """The summaries of runs that are alike, each equal to that of `console.backends.inprocess.run` but for the
-    wall-clock.
+    """The summaries of runs that are alike; each equals that of `console.backends.inprocess.run`, wall clock aside.
 
-    `watch`, if given, is called after each tick with the ticks that are done, of all runs together.
+    `watch`, if given, is called after each tick with the number of finished ticks of all runs.
     """
     metrics = [MetricsCollector(scenario) for scenario in scenarios]
     begun = time.perf_counter()
     for number, together in enumerate(ticks(scenarios), 1):
-        for one, tick in zip(metrics, together, strict=True):
-            one.add(tick.state, tick.twists, tick.telemetry)
+        for collector, tick in zip(metrics, together, strict=True):
+            collector.add(tick.state, tick.twists, tick.telemetry)
         if watch is not None:
             watch(number * len(scenarios))
     wall = time.perf_counter() - begun
-    return [summary.summarize(one, name, "inprocess", wall) for one in metrics]
+    return [summary.summarize(collector, name, "inprocess", wall) for collector in metrics]
 
 
 def ticks(scenarios: Sequence[Scenario]) -> Iterator[list[Tick]]:
-    """All ticks in order, each as one Tick a run."""
+    """All ticks in order, each as one Tick per run."""
     worlds = [truth.create(scenario) for scenario in scenarios]
     states = [truth.start(world) for world in worlds]
     places = _Places.of([world.ids for world in worlds])
     robots = _assemble(scenarios, places)
-    sensing, saying = _Joined(places), _Split(places)
-    minds, said, there = crew.start(robots), no_beacons(), [state.present for state in states]
+    joined, split = _Joined(places), _Split(places)
+    crew_state, beacons, present = crew.start(robots), no_beacons(), [state.present for state in states]
     for _ in range(scenarios[0].ticks):
         now = [state.present for state in states]
-        if any(new is not old for new, old in zip(now, there, strict=True)):
-            back = [new & ~old for new, old in zip(now, there, strict=True)]
-            minds, there = crew.forget(robots, minds, np.concatenate(back)), now
-        minds, said, twists = crew.step(robots, minds, sensing.observations(states), said)
-        told = saying.beacons(said), places.rows(twists), saying.telemetry(crew.telemetry(robots, minds))
-        found = [inprocess.tick(*of_run) for of_run in zip(states, *told, strict=True)]
-        yield found
-        states = [truth.step(world, tick.state, tick.twists) for world, tick in zip(worlds, found, strict=True)]
+        if any(new is not old for new, old in zip(now, present, strict=True)):
+            rejoined = [new & ~old for new, old in zip(now, present, strict=True)]
+            crew_state, present = crew.forget(robots, crew_state, np.concatenate(rejoined)), now
+        crew_state, beacons, twists = crew.step(robots, crew_state, joined.observations(states), beacons)
+        telemetry = split.telemetry(crew.telemetry(robots, crew_state))
+        by_run = zip(states, split.beacons(beacons), places.rows(twists), telemetry, strict=True)
+        finished = [inprocess.tick(*of_run) for of_run in by_run]
+        yield finished
+        states = [truth.step(world, tick.state, tick.twists) for world, tick in zip(worlds, finished, strict=True)]
 
 
 @dataclass(frozen=True, eq=False)
 class _Places:
-    """Where each run's robots stand in the crew: run after run, each in the order of its own ids from 0 on."""
+    """The places of the runs' robots in the crew: run after run, each in the order of its own ids from 0 on."""
 
     own: list[Ints]
-    """The robots of each run, by their ids in it."""
+    """The ids of the robots within each run."""
     first: Ints
-    """Id in the crew of each run's robot 0, and at last the number of all robots."""
+    """Id in the crew of each run's robot 0, then the number of all robots."""
 
     @staticmethod
     def of(own: list[Ints]) -> "_Places":
         return _Places(own, np.cumsum([0, *map(len, own)]))
 
     def rows(self, values: Floats) -> list[Floats]:
-        """The rows of each run."""
+        """The rows of `values` of each run."""
         return [values[a:b] for a, b in zip(self.first[:-1].tolist(), self.first[1:].tolist(), strict=True)]
 
 
+@dataclass(frozen=True, eq=False)
+class _StackedDraws:
+    """The random numbers of several runs in one crew: each pair gets those that it has in its own run."""
+
+    runs: list[SeededDraws]
+    places: _Places
+
+    def __call__(self, stream: str, robots: Ints, peers: Ints) -> Floats:
+        """A uniform number in [0, 1) for each pair of ids in the crew (robot, peer) [m]."""
+        numbers = np.empty(len(robots))
+        indices = np.searchsorted(self.places.first, robots, "right") - 1
+        for index in np.unique(indices).tolist():
+            pairs, own, first = indices == index, self.places.own[index], self.places.first[index]
+            numbers[pairs] = self.runs[index](stream, own[robots[pairs] - first], own[peers[pairs] - first])
+        return numbers
+
+
 def _assemble(scenarios: Sequence[Scenario], places: _Places) -> Crew:
-    seeds = [agent_config(scenario).seed for scenario in scenarios]
-
-    def numbers(_: int, stream: str, links: Edges) -> Floats:
-        runs = zip(seeds, _parts(links, places), strict=True)
-        return np.concatenate([perturbation.pair_numbers(seed, stream, part) for seed, part in runs])
-
+    """The crew of all runs."""
     config = agent_config(scenarios[0])
     faults = [
         fault.model_copy(update={"robot": fault.robot + first})
         for first in places.first[:-1].tolist()
         for fault in config.faults
     ]
-    together = crew.create(config.model_copy(update={"faults": faults}), np.arange(places.first[-1]))
-    drawn = [clocks.drawn(agent_config(scenario), own) for scenario, own in zip(scenarios, places.own, strict=True)]
-    return replace(
-        together,
-        seeker=replace(together.seeker, numbers=numbers),
-        clocks=replace(together.clocks, drawn=np.concatenate(drawn)),
-    )
+    seeds = [SeededDraws(agent_config(scenario).seed) for scenario in scenarios]
+    stacked = config.model_copy(update={"faults": faults})
+    return crew.create(stacked, np.arange(places.first[-1]), _StackedDraws(seeds, places))
 
 
 def _parts(edges: Edges, places: _Places) -> list[Edges]:
@@ -121,7 +129,7 @@ def _parts(edges: Edges, places: _Places) -> list[Edges]:
 
 
 class _Joined:
-    """What the robots of all runs sense; the same edges while nobody's changed, so that nobody recomputes."""
+    """The observations of all runs as those of one crew; the same edges object while no run changes its own."""
 
     def __init__(self, places: _Places) -> None:
         self._places = places
@@ -130,12 +138,13 @@ class _Joined:
         self._edges: Edges | None = None
 
     def observations(self, states: list[State]) -> Observations:
+        """The observations of all runs, in the order of the crew."""
         sensed = [truth.observe(state) for state in states]
         return Observations(
             sensed[0].tick,
-            np.concatenate([one.poses for one in sensed]),
-            self._in_range([one.in_range for one in sensed]),
-            np.concatenate([one.reception for one in sensed]),
+            np.concatenate([observations.poses for observations in sensed]),
+            self._in_range([observations.in_range for observations in sensed]),
+            np.concatenate([observations.reception for observations in sensed]),
         )
 
     def _in_range(self, parts: list[Edges]) -> Edges:
@@ -148,7 +157,10 @@ class _Joined:
 
 
 class _Split:
-    """What the robots of each run say; a run's links are the same object while they are the same pairs."""
+    """The beacons and telemetry of each run, from those of the crew.
+
+    A run's links are the same object while its pairs are the same.
+    """
 
     def __init__(self, places: _Places) -> None:
         self._places = places
@@ -156,20 +168,22 @@ class _Split:
         self._parts: list[Edges] = []
         self._cuts: list[slice] = []
 
-    def beacons(self, said: Beacons) -> list[Beacons]:
-        self._take_in(said.links)
-        by_robot = zip(self._places.own, *map(self._places.rows, (said.poses, said.statistics)), strict=True)
+    def beacons(self, beacons: Beacons) -> list[Beacons]:
+        """The beacons of each run."""
+        self._update(beacons.links)
+        rows = zip(self._places.own, *map(self._places.rows, (beacons.poses, beacons.statistics)), strict=True)
         return [
-            Beacons(said.tick, own, poses, links, said.estimates[cut], said.selected[cut], statistics)
-            for (own, poses, statistics), links, cut in zip(by_robot, self._parts, self._cuts, strict=True)
+            Beacons(beacons.tick, own, poses, links, beacons.estimates[cut], beacons.selected[cut], statistics)
+            for (own, poses, statistics), links, cut in zip(rows, self._parts, self._cuts, strict=True)
         ]
 
-    def telemetry(self, said: Telemetry) -> list[Telemetry]:
-        self._take_in(said.links)  # those of the beacons, unless a transmitter is late
-        rows = zip(self._parts, self._cuts, strict=True)
-        return [Telemetry(links, said.estimates[cut], said.learnt[:, cut]) for links, cut in rows]
+    def telemetry(self, telemetry: Telemetry) -> list[Telemetry]:
+        """The telemetry of each run."""
+        self._update(telemetry.links)  # the links of the beacons, unless a transmitter is late
+        parts = zip(self._parts, self._cuts, strict=True)
+        return [Telemetry(links, telemetry.estimates[cut], telemetry.learnt[:, cut]) for links, cut in parts]
 
-    def _take_in(self, links: Edges) -> None:
+    def _update(self, links: Edges) -> None:
         if links is self._links:
             return
         parts = _parts(links, self._places)

@@ -2,18 +2,22 @@
 
 A crew hosts n robots; each has a list of peers of its own length. Instead of padding these lists to a
 rectangle [n, K], the pairs lie one after the other, sorted by robot, then by peer. A sum over a robot's
-pairs is taken strictly in that order (`numpy.bincount` adds one by one), so a robot's digits do not
-depend on who else shares its process.
+pairs is taken strictly in that order (`numpy.bincount` adds term by term). So a robot's digits do not
+depend on the other robots of its process.
 """
 
-import weakref
 from dataclasses import dataclass
 from functools import cached_property
 from operator import is_ as _is
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fes.arrays.types import Bools, Floats, Ints
+
+Number = TypeVar("Number", bound=np.generic)
+"""Type of the numbers of an array that is carried: the result has the same."""
 
 _SHIFT = 32  # a pair's key is robot * 2**32 + peer: unique, and sorted as the pairs are
 
@@ -33,7 +37,7 @@ class Edges:
         return len(self.rows)
 
     def __getstate__(self) -> dict[str, Ints]:
-        # What is derived is derived again.
+        # A derived array is computed again where it is needed.
         return {"ids": self.ids, "rows": self.rows, "peers": self.peers}
 
     @staticmethod
@@ -42,14 +46,19 @@ class Edges:
         return (robots << _SHIFT) | peers
 
     @cached_property
+    def robots(self) -> Ints:
+        """Id of each pair's robot [m]."""
+        return self.ids[self.rows]
+
+    @cached_property
     def keys(self) -> Ints:
         """One integer per pair, ascending [m]."""
-        return self.key(self.ids[self.rows], self.peers)
+        return self.key(self.robots, self.peers)
 
     @cached_property
     def reverse_keys(self) -> Ints:
         """The key of each pair seen from the other side [m]."""
-        return self.key(self.peers, self.ids[self.rows])
+        return self.key(self.peers, self.robots)
 
     @cached_property
     def reverse(self) -> Ints:
@@ -58,13 +67,13 @@ class Edges:
 
     @cached_property
     def mutual(self) -> Ints:
-        """Positions of the pairs with robot < peer that stand in both directions."""
-        return np.flatnonzero((self.reverse >= 0) & (self.ids[self.rows] < self.peers))
+        """Positions of the pairs with robot < peer whose reverse is among the edges too."""
+        return np.flatnonzero((self.reverse >= 0) & (self.robots < self.peers))
 
     @cached_property
     def undirected(self) -> Ints:
-        """Positions of one pair for each two robots that stand in either direction."""
-        return np.flatnonzero((self.reverse < 0) | (self.ids[self.rows] < self.peers))
+        """Positions of a single pair for each two robots that are linked in any direction."""
+        return np.flatnonzero((self.reverse < 0) | (self.robots < self.peers))
 
     @cached_property
     def counts(self) -> Ints:
@@ -73,7 +82,7 @@ class Edges:
 
     @cached_property
     def spans(self) -> list[slice]:
-        """Where each robot's pairs stand [n]."""
+        """Positions of each robot's pairs [n]."""
         ends = np.cumsum(self.counts)
         begins = ends - self.counts
         return [slice(begin, end) for begin, end in zip(begins.tolist(), ends.tolist(), strict=True)]
@@ -89,20 +98,28 @@ class Edges:
         """For each pair, the index of its robot's entry in `starts` [m]."""
         return (np.cumsum(self.counts > 0) - 1)[self.rows]
 
+    @cached_property
+    def ranks(self) -> Ints:
+        """Number of pairs of the same robot before each pair [m]."""
+        return np.arange(len(self)) - (np.cumsum(self.counts) - self.counts)[self.rows]
+
     def find(self, keys: Ints) -> Ints:
-        """Position of each key, or -1 where the pair is not here."""
+        """Position of the pair of each of `keys`, or -1 where these edges lack it."""
         if len(self) == 0:
             return np.full(len(keys), -1, dtype=np.int64)
-        at = np.minimum(np.searchsorted(self.keys, keys), len(self) - 1)
-        return np.where(self.keys[at] == keys, at, -1)
+        positions = np.minimum(np.searchsorted(self.keys, keys), len(self) - 1)
+        return np.where(self.keys[positions] == keys, positions, -1)
 
-    def places_in(self, other: "Edges") -> Ints:
-        """Position in `other` of each pair that stands here, or -1 [m]; the answer is kept for the next asker."""
-        kept = self.__dict__.get("places")
-        if kept is None or kept[0]() is not other:
-            kept = self.__dict__["places"] = (weakref.ref(other), other.find(self.keys))
-        places: Ints = kept[1]
-        return places
+    def after(self, old: "Edges") -> "Transition":
+        """The transition from the edges `old` to these."""
+        return Transition(np.arange(len(self)) if old is self else old.find(self.keys))
+
+    def carry(self, values: NDArray[Number], old: "Edges", fill: float, axis: int = 0) -> NDArray[Number]:
+        """`values` of the pairs of `old`, for the pairs of these edges; see `Transition.carry`.
+
+        To carry several arrays, use `after`, which looks the pairs up once.
+        """
+        return values if old is self else self.after(old).carry(values, fill, axis)
 
     def sum(self, values: Floats) -> Floats:
         """Sum of `values` [m] over each robot's pairs, in their order [n]."""
@@ -111,39 +128,56 @@ class Edges:
     def first_smallest(self, values: Floats) -> Ints:
         """Position of the smallest of each robot's `values` [m]; among equals that of the lowest peer id.
 
-        >>> one = Edges(np.array([7]), np.array([0, 0, 0]), np.array([1, 2, 3]))
-        >>> one.first_smallest(np.array([5.0, 2.0, 2.0]))
+        >>> edges = Edges(np.array([7]), np.array([0, 0, 0]), np.array([1, 2, 3]))
+        >>> edges.first_smallest(np.array([5.0, 2.0, 2.0]))
         array([1])
         """
         if len(self) == 0:
             return self.rows
         least = np.minimum.reduceat(values, self.starts)
-        at: Ints = np.equal(values, least.take(self.groups)).nonzero()[0]
-        if len(at) > len(self.starts):
-            rows = self.rows.take(at)
-            at = at[np.concatenate(([True], rows[1:] != rows[:-1]))]
-        return at
+        positions: Ints = np.equal(values, least.take(self.groups)).nonzero()[0]
+        if len(positions) > len(self.starts):
+            rows = self.rows.take(positions)
+            positions = positions[np.concatenate(([True], rows[1:] != rows[:-1]))]
+        return positions
 
     def smallest(self, values: Floats, k: int) -> Ints:
         """Positions of each robot's `k` smallest `values` [m]; among equals the lowest peer id first.
 
-        >>> one = Edges(np.array([7]), np.array([0, 0, 0]), np.array([1, 2, 3]))
-        >>> one.smallest(np.array([5.0, 2.0, 2.0]), 2)
+        >>> edges = Edges(np.array([7]), np.array([0, 0, 0]), np.array([1, 2, 3]))
+        >>> edges.smallest(np.array([5.0, 2.0, 2.0]), 2)
         array([1, 2])
         """
-        return np.lexsort((values, self.rows)).take(self._leaders(k))
-
-    def _leaders(self, k: int) -> Ints:
-        """Positions of the first `k` pairs of each robot."""
-        found = self.__dict__.get(f"leaders {k}")
-        if found is None:
-            rank = np.arange(len(self)) - np.repeat(self.starts, self.counts[self.counts > 0])
-            found = self.__dict__[f"leaders {k}"] = np.flatnonzero(rank < k)
-        return found
+        return np.lexsort((values, self.rows))[self.ranks < k]
 
     def select(self, mask: Bools) -> "Edges":
         """The pairs where `mask` [m] is true."""
         return Edges(self.ids, self.rows[mask], self.peers[mask])
+
+
+@dataclass(frozen=True, eq=False)
+class Transition:
+    """The way from one set of pairs to the next, by which arrays of one become arrays of the other."""
+
+    positions: Ints
+    """Position of each new pair among the old ones, or -1 for a pair that they lack [m]."""
+
+    @cached_property
+    def is_new(self) -> Bools:
+        """True for a pair that the old ones lack [m]."""
+        return self.positions < 0
+
+    def carry(self, values: NDArray[Number], fill: float, axis: int = 0) -> NDArray[Number]:
+        """`values` of the old pairs, along `axis` >= 0, for the new ones: a new array of the same type.
+
+        Each pair keeps its values; a new pair gets `fill`. Other axes keep their lengths.
+        """
+        if values.shape[axis] == 0:
+            shape = (*values.shape[:axis], len(self.positions), *values.shape[axis + 1 :])
+            return np.full(shape, fill, values.dtype)
+        carried = values.take(self.positions, axis, mode="clip")
+        carried[(slice(None),) * axis + (self.is_new,)] = fill
+        return carried
 
 
 class Stack:

@@ -46,7 +46,7 @@ def test_a_bad_payload_on_every_key_is_counted_with_one_line_per_kind_and_change
     assert server.drops.counts[kind] >= ROBOTS - 1  # robot 3 is allowed the message on its own key
     said = [record for record in caplog.records if record.name == "world" and kind in record.getMessage()]
     assert len(said) == 1
-    assert all(agent.complaints.counts for agent in agents)
+    assert all(agent.drops.counts for agent in agents)
 
 
 def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -> None:
@@ -77,8 +77,8 @@ def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -
 
     server, agents = attacked(disturb)
     assert server.drops.counts["Command: is not for this tick"] > 0
-    assert all(agent.complaints.counts["Observation: is not for this tick"] for agent in agents)
-    assert any(agent.complaints.counts["Beacon: from the future"] for agent in agents)
+    assert all(agent.drops.counts["Observation: is not for this tick"] for agent in agents)
+    assert any(agent.drops.counts["Beacon: from the future"] for agent in agents)
 
 
 def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -109,7 +109,7 @@ def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds(monkeypa
 def nobody_hears_of(disturb: Any) -> None:
     server, agents = attacked(disturb)
     assert not server.drops.counts
-    assert not any(agent.complaints.counts for agent in agents)
+    assert not any(agent.drops.counts for agent in agents)
 
 
 def test_another_run_on_the_same_router_is_not_heard_at_all() -> None:

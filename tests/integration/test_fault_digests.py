@@ -75,7 +75,7 @@ def test_a_fault_has_one_digest_in_one_loop_and_over_zenoh_and_is_no_other_fault
     if fault == "all hang" and crew == "many":
         return  # no robot holds the world up, so it runs ahead of crews, which drop observations that they missed
     assert not server.drops.counts
-    counts = {robot: agent.complaints.counts for agent in agents for robot in agent._robots}
+    counts = {robot: agent.drops.counts for agent in agents for robot in agent._robots}
     if FAULTS["corrupt"][0] not in FAULTS[fault]:
         assert not any(counts.values())
         return

@@ -107,7 +107,7 @@ def test_a_flood_that_pushes_beacons_out_of_full_mailboxes_changes_no_digit(monk
 
     _, agents = attacked(disturb)
     assert flooding.is_set()
-    assert sum(agent.complaints.counts["Beacon: recalled"] for agent in agents) > 0
+    assert sum(agent.drops.counts["Beacon: recalled"] for agent in agents) > 0
 
 
 def test_a_flood_of_questions_is_refused_and_changes_no_digit() -> None:

@@ -160,7 +160,7 @@ def test_a_beacon_that_comes_too_late_is_lost_and_counted_and_nobody_asks_for_it
     assert summary["ticks"] == 50
     for agent in agents:
         assert re.match(r"[1-9]\d* beacons came too late, \d+ ticks were skipped", agent.lag)
-        assert not agent.complaints.counts["Beacon: recalled"]
+        assert not agent.drops.counts["Beacon: recalled"]
 
 
 def test_ten_processes_keep_the_formation_on_the_live_clock(tmp_path: Path) -> None:

@@ -77,7 +77,7 @@ def test_a_measured_run_has_the_same_digest_over_zenoh(changes: dict[str, Any]) 
     summary, server, agents = run(measured, [[0, 1, 2], [3], [4, 5, 6, 7, 8, 9]])
     assert summary["digest"] == inprocess.run(measured, "test")["digest"]
     assert not server.drops.counts
-    assert not any(agent.complaints.counts for agent in agents)
+    assert not any(agent.drops.counts for agent in agents)
 
 
 def test_an_agent_listens_to_the_peers_in_range_and_to_nobody_else() -> None:
@@ -128,7 +128,7 @@ def test_garbage_on_any_key_is_counted_and_changes_nothing(
     assert summary["digest"] == expected["digest"]
     kinds = set(server.drops.counts)
     assert {"Command: is not for this tick", "Command: a deletion is not a command"} <= kinds
-    assert all(agent.complaints.counts for agent in agents)
+    assert all(agent.drops.counts for agent in agents)
 
 
 def test_who_asks_for_a_taken_or_unknown_robot_is_refused_and_the_run_goes_on(

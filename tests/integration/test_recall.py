@@ -31,7 +31,7 @@ def test_a_beacon_that_does_not_arrive_is_asked_for_again(monkeypatch: pytest.Mo
     deaf_at_tick_40(monkeypatch)
     summary, _, agents = asyncio.run(session.run(paper, [[0, 1, 2], [3], [4, 5, 6, 7, 8, 9]]))
     assert summary["digest"] == inprocess.run(paper, "test")["digest"]
-    assert all(agent.complaints.counts["Beacon: recalled"] for agent in agents)
+    assert all(agent.drops.counts["Beacon: recalled"] for agent in agents)
 
 
 def test_a_beacon_that_cannot_be_had_is_an_error_and_no_other_digest(monkeypatch: pytest.MonkeyPatch) -> None:

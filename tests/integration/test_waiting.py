@@ -175,7 +175,7 @@ def test_a_live_run_whose_world_dies_goes_on_in_lockstep_at_a_tick_that_its_robo
             server._clock._end_of_tick = held  # type: ignore[method-assign]
             running = asyncio.ensure_future(server.main_loop())
             await dies.wait()
-            while any(robot._turns.tick < run.state.tick for robot in robots):
+            while any(robot._ticks.tick < run.state.tick for robot in robots):
                 await asyncio.sleep(0.01)
             running.cancel()
             checkpoints.close(run)

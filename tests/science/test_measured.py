@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from agents.control import clocks
+from agents.laws.draws import SeededDraws
 from console.backends import inprocess, stacked
 from tests.support.loop import load
 from tests.support.paths import CONFIGS
@@ -77,7 +78,8 @@ def test_a_channel_outside_the_family_of_the_fit_biases_them_by_less_than_a_fift
 @pytest.mark.slow
 def test_clocks_that_are_fifty_milliseconds_off_do_no_harm() -> None:
     plain, skewed = (load("measured.toml", run__duration=2, run__clock_skew=skew) for skew in (0.0, 0.05))
-    ahead = clocks.drawn(agent_config(skewed), np.arange(10))
+    config = agent_config(skewed)
+    ahead = clocks.of(config, np.arange(10), SeededDraws(config.seed)).initial
     assert len(set(ahead.tolist())) == 10
     assert 0.02 < np.abs(ahead).max() <= 0.05
     assert inprocess.run(plain, "on time")["digest"] != inprocess.run(skewed, "off")["digest"]

@@ -73,7 +73,7 @@ async def _live(endpoints: Endpoints, robot: int, attack: Attack | None) -> None
     async with bus.opened(endpoints) as opened:
         agent = Agent(opened, RUN, (robot,))
         if attack is not None:
-            agent._mouth.__class__, agent._mouth.attack = Turncoat, attack  # type: ignore[attr-defined]
+            agent._outbox.__class__, agent._outbox.attack = Turncoat, attack  # type: ignore[attr-defined]
         await agent.live(await agent.join(PATIENCE))
 
 

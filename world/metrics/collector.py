@@ -112,7 +112,7 @@ def link_reception(radio: Radio, links: Edges) -> Floats:
     """True reception probability of each of `links.undirected` [u], mean of both ways; NaN without a contact."""
     if not len(radio.edges):
         return np.full(len(links.undirected), np.nan)
-    positions = links.places_in(radio.edges)[links.undirected]
+    positions = links.after(radio.edges).positions[links.undirected]
     backward = radio.edges.reverse.take(positions)
     mean = 0.5 * (radio.probability.take(positions) + radio.probability.take(backward))
     return np.where(positions >= 0, mean, np.nan)

@@ -8,7 +8,7 @@ from collections import deque
 
 import numpy as np
 
-from fes.arrays.edges import Edges, no_edges
+from fes.arrays.edges import Edges, Transition, no_edges
 from fes.arrays.types import Floats, Ints
 
 MOST_BLOCKS = 20
@@ -49,25 +49,19 @@ class PeriodAverage:
     def _carry(self, links: Edges) -> None:
         """Links that stay keep their sums; those of new ones are not numbers until a period has passed."""
         old, self._links = self._links, links
-        at = _places(links, old)
+        links_after = Transition(_positions(links, old))
         begun = self._ticks > 0 or len(self._sums) > 0
-
-        def kept(metrics: Floats, otherwise: float) -> Floats:
-            found = np.full(len(at), otherwise)
-            found[at >= 0] = metrics[at[at >= 0]]
-            return found
-
-        for place, metrics in enumerate(self._sums):
-            self._sums[place] = kept(metrics, np.nan)
-        self._now = kept(self._now, np.nan if begun else 0.0)
-        self.mean = kept(self.mean if len(self.mean) else np.full(len(old.undirected), np.nan), np.nan)
+        for block, metrics in enumerate(self._sums):
+            self._sums[block] = links_after.carry(metrics, np.nan)
+        self._now = links_after.carry(self._now, np.nan if begun else 0.0)
+        self.mean = links_after.carry(self.mean, np.nan)
 
 
-def _places(links: Edges, old: Edges) -> Ints:
-    """Position in `old.undirected` of each link in `links.undirected`, or -1, whichever way round it stood."""
+def _positions(links: Edges, old: Edges) -> Ints:
+    """Position in `old.undirected` of each link in `links.undirected`, or -1, in whichever direction it stood."""
     rank = np.full(len(old) + 1, -1)  # the last stays -1, for links that were not there
     rank[old.undirected] = np.arange(len(old.undirected))
-    here = links.undirected
-    forth, back = old.find(links.keys[here]), old.find(links.reverse_keys[here])
-    places: Ints = np.maximum(rank[forth], rank[back])
-    return places
+    pairs = links.undirected
+    forth, back = old.find(links.keys[pairs]), old.find(links.reverse_keys[pairs])
+    positions: Ints = np.maximum(rank[forth], rank[back])
+    return positions

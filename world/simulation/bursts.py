@@ -1,7 +1,7 @@
-"""Losses that come in bursts: a two-state Markov chain on each directed contact (Gilbert 1960, Elliott 1963).
+"""Bursts of losses: a two-state Markov chain on each directed contact (Gilbert 1960, Elliott 1963).
 
-The state at the first tick in range is drawn from the stationary law; then it steps once a tick, by numbers that are
-functions of (seed, tick, sender, receiver).
+The state at the first tick in range is drawn from the stationary law. It then makes one step per tick, by numbers
+that are functions of (seed, tick, sender, receiver).
 """
 
 import numpy as np
@@ -22,11 +22,11 @@ def step(states: Bytes, config: BurstConfig, dt: float, numbers: Floats) -> Byte
 
 
 def reception_factor(states: Bytes, config: BurstConfig) -> Floats:
-    """Share of the beacons that would decode which still do, in these states [m]."""
+    """Factor of the bursts on the reception probability, in these states [m]."""
     shares: Floats = np.array([1.0, 1.0 - config.loss]).take(states)
     return shares
 
 
 def mean_reception_factor(config: BurstConfig | None) -> float:
-    """The same over the stationary law; 1 without bursts."""
+    """Mean of the factor over the stationary law; 1 without bursts."""
     return 1.0 if config is None else 1.0 - config.bad_share * config.loss

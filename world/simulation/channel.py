@@ -1,19 +1,20 @@
-"""The radio: whose beacon decodes at whom.
+"""The radio: the fate of each beacon at each robot in range.
 
-A beacon is put on the air by every robot at every tick. Between two robots in range it decodes with the
-reception probability of their channel at that tick, independently for each tick and direction (block fading) but
-for the bursts. A contact opens two ticks after the robots came in range.
+Every robot sends a beacon at every tick. At a robot in range it decodes with the reception probability of the channel
+between the two at that tick. But for bursts, ticks and directions are independent (block fading). A contact opens two
+ticks after the robots came in range.
 """
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fes.arrays import draws, geometry
-from fes.arrays.edges import Edges
+from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Bools, Bytes, Floats, Ints
 from fes.model import outage
 from fes.model.sensing import CLOSED, OPENING_TICKS
@@ -22,12 +23,14 @@ from world.simulation import bursts, shadowing
 from world.simulation.draw_cache import DrawCache
 from world.simulation.neighbor_list import Proximity
 
-_FARTHEST = 100.0  # powers of ten by which shadowing moves an effective separation at most: numbers stay finite
+Array = NDArray[Any]
+
+_FARTHEST = 100.0  # largest shift of an effective separation by shadowing [powers of ten]: numbers stay finite
 
 
 @dataclass(frozen=True, eq=False)
 class Medium:
-    """What the radio of a run rests on: all of it a function of the seed, whatever the channel is."""
+    """The random numbers of the radio of a run: functions of the seed, independent of the channel's settings."""
 
     dt: float
     """Tick length [s]."""
@@ -38,86 +41,93 @@ class Medium:
 
 @dataclass(frozen=True, eq=False)
 class Radio:
-    """What the radio did at one tick, over the pairs in range [m], and the ledger of each contact."""
+    """The result of one tick of the radio, over the pairs in range [m], and the ledger of each contact."""
 
     edges: Edges
     """(receiver, sender)"""
     age: Ints
     """Ticks since each pair came in range [m]."""
     reception: Bytes
-    """What became of the previous tick's beacon: CLOSED, LOST or DECODED [m]."""
+    """Fate of the previous tick's beacon: CLOSED, LOST or DECODED [m]."""
     sent: Ints
     """Beacons sent on each contact since it opened [m]."""
     decoded: Ints
     """Beacons decoded on it [m]."""
     probability: Floats
-    """True reception probability of the previous tick's beacon, all that lies over it included, bursts as their
-    average over the stationary law; NaN before the first [m]."""
+    """True reception probability of the previous tick's beacon, with shadowing, jammers and faults, and with the mean
+    factor of the bursts; NaN before the first beacon [m]."""
     outage_sum: Floats
-    """Sum of 1 - probability over the beacons sent: the number that is lost on average [m]."""
+    """Sum of 1 - probability over the beacons sent: the expected number of lost ones [m]."""
     gap: Ints
-    """Beacons lost in a row by now [m]."""
+    """Beacons lost in a row until now [m]."""
     longest_gap: Ints
     """The largest `gap` since the contact opened [m]."""
     burst: Bytes
-    """GOOD, BAD or UNKNOWN, for the previous tick's beacon; it stands still while the channel has no bursts [m]."""
+    """GOOD, BAD or UNKNOWN, for the previous tick's beacon; unchanged while the channel has no bursts [m]."""
 
 
-_FRESH: dict[str, Any] = {
-    "age": np.int64(0),
-    "reception": np.uint8(CLOSED),
-    "sent": np.int64(0),
-    "decoded": np.int64(0),
-    "probability": np.float64(math.nan),
-    "outage_sum": np.float64(0.0),
-    "gap": np.int64(0),
-    "longest_gap": np.int64(0),
-    "burst": np.uint8(bursts.UNKNOWN),
-}
-"""The ledger of a pair that has just come in range."""
+_NO_INTS: Ints = np.zeros(0, dtype=np.int64)
+_NO_CODES: Bytes = np.zeros(0, dtype=np.uint8)
+_NO_NUMBERS: Floats = np.zeros(0)
+_NO_LEDGER = Radio(
+    no_edges(_NO_INTS),
+    age=_NO_INTS,
+    reception=_NO_CODES,
+    sent=_NO_INTS,
+    decoded=_NO_INTS,
+    probability=_NO_NUMBERS,
+    outage_sum=_NO_NUMBERS,
+    gap=_NO_INTS,
+    longest_gap=_NO_INTS,
+    burst=_NO_CODES,
+)
 
 
 def medium(seed: int, dt: float) -> Medium:
-    """The medium of a run with ticks of `dt` [s]."""
+    """The medium of a run with `seed` and ticks of `dt` [s]."""
     fading, states = (DrawCache(draws.key(seed, stream)) for stream in ("channel", "bursts"))
     return Medium(dt, fading, states, shadowing.modes(seed))
 
 
 def quiet(edges: Edges) -> Radio:
-    """The radio before the first tick: nothing was sent."""
-    return Radio(edges, **{name: np.full(len(edges), value) for name, value in _FRESH.items()})
+    """The radio before the first tick: every pair has just come in range, and no beacon was sent."""
+    return _converted(_NO_LEDGER, edges, edges.after(_NO_LEDGER.edges).carry)
 
 
-def transmit(
-    medium: Medium,
-    config: RadioConfig,
-    radio: Radio,
-    tick: int,
-    poses: Floats,
-    present: Bools,
-    before: Proximity,
-    after: Proximity,
-    kept: Floats | None = None,
-) -> Radio:
-    """The radio at tick + 1: what became of the beacons of `tick`, sent from `poses` [n, 3] among `before`.
+@dataclass(frozen=True, eq=False)
+class RadioInput:
+    """The state of the robots at one tick, as far as it decides which of their beacons decode."""
 
-    Robots that are not `present` [n] neither send nor hear: their peers' code is LOST, but nothing was sent. `kept`
-    [n]: what each robot's own transmitter leaves of the reception probability; None where all are healthy.
+    tick: int
+    poses: Floats
+    """[n, 3] [m, m, rad; world frame]"""
+    present: Bools
+    """Robots that take part [n]: another neither sends nor receives."""
+    proximity: Proximity
+    reception_factor: Floats | None = None
+    """Factor of each robot's own transmitter on the reception probability [n]; None where all are healthy."""
+
+
+def transmit(medium: Medium, config: RadioConfig, radio: Radio, robots: RadioInput, after: Edges) -> Radio:
+    """The radio one tick later, over the pairs `after` that are then in range.
+
+    The peers of a robot that takes no part get the code LOST, but no beacon was sent.
     """
+    before, present, factor = robots.proximity, robots.present, robots.reception_factor
     edges, age = before.edges, radio.age + 1
     is_open = age >= OPENING_TICKS
     on_air = is_open if present.all() else is_open & among(edges, present)
-    probability = reception_probability(medium, config, poses, before)
-    if kept is not None:
-        probability *= kept.take(_senders(edges))
+    probability = reception_probability(medium, config, robots.poses, before)
+    if factor is not None:
+        probability *= factor.take(_senders(edges))
     average, burst = probability, radio.burst
     if config.bursts is not None:
-        burst = bursts.step(burst, config.bursts, medium.dt, medium.bursts.at(tick, edges))
+        burst = bursts.step(burst, config.bursts, medium.dt, medium.bursts.numbers(robots.tick, edges))
         average = probability * bursts.mean_reception_factor(config.bursts)
         probability = probability * bursts.reception_factor(burst, config.bursts)
     heard = on_air
-    if kept is not None or not config.is_certain:
-        heard = on_air & (medium.fading.at(tick, edges) < probability)
+    if factor is not None or not config.is_certain:
+        heard = on_air & (medium.fading.numbers(robots.tick, edges) < probability)
     gap = (radio.gap + 1) * (on_air ^ heard)
     now = Radio(
         edges,
@@ -131,61 +141,62 @@ def transmit(
         np.maximum(radio.longest_gap, gap),
         burst,
     )
-    return now if after.edges is edges else _carry(now, after.edges)
+    return now if after is edges else _converted(now, after, after.after(edges).carry)
 
 
 def reception_probability(medium: Medium, config: RadioConfig, poses: Floats, near: Proximity) -> Floats:
-    """Probability [m] that a beacon decodes on each edge of `near` at `poses` [n, 3], bursts aside."""
+    """Probability [m] that a beacon decodes on each edge of `near` at `poses` [n, 3], without bursts."""
     separation = near.separation
     if config.shadowing is not None and config.model != "perfect":
         separation = _effective(medium, config, config.shadowing, poses, near)
     probability = outage.reception_probability(separation.take(near.pair), config)
     if config.jammers:
-        probability *= _left_by(config.jammers, poses).take(near.edges.rows)
+        probability *= _jamming_factor(config.jammers, poses).take(near.edges.rows)
     if config.partition:
-        probability *= _on_one_side(config.partition, near.edges)
+        probability *= _same_side(config.partition, near.edges)
     return probability
 
 
 def among(edges: Edges, present: Bools) -> Bools:
-    """Which edges [m] stand between robots that are `present` [n]."""
+    """True for an edge between two robots that are `present` [n] [m]."""
     return present[edges.rows] & present[_senders(edges)]
 
 
 def reopen(radio: Radio, back: Bools) -> Radio:
     """The radio when the robots of `back` [n] return: their contacts begin as if they had just come in range."""
     fresh = ~among(radio.edges, ~back)
-    ledger: dict[str, Any] = {name: np.where(fresh, value, getattr(radio, name)) for name, value in _FRESH.items()}
-    return replace(radio, **ledger)
+    return _converted(radio, radio.edges, lambda values, first: np.where(fresh, values.dtype.type(first), values))
 
 
 def _effective(
     medium: Medium, config: RadioConfig, shadows: ShadowingConfig, poses: Floats, near: Proximity
 ) -> Floats:
-    """The separation [p] [m] at which the candidates in range would have the SNR that shadowing leaves them.
+    """The separation [p] [m] at which the candidates in range would have their SNR without shadowing.
 
     A gain of g dB is a separation times 10^(-g/(10 nu)), exactly so in (3).
     """
-    at = np.flatnonzero(near.mask)
+    in_range = np.flatnonzero(near.mask)
     separation = near.separation.copy()
-    apart = separation.take(at)
-    gain = shadowing.gain(medium.waves, shadows, poses, near.candidates.a.take(at), near.candidates.b.take(at), apart)
+    apart = separation.take(in_range)
+    gain = shadowing.gain(
+        medium.waves, shadows, poses, near.candidates.a.take(in_range), near.candidates.b.take(in_range), apart
+    )
     power = np.clip(gain / (-10.0 * config.path_loss_exponent), -_FARTHEST, _FARTHEST)
-    separation[at] = apart * np.power(10.0, power)
+    separation[in_range] = apart * np.power(10.0, power)
     return separation
 
 
-def _left_by(jammers: list[JammerConfig], poses: Floats) -> Floats:
-    """What the jammers leave of the reception probability of each robot [n]."""
-    left = np.ones(len(poses))
+def _jamming_factor(jammers: list[JammerConfig], poses: Floats) -> Floats:
+    """Factor of the jammers on the reception probability of each robot [n]."""
+    factor = np.ones(len(poses))
     for jammer in jammers:
         away = geometry.separation(poses[:, geometry.X] - jammer.x, poses[:, geometry.Y] - jammer.y)
-        left[away <= jammer.radius] *= jammer.reception_factor
-    return left
+        factor[away <= jammer.radius] *= jammer.reception_factor
+    return factor
 
 
-def _on_one_side(partition: list[list[int]], edges: Edges) -> Bools:
-    """Which edges [m] stand between robots of one group."""
+def _same_side(partition: list[list[int]], edges: Edges) -> Bools:
+    """True for an edge between two robots of the same group [m]."""
     side = np.zeros(len(edges.ids), dtype=np.int64)
     for number, group in enumerate(partition, 1):
         side[np.searchsorted(edges.ids, group)] = number
@@ -198,12 +209,17 @@ def _senders(edges: Edges) -> Ints:
     return np.searchsorted(edges.ids, edges.peers)
 
 
-def _carry(radio: Radio, edges: Edges) -> Radio:
-    """The ledger of the pairs `edges`: of those that stay, and a fresh one for those that are new."""
-    if len(radio.edges) == 0:
-        return quiet(edges)
-    at = edges.places_in(radio.edges)
-    ledger: dict[str, NDArray[Any]] = {
-        name: np.where(at >= 0, getattr(radio, name).take(at, mode="clip"), value) for name, value in _FRESH.items()
-    }
-    return replace(radio, edges=edges, **ledger)
+def _converted(radio: Radio, edges: Edges, convert: Callable[[Array, float], Array]) -> Radio:
+    """The radio over `edges`, each array converted by `convert(values, value of a pair that just came in range)`."""
+    return Radio(
+        edges,
+        age=convert(radio.age, 0),
+        reception=convert(radio.reception, CLOSED),
+        sent=convert(radio.sent, 0),
+        decoded=convert(radio.decoded, 0),
+        probability=convert(radio.probability, math.nan),
+        outage_sum=convert(radio.outage_sum, 0.0),
+        gap=convert(radio.gap, 0),
+        longest_gap=convert(radio.longest_gap, 0),
+        burst=convert(radio.burst, bursts.UNKNOWN),
+    )

@@ -3,11 +3,11 @@
 import numpy as np
 
 from fes.arrays import draws
-from fes.arrays.edges import Edges
+from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Floats, Ints
 
-_BLOCK = 128  # ticks of numbers drawn at a time: drawing costs per pair, not per number
-_MOST = 1 << 24  # numbers held at most
+_BLOCK = 128  # ticks drawn at a time: the cost is per pair, not per number
+_MOST = 1 << 24  # largest number of cached numbers
 
 
 class DrawCache:
@@ -18,29 +18,28 @@ class DrawCache:
 
     def __init__(self, key: Ints) -> None:
         self._key = key
-        self._edges: Edges | None = None
+        self._edges = no_edges(np.zeros(0, dtype=np.int64))
         self._first = 0
         self._blocks: Floats = np.zeros((0, 0))
-        """Numbers of the ticks from `_first` on, a column a pair, in the order in which pairs came."""
+        """Numbers of the ticks from `_first` on, one column per pair, in the order in which pairs came in range."""
         self._columns: Ints = np.zeros(0, dtype=np.int64)
         """Column of each pair of `_edges`."""
 
-    def at(self, tick: int, edges: Edges) -> Floats:
-        """The numbers of one tick for (receiver, sender) `edges` [m], in [0, 1)."""
+    def numbers(self, tick: int, edges: Edges) -> Floats:
+        """The numbers in [0, 1) of a tick for the pairs (receiver, sender) of `edges` [m]."""
         if not 0 <= tick - self._first < len(self._blocks):
             count = max(4, min(_BLOCK, _MOST // (4 * max(1, len(edges))) * 4))
-            self._first, self._edges = tick - tick % count, None
-            self._blocks = np.zeros((count, 0))
+            self._first, self._edges = tick - tick % count, no_edges(edges.ids)
+            self._blocks, self._columns = np.zeros((count, 0)), self._edges.rows
         if edges is not self._edges:
-            self._take_in(edges)
+            self._update(edges)
         numbers: Floats = self._blocks[tick - self._first].take(self._columns)
         return numbers
 
-    def _take_in(self, edges: Edges) -> None:
-        """Columns for the pairs of `edges`; only those that have none yet are drawn."""
-        at = edges.places_in(self._edges).copy() if self._edges is not None else np.full(len(edges), -1)
-        new = np.flatnonzero(at < 0)
-        columns = self._columns.take(at, mode="clip") if len(self._columns) else at
+    def _update(self, edges: Edges) -> None:
+        """Assign columns to the pairs of `edges`; draw those of new pairs."""
+        columns = edges.carry(self._columns, self._edges, -1)
+        new = np.flatnonzero(columns < 0)
         columns[new] = self._blocks.shape[1] + np.arange(len(new))
         receivers = edges.ids[edges.rows[new]]
         drawn = draws.uniform_ticks(self._key, self._first, len(self._blocks), edges.peers[new], receivers)

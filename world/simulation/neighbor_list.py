@@ -1,13 +1,12 @@
-"""Which pairs of robots are within communication range.
+"""The pairs of robots within communication range.
 
-Candidate pairs (a Verlet list) are found once with a margin and kept until some robot has moved half of it;
-per tick only the candidates' separations are measured. The search sorts robots into square cells, and examines
-a bounded number of pairs at once: memory grows only with the pairs in range.
+A list of candidate pairs (a Verlet list) has a margin, and holds until a robot has moved half of it. Per tick only
+the candidates' separations are measured. The search sorts robots into square cells, and examines a bounded number of
+pairs at once: memory grows only with the pairs in range.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats, Ints
 
 SMALL = 64
-"""Up to this many robots every pair is a candidate for ever: it is cheaper than looking after a list."""
+"""Largest team of which every pair is a permanent candidate: maintaining a list costs more."""
 
 MARGIN = 0.2
 """Margin of the candidate list, as a fraction of the communication range."""
@@ -25,7 +24,7 @@ BLOCK = 2**16
 """Approximate number of pairs of robots in near cells that are examined at once."""
 
 _FARTHEST_CELL = 2.0**61
-"""Where a double's spacing is hundreds of cells, robots share a cell: only those at one place are in range."""
+"""Largest number of a cell. There a double's spacing is hundreds of cells: only coinciding robots are in range."""
 
 _NEAR_CELLS = ((0, 0), (1, 0), (-1, 1), (0, 1), (1, 1))
 
@@ -37,9 +36,9 @@ class Candidates:
     a: Ints
     b: Ints
     positions: Floats | None
-    """Where the robots were when the list was made [n, 2]; None if it holds for ever."""
+    """The robots' positions when the list was made [n, 2]; None for a permanent list."""
     reach: float
-    """The communication range that it was made for [m]."""
+    """The communication range of the list [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,20 +47,13 @@ class Proximity:
 
     candidates: Candidates
     mask: Bools
-    """Which candidates are in range [p]."""
+    """True for a candidate in range [p]."""
     edges: Edges
-    """They, in both directions [m]; the same object while neither the pairs in range nor the list change."""
+    """The pairs in range, in both directions [m]; the same object while neither they nor the list change."""
+    pair: Ints
+    """Position of each edge's pair among the candidates [m]."""
     separation: Floats
     """Separation of the candidates [p] [m]."""
-
-    @cached_property
-    def pair(self) -> Ints:
-        """Position of each edge's pair among the candidates [m]."""
-        at = np.flatnonzero(self.mask)
-        n = len(self.edges.ids)
-        codes = np.concatenate([self.candidates.a[at] * n + self.candidates.b[at]])
-        rows, peers = self.edges.rows, np.searchsorted(self.edges.ids, self.edges.peers)
-        return at[np.searchsorted(codes, np.minimum(rows, peers) * n + np.maximum(rows, peers))]
 
 
 def measure(ids: Ints, poses: Floats, reach: float, before: Proximity | None) -> Proximity:
@@ -73,16 +65,16 @@ def measure(ids: Ints, poses: Floats, reach: float, before: Proximity | None) ->
     )
     mask = separation <= reach
     if before and before.candidates is candidates and np.array_equal(mask, before.mask):
-        current = Proximity(candidates, mask, before.edges, separation)
-        current.__dict__["pair"] = before.pair  # the same pairs stand in the same places
-        return current
-    return Proximity(candidates, mask, _edges(ids, candidates.a[mask], candidates.b[mask]), separation)
+        return replace(before, separation=separation)
+    return Proximity(candidates, mask, *_edges(ids, candidates, np.flatnonzero(mask)), separation)
 
 
-def _edges(ids: Ints, a: Ints, b: Ints) -> Edges:
+def _edges(ids: Ints, candidates: Candidates, near: Ints) -> tuple[Edges, Ints]:
+    """The pairs at positions `near` of `candidates`, in both directions, and the position of each edge's pair [m]."""
+    a, b = candidates.a[near], candidates.b[near]
     rows, columns = np.concatenate([a, b]), np.concatenate([b, a])
     order = np.argsort(rows * len(ids) + columns)
-    return Edges(ids, rows[order], ids[columns[order]])
+    return Edges(ids, rows[order], ids[columns[order]]), np.concatenate([near, near])[order]
 
 
 def _holds(candidates: Candidates, poses: Floats, reach: float) -> bool:
@@ -99,8 +91,8 @@ def _find(poses: Floats, reach: float) -> Candidates:
     if n <= SMALL:
         a, b = np.triu_indices(n, 1)
         return Candidates(a, b, None, reach)
-    found = [pairs for *pairs, _ in _blocks(poses, (1.0 + MARGIN) * reach)]
-    left, right = (np.concatenate(side_) for side_ in zip(*found, strict=True))
+    blocks = [pairs for *pairs, _ in _blocks(poses, (1.0 + MARGIN) * reach)]
+    left, right = (np.concatenate(ends) for ends in zip(*blocks, strict=True))
     a, b = np.minimum(left, right), np.maximum(left, right)
     sort = np.argsort(a * n + b)
     return Candidates(a[sort], b[sort], poses[:, :2].copy(), reach)
@@ -117,8 +109,8 @@ def count(poses: Floats, reach: float, most: int) -> int:
 
 
 def _blocks(poses: Floats, side: float) -> Iterator[tuple[Ints, Ints, int]]:
-    """The pairs of robots at most `side` [m] apart, each pair once, in blocks of rows: the two rows of each pair, and
-    the number of rows in the block."""
+    """The pairs of robots at most `side` [m] apart, each once, in blocks: both rows of each pair, and the number of
+    rows of the block."""
     n = len(poses)
     with np.errstate(over="ignore"):
         cells = np.clip(np.floor(poses[:, :2] / side), -_FARTHEST_CELL, _FARTHEST_CELL).astype(np.int64)
@@ -137,7 +129,7 @@ def _blocks(poses: Floats, side: float) -> Iterator[tuple[Ints, Ints, int]]:
             _between(order, rows, first[rows], last[rows], own=step == (0, 0))
             for step, (first, last) in zip(_NEAR_CELLS, spans, strict=True)
         ]
-        left, right = (np.concatenate(side_) for side_ in zip(*parts, strict=True))
+        left, right = (np.concatenate(ends) for ends in zip(*parts, strict=True))
         apart = geometry.separation(
             poses[left, geometry.X] - poses[right, geometry.X], poses[left, geometry.Y] - poses[right, geometry.Y]
         )
@@ -145,8 +137,8 @@ def _blocks(poses: Floats, side: float) -> Iterator[tuple[Ints, Ints, int]]:
 
 
 def _between(order: Ints, rows: Ints, first: Ints, last: Ints, own: bool) -> tuple[Ints, Ints]:
-    """All pairs of a robot of `rows` and one at the places `first` to `last` [rows] of `order`; pairs within their
-    `own` cell only once."""
+    """All pairs of a robot of `rows` and a robot at the positions `first` to `last` [rows] of `order`. Pairs within
+    their `own` cell occur only once."""
     counts = last - first
     left = np.repeat(rows, counts)
     offset = np.arange(len(left)) - np.repeat(np.cumsum(counts) - counts, counts)

@@ -1,13 +1,13 @@
 """Spatially correlated log-normal shadowing: the same to the bit from either end, a function of seed and positions.
 
 The gain of the pair at a, b is deviation * g(a, b) [dB], with g standard normal over seeds. f(a, b) is a sum of K
-waves sqrt(2/K) cos(k.a + q.b + phi) whose k and q are independent draws from the bivariate Cauchy law over the
+waves sqrt(2/K) cos(k.a + q.b + phi). Its k and q are independent draws from the bivariate Cauchy law over the
 decorrelation distance d0 (random Fourier features: Rahimi & Recht 2007). The characteristic function of that law is
-exp(-|d|), so the correlation when one end moves by d is exp(-d/d0) (Gudmundson 1991), and when both move the
-product. g is f made reciprocal, (f(a, b) + f(b, a)) / sqrt(2 (1 + exp(-2 |a - b|/d0))).
+exp(-|d|). So the correlation is exp(-d/d0) when one end moves by d (Gudmundson 1991), and the product when both move.
+g is f made reciprocal, (f(a, b) + f(b, a)) / sqrt(2 (1 + exp(-2 |a - b|/d0))).
 
-The q of each wave is the k of the next. They are independent, which is all that the correlation asks for, and a
-robot costs half as many cosines, which is what shadowing costs.
+The q of each wave is the k of the next. They are independent, as the correlation requires. It halves the number of
+cosines per robot, which are the cost of shadowing.
 """
 
 import math
@@ -23,7 +23,7 @@ MODES = 256
 """K; the fourth moment of the sum of K waves falls short of the normal's by 1.5/K."""
 
 _CHUNK = 64
-"""Pairs summed over at a time: what they gather fits a processor's cache."""
+"""Number of pairs summed at a time: their terms fit a processor's cache."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,28 +55,28 @@ def gain(waves: Modes, config: ShadowingConfig, poses: Floats, a: Ints, b: Ints,
     Sums of products, row by row: no digit depends on other pairs, nor on the threads of a matrix product.
     """
     distance = config.decorrelation_distance
-    one, other = _ends(waves, poses, distance)
+    first_end, second_end = _ends(waves, poses, distance)
     total = np.empty(len(a))
     for first in range(0, len(a), _CHUNK):
         part = slice(first, first + _CHUNK)
         i, j = a[part], b[part]
-        total[part] = np.einsum("pk,pk->p", one.take(i, axis=0), other.take(j, axis=0))
-        total[part] += np.einsum("pk,pk->p", one.take(j, axis=0), other.take(i, axis=0))
+        total[part] = np.einsum("pk,pk->p", first_end.take(i, axis=0), second_end.take(j, axis=0))
+        total[part] += np.einsum("pk,pk->p", first_end.take(j, axis=0), second_end.take(i, axis=0))
     scale = np.sqrt(MODES * (1.0 + np.exp(-2.0 / distance * separation)))
     gains: Floats = config.deviation * total / scale
     return gains
 
 
 def _ends(waves: Modes, poses: Floats, distance: float) -> tuple[Floats, Floats]:
-    """What each robot lends to a pair as its first end, and as its other [n, 2 K], so that products add up to f.
+    """The factors of each robot as first and as second end of a pair [n, 2 K]; their products add up to f.
 
     cos(u + v) = cos u cos v - sin u sin v, with u = k.a and v = q.b + phi.
     """
     kx, ky = waves.vectors / distance
     angle = poses[:, geometry.X, None] * kx + poses[:, geometry.Y, None] * ky
     cosine, sine = np.cos(angle), np.sin(angle)
-    one = np.concatenate([cosine, -sine], axis=1)
+    first_end = np.concatenate([cosine, -sine], axis=1)
     cosine, sine = np.roll(cosine, -1, axis=1), np.roll(sine, -1, axis=1)
     along, across = np.cos(waves.phase), np.sin(waves.phase)
-    other = np.concatenate([cosine * along - sine * across, sine * along + cosine * across], axis=1)
-    return one, other
+    second_end = np.concatenate([cosine * along - sine * across, sine * along + cosine * across], axis=1)
+    return first_end, second_end

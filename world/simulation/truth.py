@@ -1,4 +1,4 @@
-"""Ground truth as pure functions: `step(world, state, twists) -> state`, and what the robots sense of it."""
+"""Ground truth as pure functions: `step(world, state, twists) -> state`, and the robots' observations of it."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -13,24 +13,24 @@ from world.config.faults import Transmission
 from world.config.radio import RadioConfig
 from world.config.scenario import Scenario, initial_poses
 from world.simulation import channel, crowd, neighbor_list, unicycle
-from world.simulation.channel import Medium, Radio
+from world.simulation.channel import Medium, Radio, RadioInput
 from world.simulation.neighbor_list import Proximity
 
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """What does not change during a run."""
+    """The constants of a run."""
 
     scenario: Scenario
     ids: Ints
     """Robot ids, 0 to n - 1 [n]."""
     medium: Medium
     changes: dict[int, dict[str, Any]]
-    """Tick -> what is set of the channel from it on."""
-    attendance: dict[int, ParticipationChange]
-    """Tick -> who goes and who comes back."""
+    """Tick -> the settings of the channel that change then."""
+    participation: dict[int, ParticipationChange]
+    """Tick -> the robots that leave and those that rejoin then."""
     transmissions: dict[int, Transmission | None]
-    """Tick -> what transmitters do from it on."""
+    """Tick -> the faults of transmitters from then on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,24 +41,24 @@ class State:
     poses: Floats
     """[n, 3] [m, m, rad; world frame]"""
     channel: RadioConfig
-    """The channel in force from this tick on: `replace` it, and its `communication_range` shows a tick later."""
+    """The channel from this tick on; if it is replaced, its `communication_range` takes effect a tick later."""
     proximity: Proximity
     radio: Radio
     present: Bools
-    """Which robots take part [n]. The body of another stands still and its radio is silent; that its beacons are not
-    heard is all that its peers learn of it."""
+    """True for a robot that takes part [n]. The body of an absent robot stands still and its radio is silent; its
+    peers learn of it only by its missing beacons."""
     since: Ints
-    """The tick from which on each robot takes part, for the last time [n]."""
+    """Tick at which each robot last joined [n]."""
     sent: int
     """Beacons sent on open contacts so far."""
     decoded: int
-    """Of them, decoded."""
+    """Number of those that decoded."""
     transmission: Transmission | None = None
-    """What the robots' transmitters do from this tick on; None while all are healthy."""
+    """The faults of transmitters from this tick on; None while all are healthy."""
 
     @property
     def decodable(self) -> Bools:
-        """Whose beacon of this tick can be read by whoever gets its bytes [n]."""
+        """True for a robot whose beacon of this tick decodes as a message [n]."""
         return self.present if self.transmission is None else self.present & ~self.transmission.damaged
 
 
@@ -88,17 +88,9 @@ def step(world: World, state: State, twists: Floats) -> State:
     """The state one tick later, the robots holding `twists` [n, 2] [m/s, rad/s]; see `held`."""
     poses = unicycle.move(state.poses, twists, world.scenario.run.dt)
     near = neighbor_list.measure(world.ids, poses, state.channel.communication_range, state.proximity)
-    radio = channel.transmit(
-        world.medium,
-        state.channel,
-        state.radio,
-        state.tick,
-        state.poses,
-        state.present,
-        state.proximity,
-        near,
-        state.transmission.reception_factor if state.transmission is not None else None,
-    )
+    factor = None if state.transmission is None else state.transmission.reception_factor
+    robots = RadioInput(state.tick, state.poses, state.present, state.proximity, factor)
+    radio = channel.transmit(world.medium, state.channel, state.radio, robots, near.edges)
     on_air = radio.reception
     if not state.present.all():
         on_air = on_air[channel.among(radio.edges, state.present)]
@@ -115,25 +107,25 @@ def step(world: World, state: State, twists: Floats) -> State:
 
 
 def held(state: State, twists: Floats) -> Floats:
-    """What bodies do with the `twists` [n, 2] they were told: those of robots that are not present stand still."""
+    """The `twists` [n, 2] that bodies execute: that of an absent robot is zero."""
     return twists if state.present.all() else np.where(state.present[:, None], twists, 0.0)
 
 
 def attend(state: State, present: Bools) -> State:
-    """The state at the same tick with these robots present [n]; contacts of those that come back open anew."""
+    """The state at the same tick with the robots `present` [n]; the contacts of those that rejoin reopen."""
     back = present & ~state.present
     radio = channel.reopen(state.radio, back) if back.any() else state.radio
     return replace(state, present=present, radio=radio, since=np.where(back, state.tick, state.since))
 
 
 def observe(state: State) -> Observations:
-    """What the robots sense: nothing that a real robot could not sense or receive."""
+    """The robots' observations: only what a real robot could sense or receive."""
     return Observations(state.tick, state.poses, state.radio.edges, state.radio.reception)
 
 
 def _changed(world: World, state: State) -> State:
-    """The state with what is to be set at its tick, who is to be there, and what becomes of transmitters."""
-    planned, settings = world.attendance.get(state.tick), world.changes.get(state.tick)
+    """The state after the scheduled changes of its tick: to participation, transmitters and the channel."""
+    planned, settings = world.participation.get(state.tick), world.changes.get(state.tick)
     if planned is not None:
         state = attend(state, events.participating(state.present, planned))
     if state.tick in world.transmissions:

@@ -1,4 +1,4 @@
-"""The unicycle (5), integrated exactly: under a constant twist it moves on an arc of a circle."""
+"""The unicycle (5), integrated exactly: with a constant twist it moves on a circular arc."""
 
 import numpy as np
 

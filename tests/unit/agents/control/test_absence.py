@@ -1,4 +1,4 @@
-"""Robots that die and come back: what the others see of it, and that a robot that comes back is a new process."""
+"""Robots that die and rejoin: the view of their peers, and that a robot that rejoins is a new process."""
 
 from typing import Any
 
@@ -22,7 +22,7 @@ BRIEF = {"run__duration": 4, "formation__contact_timeout": 0.5}
 
 
 def with_new_processes(what: Scenario) -> str:
-    """The digest of a run whose robots are a crew each, and begin anew when they come back."""
+    """The digest of a run with one crew per robot, where a robot that rejoins starts without state."""
     world = truth.create(what)
     state = truth.start(world)
     config, ids = agent_config(what), world.ids.tolist()
@@ -46,7 +46,7 @@ def with_new_processes(what: Scenario) -> str:
 
 
 def _again(beacons: Any, tick: int) -> Any:
-    """An old beacon with a new date: nobody may use it, for the radio says that it was lost."""
+    """An old beacon with a new date: no robot may use it, since the radio lost it."""
     return type(beacons)(tick, *[getattr(beacons, name) for name in list(beacons.__dataclass_fields__)[1:]])
 
 

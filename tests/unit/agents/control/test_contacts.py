@@ -1,4 +1,4 @@
-"""What a robot knows of its peers: from decoded beacons only, and only for a while."""
+"""A robot's knowledge of its peers: from decoded beacons only, and only for a while."""
 
 import dataclasses
 import math

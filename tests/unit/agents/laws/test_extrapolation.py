@@ -1,4 +1,4 @@
-"""What a peer's estimate is taken to be by now, when it was heard a while ago."""
+"""Extrapolation of a peer's estimate that was heard a while ago."""
 
 import math
 
@@ -13,7 +13,7 @@ from tests.support.scalar_law import DT, equation_18, seeker
 
 
 def fallen(ticks: int, late: bool, corrected: bool) -> float:
-    """How far [m] two estimates in agreement went down from 75 m, each hearing the other (one tick late)."""
+    """Fall [m] of two estimates in agreement from 75 m, each hearing the other (one tick late)."""
     one = seeker()
     state = perturbation.begin(one, 0, np.array([75.0, 75.0]))
     before = state

@@ -135,7 +135,7 @@ def test_limits_cut_speeds_and_keep_their_signs() -> None:
     free = formation.twist(pull, np.zeros(4), 0.02, CONFIG)
     assert found[:3].tolist() == [[2.0, 0.5], [-2.0, 0.5], [-2.0, -0.5]]
     assert found[3].tolist() == free[3].tolist()
-    assert abs(free[:3]).min() > 2.0  # so that there was something to cut
+    assert abs(free[:3]).min() > 2.0  # so that the limit applies
 
 
 @pytest.mark.parametrize("gain", [0.5, 3.0])

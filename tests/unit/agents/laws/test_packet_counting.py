@@ -1,11 +1,12 @@
-"""What is counted and what is learnt from it: samples, misses, exchange, and links that learn alone."""
+"""Counted beacons and the fit to them: samples, misses, exchange, and links that learn alone."""
 
 import numpy as np
 import pytest
 
 from agents.control import beacon_counting, contacts
 from agents.laws import packet_counting, perturbation
-from agents.laws.packet_counting import ALONE, POOLED, SUMS, Reception
+from agents.laws.draws import SeededDraws
+from agents.laws.packet_counting import ALONE, POOLED, STATISTICS, Reception
 from agents.laws.perturbation import Seeker
 from fes.arrays.edges import Edges
 from fes.model import objective
@@ -39,7 +40,7 @@ def test_misses_are_learnt_from_the_gap_at_separations_in_between() -> None:
         now = contacts.update(before, sensed, layouts.poses([(0.0, 0.0)]), said, 50)
         at, separation, decoded = beacon_counting.slots(before, now, tick, np.ones(1, dtype=np.bool_))
         found.append((at.tolist(), separation.tolist(), decoded.tolist()))
-    assert found[0] == ([], [], [])  # nobody knows how many were missed before the first
+    assert found[0] == ([], [], [])  # the number missed before the first is unknown
     assert found[1:4] == [([], [], [])] * 3
     assert found[4] == ([0] * 4, [64.0, 61.0, 62.0, 63.0], [True, False, False, False])
 
@@ -61,31 +62,33 @@ def test_of_a_long_silence_the_latest_slots_are_counted() -> None:
 
 def test_mixing_keeps_what_all_agree_on_and_ages_it() -> None:
     everybody = Edges(np.arange(3), np.array([0, 0, 1, 1, 2, 2]), np.array([1, 2, 0, 2, 0, 1]))
-    metrics = np.tile(np.arange(1.0, SUMS + 1.0), (3, 1))
+    metrics = np.tile(np.arange(1.0, STATISTICS + 1.0), (3, 1))
     before = Reception(POOLED, metrics, np.zeros(3), np.ones(3))
     mixed = packet_counting.mix(before, everybody, np.ones(6, dtype=np.bool_), metrics[everybody.peers])
     after = packet_counting.fade(mixed, 0.02)
     faded = np.array([np.exp(-0.02 / 6.0)] * 3 + [np.exp(-0.02 / 120.0)] * 2)
-    np.testing.assert_allclose(after.sums, metrics * faded, rtol=1e-14)  # roundings
+    np.testing.assert_allclose(after.statistics, metrics * faded, rtol=1e-14)  # roundings
 
 
 def test_each_robot_mixes_in_a_tenth_of_what_each_heard_robot_has_more_than_itself() -> None:
     star = Edges(np.arange(2), np.array([0, 0, 1]), np.array([1, 2, 0]))
-    before = Reception(POOLED, np.array([[1.0] * SUMS, [5.0] * SUMS]), np.zeros(2), np.ones(2))
-    theirs = np.array([[5.0] * SUMS, [9.0] * SUMS, [1.0] * SUMS])
+    before = Reception(POOLED, np.array([[1.0] * STATISTICS, [5.0] * STATISTICS]), np.zeros(2), np.ones(2))
+    theirs = np.array([[5.0] * STATISTICS, [9.0] * STATISTICS, [1.0] * STATISTICS])
     heard = np.array([True, False, True])
     after = packet_counting.mix(before, star, heard, theirs)
     np.testing.assert_allclose(
-        after.sums, [[1.4] * SUMS, [4.6] * SUMS], rtol=1e-14
+        after.statistics, [[1.4] * STATISTICS, [4.6] * STATISTICS], rtol=1e-14
     )  # 1 + 0.1 (5 - 1), 5 + 0.1 (1 - 5)
     crowd = Edges(np.arange(1), np.zeros(19, dtype=np.int64), np.arange(1, 20))
     told = packet_counting.mix(
-        Reception(POOLED, np.zeros((1, SUMS)), np.zeros(1), np.ones(1)),
+        Reception(POOLED, np.zeros((1, STATISTICS)), np.zeros(1), np.ones(1)),
         crowd,
         np.ones(19, dtype=np.bool_),
-        np.full((19, SUMS), 20.0),
+        np.full((19, STATISTICS), 20.0),
     )
-    np.testing.assert_allclose(told.sums, [[19.0] * SUMS], rtol=1e-14)  # 19 of 20 parts: nobody gives more than all
+    np.testing.assert_allclose(
+        told.statistics, [[19.0] * STATISTICS], rtol=1e-14
+    )  # 19 of 20 parts: no robot gives more than all that it has
 
 
 def test_bounds_of_estimates_grow_with_what_the_team_wants() -> None:
@@ -101,7 +104,7 @@ def test_robots_on_one_point_learn_nothing_strange() -> None:
     known = packet_counting.learn(
         packet_counting.no_counts(POOLED, 1), np.array([0]), np.array([0.0]), np.array([True]), 75.0
     )
-    assert np.isfinite(known.sums).all()
+    assert np.isfinite(known.statistics).all()
     assert np.isfinite(known.exponent).all()
 
 
@@ -125,9 +128,9 @@ def test_links_that_learn_alone_learn_each_its_own_slope_and_keep_it_while_other
     assert known.exponent == pytest.approx(slopes, abs=0.6)
     before, after = layouts.edges([0], [(0, 1), (0, 2)]), layouts.edges([0], [(0, 2), (0, 3)])
     carried = packet_counting.carry(known, before, after)
-    assert carried.sums[0].tolist() == known.sums[1].tolist()
+    assert carried.statistics[0].tolist() == known.statistics[1].tolist()
     assert carried.exponent[0] == known.exponent[1]
-    assert carried.sums[1].tolist() == [0.0] * SUMS
+    assert carried.statistics[1].tolist() == [0.0] * STATISTICS
     assert packet_counting.carry(known, before, before) is known
 
 
@@ -144,11 +147,11 @@ def test_the_dithers_of_links_that_learn_alone_are_staggered_alike_at_both_ends(
     seeker = Seeker(SeekingConfig(index="measured", dither_frequency=0.5), np.zeros_like, 0.02)
     pairs = [(i, j) for i in range(30) for j in range(30) if i != j]
     links = layouts.edges(range(30), pairs)
-    ahead = perturbation.stagger(seeker, 3, links)
+    ahead = perturbation.stagger(seeker, SeededDraws(3), links)
     assert (ahead == ahead[links.reverse]).all()
     part = ahead / (2.0 * np.pi / 0.5)
     # 435 uniform numbers: 4 sigma of their mean
     assert part.mean() == pytest.approx(0.5, abs=4.0 / np.sqrt(12.0 * 435.0))
     assert (part >= 0.0).all()
     assert (part < 1.0).all()
-    assert not np.allclose(ahead, perturbation.stagger(seeker, 4, layouts.edges(range(30), pairs)))
+    assert not np.allclose(ahead, perturbation.stagger(seeker, SeededDraws(4), layouts.edges(range(30), pairs)))

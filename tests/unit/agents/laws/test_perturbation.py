@@ -19,7 +19,7 @@ UNHEARD = math.nan
 
 
 def coast(one: Seeker, state: Floats, ticks: int, peer: Floats) -> list[Floats]:
-    """The states of some ticks; `peer` [l]: whom each link hears, by position, or -1 for nobody."""
+    """The states of some ticks; `peer` [l] is the position of the link that each link hears, or -1 for none."""
     states = [state]
     for tick in range(ticks):
         heard = np.where(peer >= 0, states[-1][ESTIMATE][peer.astype(int)], np.nan)

@@ -1,4 +1,4 @@
-"""What an agent makes of the beacons in a peer's mailbox, in whatever order they lie there."""
+"""Reading of the beacons in a peer's mailbox, in any order."""
 
 import logging
 from types import SimpleNamespace

@@ -29,7 +29,7 @@ def wild(rng: np.random.Generator, *shape: int, most: float = MAX_TOLD) -> Float
 
 
 def say(crew: set[int], pairs: Pairs, seed: int, tick: int = 7) -> tuple[Beacons, Floats]:
-    """What a crew with these links says, and its twists."""
+    """The beacons of a crew with these links, and its twists."""
     rng = np.random.default_rng(seed)
     links = layouts.edges(crew, {pair for pair in pairs if pair[0] in crew})
     named = rng.random(len(links)) < 0.5
@@ -40,7 +40,7 @@ def say(crew: set[int], pairs: Pairs, seed: int, tick: int = 7) -> tuple[Beacons
 
 
 def told(said: Beacons, learnt: Floats) -> Telemetry:
-    """What a crew says of itself to its world, where its transmitters are healthy."""
+    """The telemetry of a crew with healthy transmitters."""
     return Telemetry(said.links, said.estimates, learnt)
 
 

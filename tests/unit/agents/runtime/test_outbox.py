@@ -1,4 +1,4 @@
-"""What an agent remembers of what it said, for those who missed it."""
+"""Retransmission of an agent's latest beacons and commands."""
 
 import logging
 from collections.abc import Callable
@@ -26,10 +26,10 @@ class Kept:
         self.desks[key] = desk
 
     def recall(self, robot: int, tick: int) -> str:
-        """What is said to who asks for a beacon."""
+        """The reply to a query for a beacon."""
         said: list[str] = []
         asked = SimpleNamespace(payload=messages.encode_recall(tick), reply_err=said.append)
-        asked.answer = lambda payload, schema: said.append(payload.decode())
+        asked.reply = lambda payload, schema: said.append(payload.decode())
         self.desks[keys.recall("test", robot)](asked)
         [answer] = said
         return answer

@@ -1,4 +1,4 @@
-"""Which ticks an agent answers in lockstep: each in its turn, those that come again again, and no others."""
+"""The ticks that an agent answers in lockstep: each in its turn, repeated ones again, and no others."""
 
 import asyncio
 import logging
@@ -35,7 +35,7 @@ class TickPayloads:
 
 Sense = Callable[..., None]
 Scene = Callable[[int, Sense, WorldLiveliness], None]
-"""What is sensed when a tick is being answered; the last one is over."""
+"""The observations that arrive while a tick is being answered; the last of them ends the run."""
 
 
 def play(scene: Scene) -> tuple[list[int], TickPayloads, DropLog]:

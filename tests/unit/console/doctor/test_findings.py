@@ -56,7 +56,7 @@ def test_looking_at_a_run_changes_no_digit_and_sees_all_of_it() -> None:
     summary, server, agents = asyncio.run(bounded())
     assert summary["digest"] == inprocess.run(paper, "test")["digest"]
     assert not server.complaints.counts
-    assert not any(agent.complaints.counts for agent in agents)
+    assert not any(agent.drops.counts for agent in agents)
     for found in seen:
         assert [one.check for one in found] == ["endpoint", "alive", "version", "world's clock"]
         assert {one.status for one in found} == {Status.OK}  # one clock, one installation

@@ -127,6 +127,63 @@ def test_a_crew_without_pairs_sums_to_zero_and_finds_nothing() -> None:
     assert nobody.smallest(np.zeros(0), 1).tolist() == nobody.first_smallest(np.zeros(0)).tolist() == []
 
 
+TYPES = st.sampled_from((np.float64, np.int64, np.uint8, np.bool_))
+
+
+@given(before=pair_sets, now=pair_sets, kind=TYPES, fill=st.sampled_from([0, 1]))
+def test_carried_values_stay_with_their_pairs_and_new_pairs_get_the_fill(
+    before: set[tuple[int, int]], now: set[tuple[int, int]], kind: type[np.generic], fill: int
+) -> None:
+    old, new = edges(CREW, before), edges(CREW, now)
+    numbers = (np.arange(len(old)) % 3).astype(kind)
+    position = {pair: k for k, pair in enumerate(sorted(before))}
+    expected = [numbers[position[pair]].item() if pair in before else kind(fill) for pair in sorted(now)]
+    carried = new.carry(numbers, old, fill)
+    assert carried.tolist() == expected
+    assert carried.dtype == numbers.dtype
+
+
+@given(before=pair_sets, now=pair_sets, axis=st.integers(0, 2))
+def test_an_array_with_several_axes_is_carried_along_the_axis_of_the_pairs(
+    before: set[tuple[int, int]], now: set[tuple[int, int]], axis: int
+) -> None:
+    old, new = edges(CREW, before), edges(CREW, now)
+    shape = [2, 3]
+    shape.insert(axis, len(old))
+    numbers = np.arange(6.0 * len(old)).reshape(shape)
+    position = {pair: k for k, pair in enumerate(sorted(before))}
+    columns = [
+        numbers.take(position[pair], axis) if pair in before else np.full((2, 3), -1.0) for pair in sorted(now)
+    ]
+    expected = np.stack(columns, axis) if columns else np.zeros([n if k != axis else 0 for k, n in enumerate(shape)])
+    carried = new.carry(numbers, old, -1.0, axis)
+    assert carried.shape == expected.shape
+    assert carried.tolist() == expected.tolist()
+
+
+@given(before=pair_sets, now=pair_sets)
+def test_a_transition_tells_new_pairs_from_old_ones_and_changes_no_input(
+    before: set[tuple[int, int]], now: set[tuple[int, int]]
+) -> None:
+    old, new = edges(CREW, before), edges(CREW, now)
+    transition, numbers = new.after(old), np.arange(len(old))
+    assert transition.is_new.tolist() == [pair not in before for pair in sorted(now)]
+    transition.carry(numbers, -1)[:] = 7
+    assert numbers.tolist() == list(range(len(old)))
+
+
+def test_the_same_edges_keep_their_values_as_they_are() -> None:
+    among, numbers = edges([0, 1], [(0, 1), (1, 0)]), np.array([3.0, 4.0])
+    assert among.carry(numbers, among, 0.0) is numbers
+    assert among.after(among).carry(numbers, 0.0).tolist() == [3.0, 4.0]
+
+
+def test_a_fill_that_the_type_of_the_values_cannot_hold_is_an_error() -> None:
+    old, new = edges([0], [(0, 1)]), edges([0], [(0, 2)])
+    with pytest.raises(ValueError, match="NaN"):
+        new.carry(np.array([1]), old, np.nan)
+
+
 @pytest.mark.parametrize("largest", [99_999])
 def test_the_keys_of_the_largest_team_stay_apart(largest: int) -> None:
     among = edges([0, 1, largest], [(0, 1), (0, largest), (1, 0), (largest, 0), (largest, 1)])

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from agents.control import clocks, transmitter
+from agents.laws.draws import SeededDraws
 from agents.runtime import marshalling
 from console.backends import inprocess
 from console.backends.inprocess import Tick
@@ -39,7 +40,7 @@ def test_a_transmitter_loses_its_share_of_its_own_beacons_at_every_receiver() ->
     run = ticks({"at": 1.0, "transmitter": {"robot": 3, "loss": 0.4}}, seconds=21.0, **PERFECT)
     before, after = run[50].state.radio, run[-1].state.radio
     assert before.decoded.tolist() == before.sent.tolist()
-    at = after.edges.places_in(before.edges)
+    at = after.edges.after(before.edges).positions
     stayed = at >= 0
     sent, decoded = (getattr(after, name)[stayed] - getattr(before, name)[at[stayed]] for name in ("sent", "decoded"))
     for sender in range(10):
@@ -120,7 +121,8 @@ def test_a_clock_that_jumps_affects_its_robot_alone_from_its_tick_on() -> None:
 @pytest.mark.parametrize("name", ["paper.toml", "measured.toml"])
 def test_clocks_set_to_their_drawn_skews_give_the_same_digest(name: str) -> None:
     skewed = load(name, run__duration=2.0, run__clock_skew=0.05)
-    drawn = clocks.drawn(agent_config(skewed), np.arange(10)).tolist()
+    config = agent_config(skewed)
+    drawn = clocks.of(config, np.arange(10), SeededDraws(config.seed)).initial.tolist()
     jumps = [{"at": 0.0, "clock": {"robot": robot, "skew": skew}} for robot, skew in enumerate(drawn)]
     by_hand = load(name, run__duration=2.0, event=jumps)
     right = inprocess.run(load(name, run__duration=2.0), name)["digest"]

@@ -76,7 +76,7 @@ def test_the_edges_are_the_same_object_while_the_pairs_in_range_stay_the_same(n:
     measured = walk(n, 60.0 * n**0.5, 0.05, 100, seed=3)
     same = changed = 0
     for (_, before), (where, after) in pairwise(measured):
-        assert after.candidates is before.candidates  # nobody moved 10 m
+        assert after.candidates is before.candidates  # no robot moved 10 m
         if brute_force(where)[0] == layouts.pairs_of(before.edges):
             assert after.edges is before.edges
             same += 1
