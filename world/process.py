@@ -22,7 +22,7 @@ from fes.protocol import keys, world_info
 from fes.recording.layout import NAME
 from fes.system import encoding, output
 from fes.transport import bus, identity
-from world.config import expectations, remarks
+from world.config import builtin, expectations, remarks
 from world.config.scenario import Scenario, load, parse_override
 from world.execution import resume
 from world.execution.checkpoint import FOLDER, PERIOD, CheckpointWriter, clear, has_checkpoint
@@ -152,15 +152,14 @@ def _start(flags: argparse.Namespace, held: contextlib.ExitStack) -> Start:
         if flags.scenario is None:
             raise FesError("give a SCENARIO, or --resume RUN_DIR")
         run = keys.check_run(keys.DEFAULT_RUN if flags.run is None else flags.run)
-        scenario = load(Path(flags.scenario), overrides(flags))
+        path = builtin.resolve(Path(flags.scenario))
+        scenario = load(path, overrides(flags))
         _check_pace(flags, scenario)
         if flags.out is not None:
             flags.out.mkdir(parents=True, exist_ok=True)
             held.enter_context(exclusive_lock(flags.out))
             summary.write_scenario(flags.out, scenario)
-        return Start(
-            scenario, encoding.check_name(flags.name) if flags.name else encoding.name_of(Path(flags.scenario)), run
-        )
+        return Start(scenario, encoding.check_name(flags.name) if flags.name else encoding.name_of(path), run)
     if flags.scenario or flags.out or flags.name or flags.no_record or overrides(flags):
         raise FesError("--resume goes on with the run as it was: no SCENARIO, and no flag about it")
     held.enter_context(exclusive_lock(flags.resume))
@@ -183,9 +182,9 @@ def main() -> None:
     parser = process.OneLineParser(
         prog="fes-world",
         description="Ground truth and radio channel of a run.",
-        epilog="example: fes-world configs/pair.toml --out runs/by-hand",
+        epilog="example: fes-world pair --out runs/by-hand",
     )
-    parser.add_argument("scenario", nargs="?", metavar="SCENARIO", help="a scenario file, such as configs/paper.toml")
+    parser.add_argument("scenario", nargs="?", metavar="SCENARIO", help=builtin.described())
     parser.add_argument("--resume", type=Path, metavar="RUN_DIR", help="go on with a run whose world ended before it")
     parser.add_argument("--name", help="name of the scenario in the summary (default: that of its file)")
     add_scenario_flags(parser)

@@ -40,9 +40,9 @@ def test_an_agent_that_cannot_be_started_again_is_tried_a_few_times_and_each_fai
     dies, why = "fes-agent --id 0: unrecognized arguments: --no-such-flag", "Resource temporarily unavailable"
     fails = f"robot 0: fes-agent --id 0 cannot be started: {why}"
     assert asyncio.run(main()) == [
-        f"robot 0: {dies}; started again in 0.01 s",
-        f"{fails}; started again in 0.01 s",
-        f"{fails}, 6 times in a row: it is not started again; the run continues without it",
+        f"robot 0: {dies}; restarted in 0.01 s",
+        f"{fails}; restarted in 0.01 s",
+        f"{fails}, 6 times in a row: it is not restarted; the run continues without it",
         "nobody is left",
     ]
 

@@ -35,7 +35,7 @@ OTHERS = {robot for robot in range(ROBOTS) if robot != HOSTILE}
 @pytest.fixture(scope="module")
 def keyed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     roles = ["world", *(f"robot-{robot}" for robot in range(ROBOTS))]
-    return team_keys.directory(tmp_path_factory.mktemp("keys"), certificates.found(1.0), roles)
+    return team_keys.directory(tmp_path_factory.mktemp("keys"), certificates.create(1.0), roles)
 
 
 def altered(payload: bytes) -> bytes:

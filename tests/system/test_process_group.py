@@ -118,7 +118,7 @@ def test_one_that_is_started_again_may_end_before_the_run_begins(tmp_path: Path)
 
     failed, said = asyncio.run(main())
     assert failed == ""
-    assert said[0] == "robot 0: fes-agent --id 0: unrecognized arguments: --no-such-flag; started again in 0.01 s"
+    assert said[0] == "robot 0: fes-agent --id 0: unrecognized arguments: --no-such-flag; restarted in 0.01 s"
 
 
 def test_a_world_that_fails_is_named_before_the_agents_that_fail_with_it(tmp_path: Path) -> None:
@@ -154,8 +154,8 @@ def test_an_agent_that_dies_each_time_is_started_again_a_few_times_and_then_give
     failed, said, started = asyncio.run(main())
     why = "robot 0: fes-agent --id 0: unrecognized arguments: --no-such-flag"
     assert (failed, started) == ("", 3)
-    assert said[:2] == [f"{why}; started again in 0.01 s"] * 2
-    assert said[2].startswith(f"{why}, 6 times in a row: it is not started again")
+    assert said[:2] == [f"{why}; restarted in 0.01 s"] * 2
+    assert said[2].startswith(f"{why}, 6 times in a row: it is not restarted")
     assert said[3] == "nobody is left"
 
 

@@ -31,7 +31,7 @@ from world.server.audit import KINDS_OF_ONE
 
 @pytest.fixture(scope="module")
 def issuer() -> certificates.Authority:
-    return certificates.found(1.0)
+    return certificates.create(1.0)
 
 
 @pytest.fixture
@@ -155,7 +155,7 @@ def test_a_certificate_that_is_not_of_this_run_opens_no_session(
     tmp_path: Path, expected: str, issuer: certificates.Authority
 ) -> None:
     keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
-    other = certificates.found(1.0)
+    other = certificates.create(1.0)
     bad = tmp_path / "bad"
     team_keys.write(bad, "ca", issuer.pem)
     team_keys.write(bad, "other", certificates.issue(other, "robot-0", 1.0))

@@ -135,7 +135,7 @@ def handed(unit: str, issued: Path, where: Path) -> None:
 def test_with_the_drop_ins_a_run_goes_over_tls_each_with_its_own_files(tmp_path: Path) -> None:
     what = (CONFIGS / "pair.toml").read_text(encoding="utf-8")
     (tmp_path / "scenario.toml").write_text(re.sub(r"(?m)^duration = \S+", f"duration = {SECONDS}", what))
-    issued = team_keys.directory(tmp_path / "issued", certificates.found(1.0), ["world", "observer", "robot-0-1"])
+    issued = team_keys.directory(tmp_path / "issued", certificates.create(1.0), ["world", "observer", "robot-0-1"])
     crew = "0-1"
     units = {
         "world": text("fes-world.service") + drop_in("fes-world.service"),

@@ -16,7 +16,7 @@ from tests.support.stage import ROLES, RUN, Stage, stage
 
 @pytest.fixture(scope="module")
 def issuer() -> certificates.Authority:
-    return certificates.found(1.0)
+    return certificates.create(1.0)
 
 
 async def said(world: Stage, robots: str, timeout: float, *flags: str) -> str:
@@ -89,7 +89,7 @@ def test_who_comes_with_certificates_of_another_authority_is_told_of_them(
     tmp_path: Path, issuer: certificates.Authority
 ) -> None:
     keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
-    other = team_keys.directory(tmp_path / "other", certificates.found(1.0), ["observer"])
+    other = team_keys.directory(tmp_path / "other", certificates.create(1.0), ["observer"])
 
     async def main() -> None:
         async with stage(tmp_path, keyed) as world:

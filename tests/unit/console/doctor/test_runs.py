@@ -44,13 +44,16 @@ def test_a_world_that_is_away_while_its_run_goes_on_is_a_warning_that_harms_nobo
     [found] = [one for one in json.loads(done.stdout) if one["check"] == "endpoint"]
     assert (found["status"], done.returncode) == ("warning", 0)
     assert here.endpoint in found["seen"]
-    assert f"process {os.getpid()} goes on with that run, says runs/pair-1/endpoint.json" in found["seen"]
-    assert found["remedy"] == "its world is away, suspended or just starting: look again"
+    assert f"by runs/pair-1/endpoint.json, process {os.getpid()} still executes that run" in found["seen"]
+    assert found["remedy"] == "its world is starting, suspended or being restarted: check again"
 
 
 def test_a_certificate_that_the_world_refuses_stays_a_failure_while_its_run_goes_on() -> None:
     refused = failed("endpoint", "cannot join: it refuses our certificate: expired", "another certificate")
-    assert command.awaited(refused, Path("runs/pair-1/endpoint.json"), Address("tls/x:1", "main", 1)) == refused
+    assert (
+        command.with_announcement(refused, Path("runs/pair-1/endpoint.json"), Address("tls/x:1", "main", 1))
+        == refused
+    )
 
 
 @pytest.mark.parametrize(
@@ -95,10 +98,10 @@ def test_nobody_is_told_to_start_another_world_where_one_may_be_suspended(protoc
         assert said is not None
         assert said.endswith("or it is suspended or overloaded")
         looked = Endpoints("client", (endpoint,), timeout=0.5)
-        [found], _ = asyncio.run(network.examine(looked, "main", wanted=True))
+        [found], _ = asyncio.run(network.examine(looked, "main", is_requested=True))
     assert found.status is Status.FAILED
     assert "suspended or overloaded" in found.seen
-    assert "look again" in found.remedy
+    assert "check again" in found.remedy
     assert "start" not in found.remedy
 
 

@@ -70,7 +70,7 @@ def test_a_late_transmitter_sends_what_it_was_given_then_and_the_oldest_until_it
         return now.state.poses[3].tobytes(), told.links.peers[span].tobytes(), told.estimates[span].tobytes()
 
     def sent(tick: int, robot: int = 3) -> tuple[bytes, ...]:
-        said = run[tick].said
+        said = run[tick].beacons
         span = said.links.spans[robot]
         return said.poses[robot].tobytes(), said.links.peers[span].tobytes(), said.estimates[span].tobytes()
 
@@ -78,7 +78,7 @@ def test_a_late_transmitter_sends_what_it_was_given_then_and_the_oldest_until_it
     assert len(then) == len(run)
     for tick, was in enumerate(then):
         assert sent(tick) == given(was), tick
-        assert run[tick].said.poses[4].tobytes() == run[tick].state.poses[4].tobytes()
+        assert run[tick].beacons.poses[4].tobytes() == run[tick].state.poses[4].tobytes()
     assert sent(20) != given(20)
 
 
@@ -86,9 +86,9 @@ def test_what_it_measured_is_late_too_and_the_command_is_not() -> None:
     calm = ticks(seconds=1.0, name="measured.toml")
     run = ticks({"at": 0.4, "transmitter": {"robot": 3, "delay": 0.2}}, seconds=1.0, name="measured.toml")
     at = 24  # what was heard of robot 3 has not come back to it before
-    assert run[at].said.statistics[3].tobytes() == calm[20].said.statistics[3].tobytes()
-    assert run[at].said.statistics[3].tobytes() != calm[at].said.statistics[3].tobytes()
-    spoken = {robot: payloads for robot, *payloads in marshalling.encode_tick(run[at].said, *told(run[at]))}
+    assert run[at].beacons.statistics[3].tobytes() == calm[20].beacons.statistics[3].tobytes()
+    assert run[at].beacons.statistics[3].tobytes() != calm[at].beacons.statistics[3].tobytes()
+    spoken = {robot: payloads for robot, *payloads in marshalling.encode_tick(run[at].beacons, *told(run[at]))}
     beacon, command = messages.decode_beacon(spoken[3][0]), messages.decode_command(spoken[3][1])
     assert beacon.tick == command.tick == at
     own = run[at].telemetry.links.rows == 3
@@ -103,8 +103,8 @@ def test_a_robot_that_comes_back_has_nothing_old_to_send() -> None:
     away = [{"at": 0.8, "hang": [3]}, {"at": 1.2, "wake": [3]}]
     run = ticks({"at": 0.2, "transmitter": {"robot": 3, "delay": 0.1}}, *away, seconds=2.0)
     for tick in range(60, 66):
-        assert run[tick].said.poses[3].tobytes() == run[60].state.poses[3].tobytes()
-    assert run[70].said.poses[3].tobytes() == run[65].state.poses[3].tobytes()
+        assert run[tick].beacons.poses[3].tobytes() == run[60].state.poses[3].tobytes()
+    assert run[70].beacons.poses[3].tobytes() == run[65].state.poses[3].tobytes()
 
 
 def test_a_clock_that_jumps_moves_its_robot_alone_and_from_its_tick_on() -> None:
@@ -159,7 +159,7 @@ def test_who_hangs_is_to_the_others_as_dead_as_who_dies() -> None:
 def test_damaged_beacons_are_none_and_are_damaged_in_three_ways_each_time_the_same() -> None:
     lengths, broken = set(), []
     for tick in ticks(seconds=4.0, name="measured.toml"):
-        for robot, beacon, _ in marshalling.encode_tick(tick.said, *told(tick)):
+        for robot, beacon, _ in marshalling.encode_tick(tick.beacons, *told(tick)):
             damaged = transmitter.damage(7, tick.state.tick, robot, beacon)
             assert damaged == transmitter.damage(7, tick.state.tick, robot, beacon)
             with pytest.raises(MessageError):
