@@ -91,7 +91,7 @@ def about(
     """Formation by extremum seeking: robots that find the best separation for their radio together."""
 
 
-@guide.command(app, "run")
+@guide.command(app, "run", guide.listing("Built-in scenarios", builtin.names()))
 def run(
     scenario: options.Scenario,
     set_: Annotated[list[str] | None, typer.Option("--set", metavar="A.B=C", help=options.SET)] = None,
@@ -166,7 +166,7 @@ def view_command(
     picture: Annotated[Path | None, typer.Option(help="Write the last frame to this SVG file.")] = None,
     timeout: Annotated[float, typer.Option(min=1e-3, max=process.YEAR, help="Longest wait for a world [s].")] = 30.0,
 ) -> int:
-    """Show a running run (by default the latest one started in this folder)."""
+    """Show a run while it runs (by default the latest one started in this folder)."""
     client = Client(OBSERVER, certificates, run, timeout)
     endpoints = run_directory.endpoints(client, connect, config, cfg)
     screen = printing.console()

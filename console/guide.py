@@ -1,6 +1,7 @@
 """The help of the commands: their order in `fes --help`, a sentence for each, and an example."""
 
 import inspect
+import textwrap
 from collections.abc import Callable
 from typing import Any
 
@@ -42,12 +43,24 @@ class CommandsByUse(TyperGroup):
         return [name for name in EXAMPLES if name in self.commands]
 
 
-def command(app: typer.Typer, path: str) -> Callable[[Command], Command]:
-    """Register a function as the command at `path`, such as `keys init`, with its docstring and example as help."""
+def listing(title: str, names: list[str]) -> str:
+    """A paragraph of help that lists names, none of which is broken at a hyphen."""
+    lines = textwrap.wrap(", ".join(names), 76, break_on_hyphens=False)
+    return "\n".join(["\b", f"{title}:", *(f"  {line}" for line in lines)])
+
+
+def command(app: typer.Typer, path: str, paragraph: str = "") -> Callable[[Command], Command]:
+    """Register a function as the command at `path`, such as `keys init`.
+
+    Its help is its docstring, then the paragraph, and its example.
+    """
 
     def register(function: Command) -> Command:
         sentence = inspect.getdoc(function).split("\n")[0]  # type: ignore[union-attr]
-        texts: dict[str, Any] = {"short_help": sentence, "epilog": f"\b\nExample: {EXAMPLES[path]}"}
+        texts: dict[str, Any] = {
+            "short_help": sentence,
+            "epilog": f"{paragraph}\n\n\b\nExample: {EXAMPLES[path]}".lstrip("\n"),
+        }
         app.command(name=path.split()[-1], **texts)(function)
         return function
 

@@ -184,7 +184,7 @@ def main() -> None:
         description="Ground truth and radio channel of a run.",
         epilog="example: fes-world pair --out runs/by-hand",
     )
-    parser.add_argument("scenario", nargs="?", metavar="SCENARIO", help=builtin.described())
+    parser.add_argument("scenario", nargs="?", metavar="SCENARIO", help=builtin.ARGUMENT)
     parser.add_argument("--resume", type=Path, metavar="RUN_DIR", help="go on with a run whose world ended before it")
     parser.add_argument("--name", help="name of the scenario in the summary (default: that of its file)")
     add_scenario_flags(parser)

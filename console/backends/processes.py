@@ -141,7 +141,7 @@ async def _processes(directory: RunDirectory) -> AsyncIterator[ProcessGroup]:
     def abandon() -> None:
         if group.has_begun:
             run_directory.withdraw(directory.path)
-            closing = group.world is not None and group.world.runs  # False while no world runs
+            closing = group.world is not None and group.world.runs
             end = f"the world closes {directory.path} by itself" if closing else f"see {directory.path}"
             process.complain("fes", f"stopped at once: {end}")
         else:
@@ -157,7 +157,7 @@ async def _processes(directory: RunDirectory) -> AsyncIterator[ProcessGroup]:
 async def _inject_faults(
     group: ProcessGroup, launch: Launch, scenario: Scenario, address: Address, resuming: list[str]
 ) -> AsyncIterator[None]:
-    """During the block, processes die and hang by schedule: that of the world, and those of robots if each has one."""
+    """A block during which processes of the world, and of robots with one each, die and hang by schedule."""
     alone = launch.agents_per_process == 1
     if not (scenario.world_deaths or (alone and scenario.attendance)):
         yield

@@ -28,7 +28,10 @@ def _keys(role: str) -> Any:
     return _option(network_flags.KEYS._replace(help=text))
 
 
-Scenario = Annotated[Path, typer.Argument(help=_sentence(builtin.described()), autocompletion=builtin.completions)]
+Scenario = Annotated[
+    Path,
+    typer.Argument(metavar="SCENARIO", help=_sentence(builtin.ARGUMENT), autocompletion=builtin.completions),
+]
 
 Connect = Annotated[list[str] | None, _option(network_flags.CONNECT)]
 Config = Annotated[Path | None, _option(network_flags.CONFIG)]

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
-    help="Issue and list certificates, with which programs of a run prove their roles over TLS.",
+    help="Issue and list certificates for runs over TLS.",
 )
 
 DIRECTORY = Path("keys")

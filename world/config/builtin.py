@@ -9,6 +9,9 @@ _INSTALLED = Path(__file__).absolute().parents[1] / "scenarios"
 FOLDER = _INSTALLED if _INSTALLED.is_dir() else Path(__file__).absolute().parents[2] / "configs"
 """Folder of the built-in scenarios."""
 
+ARGUMENT = "a scenario file, or the name of a built-in scenario (fes run --help lists them)"
+"""Help text of a SCENARIO argument."""
+
 SIMILAR = 0.5
 """Least similarity, from 0 to 1, of a name that an error suggests."""
 
@@ -43,11 +46,6 @@ def resolve(scenario: Path) -> Path:
     suggestion = f"the nearest is '{near[0]}', and " if near else ""
     unknown = "No such file, and not the name of a built-in scenario"
     raise ScenarioError(str(scenario), f"{unknown}: {suggestion}fes run --help lists all of them")
-
-
-def described() -> str:
-    """Help text of a SCENARIO argument."""
-    return f"a scenario file, or the name of a built-in scenario: {', '.join(names())}"
 
 
 def completions(incomplete: str) -> list[str]:
