@@ -1,4 +1,4 @@
-"""The installed commands, as a person or a script calls them: what they print, leave and return."""
+"""The installed commands, called by a person or a script: output, files and exit codes."""
 
 import io
 import json

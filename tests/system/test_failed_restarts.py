@@ -1,4 +1,4 @@
-"""Processes that the system refuses to start again: each refusal is said, and ends no more than it must."""
+"""Restarts that the system refuses: each refusal is reported, and ends no more than necessary."""
 
 import asyncio
 import signal

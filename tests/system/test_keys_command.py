@@ -1,4 +1,4 @@
-"""fes keys and fes run --secure, as a person calls them: who may read what is left, and what is not left."""
+"""fes keys and fes run --secure: permissions of the files that stay, and removal of the others."""
 
 import argparse
 import json

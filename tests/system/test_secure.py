@@ -1,6 +1,6 @@
-"""A run over TLS under attack, with real certificates: each attack is refused, and logged once.
+"""A run over TLS under attack, with real certificates: each attack is rejected, and logged once.
 
-What is put here is tried before the run; test_forgeries.py does it on every tick, with payloads that are good.
+These attacks come before the run; those of test_forgeries.py come on every tick, with well-formed payloads.
 """
 
 import asyncio
@@ -65,7 +65,7 @@ FORGERIES = [
     ("observer", "declare subscriber", keys.beacon(RUN, 0)),
     ("operator", "put", keys.command(RUN, 0)),
 ]
-"""Who does what that it may not."""
+"""Forbidden operations: role, operation, key expression."""
 
 
 def test_each_forgery_is_refused_and_logged_once_and_the_run_is_the_same(

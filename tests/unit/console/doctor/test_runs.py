@@ -1,4 +1,4 @@
-"""fes doctor in a folder whose runs go on, come or were killed: it advises nobody to harm one that goes well."""
+"""fes doctor in a folder whose runs are running, starting or killed: no remedy harms a healthy run."""
 
 import asyncio
 import json
@@ -37,9 +37,8 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_world_that_is_away_while_its_run_goes_on_is_a_warning_that_harms_nobody(tmp_path: Path) -> None:
     here = announce("pair-1", os.getpid())
     (run_directory.ROOT / "paper-1").mkdir()
-    (run_directory.ROOT / run_directory.LATEST).symlink_to(
-        "paper-1"
-    )  # in process, started later, and announced by nobody
+    (run_directory.ROOT / run_directory.LATEST).symlink_to("paper-1")
+    # a run in one loop, started later and not announced
     done = call(tmp_path, "fes", "doctor", "--json")
     [found] = [one for one in json.loads(done.stdout) if one["check"] == "endpoint"]
     assert (found["status"], done.returncode) == ("warning", 0)
