@@ -114,6 +114,7 @@ def test_an_installed_wheel_runs_a_built_in_scenario_in_one_loop_and_in_processe
     assert len({json.loads(run.stdout)["digest"] for run in done}) == 1
 
 
+@pytest.mark.slow
 def test_an_installed_wheel_needs_no_clone(installed: Environment, tmp_path: Path) -> None:
     for words in (
         ["run", "paper", "--backend", "inprocess", "--duration", "0.1", "--headless"],
