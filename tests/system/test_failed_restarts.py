@@ -75,7 +75,7 @@ def test_a_world_that_cannot_be_started_to_resume_its_run_is_what_the_run_fails_
         async with family(tmp_path) as processes:
             await world(processes, ENDLESS)
             monkeypatch.setattr("console.backends.managed_process.start", refused)
-            monkeypatch.setattr(process_group, "is_kept", lambda _: True)
+            monkeypatch.setattr(process_group, "has_checkpoint", lambda _: True)
             await processes.replace_world(0.0, [])
             return await finished(processes)
 
