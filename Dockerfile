@@ -16,6 +16,7 @@ COPY agents agents
 COPY world world
 COPY console console
 COPY fes_robots.py ./
+COPY configs configs
 RUN pip install --no-deps .
 
 # Docker gives a new volume the owner of the folder it is mounted on, so the folders of all volumes are made here.

@@ -1,20 +1,19 @@
-"""The commands `fes`, `fes-world` and `fes-agent`, from the first line on.
+"""Entry points of the commands `fes`, `fes-world` and `fes-agent`.
 
-The packages `fes`, `agents`, `world` and `console` have names that others use too, and a package of another project
-that Python finds first would end every command in a traceback. This module, whose name no other project uses,
-imports none of them before it knows that they are ours, and that this system can run them. It also imports next to
-nothing itself until a Ctrl-C ends a command without a traceback.
+Other projects have packages named `fes`, `agents`, `world` or `console`. If Python found one of those first, each
+command would end in a traceback. So this module, whose name is unique, imports our packages only after two checks:
+Python finds ours, and this system can run them. Before it has a handler for Ctrl-C, it imports very little.
 """
 
 import signal
 import sys
 
 NEEDED = ("fcntl", "resource", "termios")
-"""Modules of Python that only Unix has."""
+"""Modules of Python that exist only on Unix."""
 
 
 def trouble() -> str:
-    """Reason why no command can run here, in one line; empty if they can."""
+    """The reason in one line why no command can run on this machine; empty otherwise."""
     import importlib.util
     from pathlib import Path
 
@@ -27,11 +26,11 @@ def trouble() -> str:
     spec = importlib.util.spec_from_file_location("fes_robots_distribution", path)
     if spec is None or spec.loader is None or not path.is_file():
         return f"the package 'fes' is missing beside {__file__}: install fes-robots again"
-    ours = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(ours)
-    if found := next(ours.foreign(), ""):
-        return f"{found}; {ours.separate()}"
-    return str(ours.absence())
+    distribution = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(distribution)
+    if conflict := next(distribution.foreign(), ""):
+        return f"{conflict}; {distribution.separate()}"
+    return str(distribution.absence())
 
 
 def fes() -> None:

@@ -1,15 +1,15 @@
-"""The commands that a person runs.
+"""The command fes.
 
 cli        the commands of fes
 guide      their order in the help, with an example of each
 backends   how runs are executed: processes, one loop, stacked
-connect    run directories, reports of a running world, fes set
+connect    run directories, reports of a running world, and fes set
 dashboard  the live dashboard: reports to frames
 terminal   lines, tables, progress, full-screen frames, keys pressed
 replay     logs: fes replay and fes compare
 sweep      fes sweep: many runs, compared
 analysis   fes plot and fes claims: figures and studies
-doctor     fes doctor: what may keep a run from starting
+doctor     fes doctor: checks of this machine and of a running run
 keys       fes keys: certificates
 schema     fes schema: the JSON schema of a scenario
 __main__   entry point of fes

@@ -1,4 +1,4 @@
-"""Entry point of fes: handles stop signals before it imports the rest."""
+"""Entry point of fes, which handles stop signals before it imports the rest."""
 
 from fes.system import signals
 
@@ -11,7 +11,7 @@ def main() -> None:
     try:
         cli.main()
     finally:
-        signals.ignore()  # none may turn a run that has ended into a failure, or print a traceback
+        signals.ignore()  # a late signal must not fail a run that has ended, or print a traceback
 
 
 if __name__ == "__main__":

@@ -15,9 +15,8 @@ from console import guide, schema
 from console.analysis import command as analysis_command
 from console.backends import announcement, inprocess, processes
 from console.backends.processes import Launch
-from console.connect import run_directory, set_command
-from console.connect.options import SET, VERBOSE, Cfg, Config, Connect, ObserverKeys
-from console.connect.run_directory import Visitor
+from console.connect import options, run_directory, set_command
+from console.connect.run_directory import Client
 from console.dashboard import live, summary
 from console.doctor.command import doctor
 from console.keys import command as keys_command
@@ -33,19 +32,23 @@ from fes.recording.layout import NAME
 from fes.system import encoding, output, signals, strict_json
 from fes.transport import bus
 from fes.transport.identity import OBSERVER
-from world.config import expectations
+from world.config import builtin, expectations
 from world.config.scenario import Scenario, load, parse_override
 from world.execution.recorder import Recorder
 from world.metrics.summary import write, write_scenario
 from world.simulation import crowd
 
 INTERRUPTED = 130
-"""What Typer makes of a KeyboardInterrupt."""
+"""Exit code that Typer returns for a KeyboardInterrupt."""
 
 DISTURBED = "the digest is not that of an undisturbed run"
 
 app = typer.Typer(
-    cls=guide.Ordered, no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None, epilog=guide.BEGIN
+    cls=guide.CommandsByUse,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    epilog=guide.OVERVIEW,
 )
 
 guide.command(app, "set")(set_command.set_command)
@@ -60,14 +63,14 @@ app.add_typer(keys_command.app, name="keys", epilog=f"\b\nExample: {guide.EXAMPL
 
 
 class Backend(StrEnum):
-    """Where the robots run."""
+    """Placement of the robots."""
 
     PROCESSES = "processes"
     INPROCESS = "inprocess"
 
 
 class Clock(StrEnum):
-    """The values of run.clock; `fes.model.config.Clock` says what they mean."""
+    """The values of run.clock, which `fes.model.config.Clock` describes."""
 
     LOCKSTEP = "lockstep"
     LIVE = "live"
@@ -88,18 +91,18 @@ def about(
     """Formation by extremum seeking: robots that find the best separation for their radio together."""
 
 
-@guide.command(app, "run")
+@guide.command(app, "run", guide.listing("Built-in scenarios", builtin.names()))
 def run(
-    scenario: Annotated[Path, typer.Argument(help="A scenario file, such as configs/paper.toml.")],
-    set_: Annotated[list[str] | None, typer.Option("--set", metavar="A.B=C", help=SET)] = None,
+    scenario: options.Scenario,
+    set_: Annotated[list[str] | None, typer.Option("--set", metavar="A.B=C", help=options.SET)] = None,
     seed: Annotated[int | None, typer.Option(help="Override run.seed.")] = None,
     duration: Annotated[float | None, typer.Option(help="Override run.duration [s].")] = None,
-    backend: Annotated[Backend, typer.Option(help="One process a robot over Zenoh, or all in one loop.")] = (
+    backend: Annotated[Backend, typer.Option(help="Processes over Zenoh, or all robots in one loop.")] = (
         Backend.PROCESSES
     ),
     agents_per_process: Annotated[int, typer.Option(min=1, help="Robots hosted by each agent.")] = 1,
     clock: Annotated[Clock | None, typer.Option(help="Override run.clock.")] = None,
-    rtf: Annotated[str, typer.Option(metavar="max|X", help="Pace: simulated seconds a second.")] = "max",
+    rtf: Annotated[str, typer.Option(metavar="max|X", help="Pace: simulated seconds per second.")] = "max",
     out: Annotated[Path | None, typer.Option(help="Run directory (default runs/<scenario>-<n>).")] = None,
     secure: Annotated[bool, typer.Option("--secure", help="TLS, with certificates made for this run.")] = False,
     headless: Annotated[bool, typer.Option("--headless", help="No dashboard.")] = False,
@@ -108,16 +111,17 @@ def run(
     respawn: Annotated[
         bool, typer.Option("--respawn", help="Restart agents that die, each with all of its robots.")
     ] = False,
-    verbose: Annotated[bool, typer.Option("--verbose", help=VERBOSE)] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", help=options.VERBOSE)] = False,
 ) -> int:
     """Run a scenario: world, robots and dashboard.
 
-    An agent that dies does not end the run: its robots stand still until another agent joins for them.
+    An agent that dies does not end the run. Its robots stand still until another agent hosts them.
     """
     fields = [("run.seed", seed), ("run.duration", duration), ("run.clock", clock)]
     overrides = [*(set_ or []), *(f"{field}={value}" for field, value in fields if value is not None)]
     with process.interruptible():
-        loaded = load(scenario, dict(parse_override(text) for text in overrides))
+        path = builtin.resolve(scenario)
+        loaded = load(path, dict(parse_override(text) for text in overrides))
         crowd.check(loaded)
         in_process, pace = backend is Backend.INPROCESS, _pace(rtf)
         for flag, given in (("--secure", secure), ("--respawn", respawn)):
@@ -127,19 +131,19 @@ def run(
             inprocess.check(loaded)
         elif loaded.run.clock == "live" and pace is not None:
             raise FesError("--rtf does not go with the live clock: its pace is that of the wall clock")
-        name, screen = encoding.name_of(scenario), printing.console(stderr=json_)
+        name, screen = encoding.name_of(path), printing.console(stderr=json_)
         dashboard = printing.is_screen(screen) and not headless and not json_
         launch = Launch(name, agents_per_process, rtf, dashboard, record, secure, respawn)
         if not in_process:
             processes.check(launch, loaded)
-        with run_directory.made(scenario.stem, out) as directory:
-            announcement.say(loaded, in_process, launch)
+        with run_directory.created(path.stem, out) as directory:
+            announcement.announce(loaded, in_process, launch)
             write_scenario(directory.path, loaded)
             if in_process:
                 log = Recorder(directory.path / NAME, loaded, name, backend.value) if record else nullcontext()
                 with log as recorder:
-                    shown = screen if dashboard else None
-                    result = _in_process(loaded, name, pace, directory.path, shown, recorder)
+                    terminal = screen if dashboard else None
+                    result = _in_process(loaded, name, pace, directory.path, terminal, recorder)
             else:
                 result = processes.run(launch, loaded, directory, screen)
             if absences := result.get("unscheduled_absences"):
@@ -154,41 +158,39 @@ def run(
 
 @guide.command(app, "view")
 def view_command(
-    connect: Connect = None,
-    config: Config = None,
-    cfg: Cfg = None,
-    certificates: ObserverKeys = None,
-    run: Annotated[str, typer.Option(help="Name of the run.")] = keys.DEFAULT_RUN,
+    connect: options.Connect = None,
+    config: options.Config = None,
+    cfg: options.Cfg = None,
+    certificates: options.ObserverKeys = None,
+    run: options.Run = keys.DEFAULT_RUN,
     picture: Annotated[Path | None, typer.Option(help="Write the last frame to this SVG file.")] = None,
-    timeout: Annotated[
-        float, typer.Option(min=1e-3, max=process.YEAR, help="Give up when no world is there for so long [s].")
-    ] = 30.0,
+    timeout: Annotated[float, typer.Option(min=1e-3, max=process.YEAR, help="Longest wait for a world [s].")] = 30.0,
 ) -> int:
-    """Show a run that goes on in another terminal (by default the latest one started in this folder)."""
-    visitor = Visitor(OBSERVER, certificates, run, timeout)
-    endpoints = run_directory.reach(visitor, connect, config, cfg)
+    """Show a run while it runs (by default the latest one started in this folder)."""
+    client = Client(OBSERVER, certificates, run, timeout)
+    endpoints = run_directory.endpoints(client, connect, config, cfg)
     screen = printing.console()
 
     async def show() -> int:
-        async with bus.opened(endpoints) as opened:
-            with live.Screen(screen) as shown:
+        async with bus.opened(endpoints) as session:
+            with live.Screen(screen) as frames:
                 try:
-                    await live.watch(opened, run, timeout, shown)
+                    await live.watch(session, run, timeout, frames)
                 finally:
                     if picture is not None:
-                        live.save_picture(picture, shown.frame(), screen.width, screen.height, "fes view")
+                        live.save_picture(picture, frames.frame(), screen.width, screen.height, "fes view")
         return process.SUCCESS
 
     process.leave("fes", show)
 
 
 def main() -> None:
-    """Entry point of fes: every error is one line, and the exit code says which kind it was."""
+    """Entry point of fes: print each error in one line, and exit with the code of its kind."""
     output.configure()
     try:
         if signal.SIGINT in signals.heard():
-            signal.signal(signal.SIGINT, signal.default_int_handler)  # instead of the handler of the first moments
-        version()  # an old command of a clone comes here without `fes_robots`, which checks it too
+            signal.signal(signal.SIGINT, signal.default_int_handler)  # instead of the handler of the start-up
+        version()  # a command installed by an older clone skips the check in `fes_robots`
         code = typer.main.get_command(app)(standalone_mode=False)
     except KeyboardInterrupt:
         code = INTERRUPTED
@@ -204,16 +206,16 @@ def main() -> None:
         process.complain("fes", no_memory(error))
         code = process.FAILURE
     except Exception as error:
-        # Typer's own complaints about arguments know how to say themselves in one line.
-        message = getattr(error, "format_message", None)
-        if message is None:
+        # Typer's errors about arguments format themselves in one line.
+        format_message = getattr(error, "format_message", None)
+        if format_message is None:
             raise
-        said = message().replace("Value error, ", "")
-        if said.startswith("Usage:"):  # without a command it is the whole help, and no error of one line
-            for text in said.splitlines():
+        message = format_message().replace("Value error, ", "")
+        if message.startswith("Usage:"):  # without a command the message is the full help
+            for text in message.splitlines():
                 process.tell(text)
         else:
-            process.complain("fes", said or "expects a command; see fes --help")
+            process.complain("fes", message or "expects a command; see fes --help")
         code = process.FAILURE
     if code == INTERRUPTED:
         process.complain("fes", "stopped by SIGINT")
@@ -222,7 +224,7 @@ def main() -> None:
 
 
 def _pace(text: str) -> float | None:
-    """The argument of --rtf; None for full speed."""
+    """The pace that --rtf asks for [simulated seconds per second]; None for full speed."""
     try:
         return process.real_time_factor(text)
     except argparse.ArgumentTypeError as error:
@@ -237,14 +239,14 @@ def _in_process(
     screen: Console | None,
     recorder: Recorder | None,
 ) -> dict[str, Any]:
-    def keep(reached: dict[str, Any]) -> None:
-        write(directory, reached)
+    def store(result: dict[str, Any]) -> None:
+        write(directory, result)
         if recorder is not None:
-            recorder.conclude(reached)
+            recorder.conclude(result)
 
     if screen is None:
         with progress.bar(name, scenario.ticks) as bar:
             watch = (lambda report: bar.reach(report.tick + 1)) if bar.is_shown else None
-            return inprocess.run(scenario, name, pace, watch, keep, recorder)
-    with live.Screen(screen, summary.BELOW) as shown:
-        return inprocess.run(scenario, name, pace, shown.show, keep, recorder)
+            return inprocess.run(scenario, name, pace, watch, store, recorder)
+    with live.Screen(screen, summary.BELOW) as frames:
+        return inprocess.run(scenario, name, pace, frames.show, store, recorder)

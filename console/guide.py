@@ -1,6 +1,7 @@
 """The help of the commands: their order in `fes --help`, a sentence for each, and an example."""
 
 import inspect
+import textwrap
 from collections.abc import Callable
 from typing import Any
 
@@ -8,12 +9,12 @@ import typer
 from typer.core import TyperGroup
 
 EXAMPLES = {
-    "run": "fes run configs/pair.toml --set run.duration=30",
+    "run": "fes run pair --set run.duration=30",
     "view": "fes view",
     "set": "fes set channel.reference_snr=5e6",
     "replay": "fes replay runs/latest --all",
     "compare": "fes compare runs/paper-1 runs/paper-2",
-    "sweep": "fes sweep configs/paper.toml --seeds 0:20 --axis formation.rule=two_nearest,relative_neighborhood",
+    "sweep": "fes sweep paper --seeds 0:20 --axis formation.rule=two_nearest,relative_neighborhood",
     "plot": "fes plot runs/latest",
     "schema": "fes schema > scenario.schema.json",
     "doctor": "fes doctor",
@@ -24,28 +25,43 @@ EXAMPLES = {
     "keys rules": "fes keys rules --robots 2 > router.json5",
     "claims": "fes claims weights",
 }
-"""By command, in the order of the help."""
+"""Examples by command, in the order of the help."""
 
-BEGIN = "\b\nTo begin: fes run configs/pair.toml\nThen:     fes COMMAND --help"
+_LINES = "\n".join(f"  {example}" for command, example in EXAMPLES.items() if " " not in command)
+
+OVERVIEW = f"\b\nTo begin: fes run pair\nThen:     fes COMMAND --help\n\n\b\nExamples:\n{_LINES}"
+"""The end of `fes --help`."""
 
 Command = Callable[..., int]
 
 
-class Ordered(TyperGroup):
-    """Commands in the order of EXAMPLES, and not in that of their modules."""
+class CommandsByUse(TyperGroup):
+    """Commands in the order of EXAMPLES instead of that of their modules."""
 
     def list_commands(self, ctx: Any) -> list[str]:
-        """The names, in order."""
+        """The names of the commands, in order."""
         return [name for name in EXAMPLES if name in self.commands]
 
 
-def command(app: typer.Typer, path: str) -> Callable[[Command], Command]:
-    """Make a function the command at `path`, such as `keys init`, explained by its docstring and its example."""
+def listing(title: str, names: list[str]) -> str:
+    """A paragraph of help that lists names, none of which is broken at a hyphen."""
+    lines = textwrap.wrap(", ".join(names), 76, break_on_hyphens=False)
+    return "\n".join(["\b", f"{title}:", *(f"  {line}" for line in lines)])
+
+
+def command(app: typer.Typer, path: str, paragraph: str = "") -> Callable[[Command], Command]:
+    """Register a function as the command at `path`, such as `keys init`.
+
+    Its help is its docstring, then the paragraph, and its example.
+    """
 
     def register(function: Command) -> Command:
         sentence = inspect.getdoc(function).split("\n")[0]  # type: ignore[union-attr]
-        given: dict[str, Any] = {"short_help": sentence, "epilog": f"\b\nExample: {EXAMPLES[path]}"}
-        app.command(name=path.split()[-1], **given)(function)
+        texts: dict[str, Any] = {
+            "short_help": sentence,
+            "epilog": f"{paragraph}\n\n\b\nExample: {EXAMPLES[path]}".lstrip("\n"),
+        }
+        app.command(name=path.split()[-1], **texts)(function)
         return function
 
     return register

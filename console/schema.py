@@ -1,4 +1,4 @@
-"""The command fes schema: every field of a scenario."""
+"""fes schema: the JSON schema of a scenario."""
 
 from fes import process
 from fes.system import strict_json

@@ -9,13 +9,12 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Coroutine, Iterator, Mapping
-from pathlib import Path
 from typing import NoReturn, TypeVar
 
 from fes.errors import FesError, Stopped, no_memory, reason
 from fes.protocol import keys
 from fes.system import output, signals
-from fes.transport import identity
+from fes.transport import identity, network_flags
 from fes.transport.endpoints import Endpoints, Mode, default_endpoint
 
 SUCCESS, FAILURE, UNMET = 0, 1, 2
@@ -208,12 +207,9 @@ def add_network_flags(parser: argparse.ArgumentParser) -> None:
     """Zenoh's own flags, as in its examples, and the run's name."""
     group = parser.add_argument_group("network")
     group.add_argument("-m", "--mode", choices=["router", "client", "peer"], help="Zenoh session mode")
-    group.add_argument("-e", "--connect", action="append", default=[], metavar="ENDPOINT")
-    group.add_argument("-l", "--listen", action="append", default=[], metavar="ENDPOINT")
-    group.add_argument("-c", "--config", type=Path, metavar="FILE", help="Zenoh configuration file")
-    group.add_argument("--cfg", action="append", default=[], metavar="KEY:VALUE", help="Zenoh setting")
-    group.add_argument("--keys", type=Path, metavar="DIR", help="TLS, with the certificates in DIR (fes keys init)")
-    group.add_argument("--run", default=keys.DEFAULT_RUN, help=f"name of the run (default: {keys.DEFAULT_RUN})")
+    for flag in network_flags.ALL:
+        group.add_argument(*flag.names, **flag.keywords)
+    parser.set_defaults(run=keys.DEFAULT_RUN)
     parser.add_argument("--exit-with-stdin", action="store_true", help="stop when standard input ends")
 
 

@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from fes import process
+from world.config import builtin
 from world.config.scenario import parse_override
 from world.execution.checkpoint import PERIOD
 
@@ -13,11 +14,9 @@ def parser() -> process.OneLineParser:
     parser = process.OneLineParser(
         prog="fes-world",
         description="Ground truth and radio channel of a run.",
-        epilog="example: fes-world configs/pair.toml --out runs/by-hand",
+        epilog="example: fes-world pair --out runs/by-hand",
     )
-    parser.add_argument(
-        "scenario", nargs="?", metavar="SCENARIO", help="scenario file, for example configs/paper.toml"
-    )
+    parser.add_argument("scenario", nargs="?", metavar="SCENARIO", help=builtin.ARGUMENT)
     parser.add_argument("--resume", type=Path, metavar="RUN_DIR", help="resume the run of this directory")
     parser.add_argument("--name", help="name of the scenario in the summary (default: that of its file)")
     add_scenario_flags(parser)

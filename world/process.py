@@ -24,7 +24,7 @@ from fes.recording.layout import NAME
 from fes.system import encoding, output
 from fes.transport import bus, identity
 from fes.transport.bus import Bus
-from world.config import expectations, remarks
+from world.config import builtin, expectations, remarks
 from world.config.scenario import Scenario, load
 from world.execution import resume
 from world.execution.checkpoint import FOLDER, CheckpointWriter, clear, has_checkpoint
@@ -211,13 +211,13 @@ def _read_flags(flags: argparse.Namespace, locks: contextlib.ExitStack) -> Start
         if flags.scenario is None:
             raise FesError("give a SCENARIO, or --resume RUN_DIR")
         run = keys.check_run(keys.DEFAULT_RUN if flags.run is None else flags.run)
-        scenario = load(Path(flags.scenario), overrides(flags))
+        path = builtin.resolve(Path(flags.scenario))
+        scenario = load(path, overrides(flags))
         _check_pace(flags, scenario)
         if flags.out is not None:
             flags.out.mkdir(parents=True, exist_ok=True)
             locks.enter_context(exclusive_lock(flags.out))
             summary.write_scenario(flags.out, scenario)
-        path = Path(flags.scenario)
         return Start(scenario, encoding.check_name(flags.name) if flags.name else encoding.name_of(path), run)
     if flags.scenario or flags.out or flags.name or flags.no_record or overrides(flags):
         raise FesError("--resume continues the run as it was: no SCENARIO, and no flag about it")

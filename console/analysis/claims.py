@@ -5,7 +5,6 @@
 
 import math
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 
@@ -14,12 +13,10 @@ from agents.laws.perturbation import Seeker
 from console.backends import inprocess, stacked
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
-from fes.errors import FesError
 from fes.model.config import ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
+from world.config import builtin
 from world.config.scenario import Scenario, load
 from world.metrics import optimum
-
-CONFIGS = Path(__file__).parents[2] / "configs"
 
 Numbers = dict[str, float]
 
@@ -179,14 +176,7 @@ def _curvature(objective: ObjectiveConfig) -> float:
     return float((below - 2.0 * here + above) / h**2)
 
 
-def configs() -> Path:
-    """The folder of the scenarios of a clone; raises FesError if this is an installed wheel, which has none."""
-    if not CONFIGS.is_dir():
-        raise FesError(f"this needs the scenarios of a clone: there is no folder {CONFIGS}")
-    return CONFIGS
-
-
 def _scenario(rule: str) -> Scenario:
-    paper = load(configs() / "paper.toml")
+    paper = load(builtin.file_of("paper"))
     graph = FormationConfig.model_validate({**paper.formation.model_dump(), "rule": rule})
     return paper.model_copy(update={"formation": graph})

@@ -17,6 +17,7 @@ from fes import process
 from fes.errors import FesError, reason
 from fes.recording import reader
 from fes.system import fingerprint, strict_json
+from world.config import builtin
 from world.config.scenario import load
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def plot(
             directory, drawn = out or Path("figures"), _paper_figures(bar)
         elif target == MEASURED:
             bar.note("many seeds of robots that count beacons")
-            seen = convergence_study.learn(claims.configs())
+            seen = convergence_study.learn(builtin.FOLDER)
             directory, drawn = out or Path("figures"), {"measured": figures.learning_figure(seen)}
         else:
             bar.note("the run again")
@@ -57,13 +58,12 @@ def plot(
 
 
 def show_claims(
-    name: Annotated[str | None, typer.Argument(help="One claim; without it they are all listed and run.")] = None,
+    name: Annotated[str | None, typer.Argument(help=f"One of {', '.join(claims.CLAIMS)} (default: all).")] = None,
     json_: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
 ) -> int:
     """Compute where the paper's text does not hold (docs/paper.md says what the numbers mean)."""
     if name is not None and name not in claims.CLAIMS:
         raise FesError(f"no claim '{name}'; there are {', '.join(claims.CLAIMS)}")
-    claims.configs()  # some of them run scenarios: say so before the first is computed
     wanted, found = [name] if name else list(claims.CLAIMS), {}
     with progress.bar("claims", len(wanted)) as bar:
         for key in wanted:
@@ -86,7 +86,7 @@ def show_claims(
 
 def _paper_figures(bar: progress.Bar) -> "dict[str, Figure]":
     bar.note("the paper's run")
-    seen = history.follow(load(claims.configs() / "paper.toml"))
+    seen = history.follow(load(builtin.file_of("paper")))
     bar.note("the same with other steps")
     return {
         "fig1-outage": figures.outage_figure(),
@@ -94,7 +94,7 @@ def _paper_figures(bar: progress.Bar) -> "dict[str, Figure]":
         "fig5-formation": figures.formation_figure(seen),
         "fig6-convergence": figures.convergence_figure(seen),
         "steps": figures.step_figure(
-            step_study.seeking_errors(), step_study.tick_errors(load(claims.configs() / "neighborhood.toml"))
+            step_study.seeking_errors(), step_study.tick_errors(load(builtin.file_of("neighborhood")))
         ),
     }
 

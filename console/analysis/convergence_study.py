@@ -88,6 +88,6 @@ def _errors(scenarios: list[Scenario]) -> Floats:
         now = together[0].state.channel  # all runs change at the same time
         if now is not channel:
             channel, best = now, optimal_separation(scenarios[0].objective, now)
-        said = [tick.said.estimates for tick in together]
+        said = [tick.beacons.estimates for tick in together]
         rows.append([float(estimates.mean()) - best if len(estimates) else math.nan for estimates in said])
     return np.array(rows).T

@@ -1,12 +1,12 @@
-"""How runs are executed.
+"""Execution of runs.
 
-inprocess        the same world and crew in one loop, without Zenoh
+inprocess        one loop without Zenoh: world and robots together
 stacked          many in-process runs as one array program
-processes        fes run with real processes
-announcement     the first lines of fes run, before it starts anything
-process_group    child processes, none of which outlives fes run
-managed_process  one child process, and how it ended
-supervisor       what the end of a child means for its run
+processes        processes over Zenoh: a world and its agents
+announcement     the first lines of fes run
+process_group    the processes of a run, none of which outlives fes run
+managed_process  one child process: start, signals, outcome
+supervisor       the end of a process: its consequences for the run
 restart_limits   limits on restarts of agents that died
 fault_injection  scheduled deaths and hangs of real processes
 """

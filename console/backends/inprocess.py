@@ -1,4 +1,4 @@
-"""The same world and the same crew in one loop, without Zenoh: same digits, no processes."""
+"""World and robots in one loop, without Zenoh or processes, and with the same digits."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -28,20 +28,20 @@ Keep = Callable[[dict[str, Any]], None]
 
 @dataclass(frozen=True, eq=False)
 class Tick:
-    """What was true at one tick, and what the robots then said and did."""
+    """The state of the world at one tick, and the beacons, twists and telemetry of the robots."""
 
     state: State
-    said: Beacons
+    beacons: Beacons
     twists: Floats
     """[n, 2] [m/s, rad/s]"""
     telemetry: Telemetry
-    """Of the robots that are present."""
+    """Telemetry of the robots that are present."""
 
 
 def check(scenario: Scenario) -> None:
     """Raise ScenarioError if a scenario cannot be run in one loop."""
     if scenario.run.clock == "live":
-        raise ScenarioError("run.clock", "'live' needs processes: what is in one loop cannot be late")
+        raise ScenarioError("run.clock", "'live' needs processes: robots in one loop cannot be late")
 
 
 def ticks(scenario: Scenario) -> Iterator[Tick]:
@@ -49,32 +49,33 @@ def ticks(scenario: Scenario) -> Iterator[Tick]:
     world = truth.create(scenario)
     state = truth.start(world)
     robots = crew.create(agent_config(scenario), world.ids)
-    minds, said = crew.start(robots), no_beacons()
+    memories, beacons = crew.start(robots), no_beacons()
     present = state.present
     for _ in range(scenario.ticks):
         if state.present is not present:
-            minds = crew.forget(robots, minds, state.present & ~present)
+            memories = crew.forget(robots, memories, state.present & ~present)
             present = state.present
-        minds, said, twists = crew.step(robots, minds, truth.observe(state), said)
-        now = tick(state, said, twists, crew.telemetry(robots, minds))
-        yield now
-        state = truth.step(world, state, now.twists)
+        memories, beacons, twists = crew.step(robots, memories, truth.observe(state), beacons)
+        current = tick(state, beacons, twists, crew.telemetry(robots, memories))
+        yield current
+        state = truth.step(world, state, current.twists)
 
 
-def tick(state: State, said: Beacons, twists: Floats, told: Telemetry) -> Tick:
-    """A tick, of what a crew said and did, absent robots included."""
+def tick(state: State, beacons: Beacons, twists: Floats, telemetry: Telemetry) -> Tick:
+    """A tick, from the output of a crew that includes absent robots."""
     present = state.present
-    shown = told if present.all() else of_those(told, present)
-    return Tick(state, said, truth.held(state, twists), shown)
+    if not present.all():
+        telemetry = of_those(telemetry, present)
+    return Tick(state, beacons, truth.held(state, twists), telemetry)
 
 
-def said(tick: Tick) -> TickPayloads:
-    """What would have crossed the bus at a tick, to the byte."""
-    present, legible = tick.state.present, tick.state.decodable
-    spoken = list(agent_marshalling.encode_tick(tick.said, tick.twists, tick.telemetry))
+def payloads(tick: Tick) -> TickPayloads:
+    """The messages that would cross the bus at a tick, to the byte."""
+    present, decodable = tick.state.present, tick.state.decodable
+    encoded = list(agent_marshalling.encode_tick(tick.beacons, tick.twists, tick.telemetry))
     sensed = world_marshalling.observations(truth.observe(tick.state), present, tick.state.since)
-    beacons = [beacon if whole else b"" for (_, beacon, _), whole in zip(spoken, legible.tolist(), strict=True)]
-    commands = [command if here else b"" for (_, _, command), here in zip(spoken, present.tolist(), strict=True)]
+    beacons = [data if shown else b"" for (_, data, _), shown in zip(encoded, decodable.tolist(), strict=True)]
+    commands = [data if shown else b"" for (_, _, data), shown in zip(encoded, present.tolist(), strict=True)]
     return TickPayloads(sensed, beacons, commands)
 
 
@@ -88,16 +89,16 @@ def run(
 ) -> dict[str, Any]:
     """Run a scenario to its end, and return its summary.
 
-    `watch` is called with a Report every tenth of a second of wall-clock time, and `keep` with the summary of what
-    was reached, at the end or when a signal stops the run. With `rtf` the run is paced to that many simulated seconds
-    a second. `recorder` gets every tick.
+    `watch` is called with a Report ten times per second of wall clock. `keep` is called with the summary, at the end
+    or when a signal stops the run. With `rtf` the run is paced to that many simulated seconds per second. `recorder`
+    gets every tick.
     """
     metrics = MetricsCollector(scenario)
     alive = np.ones(scenario.robots.number, dtype=np.uint8)
-    begun = told_at = time.perf_counter()
-    told = 0
+    begun = report_time = time.perf_counter()
+    reported = 0
 
-    def reached() -> dict[str, Any]:
+    def summarize() -> dict[str, Any]:
         return summary.summarize(metrics, name, "inprocess", time.perf_counter() - begun)
 
     try:
@@ -105,17 +106,19 @@ def run(
             metrics.add(tick.state, tick.twists, tick.telemetry)
             now = time.perf_counter()
             if recorder is not None:
-                recorder.add(metrics, tick.twists, said(tick), alive, now - begun)
-            if watch is not None and (now - told_at >= report_builder.PERIOD or done == scenario.ticks):
-                watch(report_builder.build(metrics, name, alive, now - begun, (done - told) / (now - told_at)))
-                told_at, told = now, done
+                recorder.add(metrics, tick.twists, payloads(tick), alive, now - begun)
+            if watch is not None and (now - report_time >= report_builder.PERIOD or done == scenario.ticks):
+                watch(
+                    report_builder.build(metrics, name, alive, now - begun, (done - reported) / (now - report_time))
+                )
+                report_time, reported = now, done
             if rtf is not None:
                 time.sleep(max(0.0, begun + done * scenario.run.dt / rtf - time.perf_counter()))
     except FesError:
         if keep is not None and metrics.link_errors.ticks:
-            keep(reached())
+            keep(summarize())
         raise
-    result = reached()
+    result = summarize()
     if keep is not None:
         keep(result)
     return result

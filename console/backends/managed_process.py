@@ -1,4 +1,4 @@
-"""One child process of `fes run`: its start, its signals, and the report of its end."""
+"""One child process of `fes run`: its start, its signals, and a report of its end."""
 
 import asyncio
 import contextlib
@@ -17,10 +17,10 @@ from fes.system.output import printable
 from fes.system.signals import STOP_SIGNALS
 
 DISMISSED = "the run is over"
-"""Said in the log of an agent whose world has dismissed it."""
+"""Text in the log of an agent that its world has dismissed."""
 
 TAIL = 4096
-"""Length of the end of a log that is read [bytes]."""
+"""Length of the part of a log that is read, at its end [bytes]."""
 
 LONGEST = 300
 """Longest line of a log that is shown [characters]."""
@@ -31,14 +31,14 @@ class ManagedProcess:
     """One child process."""
 
     name: str
-    """The program, and the robots that it hosts."""
+    """The program and the robots that it hosts."""
     process: asyncio.subprocess.Process
     log: Path
-    """Its standard error."""
+    """File with its standard error."""
     robots: str = ""
-    """The ids that an agent hosts, as its `--id` has them."""
+    """The ids of the robots that an agent hosts, in the form of its `--id`."""
     born: float = field(default_factory=time.monotonic)
-    """When it was started [s; monotonic]."""
+    """Time of its start [s; monotonic]."""
 
     @property
     def runs(self) -> bool:
@@ -54,23 +54,23 @@ class ManagedProcess:
             return True
 
     def verdict(self) -> str:
-        """Its name, how it ended, and its last words; never raises, whatever became of its log."""
+        """Its name, its exit code or signal, and the last line of its log; never raises, also without a log."""
         code = self.process.returncode
         try:
-            lines, where = self._tail().strip().splitlines(), f"its log: {self.log}"
+            lines, source = self._tail().strip().splitlines(), f"its log: {self.log}"
         except OSError as error:
-            lines, where = [], f"its log cannot be read: {reason(error)}"
-        said, label = _shortened(lines[-1]) if lines else "", f"{self.name.split()[0]}: error: "
+            lines, source = [], f"its log cannot be read: {reason(error)}"
+        last, label = _shortened(lines[-1]) if lines else "", f"{self.name.split()[0]}: error: "
         if code is not None and code < 0:
-            return f"{self.name} was ended by {_signal_name(-code)} ({where})"
-        if code == 1 and said.startswith(label):
-            return f"{self.name}: {said.removeprefix(label)}"
-        return f"{self.name} ended with exit code {code}" + (f", {said}" if code and said else "") + f" ({where})"
+            return f"{self.name} was ended by {_signal_name(-code)} ({source})"
+        if code == 1 and last.startswith(label):
+            return f"{self.name}: {last.removeprefix(label)}"
+        return f"{self.name} ended with exit code {code}" + (f", {last}" if code and last else "") + f" ({source})"
 
     def signal(self, number: signal.Signals) -> None:
         """Send it a signal, unless it has ended.
 
-        Popen is not used: it would check whether the child has ended, and take its exit status from asyncio.
+        Popen is not used, because it would reap a child that has ended, and asyncio would miss its exit code.
         """
         if self.runs:
             with contextlib.suppress(ProcessLookupError):
@@ -87,7 +87,7 @@ class NotStarted:
     """An agent process that the system did not start."""
 
     name: str
-    """The program, and the robots that it was to host."""
+    """The program and the robots that it should host."""
     robots: str
     """The ids of these robots."""
     reason: str
@@ -98,10 +98,10 @@ class NotStarted:
 
 
 async def start(name: str, module: str, arguments: list[str], log: Path, robots: str = "") -> ManagedProcess:
-    """A new child, which ends when this process does; it appends to its `log`. Raises OSError."""
+    """Start a child that ends when this process does; it appends to its `log`. Raises OSError."""
     with log.open("ab") as stream:
-        # A child inherits the mask, so that no signal meets a half-started interpreter: `fes.system.signals.hold`
-        # delivers it later. Nothing may be awaited in between, since other children may be started meanwhile.
+        # A child inherits the mask, so that no signal reaches a half-started interpreter: `fes.system.signals.hold`
+        # delivers it later. No other child may start meanwhile, so no await stands before the process is created.
         signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
         # A background job of a script ignores SIGINT. Its children must not: SIGINT ends a world.
         before = signal.getsignal(signal.SIGINT)
@@ -110,15 +110,15 @@ async def start(name: str, module: str, arguments: list[str], log: Path, robots:
         try:
             process = await asyncio.create_subprocess_exec(
                 sys.executable,
-                "-P",  # a folder called `world` in the working directory is not ours
+                "-P",  # a folder `world` in the working directory is not our package
                 "-m",
                 module,
                 *map(encoding.as_bytes, arguments),
                 "--exit-with-stdin",
-                stdin=subprocess.PIPE,  # never written to: its end tells the child that we are gone
+                stdin=subprocess.PIPE,  # never written to: its end tells the child that this process has ended
                 stdout=stream,
                 stderr=stream,
-                start_new_session=True,  # a Ctrl-C reaches us, and we end the children in order
+                start_new_session=True,  # a Ctrl-C reaches only this process, which ends its children in order
                 env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
             )
         finally:
@@ -129,7 +129,7 @@ async def start(name: str, module: str, arguments: list[str], log: Path, robots:
 
 
 async def ended(children: Iterable[ManagedProcess], timeout: float) -> bool:
-    """Wait until all of them have ended, up to `timeout` [s]; True if they have."""
+    """Wait up to `timeout` [s] until all children have ended; True if they have."""
     try:
         async with asyncio.timeout(timeout):
             for child in children:
@@ -140,7 +140,7 @@ async def ended(children: Iterable[ManagedProcess], timeout: float) -> bool:
 
 
 def _signal_name(number: int) -> str:
-    """The name of a signal; a real-time one has none.
+    """The name of a signal, or its number if it has no name.
 
     >>> _signal_name(9), _signal_name(63)
     ('SIGKILL', 'signal 63')
@@ -152,5 +152,5 @@ def _signal_name(number: int) -> str:
 
 
 def _shortened(line: str) -> str:
-    """The first LONGEST characters of a line of a log, printable."""
+    """The first LONGEST characters of a line of a log, in printable form."""
     return printable(line[:LONGEST]) + ("..." if len(line) > LONGEST else "")

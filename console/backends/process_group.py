@@ -1,4 +1,4 @@
-"""The processes of a run: a world and its agents, started together and never left behind."""
+"""The processes of a run: a world and its agents, all of which end with the run."""
 
 import asyncio
 import contextlib
@@ -15,16 +15,16 @@ from fes.errors import reason
 from world.execution.checkpoint import has_checkpoint
 
 DISMISSAL = 2.0
-"""Time [s] in which dismissed agents must end by themselves after their world has left; then they are told to."""
+"""Time [s] after the end of the world in which dismissed agents end by themselves; then they get a signal."""
 
 CLOSING = 15.0
-"""Time [s] that a world that is told to stop has to write down what was reached; a second signal does not wait."""
+"""Time [s] that a world has to write its results after a signal; a second signal does not wait."""
 
 GRACE = 3.0
-"""Time [s] that children that are told to end have, before they are ended by force."""
+"""Time [s] that children have to end after a signal, before they are killed."""
 
 BEGUN = b"all robots are here"
-"""The world logs this when the run begins."""
+"""Text that the world logs when the run begins."""
 
 
 class ProcessGroup:
@@ -35,13 +35,13 @@ class ProcessGroup:
         self.world: ManagedProcess | None = None
         self.agents: list[ManagedProcess] = []
         self.killed: set[ManagedProcess] = set()
-        """Children killed by us, as the scenario wants: they are not missed."""
+        """Children killed by schedule, whose end is not a failure."""
         self.successor_due = False
         """True while another world is about to resume the run."""
         self.not_resumed = ""
-        """Reason why no other world resumes the run, in one line; empty if there is none."""
+        """Reason in one line why no other world resumes the run; empty otherwise."""
         self.ends: asyncio.Queue[ManagedProcess | NotStarted] = asyncio.Queue()
-        """The children that have ended, and the agents that could not be started again, in order."""
+        """The children that have ended, and the agents that could not be restarted, in order."""
         self._begun = False
         self._arguments: dict[str, list[str]] = {}
         """Arguments of each agent's last start, by its robots."""
@@ -51,12 +51,12 @@ class ProcessGroup:
 
     @property
     def processes(self) -> list[ManagedProcess]:
-        """All of them."""
+        """The world and the agents."""
         return ([self.world] if self.world else []) + self.agents
 
     @property
     def has_begun(self) -> bool:
-        """True once the world has had all robots, and the run has begun; also if its log cannot be read."""
+        """True once all robots have joined and the run has begun; also if the world's log cannot be read."""
         if self.world is not None and not self._begun:
             try:
                 self._begun = BEGUN in self.world.log.read_bytes()
@@ -81,7 +81,7 @@ class ProcessGroup:
         await self._start_agent(robots)
 
     async def start_agent_again(self, robots: str) -> None:
-        """Start the agent of `robots` as it was started before; if the system cannot, `ends` has the reason."""
+        """Restart the agent of `robots` with its former arguments; if that fails, `ends` has the reason."""
         self._cancel_restart(robots)
         await self._try_to_start_agent(robots)
 
@@ -97,7 +97,7 @@ class ProcessGroup:
         self._restarts[robots] = asyncio.ensure_future(restart())
 
     async def kill_agent(self, robots: str) -> None:
-        """End the agent of `robots` by SIGKILL, as its scenario wants; it is not missed."""
+        """Kill the agent of `robots` by schedule: its end is not a failure."""
         self._cancel_restart(robots)
         for agent in self.agents:
             if agent.robots == robots and agent.runs:
@@ -106,18 +106,20 @@ class ProcessGroup:
                 await agent.process.wait()
 
     async def replace_world(self, seconds: float, arguments: list[str]) -> None:
-        """End the world by SIGKILL, as its scenario wants, and start another after a while [s]; it is not missed.
+        """Kill the world by schedule, and start another after this time [s]: its end is not a failure.
 
         If the system cannot start another, `not_resumed` has the reason.
         """
         world = self.world
         if world is None or not world.runs:
             return
-        self.killed.add(world)  # first, so that its end is not taken for a failure, or for the end of the run
+        self.killed.add(
+            world
+        )  # before the signal, so that its end counts neither as a failure nor as the end of the run
         self.successor_due = True
         try:
             world.signal(signal.SIGKILL)
-            if await world.process.wait() >= 0:  # it had just ended by itself
+            if await world.process.wait() >= 0:  # it ended by itself just before
                 self.killed.discard(world)
             elif has_checkpoint(self.directory):
                 await asyncio.sleep(seconds)
@@ -138,7 +140,7 @@ class ProcessGroup:
         self._signal_agent(robots, signal.SIGCONT)
 
     def watch(self, watched: ManagedProcess) -> None:
-        """Put a child into `ends` when it has ended."""
+        """Put a child into `ends` once it has ended."""
 
         async def watch() -> None:
             await watched.process.wait()
@@ -149,16 +151,16 @@ class ProcessGroup:
         task.add_done_callback(self._watches.discard)
 
     async def stop(self) -> None:
-        """End every child: the world first, which dismisses the agents; then the others, by force after GRACE."""
+        """End every child: the world first, which dismisses the agents; then the others, by SIGKILL after GRACE."""
         await self._cancel_restarts()
         if self.world is not None and self.world.runs:
             self.world.signal(signal.SIGINT)  # after SIGTERM the agents would wait for a resumed world
-            self.world.signal(signal.SIGCONT)  # a stopped process hears nothing else
+            self.world.signal(signal.SIGCONT)  # a suspended process acts on no other signal
             if not self.has_begun:
-                self._tell_agents()  # a world may dismiss only those that have joined it
+                self._terminate_agents()  # a world dismisses only the agents that have joined
             await ended([self.world], CLOSING)
             await ended(self.agents, DISMISSAL)
-        self._tell_agents()
+        self._terminate_agents()
         if not await ended(self.processes, GRACE):
             self.kill()
             await ended(self.processes, GRACE)
@@ -166,18 +168,20 @@ class ProcessGroup:
             task.cancel()
 
     def kill(self) -> None:
-        """End every child by force, at once."""
-        for one in self.processes:
-            one.signal(signal.SIGKILL)
+        """Kill every child."""
+        for child in self.processes:
+            child.signal(signal.SIGKILL)
 
     def abandon(self) -> None:
-        """End every child by force, and wait until they have ended (if the system can wait and leave it to asyncio to
-        reap them)."""
+        """Kill every child, and wait until all have ended.
+
+        It waits only on a system that can wait for a child without reaping it, which is left to asyncio.
+        """
         self.kill()
         if hasattr(os, "waitid"):
-            for one in self.processes:
+            for child in self.processes:
                 with contextlib.suppress(OSError):
-                    os.waitid(os.P_PID, one.process.pid, os.WEXITED | os.WNOWAIT)
+                    os.waitid(os.P_PID, child.process.pid, os.WEXITED | os.WNOWAIT)
 
     async def _start_agent(self, robots: str) -> None:
         if any(agent.robots == robots and agent.runs for agent in self.agents):
@@ -210,33 +214,33 @@ class ProcessGroup:
             if agent.robots == robots:
                 agent.signal(number)
 
-    def _tell_agents(self) -> None:
-        """Tell the agents to end."""
+    def _terminate_agents(self) -> None:
+        """Send SIGTERM to the agents, suspended ones included."""
         for agent in self.agents:
             agent.signal(signal.SIGTERM)
             agent.signal(signal.SIGCONT)
 
 
 @asynccontextmanager
-async def ended_with_block(family: ProcessGroup) -> AsyncIterator[None]:
-    """A block at whose end all children end, however it ends."""
+async def ended_with_block(group: ProcessGroup) -> AsyncIterator[None]:
+    """A block after which all children have ended, also after an error."""
     try:
         yield
     finally:
-        # Shielded against a cancellation while it waits. If all of this process ends, so does its end of the
-        # children's standard input, which ends them too.
-        await asyncio.shield(family.stop())
+        # Shielded against a cancellation meanwhile. If this process is killed, the standard input of its children
+        # ends, and they end too.
+        await asyncio.shield(group.stop())
 
 
 def free_port() -> int:
-    """A TCP port of the loopback interface that nobody listens on."""
+    """A free TCP port of the loopback interface."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])
 
 
 def share(robots: int, per_process: int) -> Iterator[str]:
-    """Robot ids for each agent process, `per_process` at a time.
+    """Robot ids of each agent process, with up to `per_process` robots.
 
     >>> list(share(5, 2))
     ['0-1', '2-3', '4']

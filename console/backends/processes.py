@@ -1,4 +1,4 @@
-"""fes run with real processes: one world, its agents, and whoever watches."""
+"""fes run with processes: one world, its agents, and a dashboard."""
 
 import asyncio
 import contextlib
@@ -34,15 +34,15 @@ from world.server.lockstep import RETURN_TIMEOUT
 
 RUN = keys.DEFAULT_RUN
 MAX_SUMMARY = 1 << 30
-"""Largest summary that is read [bytes]; that of a hundred robots has 100 kB."""
+"""Largest summary that is read [bytes]; a hundred robots take 100 kB."""
 
 JOIN_TIMEOUT = 60.0
-"""How long children look for the world [s]; a loaded machine starts ten interpreters slowly."""
+"""Longest search of the children for the world [s]; a loaded machine starts ten interpreters slowly."""
 
 
 @dataclass(frozen=True)
 class Launch:
-    """How a run is to be started."""
+    """Settings of a run beside its scenario."""
 
     name: str
     """Name of the scenario."""
@@ -51,7 +51,7 @@ class Launch:
     dashboard: bool
     record: bool
     secure: bool = False
-    """With TLS, and certificates made for this run."""
+    """True for TLS, with certificates made for this run."""
     respawn: bool = False
     """True if agents that die are restarted."""
 
@@ -61,17 +61,17 @@ class Launch:
 
 
 def check(launch: Launch, scenario: Scenario) -> None:
-    """Raise FesError, in the words of `fes doctor`, for anything that would keep this run from starting."""
-    for seen in (machine.loopback(), machine.files(len(launch.groups(scenario.robots.number)))):
-        if seen.status is Status.FAILED:
-            raise FesError(f"{seen.check}: {seen.seen}; {seen.remedy}")
+    """Raise FesError, in the words of `fes doctor`, if this machine cannot start the run."""
+    for finding in (machine.loopback(), machine.files(len(launch.groups(scenario.robots.number)))):
+        if finding.status is Status.FAILED:
+            raise FesError(f"{finding.check}: {finding.seen}; {finding.remedy}")
 
 
 def run(launch: Launch, scenario: Scenario, directory: RunDirectory, console: Console) -> dict[str, Any]:
     """Run a scenario with one process for the world and one for each group of agents; returns the summary.
 
-    Every child ends with this call, however it ends. Raises FesError if the world fails, or if an agent does before
-    the run begins, and Stopped after a signal.
+    Every child ends with this call, also after an error. Raises FesError if the world fails, or if an agent does
+    before the run begins, and Stopped after a signal.
     """
     with contextlib.closing(Warnings(held=launch.dashboard)) as warnings:
         process.supervise(lambda: _run(launch, scenario, directory, console, warnings))
@@ -83,7 +83,7 @@ def run(launch: Launch, scenario: Scenario, directory: RunDirectory, console: Co
 
 
 class Warnings:
-    """Warnings during a run: printed at once, or `held` until no dashboard covers them."""
+    """Warnings during a run: printed at once, or `held` until the dashboard has closed."""
 
     def __init__(self, held: bool) -> None:
         self._held = held
@@ -97,7 +97,7 @@ class Warnings:
             process.warn("fes", line)
 
     def close(self) -> None:
-        """Print all lines that were held."""
+        """Print the held lines."""
         for line in self._waiting:
             process.warn("fes", line)
 
@@ -106,88 +106,94 @@ async def _run(
     launch: Launch, scenario: Scenario, directory: RunDirectory, console: Console, warnings: Warnings
 ) -> None:
     groups, path = launch.groups(scenario.robots.number), directory.path
-    with keys_command.of_a_run(path, groups) if launch.secure else contextlib.nullcontext() as kept:
-        with_keys = ["--keys", str(kept)] if kept else []
-        endpoint = f"{'tls' if kept else 'tcp'}/127.0.0.1:{process_group.free_port()}"
-        address = Address(endpoint, RUN, os.getpid(), str(kept) if kept else None)
-        async with _family(directory) as family:
+    with keys_command.for_run(path, groups) if launch.secure else contextlib.nullcontext() as folder:
+        with_keys = ["--keys", str(folder)] if folder else []
+        endpoint = f"{'tls' if folder else 'tcp'}/127.0.0.1:{process_group.free_port()}"
+        address = Address(endpoint, RUN, os.getpid(), str(folder) if folder else None)
+        async with _processes(directory) as group:
             flags = ["-l", endpoint, "--rtf", launch.rtf, *with_keys]
             world = [str(path / "scenario.toml"), "--name", launch.name, "--out", str(path)]
             resuming = ["--resume", str(path), *flags]
-            await family.start_world([*world, *([] if launch.record else ["--no-record"]), *flags])
+            await group.start_world([*world, *([] if launch.record else ["--no-record"]), *flags])
             run_directory.announce(path, address)
             try:
                 joining = ["-e", endpoint, "--timeout", str(JOIN_TIMEOUT), *with_keys]
-                # First, to be there when the run begins.
-                async with _inject_faults(family, launch, scenario, address, resuming):
+                # before the agents, so that it is connected when the run begins
+                async with _inject_faults(group, launch, scenario, address, resuming):
                     for ids in groups:
-                        await family.start_agent(ids, joining)
-                    again = RestartLimit() if launch.respawn else None
-                    supervisor = Supervisor(family, warnings.add, _all_agents_ended(scenario, endpoint), again)
+                        await group.start_agent(ids, joining)
+                    limit = RestartLimit() if launch.respawn else None
+                    supervisor = Supervisor(group, warnings.add, _all_agents_ended(scenario, endpoint), limit)
                     await _attend(supervisor, launch, address, console)
             finally:
                 run_directory.withdraw(path)
 
 
 @contextlib.asynccontextmanager
-async def _family(directory: RunDirectory) -> AsyncIterator[ProcessGroup]:
-    """The children of a run. A second signal waits for none of them. It lets a world that has begun close by itself,
-    and leaves nothing of one that has not."""
-    family = ProcessGroup(directory.path)
+async def _processes(directory: RunDirectory) -> AsyncIterator[ProcessGroup]:
+    """The processes of a run, until the block ends.
+
+    A second signal waits for none of them. The world of a run that has begun then closes it by itself; other runs
+    leave no file behind.
+    """
+    group = ProcessGroup(directory.path)
 
     def abandon() -> None:
-        if family.has_begun:
+        if group.has_begun:
             run_directory.withdraw(directory.path)
-            closing = family.world is not None and family.world.runs  # else it is away: another was to resume the run
+            closing = group.world is not None and group.world.runs
             end = f"the world closes {directory.path} by itself" if closing else f"see {directory.path}"
             process.complain("fes", f"stopped at once: {end}")
         else:
-            family.abandon()
+            group.abandon()
             directory.discard()
 
     with signals.if_forced(abandon):
-        async with process_group.ended_with_block(family):
-            yield family
+        async with process_group.ended_with_block(group):
+            yield group
 
 
 @contextlib.asynccontextmanager
 async def _inject_faults(
-    family: ProcessGroup, launch: Launch, scenario: Scenario, address: Address, resuming: list[str]
+    group: ProcessGroup, launch: Launch, scenario: Scenario, address: Address, resuming: list[str]
 ) -> AsyncIterator[None]:
-    """While the block lasts, processes die and hang as scheduled: the world's, and robots' if each has its own."""
+    """A block during which processes of the world, and of robots with one each, die and hang by schedule."""
     alone = launch.agents_per_process == 1
     if not (scenario.world_deaths or (alone and scenario.participation)):
         yield
         return
 
     async def follow() -> None:
-        async with bus.opened(_visitor(address)) as opened:
+        async with bus.opened(_observer(address)) as session:
             control = fault_injection.ProcessControl(
-                family.kill_agent,
-                family.start_agent_again,
-                family.stop_agent,
-                family.continue_agent,
-                lambda seconds: family.replace_world(seconds, resuming),
+                group.kill_agent,
+                group.start_agent_again,
+                group.stop_agent,
+                group.continue_agent,
+                lambda seconds: group.replace_world(seconds, resuming),
             )
-            await fault_injection.enact(opened, RUN, JOIN_TIMEOUT, scenario, control, alone)
+            await fault_injection.enact(session, RUN, JOIN_TIMEOUT, scenario, control, alone)
 
     following = asyncio.ensure_future(follow())
     try:
         yield
     finally:
         following.cancel()
-        with contextlib.suppress(asyncio.CancelledError, Exception):  # the world keeps the schedule without us
+        with contextlib.suppress(
+            asyncio.CancelledError, Exception
+        ):  # the world keeps the schedule also without these faults
             await following
 
 
 def _all_agents_ended(scenario: Scenario, endpoint: str) -> str:
-    """Warning for a run of which no agent is left."""
+    """Warning for a run whose agents have all ended."""
     if scenario.run.clock == "live":
         return "no agent is left: all robots stand still until the end"
     return f"no agent is left: the world at {endpoint} waits {RETURN_TIMEOUT:g} s for one, and then ends"
 
 
-def _visitor(address: Address) -> Endpoints:
+def _observer(address: Address) -> Endpoints:
+    """Endpoints of an observer of the run."""
     own = identity.security(Path(address.keys) if address.keys else None, identity.OBSERVER)
     return Endpoints("client", (address.endpoint,), timeout=JOIN_TIMEOUT, security=own)
 
@@ -195,16 +201,16 @@ def _visitor(address: Address) -> Endpoints:
 def read_summary(directory: Path) -> dict[str, Any]:
     """The summary in a run directory; raises FesError, also for a file that is not a table."""
     try:
-        found = strict_json.loads(files.read(directory / "summary.json", MAX_SUMMARY))
+        summary = strict_json.loads(files.read(directory / "summary.json", MAX_SUMMARY))
     except (OSError, ValueError):
-        found = None
-    if not isinstance(found, dict):
+        summary = None
+    if not isinstance(summary, dict):
         raise FesError(f"{directory} has no summary")
-    return found
+    return summary
 
 
 async def _attend(supervisor: Supervisor, launch: Launch, address: Address, console: Console) -> None:
-    """Wait for the children to end, and show the run meanwhile if a person looks."""
+    """Wait for the end of the children, and show the run meanwhile in a terminal."""
     if not is_screen(console):
         await supervisor.finish()
         return
@@ -213,22 +219,21 @@ async def _attend(supervisor: Supervisor, launch: Launch, address: Address, cons
         await supervisor.finish()
     finally:
         show.cancel()
-        with contextlib.suppress(asyncio.CancelledError, Exception):  # what fails in a view is not the run's
+        with contextlib.suppress(asyncio.CancelledError, Exception):  # an error of the view does not concern the run
             await show
 
 
 async def _show(launch: Launch, address: Address, console: Console) -> None:
-    """The dashboard, or a line of progress; a view only, whose failure is not the run's."""
-
-    async with bus.opened(_visitor(address)) as opened:
+    """Show the dashboard, or a line of progress."""
+    async with bus.opened(_observer(address)) as session:
         if launch.dashboard:
             with live.Screen(console, BELOW) as screen:
-                await live.watch(opened, RUN, JOIN_TIMEOUT, screen)
+                await live.watch(session, RUN, JOIN_TIMEOUT, screen)
             return
-        with progress.status(console, "waiting for the robots") as shown:
-            async for report in observer.reports(opened, RUN, JOIN_TIMEOUT, live.IDLE):
+        with progress.status(console, "waiting for the robots") as status:
+            async for report in observer.reports(session, RUN, JOIN_TIMEOUT, live.IDLE):
                 if report is not None:
-                    shown.name(
+                    status.name(
                         f"tick {report.tick} of {report.ticks}, {report.ticks_per_s:.0f} ticks/s, "
                         f"largest separation error {report.separation_error_max:.3f} m"
                     )

@@ -1,4 +1,4 @@
-"""Limits on restarts of agents that died: never in a tight loop, and not forever."""
+"""Limits on restarts of agents that died: delays that grow, and a largest number."""
 
 from dataclasses import dataclass, field
 
@@ -6,25 +6,25 @@ FIRST_DELAY = 0.5
 """Delay before the first restart of an agent [s]; each short life in a row doubles it."""
 
 SHORT = 30.0
-"""An agent that lived for less than this [s] had a short life."""
+"""A life shorter than this [s] is a short one."""
 
 MOST = 5
-"""Most short lives in a row after which an agent is still restarted."""
+"""Most short lives in a row after which an agent is restarted."""
 
 
 @dataclass
 class RestartLimit:
-    """The agents of one run, by what their `--id` says."""
+    """Short lives of the agents of one run, by their `--id`."""
 
     _short: dict[str, int] = field(default_factory=dict)
-    """Short lives in a row."""
+    """Number of short lives in a row."""
 
     def delay(self, robots: str, lived: float) -> float | None:
         """Delay [s] before the agent of `robots`, which `lived` this long [s], is restarted.
 
-        None if it is given up, because it died too often.
+        None if it died too often to be restarted.
 
-        >>> agents = Respawn()
+        >>> agents = RestartLimit()
         >>> [agents.delay("3", lived=1.0) for _ in range(6)]
         [0.5, 1.0, 2.0, 4.0, 8.0, None]
         >>> agents.delay("4", lived=1.0), agents.delay("4", lived=1.0), agents.delay("4", lived=60.0)

@@ -1,7 +1,7 @@
-"""Consequences of a child's end for its run.
+"""Consequences of a process's end for its run.
 
-A run ends when its world ends. If an agent dies before that, its robots are absent, as they may be by schedule, and
-the run does not fail. The exception is a run that has not begun: its world waits for all robots.
+A run ends when its world ends. If an agent dies earlier, its robots are absent and the run continues. Before the run
+has begun, the death of an agent is an error, because the world waits for all robots.
 """
 
 import time
@@ -15,76 +15,78 @@ from fes.errors import FesError
 from fes.process import SUCCESS, UNMET
 
 SETTLING = 2.0
-"""Time [s] for the world to end, or for the run to begin, before a dead agent is held to be the cause."""
+"""Time [s] for the world to end, or for the run to begin, before a dead agent is reported as the cause."""
 
 
 class ProcessFailed(FesError):
-    """A child process ended as it should not have, and its run with it."""
+    """A child process failed, and with it the run."""
 
 
 @dataclass
 class Supervisor:
-    """Follows the children of a run to its end."""
+    """Follows the processes of a run to its end."""
 
     processes: ProcessGroup
     warn: Callable[[str], None]
     """Called with one line for each agent that dies."""
     deserted: str = "no agent is left"
-    """The line for a run of which no agent is left."""
+    """The warning when the last agent has ended."""
     respawn: RestartLimit | None = None
     """Limits on restarts of agents that die; None if they are not restarted."""
     _ended: set[ManagedProcess] = field(default_factory=set)
-    """The agents whose end is known here."""
+    """The agents whose end has been handled."""
 
     async def finish(self) -> None:
-        """Wait until the world has ended well, and for a moment for the agents that it dismissed.
+        """Wait until the world has ended without error, and then up to DISMISSAL for the agents.
 
-        Raises ChildFailed if the world ended badly, if the one that was to resume its run cannot be started, or if an
-        agent ended without which it cannot begin.
+        Raises ProcessFailed if the world fails, if a world that resumes the run cannot be started, or if an agent
+        ends before the run begins.
         """
-        while (gone := await self.processes.ends.get()) is not self.processes.world or self.processes.successor_due:
-            if isinstance(gone, NotStarted):
-                await self._lose(gone.robots, gone.verdict(), lived=0.0)
-            elif gone in self.processes.agents:
-                await self._miss(gone)
-        assert isinstance(gone, ManagedProcess)  # it is the world
+        while (
+            process := await self.processes.ends.get()
+        ) is not self.processes.world or self.processes.successor_due:
+            if isinstance(process, NotStarted):
+                await self._lose(process.robots, process.verdict(), lived=0.0)
+            elif process in self.processes.agents:
+                await self._handle_end(process)
+        assert isinstance(process, ManagedProcess)  # the world
         if self.processes.not_resumed:
             raise ProcessFailed(self.processes.not_resumed)
-        if gone not in self.processes.killed and gone.process.returncode not in (SUCCESS, UNMET):
-            raise ProcessFailed(gone.verdict())
+        if process not in self.processes.killed and process.process.returncode not in (SUCCESS, UNMET):
+            raise ProcessFailed(process.verdict())
         await ended(self.processes.agents, DISMISSAL)
 
-    async def _miss(self, agent: ManagedProcess) -> None:
-        """Handle the end of an agent while the world runs; raises ChildFailed."""
+    async def _handle_end(self, agent: ManagedProcess) -> None:
+        """Handle the end of an agent while the world runs; raises ProcessFailed."""
         self._ended.add(agent)
         if agent in self.processes.killed or (agent.process.returncode == SUCCESS and agent.was_dismissed):
             return
         await self._lose(agent.robots, agent.verdict(), time.monotonic() - agent.born)
 
     async def _lose(self, ids: str, why: str, lived: float) -> None:
-        """Restart the agent of robots `ids`, which `lived` this long [s], or say that the run continues without it.
+        """Restart the agent of robots `ids`, which `lived` this long [s], or warn that the run continues without it.
 
-        Raises ChildFailed if the run cannot begin without it.
+        Raises ProcessFailed if the run cannot begin without it.
         """
-        plural, whom = ("s", "them") if "-" in ids else ("", "it")
+        plural, pronoun = ("s", "them") if "-" in ids else ("", "it")
         robots, delay = f"robot{plural} {ids}", None
         if self.respawn is not None:
             delay = self.respawn.delay(ids, lived)
-            why += "" if delay else f", {MOST + 1} times in a row: it is not started again"
+            why += "" if delay else f", {MOST + 1} times in a row: it is not restarted"
         if delay is not None:
-            self.warn(f"{robots}: {why}; started again in {delay:g} s")
+            self.warn(f"{robots}: {why}; restarted in {delay:g} s")
             self.processes.restart_agent(ids, delay)
             return
         if not self.processes.has_begun:
-            await self._blame(why)
-        self.warn(f"{robots}: {why}; the run continues without {whom}")
+            await self._fail(why)
+        self.warn(f"{robots}: {why}; the run continues without {pronoun}")
         if self.processes.is_abandoned and self._ended.issuperset(self.processes.agents):
             self.warn(self.deserted)
 
-    async def _blame(self, why: str) -> None:
-        """Raise ChildFailed for an agent without which the run cannot begin, or for the world, if that ended first.
+    async def _fail(self, why: str) -> None:
+        """Raise ProcessFailed for an agent before the run begins, or for the world if that ended first.
 
-        Do nothing if the run begins just then.
+        Do nothing if the run begins meanwhile.
         """
         world = self.processes.world
         if world is not None and await ended([world], SETTLING) and world.process.returncode != SUCCESS:

@@ -1,7 +1,7 @@
-"""Running worlds, and what they leave on disk.
+"""Access to running worlds, and their run directories.
 
-run_directory  run directories
+run_directory  run directories: files, and the address of a running run
 observer       the reports of a running world
-options        flags that several commands share
+options        arguments and flags that several commands share
 set_command    the command fes set
 """

@@ -1,4 +1,4 @@
-"""An observer on the bus: the world's reports, as they come."""
+"""An observer on the bus: the reports of a world, in order of arrival."""
 
 import asyncio
 import contextlib
@@ -12,71 +12,73 @@ from fes.protocol.report import Report, decode_report
 from fes.transport.bus import Bus
 
 MAX_WAITING = 64
-"""Reports that may wait for a slow observer; older ones are forgotten."""
+"""Most reports that wait for a slow observer; older ones are dropped."""
 
 RETURN = 15.0
-"""A world that is not seen for this long [s], or for as long as one was waited for, has left; before, only the
-connection may have been lost, or another world goes on with the run."""
+"""Shortest absence [s] after which a world counts as gone: the connection may return, or another world may resume
+the run."""
 
+FOREIGN_REPORTS = 10
+"""Number of reports of another protocol version after which an observer that has decoded none raises an error.
 
-STRANGE = 10
-"""After so many reports of another protocol version, in STRANGE_FOR at least, and none that can be read, there is
-nothing to be seen. Worlds report ten times a second, so whoever puts others between them hides none."""
+Worlds report ten times per second, so reports that another program mixes in do not hide those of the world."""
 
-STRANGE_FOR = 3.0
-"""[s]"""
+FOREIGN_PERIOD = 3.0
+"""Shortest time over which these reports must arrive [s]."""
 
 
 async def reports(bus: Bus, run: str, timeout: float, idle: float) -> AsyncIterator[Report | None]:
-    """The reports of a run until it is over; None each time nothing came for `idle` [s].
+    """The reports of a run until it is over; None each time `idle` [s] pass without a report.
 
-    An observer that was suspended loses its session, and finds the world again when it goes on. Raises Absent if
-    no world appears within `timeout` [s], or if it leaves before the run is over: it is waited for as long again, but
-    for RETURN at least, not counting the time that the reader takes with what it got. Raises MessageError if the
-    world speaks only another version of the protocol.
+    A suspended observer loses its session, and finds the world again when it continues. Raises Unavailable if no
+    world appears within `timeout` [s], or if the world leaves before the run is over and stays away for `timeout`,
+    at least for RETURN. Time that the caller spends between two reports does not count. Raises MessageError if the
+    world sends only another version of the protocol.
     """
     loop = asyncio.get_running_loop()
     waiting: deque[bytes] = deque(maxlen=MAX_WAITING)
-    news = asyncio.Event()
-    here, since, latest = False, loop.time(), None
-    strange, first = 0, math.inf
+    wake_up = asyncio.Event()
+    is_alive, since, latest = False, loop.time(), None
+    foreign, first = 0, math.inf
 
     def on_report(key: str, payload: bytes | None) -> None:
         if payload is not None:
             waiting.append(payload)
-            if not news.is_set():  # the reader clears it before it looks: nothing is missed, a flood is one wake-up
-                loop.call_soon_threadsafe(news.set)
+            if (
+                not wake_up.is_set()
+            ):  # cleared before the queue is read: no report is missed, and a flood is one wake-up
+                loop.call_soon_threadsafe(wake_up.set)
 
     def on_world(key: str, alive: bool) -> None:
-        nonlocal here, since
-        here, since = alive, loop.time()
-        news.set()
+        nonlocal is_alive, since
+        is_alive, since = alive, loop.time()
+        wake_up.set()
 
     bus.declare_subscriber(keys.report(run), on_report)
     bus.declare_liveliness_subscriber(keys.world_alive(run), on_world)
     while True:
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(idle):
-                await news.wait()
-        quiet = not news.is_set()
-        news.clear()
+                await wake_up.wait()
+        is_idle = not wake_up.is_set()
+        wake_up.clear()
         while waiting:
             try:
                 latest = decode_report(waiting.popleft())
             except MessageError as error:
                 if world_info.speaks_otherwise(error):
-                    strange, first = strange + 1, min(first, loop.time())
-                if latest is None and strange >= STRANGE and loop.time() - first >= STRANGE_FOR:
+                    foreign, first = foreign + 1, min(first, loop.time())
+                if latest is None and foreign >= FOREIGN_REPORTS and loop.time() - first >= FOREIGN_PERIOD:
                     raise
-                continue  # a view shows what it can read
-            asked = loop.time()
+                continue  # a view shows the reports that it can decode
+            before = loop.time()
             yield latest
             now = loop.time()
-            since = min(now, since + now - asked)  # the reader may itself bring the world back
-        if not here and latest is not None and latest.tick + 1 >= latest.ticks:
+            since = min(now, since + now - before)  # the caller may itself restart the world
+        if not is_alive and latest is not None and latest.tick + 1 >= latest.ticks:
             return
-        if not here and loop.time() - since > (max(RETURN, timeout) if latest is not None else timeout):
-            what = f"left after tick {latest.tick}" if latest is not None else f"did not appear within {timeout:g} s"
-            raise Unavailable(f"the world of run '{run}' {what}")
-        if quiet:
+        if not is_alive and loop.time() - since > (max(RETURN, timeout) if latest is not None else timeout):
+            event = f"left after tick {latest.tick}" if latest is not None else f"did not appear within {timeout:g} s"
+            raise Unavailable(f"the world of run '{run}' {event}")
+        if is_idle:
             yield None

@@ -1,22 +1,42 @@
-"""Flags that several commands share: how to reach a run."""
+"""Arguments and flags that several commands share; the table of `fes.transport.network_flags`, for Typer."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
+from fes.transport import network_flags
+from fes.transport.identity import OBSERVER, OPERATOR
+from fes.transport.network_flags import NetworkFlag
+from world.config import builtin
+
 SET = "Override a field of the scenario; fes schema lists them."
-VERBOSE = "Print the tracking, the links, their beacons and all expectations too."
+VERBOSE = "Also print tracking, links, their beacons and all expectations."
 
-Connect = Annotated[
-    list[str] | None, typer.Option("--connect", "-e", metavar="ENDPOINT", help="Where the world listens.")
-]
-Config = Annotated[Path | None, typer.Option("--config", "-c", help="Zenoh configuration file.")]
-Cfg = Annotated[list[str] | None, typer.Option(metavar="KEY:VALUE", help="Zenoh setting.")]
 
-ObserverKeys = Annotated[
-    Path | None, typer.Option("--keys", metavar="DIR", help="TLS, with the certificate of the observer in DIR.")
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}."
+
+
+def _option(flag: NetworkFlag) -> Any:
+    """A flag of the network, for Typer; its help names the default."""
+    return typer.Option(*flag.names, metavar=flag.metavar, help=_sentence(flag.help), show_default=False)
+
+
+def _keys(role: str) -> Any:
+    text = f"use TLS, with the certificate of the {role} in this folder (fes keys init)"
+    return _option(network_flags.KEYS._replace(help=text))
+
+
+Scenario = Annotated[
+    Path,
+    typer.Argument(metavar="SCENARIO", help=_sentence(builtin.ARGUMENT), autocompletion=builtin.completions),
 ]
-OperatorKeys = Annotated[
-    Path | None, typer.Option("--keys", metavar="DIR", help="TLS, with the certificate of the operator in DIR.")
-]
+
+Connect = Annotated[list[str] | None, _option(network_flags.CONNECT)]
+Config = Annotated[Path | None, _option(network_flags.CONFIG)]
+Cfg = Annotated[list[str] | None, _option(network_flags.CFG)]
+Run = Annotated[str, _option(network_flags.RUN)]
+
+ObserverKeys = Annotated[Path | None, _keys(OBSERVER)]
+OperatorKeys = Annotated[Path | None, _keys(OPERATOR)]

@@ -1,4 +1,4 @@
-"""Run directories: where a run leaves its scenario, its summary and its children's logs."""
+"""Run directories, with the scenario, the summary and the log of a run, and the logs of its processes."""
 
 import contextlib
 import os
@@ -21,57 +21,58 @@ from world.execution.checkpoint import FOLDER, has_checkpoint
 ROOT = Path("runs")
 LATEST = "latest"
 ENDPOINT = "endpoint.json"
-"""Where a run directory says, while its run goes on, where it can be watched."""
+"""Name of the file with the address of a running run."""
 
 SUMMARY = "summary.json"
 SCENARIO = ("scenario.toml", ".scenario.toml")
 FILES = {*SCENARIO, SUMMARY, f".{SUMMARY}", NAME, ENDPOINT}
-"""Files that a run writes, beside the logs of its children."""
+"""Names of the files that a run writes, beside the logs of its processes."""
 FOLDERS = {FOLDER, stale_keys.KEYS}
+"""Names of the folders that a run writes."""
 
 
 @dataclass(frozen=True)
 class Address:
-    """Where a run can be watched."""
+    """The address at which a run can be watched."""
 
     endpoint: str
     run: str
     pid: int = 0
-    """Of the process that withdraws this when the run is over; 0 if nobody does."""
+    """Id of the process that withdraws the address when the run is over; 0 if it is not withdrawn."""
     keys: str | None = None
-    """Where the certificates are, if it can be watched only with one."""
+    """Folder of the certificates, if the run speaks TLS."""
 
     def __post_init__(self) -> None:
-        """Raise TypeError for values that no run announces: any program may have written the file."""
+        """Raise TypeError for values that a run never announces, since any program may have written the file."""
         texts = (self.endpoint, self.run, self.keys or "")
-        is_pid = type(self.pid) is int and 0 <= self.pid < 1 << 31  # True is an int, and not a process
+        is_pid = type(self.pid) is int and 0 <= self.pid < 1 << 31  # True is an int too
         if not is_pid or not all(isinstance(text, str) for text in texts):
             raise TypeError("an address is an endpoint, a run, a process and a directory")
 
 
 @dataclass(frozen=True)
-class Visitor:
-    """A person's tool that wants to reach a run."""
+class Client:
+    """A program that connects to a run for a person."""
 
     role: str
-    """Whose certificate it shows, where one is asked for."""
+    """Role of the certificate that it presents to a secured run."""
     keys: Path | None
-    """Where that certificate is; None to look for it where the run was started."""
+    """Folder of that certificate; None for the folder that the run announces."""
     run: str
     timeout: float
-    """How long to try [s]."""
+    """Longest time to connect [s]."""
 
 
 @contextlib.contextmanager
-def made(scenario: str, out: Path | None) -> Iterator["RunDirectory"]:
+def created(scenario: str, out: Path | None) -> Iterator["RunDirectory"]:
     """A new run directory: `out`, or runs/<scenario>-<n> with runs/latest pointing at it; raises FesError.
 
-    It is removed again if a signal ends the block before a tick was reached, or an error before anything was written.
-    A Stopped that leaves the block names the directory that holds what was reached.
+    It is removed if a signal ends the block before the first tick, or an error before the run writes a file. A
+    Stopped that leaves the block names the directory with the partial results.
     """
     directory = None
     try:
-        with signals.blocked():  # one that comes meanwhile is delivered when there is something to discard
+        with signals.blocked():  # a signal meanwhile is delivered once there is a directory to discard
             directory = RunDirectory.create(scenario, out)
         yield directory
     except Stopped as stopped:
@@ -93,19 +94,19 @@ class RunDirectory:
 
     path: Path
     parents: tuple[Path, ...]
-    """The folders that were made for it, itself included, the innermost first."""
+    """The folders created for it, itself included, the innermost first."""
     latest: Path | None = None
     """The previous target of runs/latest."""
 
     @classmethod
     def create(cls, scenario: str, out: Path | None) -> Self:
-        """A new one, as `made` says."""
+        """A new directory, as `created` describes; raises FesError."""
         try:
             if out is not None:
                 parents = tuple(folder for folder in (out, *out.parents) if not folder.exists())
                 out.mkdir(parents=True, exist_ok=True)
                 if any(out.iterdir()):
-                    raise FesError(f"--out {out}: the directory is not empty{stale_keys.named(out)}")
+                    raise FesError(f"--out {out}: the directory is not empty{stale_keys.remark(out)}")
                 return cls(out, parents)
             parents = () if ROOT.exists() else (ROOT,)
             ROOT.mkdir(exist_ok=True)
@@ -122,13 +123,13 @@ class RunDirectory:
 
     @property
     def is_bare(self) -> bool:
-        """True if it holds nothing but its scenario."""
+        """True if it holds only its scenario."""
         with contextlib.suppress(OSError):
             return all(path.name in SCENARIO for path in self.path.iterdir())
         return False
 
     def discard(self) -> None:
-        """Remove it, with what a run writes and nothing else; runs/latest points where it did before."""
+        """Remove it with the files that a run writes, and point runs/latest at its previous target."""
         with signals.blocked(), contextlib.suppress(OSError):
             for path in list(self.path.iterdir()):
                 if path.name in FOLDERS:
@@ -147,70 +148,72 @@ class RunDirectory:
 
 
 def announce(directory: Path, address: Address) -> None:
-    """Say in the run directory where the run can be watched."""
+    """Write the address of a run into its directory."""
     (directory / ENDPOINT).write_text(strict_json.dumps(vars(address)) + "\n", encoding="utf-8")
 
 
 def withdraw(directory: Path) -> None:
-    """The run cannot be watched any more."""
+    """Remove the address of a run that can no longer be watched."""
     (directory / ENDPOINT).unlink(missing_ok=True)
 
 
 def announced(run: str) -> tuple[Path, Address] | None:
-    """The run of this folder that was started last of those that go on and can be watched (one in process cannot):
-    where it says so, and what it says."""
-    said = (path for path in ROOT.glob(f"*/{ENDPOINT}") if not path.parent.is_symlink())
-    for path in sorted(said, key=_written, reverse=True):
+    """The newest announcement of a running run `run` in this folder: its file and its address; None without one.
+
+    A run in one loop announces none.
+    """
+    paths = (path for path in ROOT.glob(f"*/{ENDPOINT}") if not path.parent.is_symlink())
+    for path in sorted(paths, key=_modification_time, reverse=True):
         with contextlib.suppress(FesError, TypeError, OverflowError):
-            found = _address(files.read_table(path))
-            if found.run == run and _lives(found.pid):
-                return path, found
+            address = _address(files.read_table(path))
+            if address.run == run and _is_running(address.pid):
+                return path, address
     return None
 
 
-def _address(told: dict[str, Any]) -> Address:
+def _address(table: dict[str, Any]) -> Address:
     """The address in an endpoint.json; raises TypeError or FesError for content that `announce` never writes."""
-    found = Address(**told)
-    addresses.check(found.endpoint, listening=False)
-    return found
+    address = Address(**table)
+    addresses.check(address.endpoint, listening=False)
+    return address
 
 
 def find(run: str) -> Address:
-    """Where to look without being told: the run that is announced in this folder, else the default endpoint."""
-    found = announced(run)
-    return found[1] if found else Address(DEFAULT_ENDPOINT, run)
+    """The address of a run that is announced in this folder, or else the default endpoint."""
+    announcement = announced(run)
+    return announcement[1] if announcement else Address(DEFAULT_ENDPOINT, run)
 
 
-def _written(path: Path) -> float:
-    """When it was written [s]; long ago where it was withdrawn just now."""
+def _modification_time(path: Path) -> float:
+    """Time at which a file was written [s since 1970]; 0 if it was removed just now."""
     try:
         return path.stat().st_mtime
     except OSError:
         return 0.0
 
 
-def _lives(pid: int) -> bool:
-    """Whether the process that announced a run is still there: one that was killed withdrew nothing."""
+def _is_running(pid: int) -> bool:
+    """True if the process that announced a run still runs. A killed process leaves its announcement behind."""
     with contextlib.suppress(ProcessLookupError, PermissionError):
         os.kill(pid, 0)
         return True
     return False
 
 
-def reach(who: Visitor, connect: list[str] | None, config: Path | None, cfg: list[str] | None) -> Endpoints:
-    """The way to a run that goes on: the endpoints given, else the latest run started in this folder."""
-    found = find(keys.check_run(who.run))
-    if connect or (who.keys and not found.keys):
-        found = Address(default_endpoint(secure=who.keys is not None), who.run)
-    directory = who.keys or (Path(found.keys) if found.keys else None)
-    where = tuple(connect or (found.endpoint,))
-    unasked = frozenset() if connect else frozenset({"connect/endpoints"})
-    own = security(directory, who.role)
-    return Endpoints("client", where, (), config, tuple(cfg or ()), who.timeout, unasked, own)
+def endpoints(client: Client, connect: list[str] | None, config: Path | None, cfg: list[str] | None) -> Endpoints:
+    """Endpoints of a client: those given, or else that of the latest run started in this folder."""
+    address = find(keys.check_run(client.run))
+    if connect or (client.keys and not address.keys):
+        address = Address(default_endpoint(secure=client.keys is not None), client.run)
+    directory = client.keys or (Path(address.keys) if address.keys else None)
+    targets = tuple(connect or (address.endpoint,))
+    by_default = frozenset() if connect else frozenset({"connect/endpoints"})
+    own = security(directory, client.role)
+    return Endpoints("client", targets, (), config, tuple(cfg or ()), client.timeout, by_default, own)
 
 
 def _point_at(directory: Path) -> Path | None:
-    """Point runs/latest at the directory, in one step; returns its previous target."""
+    """Point runs/latest at the directory, atomically; returns its previous target."""
     temporary, latest = ROOT / f".{LATEST}-{os.getpid()}", ROOT / LATEST
     before = latest.readlink() if latest.is_symlink() else None
     temporary.unlink(missing_ok=True)

@@ -1,8 +1,8 @@
-"""fes doctor: what may keep a run from starting, or from being seen.
+"""fes doctor: checks of this machine and of a running run.
 
-command       the command, and its table
-finding       one check and its result
-installation  our packages, and other packages that have their names
+command       the command fes doctor, and its table
+finding       the result of one check
+installation  our packages: conflicts with other projects
 machine       Python, packages, files, clock, the loopback interface
-network       ports, tokens, and the world's description of itself
+network       ports, liveliness tokens, and the world's description of itself
 """

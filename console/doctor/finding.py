@@ -1,11 +1,11 @@
-"""One check and what it saw."""
+"""The result of one check."""
 
 from enum import StrEnum
 from typing import NamedTuple
 
 
 class Status(StrEnum):
-    """How a check ended."""
+    """The outcome of a check."""
 
     OK = "ok"
     WARNING = "warning"
@@ -13,7 +13,7 @@ class Status(StrEnum):
 
 
 class Finding(NamedTuple):
-    """What one check saw; `remedy` says what a person can do about it, and is empty where all is well."""
+    """The result of one check; `remedy` says what a person can do, and is empty if the check passed."""
 
     check: str
     status: Status
@@ -22,15 +22,15 @@ class Finding(NamedTuple):
 
 
 def ok(check: str, seen: str) -> Finding:
-    """All is well."""
+    """A check that passed."""
     return Finding(check, Status.OK, seen)
 
 
 def warning(check: str, seen: str, remedy: str) -> Finding:
-    """Something that a person should know; a run may still go well."""
+    """A check that found a possible problem, with which a run can still succeed."""
     return Finding(check, Status.WARNING, seen, remedy)
 
 
 def failed(check: str, seen: str, remedy: str) -> Finding:
-    """A run cannot go well."""
+    """A check that found a problem with which no run can succeed."""
     return Finding(check, Status.FAILED, seen, remedy)

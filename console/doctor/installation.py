@@ -1,4 +1,4 @@
-"""Our packages, whose names other projects use too: what Python finds under them, and what wrote over them."""
+"""Conflicts of our package names with those of other projects."""
 
 import base64
 import hashlib
@@ -14,7 +14,7 @@ CHECK = "our names"
 
 
 def own() -> Iterator[Finding]:
-    """Failed where one of our packages is another project's; a warning where another project has one of that name."""
+    """Failed if Python finds another project's package under one of our names; a warning if both are installed."""
     wrong = [*distribution.foreign(), *overwritten()]
     if wrong:
         yield failed(CHECK, "; ".join(wrong), distribution.separate())
@@ -36,9 +36,9 @@ def own() -> Iterator[Finding]:
 
 
 def overwritten(files: Distribution | None = None) -> Iterator[str]:
-    """Each of our packages whose first file is not the one that was installed, and the likely owner of that file.
+    """Each of our packages whose first file was overwritten or removed, and the likely owner of the new file.
 
-    An installation of a clone keeps no list of files: there is nothing to compare.
+    An editable installation has no list of files to compare with.
     """
     try:
         installed = files or metadata.distribution(distribution.NAME)
@@ -60,6 +60,6 @@ def overwritten(files: Distribution | None = None) -> Iterator[str]:
 
 
 def _sharers() -> dict[str, list[str]]:
-    """Package of ours -> other distributions with a package of that name."""
+    """Other distributions with a package of the same name, for each of our packages."""
     owners = metadata.packages_distributions()
     return {package: sorted(set(owners.get(package, [])) - {distribution.NAME}) for package in distribution.PACKAGES}

@@ -1,4 +1,4 @@
-"""What a run needs of this machine: Python, packages, files, a clock, a loopback interface."""
+"""Checks of this machine: Python, packages, open files, clock, loopback interface, disk."""
 
 import contextlib
 import re
@@ -21,36 +21,36 @@ from fes.system import distribution
 OLDEST_PYTHON = (3, 11)
 
 LEAST_FILES = 18
-"""With fewer open files than this, besides those of its agent processes, no run starts [measured: 17]."""
+"""Fewest open files with which a run starts, besides those for its agent processes [measured: 17 are too few]."""
 
 FILES_PER_CHILD = 2 if sys.version_info >= (3, 12) else 1
-"""Files that `fes run` has open for each agent process: from Python 3.12 on also a descriptor of the process."""
+"""Files that `fes run` has open per agent process; from Python 3.12 on also a descriptor of the process."""
 
 FILES_PER_ROBOT, FILES_OF_A_PROCESS = 2, 32
-"""With so many for each agent process, and so many besides, there is room for certificates and for observers."""
+"""Open files per agent process, and in total besides, that also suffice for certificates and observers."""
 
 USUAL_TEAM = 100
-"""A team of this size should find enough open files."""
+"""Number of robots for which open files should suffice, if no run tells another."""
 
 LITTLE_SPACE, NO_SPACE = 1 << 30, 10 << 20
-"""Free bytes below which a long run may not end well, and below which no run can."""
+"""Free space below which a long run may fail, and below which every run fails [bytes]."""
 
 DRIFT = 0.05
-"""Realtime and monotonic clock may differ by this much over a moment [s]: beyond it, somebody sets the clock."""
+"""Largest difference between the realtime and the monotonic clock over MOMENT [s], unless the clock is being set."""
 
 MOMENT = 0.1
-"""How long the clocks are watched [s]."""
+"""Duration of the comparison of the clocks [s]."""
 
 YEAR_2024 = 1_704_067_200.0  # s since 1970
 
 TOOLS = "dev"
-"""The extra for developers, of no use to a run."""
+"""The extra for developers, which no run needs."""
 
 _REQUIREMENT = re.compile(r"([A-Za-z0-9._-]+)(\[.*\])?\s*([^;]*)(?:;.*extra\s*==\s*['\"]([\w-]+)['\"])?")
 
 
 def python() -> Finding:
-    """The interpreter."""
+    """The version of Python."""
     version = sys.version_info
     seen = f"{version.major}.{version.minor}.{version.micro} at {sys.executable}"
     if version < OLDEST_PYTHON:
@@ -59,44 +59,44 @@ def python() -> Finding:
 
 
 def packages(requirements: list[str] | None = None) -> Iterator[Finding]:
-    """What must be installed, each in a version that is new enough; then the extras, which nobody must have."""
+    """The required packages and their versions, then the extras, which are optional."""
     try:
         wanted = metadata.requires(distribution.NAME) or [] if requirements is None else requirements
     except metadata.PackageNotFoundError:
         yield failed("packages", "fes itself is not installed", distribution.install())
         return
-    parsed = [found.groups() for found in map(_REQUIREMENT.match, wanted) if found]
-    missing = [said for name, _, rule, extra in parsed if not extra and (said := lacks(name, rule))]
+    parsed = [match.groups() for match in map(_REQUIREMENT.match, wanted) if match]
+    missing = [problem for name, _, rule, extra in parsed if not extra and (problem := lacks(name, rule))]
     if missing:
         yield failed("packages", "; ".join(missing), distribution.install())
     else:
-        have = [f"{name} {installed(name)}" for name, _, _, extra in parsed if not extra]
-        yield ok("packages", ", ".join(have))
+        versions = [f"{name} {installed(name)}" for name, _, _, extra in parsed if not extra]
+        yield ok("packages", ", ".join(versions))
     extras = sorted({str(extra) for *_, extra in parsed if extra} - {TOOLS})
     absent = [extra for extra in extras if any(own == extra and lacks(name, rule) for name, _, rule, own in parsed)]
     states = {"installed": [extra for extra in extras if extra not in absent], "not installed": absent}
-    told = [f"{', '.join(named)}: {state}" for state, named in states.items() if named]
-    if told:
-        yield ok("extras", "; ".join(told))
+    parts = [f"{', '.join(members)}: {state}" for state, members in states.items() if members]
+    if parts:
+        yield ok("extras", "; ".join(parts))
 
 
 def lacks(name: str, rule: str) -> str:
-    """What is wrong with an installed package, or nothing.
+    """The problem with an installed package, in one line; empty without one.
 
     >>> lacks("numpy", ">=1.0"), lacks("no-such-package", ">=1")
     ('', 'no-such-package is missing')
     """
-    have = installed(name)
-    if have == "unknown":
+    version = installed(name)
+    if version == "unknown":
         return f"{name} is missing"
     for least in re.findall(r">=\s*([\w.]+)", rule):
-        if _numbers(have) < _numbers(least):
-            return f"{name} {have} is older than {least}"
+        if _numbers(version) < _numbers(least):
+            return f"{name} {version} is older than {least}"
     return ""
 
 
 def loopback() -> Finding:
-    """Whether this machine can talk to itself, over a port of its own choice."""
+    """Connections within this machine, at a free port."""
     try:
         with (
             socket.create_server(("127.0.0.1", 0)) as server,
@@ -108,22 +108,24 @@ def loopback() -> Finding:
 
 
 def clock(moment: float = MOMENT) -> Finding:
-    """Whether the clocks go, and go together."""
+    """The clocks: both advance, at the same rate."""
     real, steady = time.time(), time.monotonic()
     time.sleep(moment)
     passed, elapsed = time.time() - real, time.monotonic() - steady
-    seen = f"{1e3 * elapsed:.1f} ms monotonic were {1e3 * passed:.1f} ms of the calendar"
+    seen = f"{1e3 * elapsed:.1f} ms of the monotonic clock were {1e3 * passed:.1f} ms of the realtime clock"
     if elapsed <= 0.0:
         return failed("clock", seen, "the monotonic clock stands still: restart the machine")
     if real < YEAR_2024:
-        return warning("clock", time.strftime("it says %Y-%m-%d", time.gmtime(real)), "set the date, or start NTP")
+        return warning(
+            "clock", time.strftime("the date is %Y-%m-%d", time.gmtime(real)), "set the date, or start NTP"
+        )
     if abs(passed - elapsed) > DRIFT:
-        return warning("clock", seen, "somebody sets the clock while it runs: use one NTP client that slews")
+        return warning("clock", seen, "the clock is being set: use a single NTP client, which slews")
     return ok("clock", seen)
 
 
 def files(robots: int | None = None) -> Finding:
-    """Whether `robots` agent processes, or a usual team, find enough open files."""
+    """The limit on open files, compared with the need of `robots` agent processes, or of USUAL_TEAM."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if soft == resource.RLIM_INFINITY:
         return ok("open files", "no limit")
@@ -131,47 +133,49 @@ def files(robots: int | None = None) -> Finding:
     needed = FILES_OF_A_PROCESS + FILES_PER_ROBOT * team
     room = max(0, soft - FILES_OF_A_PROCESS) // FILES_PER_ROBOT
     if needed <= soft:
-        return ok("open files", f"{soft} a process: {room} robots with a process each")
+        return ok("open files", f"{soft} per process: enough for {room} robots with a process each")
     within = hard == resource.RLIM_INFINITY or hard >= needed
     remedy = (f"ulimit -n {needed}" if within else f"raise the hard limit of {hard}") + ", or --agents-per-process"
     least = LEAST_FILES + FILES_PER_CHILD * team
-    seen = f"{soft} a process: {team} robots with a process each take {least}"
+    seen = f"{soft} per process: {team} robots with a process each take {least}"
     if robots and soft < least:
         return failed("open files", seen, remedy)
     return warning("open files", f"{seen}, and {needed} with room to spare", remedy)
 
 
 def directory(root: Path) -> Finding:
-    """Whether run directories can be written, and how much room there is."""
-    where = root if root.is_dir() else Path.cwd()
+    """The folder of run directories: writable, with enough free space."""
+    folder = root if root.is_dir() else Path.cwd()
     free = None
     try:
-        with tempfile.TemporaryFile(dir=where) as probe:
+        with tempfile.TemporaryFile(dir=folder) as probe:
             probe.write(bytes(4096))
             probe.flush()
         with contextlib.suppress(OSError):
-            free = shutil.disk_usage(where).free
+            free = shutil.disk_usage(folder).free
     except OSError as error:
-        said = f"{where.resolve()}: {reason(error, with_file=False)}"
-        return failed("run directory", said, "stand where you may write, or give --out a folder where you may")
+        problem = f"{folder.resolve()}: {reason(error, with_file=False)}"
+        return failed("run directory", problem, "change to a writable folder, or name one with --out")
     if free is None:
-        return ok("run directory", f"{where.resolve()} can be written")
-    seen = f"{where.resolve()} can be written, {free / 1e9:.1f} GB free"
+        return ok("run directory", f"{folder.resolve()} can be written")
+    seen = f"{folder.resolve()} can be written, {free / 1e9:.1f} GB free"
     if free < NO_SPACE:
-        return failed("run directory", seen, "make room, or give --out a folder on another disk")
+        return failed("run directory", seen, "free some space, or name a folder on another disk with --out")
     if free < LITTLE_SPACE:
-        return warning("run directory", seen, "make room before a long run, or give --out another disk")
+        return warning(
+            "run directory", seen, "free some space before a long run, or name a folder on another disk with --out"
+        )
     return ok("run directory", seen)
 
 
 def private_keys(root: Path) -> Iterator[Finding]:
-    """The private keys that killed runs have left in their run directories under `root`."""
-    if left := stale_keys.found(root):
-        where = " ".join(map(str, left))
-        yield warning("private keys", f"left by runs that were killed: {where}", f"rm -r {where}")
+    """Private keys that killed runs left in their run directories under `root`."""
+    if folders := stale_keys.stale(root):
+        paths = " ".join(map(str, folders))
+        yield warning("private keys", f"left by runs that were killed: {paths}", f"rm -r {paths}")
 
 
 def _numbers(version: str) -> tuple[int, ...]:
-    """The numbers that a version begins with."""
-    found = re.match(r"\d+(\.\d+)*", version)
-    return tuple(int(part) for part in found[0].split(".")) if found else ()
+    """The leading numbers of a version."""
+    match = re.match(r"\d+(\.\d+)*", version)
+    return tuple(int(part) for part in match[0].split(".")) if match else ()

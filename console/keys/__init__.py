@@ -2,5 +2,5 @@
 
 command       the command fes keys
 certificates  certificates and private keys
-stale_keys    private keys of runs that were killed
+stale_keys    private keys that killed runs left behind
 """

@@ -1,4 +1,4 @@
-"""Certificates of a run: an authority of its own, and what it issues. Nothing here knows of a run or of Zenoh."""
+"""Certificates: an authority, and the certificates that it issues. Independent of runs and of Zenoh."""
 
 import ipaddress
 import re
@@ -15,14 +15,14 @@ from fes.errors import FesError
 from fes.transport.identity import AUTHORITY, WORLD
 
 OWN_HOSTS = ("localhost", "127.0.0.1")
-"""Names under which a world can always be reached."""
+"""Names of every world in its certificate."""
 
 _LABEL = "[A-Za-z0-9_]([A-Za-z0-9_-]{0,61}[A-Za-z0-9_])?"
 _NAME = re.compile(rf"(?=.{{1,253}}$)({_LABEL}\.)*(?![0-9]+$){_LABEL}")
-"""A name of the domain name system; the last part of one is no number, or it would be an address."""
+"""A domain name. Its last label is never a number, which would make it an address."""
 
 SKEW = timedelta(minutes=5)
-"""Certificates are valid from so long ago: clocks of other machines may lag."""
+"""Certificates are valid from this long before their creation, because clocks of other machines may lag."""
 
 
 @dataclass(frozen=True)
@@ -35,21 +35,23 @@ class Issued:
 
 @dataclass(frozen=True)
 class Authority:
-    """Who vouches for the certificates of a run."""
+    """The authority that signs the certificates of a run."""
 
     certificate: x509.Certificate
     key: ec.EllipticCurvePrivateKey
 
     @property
     def pem(self) -> Issued:
-        """Its own certificate and key."""
+        """Its own certificate and private key."""
         return Issued(self.certificate.public_bytes(serialization.Encoding.PEM), _pem(self.key))
 
 
-def found(days: float) -> Authority:
+def create(days: float) -> Authority:
     """A new authority, valid for `days`."""
     key = ec.generate_private_key(ec.SECP256R1())
-    name = _name(f"fes authority {secrets.token_hex(4)}")  # two of one name would be told apart by signature only
+    name = _name(
+        f"fes authority {secrets.token_hex(4)}"
+    )  # two authorities of one name would differ in the signature only
     constraints = x509.BasicConstraints(ca=True, path_length=0)
     usage = _usage(signs_certificates=True)
     identifier = x509.SubjectKeyIdentifier.from_public_key(key.public_key())
@@ -66,7 +68,7 @@ def found(days: float) -> Authority:
 
 
 def restore(issued: Issued) -> Authority:
-    """The authority with this certificate and key; raises ValueError."""
+    """The authority with this certificate and private key; raises ValueError."""
     key = serialization.load_pem_private_key(issued.key, password=None)
     if not isinstance(key, ec.EllipticCurvePrivateKey):
         raise ValueError("not an elliptic-curve key")
@@ -74,7 +76,7 @@ def restore(issued: Issued) -> Authority:
 
 
 def issue(authority: Authority, role: str, days: float, hosts: tuple[str, ...] = ()) -> Issued:
-    """A certificate for a role, its common name. Only that of the world can serve, under `hosts` and OWN_HOSTS."""
+    """A certificate with a role as common name. Only the world's is for a server, under `hosts` and OWN_HOSTS."""
     key = ec.generate_private_key(ec.SECP256R1())
     purposes = [ExtendedKeyUsageOID.CLIENT_AUTH]
     if role == WORLD:
@@ -98,7 +100,7 @@ def issue(authority: Authority, role: str, days: float, hosts: tuple[str, ...] =
 
 
 def check_host(host: str) -> str:
-    """`host` itself, if a certificate can be for it; raises FesError."""
+    """`host` itself, if a certificate can name it; raises FesError."""
     if not _NAME.fullmatch(host) and not _is_address(host):
         like = "a name like lab.example, in ASCII, or an address like 10.0.0.7, without scheme and port"
         raise FesError(f"--host expects {like}, got {host!r}")
@@ -106,7 +108,7 @@ def check_host(host: str) -> str:
 
 
 def hosts_of(pem: bytes) -> tuple[str, ...]:
-    """The names and addresses for which a certificate is, none if it cannot serve; raises ValueError."""
+    """The host names and addresses in a certificate, none for a client's; raises ValueError."""
     certificate = x509.load_pem_x509_certificate(pem)
     try:
         names = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
@@ -116,7 +118,7 @@ def hosts_of(pem: bytes) -> tuple[str, ...]:
 
 
 def describe(name: str, pem: bytes) -> tuple[str, str, str, str, str]:
-    """A certificate for people: role, serial number, end of validity, fingerprint, hosts; raises ValueError."""
+    """Role, serial number, end of validity, fingerprint and hosts of a certificate, as text; raises ValueError."""
     certificate = x509.load_pem_x509_certificate(pem)
     ends = certificate.not_valid_after_utc
     expired = " (expired)" if datetime.now(UTC) > ends else ""
@@ -150,7 +152,7 @@ def _is_address(host: str) -> bool:
         ipaddress.ip_address(host)
     except ValueError:
         return False
-    return "%" not in host  # a zone has no place in a certificate
+    return "%" not in host  # a certificate cannot contain a zone
 
 
 def _usage(*, signs_certificates: bool) -> x509.KeyUsage:

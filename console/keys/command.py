@@ -1,4 +1,4 @@
-"""fes keys: certificates in a directory, and those that live as long as one run."""
+"""fes keys: certificates in a folder, and those that `fes run --secure` makes for one run."""
 
 import contextlib
 import os
@@ -27,23 +27,29 @@ from world.server import access
 if TYPE_CHECKING:
     from console.keys.certificates import Authority, Issued
 
-app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, help="Certificates: who is who in a run over TLS.")
+app = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    help="Issue and list certificates for runs over TLS.",
+)
 
 DIRECTORY = Path("keys")
 PRIVATE, PRIVATE_DIRECTORY = 0o600, 0o700
 _OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 YEARS_10, YEAR = 3650.0, 365.0  # days
 WIDE = 1000
-"""Columns of a list that no terminal shows: a certificate is one line."""
+"""Columns of a list that is not shown in a terminal: each certificate takes one line."""
 
 RUN_DAYS = 30.0
-"""For so long are the certificates of `fes run --secure` valid; they are deleted when the run ends."""
+"""Validity of the certificates of `fes run --secure` [days]; they are deleted when the run ends."""
 
-Directory = Annotated[Path, typer.Option("--keys", metavar="DIR", help="Where the certificates and keys are.")]
-Days = Annotated[float, typer.Option(min=1e-3, max=YEARS_10, help="How long certificates are valid [days].")]
+Directory = Annotated[Path, typer.Option("--keys", metavar="DIR", help="Folder of the certificates and keys.")]
+Days = Annotated[float, typer.Option(min=1e-3, max=YEARS_10, help="Validity of the certificates [days].")]
 Hosts = Annotated[
     list[str] | None,
-    typer.Option("--host", help="Another name or address of the world's machine; if none, issue keeps those it had."),
+    typer.Option(
+        "--host", help="Further name or address of the world's machine (default for issue: those in its certificate)."
+    ),
 ]
 
 
@@ -54,13 +60,13 @@ def init(
     keys: Directory = DIRECTORY,
     days: Days = YEAR,
 ) -> int:
-    """Make an authority, and certificates for the world, an observer, an operator, and robots."""
+    """Create an authority, and certificates for the world, an observer, an operator, and robots."""
     if (keys / f"{AUTHORITY}.key").exists() or (keys / f"{AUTHORITY}.crt").exists():
-        raise FesError(f"--keys {keys}: there is an authority already; fes keys issue adds to it")
+        raise FesError(f"--keys {keys}: the folder has an authority already; fes keys issue adds certificates to it")
     _check_directory(keys)
     hosts = _check_hosts(host)
     roles = [WORLD, OBSERVER, OPERATOR, *(identity.robot_role([robot]) for robot in range(robots))]
-    authority = _authorities().found(YEARS_10)
+    authority = _authorities().create(YEARS_10)
     _write(keys, AUTHORITY, authority.pem)
     with progress.bar("certificates", len(roles)) as bar:
         for role in roles:
@@ -72,15 +78,17 @@ def init(
 
 @guide.command(app, "keys issue")
 def issue(
-    roles: Annotated[list[str], typer.Argument(help="world, observer, operator, robot-3, or the crew robot-0-4.")],
+    roles: Annotated[
+        list[str], typer.Argument(help="Roles: world, observer, operator, robot-3, or the crew robot-0-4.")
+    ],
     host: Hosts = None,
     keys: Directory = DIRECTORY,
     days: Days = YEAR,
 ) -> int:
-    """Issue certificates for roles, in place of those that there are."""
+    """Issue certificates for roles; existing ones are replaced."""
     checked = [identity.check_role(role) for role in roles]
     if host and WORLD not in checked:
-        raise FesError(f"--host is for the world's certificate, not for that of {checked[0]}")
+        raise FesError(f"--host is only for the certificate of the world, not for that of {checked[0]}")
     _check_directory(keys)
     hosts = _check_hosts(host) or (_hosts(keys) if WORLD in checked else ())
     _issue(_restore(keys), keys, checked, days, hosts)
@@ -92,14 +100,14 @@ def issue(
 
 @guide.command(app, "keys list")
 def show(keys: Directory = DIRECTORY) -> int:
-    """List certificates: role, serial number, end of validity, SHA-256 fingerprint, and for which hosts."""
-    found = sorted(keys.glob("*.crt"), key=lambda path: [(len(part), part) for part in path.stem.split("-")])
-    if not found:
-        raise FesError(f"--keys {keys}: there are no certificates; fes keys init makes some")
+    """List certificates: role, serial number, end of validity, SHA-256 fingerprint and hosts."""
+    paths = sorted(keys.glob("*.crt"), key=lambda path: [(len(part), part) for part in path.stem.split("-")])
+    if not paths:
+        raise FesError(f"--keys {keys}: no certificates in this folder; fes keys init creates some")
     table = Table(
         "role", "serial", "valid until (UTC)", "SHA-256 of the certificate", "hosts", box=None, pad_edge=False
     )
-    for path in found:
+    for path in paths:
         try:
             table.add_row(*map(printing.cell, _authorities().describe(path.stem, path.read_bytes())))
         except ValueError:
@@ -113,51 +121,51 @@ def show(keys: Directory = DIRECTORY) -> int:
 
 @guide.command(app, "keys rules")
 def rules(
-    robots: Annotated[int, typer.Option(min=1, max=MAX_ROBOTS, help="Robots 0 to N-1 may take part.")],
-    run: Annotated[str, typer.Option(help="Name of the run.")] = DEFAULT_RUN,
-    listen: Annotated[str, typer.Option(help="Where the router listens.")] = "tls/0.0.0.0:7447",
-    connect: Annotated[list[str] | None, typer.Option(help="Another router to link to.")] = None,
+    robots: Annotated[int, typer.Option(min=1, max=MAX_ROBOTS, help="Number of robots that may take part.")],
+    run: Annotated[str, typer.Option(metavar="NAME", help="Name of the run.")] = DEFAULT_RUN,
+    listen: Annotated[str, typer.Option(help="Endpoint on which the router listens.")] = "tls/0.0.0.0:7447",
+    connect: Annotated[list[str] | None, typer.Option(help="Endpoint of another router to connect to.")] = None,
     keys: Directory = DIRECTORY,
 ) -> int:
-    """Print the configuration of a Zenoh router of your own (zenohd -c FILE): TLS, and who may say and hear what."""
+    """Print the configuration of a separate Zenoh router (zenohd -c FILE): TLS, and the access rules of each role."""
     certificate = identity.security(keys, WORLD)
     control = access.control(check_run(run), robots, identity.crews(keys), world=True)
     ends = Endpoints("router", tuple(connect or ()), (listen,), security={**certificate, **control})
-    settings = {**ends.house_rules(), "connect/timeout_ms": -1}  # it waits for other routers for ever
+    settings = {**ends.house_rules(), "connect/timeout_ms": -1}  # the router waits for others forever
     print(strict_json.dumps(_nested(settings), indent=2))
     return process.SUCCESS
 
 
 def _nested(settings: Mapping[str, object]) -> dict[str, object]:
-    """Settings by Zenoh's key, as its file has them."""
-    found: dict[str, object] = {}
+    """Settings by Zenoh's keys, as the nested tables of its configuration file."""
+    tables: dict[str, object] = {}
     for key, value in settings.items():
         *path, last = key.split("/")
-        inner: Any = found
+        inner: Any = tables
         for part in path:
             inner = inner.setdefault(part, {})
         inner[last] = value
-    return found
+    return tables
 
 
 @contextlib.contextmanager
-def of_a_run(directory: Path, groups: Iterable[str]) -> Iterator[Path]:
-    """Certificates for one run, in its directory: deleted when it ends, also where a second signal ends this process.
+def for_run(directory: Path, groups: Iterable[str]) -> Iterator[Path]:
+    """Certificates for one run, in its directory, until the block ends or a second signal ends this process.
 
-    Its authority's key is never written.
+    The private key of their authority is never written.
     """
-    where = (directory / stale_keys.KEYS).resolve()
-    authority = _authorities().found(RUN_DAYS)
-    where.mkdir(mode=PRIVATE_DIRECTORY)
+    folder = (directory / stale_keys.KEYS).resolve()
+    authority = _authorities().create(RUN_DAYS)
+    folder.mkdir(mode=PRIVATE_DIRECTORY)
 
     def delete() -> None:
-        shutil.rmtree(where, ignore_errors=True)
+        shutil.rmtree(folder, ignore_errors=True)
 
     try:
-        with signals.if_forced(delete), stale_keys.marked(where):
-            _write(where, AUTHORITY, authority.pem, with_key=False)
-            _issue(authority, where, [WORLD, OBSERVER, OPERATOR, *(f"robot-{ids}" for ids in groups)], RUN_DAYS)
-            yield where
+        with signals.if_forced(delete), stale_keys.marked(folder):
+            _write(folder, AUTHORITY, authority.pem, with_key=False)
+            _issue(authority, folder, [WORLD, OBSERVER, OPERATOR, *(f"robot-{ids}" for ids in groups)], RUN_DAYS)
+            yield folder
     finally:
         delete()
 
@@ -170,46 +178,46 @@ def _issue(
 
 
 def _restore(directory: Path) -> "Authority":
-    """The authority in a directory; raises FesError."""
-    authorities, where = _authorities(), directory / AUTHORITY
-    key = where.with_suffix(".key")
+    """The authority in a folder; raises FesError."""
+    authorities, stem = _authorities(), directory / AUTHORITY
+    key = stem.with_suffix(".key")
     if not key.is_file():
-        raise FesError(f"--keys {directory}: there is no authority; fes keys init makes one")
+        raise FesError(f"--keys {directory}: no authority in this folder; fes keys init creates one")
     identity.warn_if_open(key)
-    pem = authorities.Issued(where.with_suffix(".crt").read_bytes(), key.read_bytes())
+    pem = authorities.Issued(stem.with_suffix(".crt").read_bytes(), key.read_bytes())
     try:
         authority: Authority = authorities.restore(pem)
     except (ValueError, TypeError):
-        raise FesError(f"--keys {directory}: ca.crt or ca.key is none") from None
+        raise FesError(f"--keys {directory}: ca.crt or ca.key is not valid PEM") from None
     if authority.key.public_key() != authority.certificate.public_key():
         raise FesError(f"{key}: is not the key of {AUTHORITY}.crt")
     return authority
 
 
 def _check_hosts(hosts: list[str] | None) -> tuple[str, ...]:
-    """The names of the world's machine that were asked for; raises FesError."""
+    """The names of the world's machine in --host; raises FesError."""
     return tuple(_authorities().check_host(host) for host in hosts or ())
 
 
 def _hosts(directory: Path) -> tuple[str, ...]:
-    """The names of the world's machine in the certificate that there is; raises FesError."""
-    where = directory / f"{WORLD}.crt"
+    """The names of the world's machine in its present certificate, none without one; raises FesError."""
+    path = directory / f"{WORLD}.crt"
     try:
-        found: tuple[str, ...] = _authorities().hosts_of(where.read_bytes()) if where.exists() else ()
+        hosts: tuple[str, ...] = _authorities().hosts_of(path.read_bytes()) if path.exists() else ()
     except ValueError:
-        raise FesError(f"{where}: not a certificate, so its names cannot be kept: say them with --host") from None
-    return found
+        raise FesError(f"{path}: not a certificate, so its names are unknown: name them with --host") from None
+    return hosts
 
 
 def _check_directory(directory: Path) -> None:
-    """Raises FesError if others can write to a directory: they could put keys of their own in the place of ours."""
+    """Raise FesError if other users can write to a folder, and so replace its keys."""
     mode = stat.S_IMODE(directory.stat().st_mode) if directory.exists() else 0
     if mode & _OTHERS_WRITE:
-        raise FesError(f"--keys {directory}: others can write to it (mode {mode:04o}): chmod 700 {directory}")
+        raise FesError(f"--keys {directory}: other users can write to it (mode {mode:04o}): chmod 700 {directory}")
 
 
 def _write(directory: Path, name: str, issued: "Issued", *, with_key: bool = True) -> None:
-    """Write a certificate and its key, which nobody but its owner may read, in one step each."""
+    """Write a certificate and its private key, which only its owner may read, each atomically."""
     directory.mkdir(mode=PRIVATE_DIRECTORY, parents=True, exist_ok=True)
     contents = {f"{name}.key": issued.key, f"{name}.crt": issued.certificate}
     for file in contents if with_key else [f"{name}.crt"]:
@@ -221,7 +229,7 @@ def _write(directory: Path, name: str, issued: "Issued", *, with_key: bool = Tru
 
 
 def _authorities() -> ModuleType:
-    """What needs the extra; raises FesError without it."""
+    """The module `certificates`, which needs an extra; raises FesError without it."""
     try:
         from console.keys import certificates
     except ImportError:

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from console.analysis import figures
-from console.connect.options import SET
+from console.connect.options import SET, Scenario
 from console.sweep import cluster, comparison, design, ledger, local, picture, report, table, work
 from console.sweep.comparison import PairedDifference, Spread
 from console.sweep.design import Design
@@ -19,11 +19,11 @@ from console.sweep.work import Workers
 from console.terminal import printing, progress
 from fes import process
 from fes.errors import FesError, ScenarioError, Stopped, reason
-from world.config import remarks
+from world.config import builtin, remarks
 
 
 def sweep(
-    scenario: Annotated[Path, typer.Argument(help="A scenario file, such as configs/paper.toml.")],
+    scenario: Scenario,
     seeds: Annotated[str, typer.Option(metavar="A:B", help="Seeds A to B - 1, or a list such as 1,2,5.")],
     axis: Annotated[
         list[str] | None, typer.Option(metavar="A.B=V,W", help="A field and its values; several axes are crossed.")
@@ -40,7 +40,7 @@ def sweep(
     """Run a scenario with many seeds and settings, and compare them; what is done is not done again."""
     if scheduler is not None and jobs is not None:
         raise ScenarioError("--jobs", "counts processes of this machine, and --scheduler runs on a cluster's")
-    planned = design.plan(scenario, axis or [], seeds, set_ or [])
+    planned = design.plan(builtin.resolve(scenario), axis or [], seeds, set_ or [])
     table.require(form)
     if plot:
         figures.require()

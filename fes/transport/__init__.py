@@ -3,6 +3,7 @@
 bus                   everything that a session declares
 session               how a session is opened
 inbox                 from Zenoh's threads to the loop, one wake-up per tick
+network_flags         flags that say how a program reaches a run
 endpoints             how a process takes part in the network
 addresses             rules of an endpoint's address, and names that do not resolve
 identity              certificates: the role of a process

@@ -31,7 +31,7 @@ ROLES = ["world", "robot-0", "robot-1"]
 
 @pytest.fixture(scope="module")
 def keyed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return team_keys.directory(tmp_path_factory.mktemp("pki") / "keys", certificates.found(1.0), ROLES)
+    return team_keys.directory(tmp_path_factory.mktemp("pki") / "keys", certificates.create(1.0), ROLES)
 
 
 def configuration(keyed: Path, endpoint: str, *words: str) -> str:

@@ -1,4 +1,4 @@
-"""The same sweep on a Dask cluster of real worker processes, one of which is killed."""
+"""A sweep on a Dask cluster of real worker processes, one of which is killed: the same results."""
 
 import os
 import signal

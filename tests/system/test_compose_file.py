@@ -1,4 +1,4 @@
-"""What compose.yaml runs, and what its log says: the parts of a deployment that need no container engine."""
+"""The commands and the log of compose.yaml: the parts of a deployment that need no container engine."""
 
 import re
 import shutil

@@ -1,4 +1,4 @@
-"""What docs/security.md says that certificates cost can be measured anew, for the team that it names."""
+"""The cost of certificates in docs/security.md, measured again for the team that it names."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Processes that the system refuses to start again: each refusal is said, and ends no more than it must."""
+"""Restarts that the system refuses: each refusal is reported, and ends no more than necessary."""
 
 import asyncio
 import signal
@@ -40,9 +40,9 @@ def test_an_agent_that_cannot_be_started_again_is_tried_a_few_times_and_each_fai
     dies, why = "fes-agent --id 0: unrecognized arguments: --no-such-flag", "Resource temporarily unavailable"
     fails = f"robot 0: fes-agent --id 0 cannot be started: {why}"
     assert asyncio.run(main()) == [
-        f"robot 0: {dies}; started again in 0.01 s",
-        f"{fails}; started again in 0.01 s",
-        f"{fails}, 6 times in a row: it is not started again; the run continues without it",
+        f"robot 0: {dies}; restarted in 0.01 s",
+        f"{fails}; restarted in 0.01 s",
+        f"{fails}, 6 times in a row: it is not restarted; the run continues without it",
         "nobody is left",
     ]
 
@@ -75,7 +75,7 @@ def test_a_world_that_cannot_be_started_to_resume_its_run_is_what_the_run_fails_
         async with family(tmp_path) as processes:
             await world(processes, ENDLESS)
             monkeypatch.setattr("console.backends.managed_process.start", refused)
-            monkeypatch.setattr(process_group, "is_kept", lambda _: True)
+            monkeypatch.setattr(process_group, "has_checkpoint", lambda _: True)
             await processes.replace_world(0.0, [])
             return await finished(processes)
 

@@ -1,6 +1,6 @@
-"""Stop signals in the first moments of a program: it ends quietly and soon, with a true message, and leaves nothing.
+"""Stop signals during the start of a program: it ends soon, with one true message, and leaves no files.
 
-Each moment is awaited by its visible sign: a library that is being loaded, a line, a child, a file.
+The tests await each moment by its visible sign: an open library, a line, a child, a file.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""A run of two that is forged on every tick, with all that the wire asks for: it is another one, unless over TLS."""
+"""A run of two robots with well-formed forgeries on every tick: the run differs, but not over TLS."""
 
 import asyncio
 import re
@@ -47,11 +47,11 @@ FORGERIES: dict[str, Callable[[int], bytes]] = {
 
 
 async def forge(attacker: Bus, key: str, is_over: Callable[[], bool]) -> int:
-    """Say on `key`, again and again, what is due at the next tick, until the run is over; how many ticks were heard.
+    """Publish on `key` the message of the next tick until the run is over; return the number of ticks observed.
 
-    Robot 1 tells the time: it hears nobody but the world, and whom the world lets through.
+    Robot 1 marks the time: it receives only the world, and the programs that the world authorizes.
     """
-    marks = [b""]  # in plain anybody can overhear the mark of an agent's commands
+    marks = [b""]  # without TLS any program can overhear the mark of an agent's commands
 
     def overhear(sample: zenoh.Sample) -> None:
         marks[0] = sample.attachment.to_bytes() if sample.attachment is not None else b""
@@ -98,7 +98,7 @@ def test_forgeries_change_a_run_without_certificates(tmp_path: Path, expected: s
 
 @pytest.mark.parametrize("key", FORGERIES)
 def test_forgeries_are_dropped_logged_once_and_change_nothing(tmp_path: Path, expected: str, key: str) -> None:
-    keyed = team_keys.directory(tmp_path / "keys", certificates.found(1.0), ROLES)
+    keyed = team_keys.directory(tmp_path / "keys", certificates.create(1.0), ROLES)
     digest, log = asyncio.run(run_with_a_forger(tmp_path, keyed, key))
     assert digest == expected
     assert log.count(f"dropped robot-1's put on {key}: it has no right to it") == 1

@@ -1,4 +1,4 @@
-"""Robots that hang by schedule: their processes stop, hold nobody up, go on in time, and are not left behind."""
+"""Robots that hang by schedule: their processes are suspended, delay no other, resume in time, and end."""
 
 import asyncio
 import json
@@ -21,7 +21,7 @@ from world.metrics.summary import write_scenario
 
 HANG = {"at": 2.0, "hang": [4, 6]}
 LATER = {"at": 6.0, "hang": [4, 6]}
-"""When a run that began slowly has caught up: while it does, it may be at the end of a hang within a second."""
+"""A hang after a run that began slowly has caught up; earlier, it may reach the end of a hang within a second."""
 
 
 def state(pid: int) -> str:
@@ -63,7 +63,7 @@ class Watched:
         return (self.where / f"out/agent-{robot}.log").read_text()
 
     def end(self) -> None:
-        """Leave nobody behind, where a test has failed."""
+        """End all processes, also after a failed test."""
         if self.running.poll() is None:
             self.running.kill()
         self.running.communicate()

@@ -1,6 +1,7 @@
-"""The help, read as a newcomer reads it."""
+"""The help of each command: order, sentences, examples, choices and completion."""
 
 import os
+import re
 import shlex
 import subprocess
 from pathlib import Path
@@ -10,10 +11,13 @@ import pytest
 import typer
 
 from console import cli, guide
+from console.analysis.claims import CLAIMS
+from console.sweep.table import Format
 from fes.model.config import Clock
 from fes.system import strict_json
+from fes.transport import network_flags
 from tests.support.commands import PROGRAMS, call
-from world.config import validation
+from world.config import builtin, validation
 from world.config.scenario import Scenario
 
 COMMANDS = {path: line for path, line in guide.EXAMPLES.items() if path != "keys"}
@@ -28,8 +32,8 @@ def command(path: str) -> Any:
 
 
 def test_the_help_begins_with_run_and_has_a_whole_sentence_for_each_command(tmp_path: Path) -> None:
-    said = call(tmp_path, "fes", "--help").stdout
-    listed = said.partition("Commands:\n")[2]
+    text = call(tmp_path, "fes", "--help").stdout
+    listed = text.partition("Commands:\n")[2]
     names = [line.split()[0] for line in listed.splitlines() if line.startswith("  ") and line[2:3].isalpha()]
     known = [path for path in guide.EXAMPLES if " " not in path]
     assert names[: len(known)] == known
@@ -40,8 +44,9 @@ def test_the_help_begins_with_run_and_has_a_whole_sentence_for_each_command(tmp_
         sentence = command(name).short_help or command(name).help
         assert sentence.endswith(".")
         assert f"{name} {sentence}" in together
-    assert "..." not in said.replace("[ARGS]...", "")
-    assert "To begin: fes run configs/pair.toml" in said
+        assert guide.EXAMPLES[name] in text
+    assert "..." not in text.replace("[ARGS]...", "")
+    assert "To begin: fes run pair" in text
 
 
 @pytest.mark.parametrize("path", COMMANDS)
@@ -60,12 +65,47 @@ def test_the_services_have_an_example_too(program: str, tmp_path: Path) -> None:
     assert f"example: {program} " in call(tmp_path, program, "--help").stdout
 
 
-def test_choices_are_named_in_the_help(tmp_path: Path) -> None:
-    said = " ".join(call(tmp_path, "fes", "run", "--help").stdout.split())
-    assert [one.value for one in cli.Clock] == list(get_args(get_args(Clock)[0]))
-    assert "lockstep|live" in said
-    assert "processes|inprocess" in said
-    assert "fes schema lists them" in said
+CHOICES = {
+    "fes run": ["lockstep|live", "processes|inprocess", "max|X"],
+    "fes sweep": [f"{'|'.join(form.value for form in Format)}"],
+    "fes claims": [", ".join(CLAIMS)],
+    "fes-world": ["{router,client,peer}", "max|X"],
+    "fes-agent": ["{router,client,peer}"],
+}
+"""Choices in the help, by command."""
+
+
+@pytest.mark.parametrize("line", CHOICES)
+def test_choices_are_named_in_the_help(line: str, tmp_path: Path) -> None:
+    text = " ".join(call(tmp_path, *line.split(), "--help").stdout.split())
+    for choices in CHOICES[line]:
+        assert choices in text
+
+
+def test_the_help_of_a_clock_has_its_values_and_that_of_set_names_the_schema(tmp_path: Path) -> None:
+    assert [clock.value for clock in cli.Clock] == list(get_args(get_args(Clock)[0]))
+    assert "fes schema lists them" in " ".join(call(tmp_path, "fes", "run", "--help").stdout.split())
+
+
+def test_the_help_of_run_lists_the_built_in_scenarios(tmp_path: Path) -> None:
+    listed = call(tmp_path, "fes", "run", "--help").stdout.partition("Built-in scenarios:\n")[2]
+    assert listed.partition("\n\n")[0].replace(",", " ").split() == builtin.names()
+
+
+@pytest.mark.parametrize("command", ["view", "set", "doctor"])
+def test_flags_of_the_network_are_the_same_in_both_parsers(command: str, tmp_path: Path) -> None:
+    texts = [" ".join(call(tmp_path, *line, "--help").stdout.split()) for line in (["fes", command], ["fes-world"])]
+    for flag in (network_flags.CONNECT, network_flags.CONFIG, network_flags.CFG):
+        assert flag.help in texts[1]
+        assert f"{flag.help[0].upper()}{flag.help[1:]}." in texts[0]
+        for text in texts:
+            assert all(re.search(rf"{name}[ ,]", text) for name in flag.names)
+
+
+def test_a_shell_completes_the_names_of_scenarios() -> None:
+    words = {"_FES_COMPLETE": "complete_bash", "COMP_WORDS": "fes run measured-", "COMP_CWORD": "2"}
+    done = subprocess.run([str(PROGRAMS / "fes")], env={**os.environ, **words}, capture_output=True, text=True)
+    assert done.stdout.split() == ["measured-coverage", "measured-jump"]
 
 
 def test_the_shell_can_complete(tmp_path: Path) -> None:

@@ -35,7 +35,7 @@ OTHERS = {robot for robot in range(ROBOTS) if robot != HOSTILE}
 @pytest.fixture(scope="module")
 def keyed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     roles = ["world", *(f"robot-{robot}" for robot in range(ROBOTS))]
-    return team_keys.directory(tmp_path_factory.mktemp("keys"), certificates.found(1.0), roles)
+    return team_keys.directory(tmp_path_factory.mktemp("keys"), certificates.create(1.0), roles)
 
 
 def altered(payload: bytes) -> bytes:
@@ -122,7 +122,11 @@ ATTACKS: dict[str, tuple[Attack, int, str]] = {
     "wrong version": (speak_another_version, FIRST, f"{NONE}, and it repeated junk: Beacon: {wire.WRONG_VERSION}: 1"),
     "two beacons": (contradict_itself, FIRST, f"robot 4: it sent two different beacons for tick {FIRST}"),
     "ahead of its time": (speak_ahead, FIRST, f"robot 4: it sent a beacon ahead of its time at tick {FIRST}"),
-    "a link to nobody": (name_a_stranger, FIRST, f"{NONE}, and it repeated junk: Beacon: has a link to a robot that"),
+    "a link to no robot": (
+        name_a_stranger,
+        FIRST,
+        f"{NONE}, and it repeated junk: Beacon: has a link to a robot that",
+    ),
     "two beacons, one late": (
         contradict_itself_later,
         FIRST + 1,

@@ -1,4 +1,4 @@
-"""A run over several machines, each a network namespace: routers, sites, a slow way, a cable that is cut."""
+"""A run over several machines, each a network namespace: routers, sites, a slow link, a cut cable."""
 
 import json
 import os
@@ -82,7 +82,7 @@ class Team:
         return "".join(path.read_text() for path in sorted(self.where.glob("*.log")))
 
     def summary(self) -> dict[str, Any]:
-        """What came of it, when all have ended well."""
+        """The summary, once all processes have ended without error."""
         codes = [process.wait(PATIENCE) for process in self.processes]
         assert not any(codes), self.all_said()
         found: dict[str, Any] = json.loads((self.where / "out/summary.json").read_text())

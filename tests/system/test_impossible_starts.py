@@ -1,4 +1,4 @@
-"""A `fes run` that cannot start, or cannot write, says so in one line at once, and leaves nothing half done."""
+"""A `fes run` that cannot start, or cannot write, prints one line at once, and leaves no partial files."""
 
 import json
 import resource

@@ -1,4 +1,4 @@
-"""Text from outside: any content of a file, an argument or a name is read, or refused in one line."""
+"""Text from outside: any content of a file, an argument or a name is read, or rejected in one line."""
 
 import json
 import os

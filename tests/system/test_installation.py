@@ -1,4 +1,4 @@
-"""Installations: a wheel in an environment of its own, and other projects' packages that have our names."""
+"""Installations: a wheel in an environment of its own, and other projects' packages with our names."""
 
 import ast
 import base64
@@ -20,14 +20,13 @@ from hatchling.build import build_wheel
 import fes_robots
 import world.process
 from console import cli
-from console.analysis import claims
-from console.analysis import command as analysis_command
 from fes.errors import FesError
 from fes.protocol import world_info
 from fes.system import distribution, signals
 from tests.support.commands import PROGRAMS, complaint
 from tests.support.paths import CONFIGS, ROOT
 from tests.support.source import imports
+from world.config import builtin
 
 COMMANDS = {"fes": ["doctor"], "fes-world": [str(CONFIGS / "pair.toml")], "fes-agent": ["--id", "0"]}
 
@@ -79,12 +78,9 @@ class Environment:
 
     def names(self, where: Path) -> dict[str, str]:
         """The finding of its doctor on our names."""
-        [found] = [
-            one
-            for one in json.loads(self.call(where, "fes", "doctor", "--json").stdout)
-            if one["check"] == "our names"
-        ]
-        return found  # type: ignore[no-any-return]
+        findings = json.loads(self.call(where, "fes", "doctor", "--json").stdout)
+        [finding] = [finding for finding in findings if finding["check"] == "our names"]
+        return finding  # type: ignore[no-any-return]
 
 
 @pytest.fixture(scope="module")
@@ -98,16 +94,54 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
         os.chdir(before)
 
 
-def test_an_installed_wheel_runs_a_scenario_in_one_loop_and_in_processes(wheel: Path, tmp_path: Path) -> None:
-    environment = Environment(tmp_path / "venv")
+@pytest.fixture(scope="module")
+def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Environment:
+    """An environment outside the clone, with the wheel and no other package of ours."""
+    environment = Environment(tmp_path_factory.mktemp("environment"))
     environment.install(wheel)
-    assert environment.call(tmp_path, "fes", "--version").stdout == f"{world_info.version()}\n"
-    assert environment.names(tmp_path)["status"] == "ok"
-    assert str(environment.packages) in environment.names(tmp_path)["seen"]
-    words = ["fes", "run", str(CONFIGS / "pair.toml"), "--duration", "0.5", "--headless", "--json"]
-    done = [environment.call(tmp_path, *words, "--backend", backend) for backend in ("inprocess", "processes")]
-    assert [one.returncode for one in done] == [0, 0], done
-    assert len({json.loads(one.stdout)["digest"] for one in done}) == 1
+    return environment
+
+
+def test_an_installed_wheel_runs_a_built_in_scenario_in_one_loop_and_in_processes(
+    installed: Environment, tmp_path: Path
+) -> None:
+    assert installed.call(tmp_path, "fes", "--version").stdout == f"{world_info.version()}\n"
+    assert installed.names(tmp_path)["status"] == "ok"
+    assert str(installed.packages) in installed.names(tmp_path)["seen"]
+    words = ["fes", "run", "pair", "--duration", "0.5", "--headless", "--json"]
+    done = [installed.call(tmp_path, *words, "--backend", backend) for backend in ("inprocess", "processes")]
+    assert [run.returncode for run in done] == [0, 0], done
+    assert len({json.loads(run.stdout)["digest"] for run in done}) == 1
+
+
+@pytest.mark.slow
+def test_an_installed_wheel_needs_no_clone(installed: Environment, tmp_path: Path) -> None:
+    for words in (
+        ["run", "paper", "--backend", "inprocess", "--duration", "0.1", "--headless"],
+        ["claims", "weights"],
+        ["plot", "paper"],
+        ["doctor"],
+    ):
+        done = installed.call(tmp_path, "fes", *words)
+        assert done.returncode == 0, (words, done.stdout, done.stderr)
+    summary = json.loads((tmp_path / "runs" / "paper-1" / "summary.json").read_text())
+    assert summary["scenario"] == "paper"
+    assert (tmp_path / "figures" / "fig5-formation.svg").is_file()
+
+
+def test_an_unknown_scenario_of_an_installed_wheel_is_one_line_with_the_nearest_name(
+    installed: Environment, tmp_path: Path
+) -> None:
+    for program, *words in (
+        ["fes", "run", "papr"],
+        ["fes-world", "papr"],
+        ["fes", "sweep", "papr", "--seeds", "0:2"],
+    ):
+        line = complaint(installed.call(tmp_path, program, *words), program)
+        assert line.startswith("papr: No such file, and not the name of a built-in scenario: the nearest is 'paper'")
+        assert "fes run --help lists all of them" in line
+    listed = installed.call(tmp_path, "fes", "run", "--help").stdout.partition("Built-in scenarios:\n")[2]
+    assert listed.partition("\n\n")[0].replace(",", " ").split() == builtin.names()
 
 
 def test_a_wheel_says_on_which_systems_it_runs_and_that_it_is_typed(wheel: Path) -> None:
@@ -239,11 +273,3 @@ def test_the_command_that_installs_can_be_pasted_into_a_shell() -> None:
     for command in (distribution.install(), distribution.install("plot"), distribution.separate().partition(": ")[2]):
         subprocess.run(["sh", "-n", "-c", command], check=True)
         assert "clone" not in shlex.split(command, comments=True)
-
-
-def test_claims_and_the_papers_figures_need_a_clone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(claims, "CONFIGS", tmp_path / "configs")
-    with pytest.raises(FesError, match="this needs the scenarios of a clone"):
-        analysis_command.show_claims(None)
-    with pytest.raises(FesError, match="this needs the scenarios of a clone"):
-        analysis_command.plot("paper", tmp_path)

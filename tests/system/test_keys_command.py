@@ -1,4 +1,4 @@
-"""fes keys and fes run --secure, as a person calls them: who may read what is left, and what is not left."""
+"""fes keys and fes run --secure: permissions of the files that stay, and removal of the others."""
 
 import argparse
 import json
@@ -43,7 +43,7 @@ def test_keys_are_made_for_their_owner_only_and_are_good(tmp_path: Path) -> None
 def test_a_second_authority_is_refused_and_issue_adds_and_replaces(tmp_path: Path) -> None:
     assert call(tmp_path, "fes", "keys", "init").returncode == 0
     line = complaint(call(tmp_path, "fes", "keys", "init"), "fes")
-    assert line == "--keys keys: there is an authority already; fes keys issue adds to it"
+    assert line == "--keys keys: the folder has an authority already; fes keys issue adds certificates to it"
     before = (tmp_path / "keys/world.crt").read_bytes()
     done = call(tmp_path, "fes", "keys", "issue", "robot-0-4", "world", "--host", "10.0.0.7")
     served = "the world serves as localhost, 127.0.0.1, 10.0.0.7\n"
@@ -51,7 +51,7 @@ def test_a_second_authority_is_refused_and_issue_adds_and_replaces(tmp_path: Pat
     assert (tmp_path / "keys/world.crt").read_bytes() != before
     Identity(tmp_path / "keys", "robot-0-4").check()
     line = complaint(call(tmp_path, "fes", "keys", "issue", "observer", "--host", "10.0.0.7"), "fes")
-    assert line == "--host is for the world's certificate, not for that of observer"
+    assert line == "--host is only for the certificate of the world, not for that of observer"
 
 
 def test_the_list_has_role_serial_end_and_fingerprint_and_no_key(tmp_path: Path) -> None:
@@ -95,7 +95,7 @@ def test_a_renewed_world_keeps_its_names_unless_it_is_given_others(tmp_path: Pat
     assert certificates.hosts_of(world.read_bytes()) == ("localhost", "127.0.0.1", "new.example")
     world.write_text("none")
     line = complaint(call(tmp_path, "fes", "keys", "issue", "world"), "fes")
-    assert line == "keys/world.crt: not a certificate, so its names cannot be kept: say them with --host"
+    assert line == "keys/world.crt: not a certificate, so its names are unknown: name them with --host"
 
 
 def test_nothing_is_written_where_others_can_write(tmp_path: Path) -> None:
@@ -105,7 +105,7 @@ def test_nothing_is_written_where_others_can_write(tmp_path: Path) -> None:
     for mode in (0o777, 0o1777, 0o770):
         keys.chmod(mode)
         line = complaint(call(tmp_path, "fes", "keys", "issue", "robot-0"), "fes")
-        assert line == f"--keys keys: others can write to it (mode {mode:04o}): chmod 700 keys"
+        assert line == f"--keys keys: other users can write to it (mode {mode:04o}): chmod 700 keys"
     assert {path: path.read_bytes() for path in keys.iterdir()} == before
     (tmp_path / "open").mkdir()
     (tmp_path / "open").chmod(0o777)
@@ -200,7 +200,7 @@ def test_nothing_listens_but_the_world_on_loopback(tmp_path: Path) -> None:
 
 
 def test_without_flags_endpoints_are_on_loopback_with_and_without_keys(tmp_path: Path) -> None:
-    team_keys.directory(tmp_path / "k", certificates.found(1.0), ["world", "robot-3"])
+    team_keys.directory(tmp_path / "k", certificates.create(1.0), ["world", "robot-3"])
     parser = argparse.ArgumentParser()
     process.add_network_flags(parser)
     for words, endpoint in (([], "tcp/127.0.0.1:7447"), (["--keys", str(tmp_path / "k")], "tls/127.0.0.1:7447")):

@@ -1,4 +1,4 @@
-"""The memory of a run does not grow with its length; bench/memory.py looks at a million ticks and at processes."""
+"""The memory of a run does not grow with its length; bench/memory.py measures a million ticks, and processes."""
 
 import gc
 import io
@@ -30,4 +30,4 @@ def test_world_robots_account_and_dashboard_of_a_long_run_keep_their_size() -> N
             gc.collect()
             before = resident()
     gc.collect()
-    assert resident() - before < 1.5  # MB; 50 bytes a tick that were kept would be as much
+    assert resident() - before < 1.5  # MB; a leak of 50 bytes per tick would take as much

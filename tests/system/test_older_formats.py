@@ -1,4 +1,4 @@
-"""Files of older formats: each is rejected in one line that names both formats, and stays as it was.
+"""Files of older formats: each is rejected in one line that names both formats, and stays unchanged.
 
 `python -m tests.system.test_older_formats` records the tables of a checkpoint of the present format.
 """

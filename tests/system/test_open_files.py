@@ -1,4 +1,4 @@
-"""Runs where few files may be open: what the doctor says no run can do without, and what is said without it."""
+"""Runs with a low limit on open files: the fewest that the doctor accepts suffice, and fewer are one line."""
 
 import resource
 import subprocess

@@ -1,4 +1,4 @@
-"""Children of `fes run`: a world has the time that it needs to close, and an agent that dies does not end the run."""
+"""Children of `fes run`: a world has enough time to close, and an agent that dies does not end the run."""
 
 import asyncio
 import signal
@@ -96,11 +96,11 @@ def test_an_agent_that_ends_before_the_run_begins_is_what_it_fails_of(
     async def main() -> tuple[str, list[str]]:
         async with family(tmp_path) as processes:
             await world(processes, ENDLESS, "waiting for 2 robots\n")
-            await agent(processes, "1", FAILURE, "fes-agent: error: gave up\n")
+            await agent(processes, "1", FAILURE, "fes-agent: error: timed out\n")
             return await finished(processes)
 
     monkeypatch.setattr(supervisor, "SETTLING", 0.1)
-    assert asyncio.run(main()) == ("fes-agent --id 1: gave up; the run cannot begin without it", [])
+    assert asyncio.run(main()) == ("fes-agent --id 1: timed out; the run cannot begin without it", [])
 
 
 def test_one_that_is_started_again_may_end_before_the_run_begins(tmp_path: Path) -> None:
@@ -118,7 +118,7 @@ def test_one_that_is_started_again_may_end_before_the_run_begins(tmp_path: Path)
 
     failed, said = asyncio.run(main())
     assert failed == ""
-    assert said[0] == "robot 0: fes-agent --id 0: unrecognized arguments: --no-such-flag; started again in 0.01 s"
+    assert said[0] == "robot 0: fes-agent --id 0: unrecognized arguments: --no-such-flag; restarted in 0.01 s"
 
 
 def test_a_world_that_fails_is_named_before_the_agents_that_fail_with_it(tmp_path: Path) -> None:
@@ -126,7 +126,7 @@ def test_a_world_that_fails_is_named_before_the_agents_that_fail_with_it(tmp_pat
         async with family(tmp_path) as processes:
             fails_last = "import sys; sys.stdin.readline(); raise SystemExit(1)"
             await world(processes, fails_last, "fes-world: error: the address is taken\n")
-            failed = await agent(processes, "1", FAILURE, "fes-agent: error: gave up\n")
+            failed = await agent(processes, "1", FAILURE, "fes-agent: error: timed out\n")
             following = asyncio.ensure_future(finished(processes))
             await failed.process.wait()
             await until(processes.ends.empty)  # the end of the agent has been taken up
@@ -154,8 +154,8 @@ def test_an_agent_that_dies_each_time_is_started_again_a_few_times_and_then_give
     failed, said, started = asyncio.run(main())
     why = "robot 0: fes-agent --id 0: unrecognized arguments: --no-such-flag"
     assert (failed, started) == ("", 3)
-    assert said[:2] == [f"{why}; started again in 0.01 s"] * 2
-    assert said[2].startswith(f"{why}, 6 times in a row: it is not started again")
+    assert said[:2] == [f"{why}; restarted in 0.01 s"] * 2
+    assert said[2].startswith(f"{why}, 6 times in a row: it is not restarted")
     assert said[3] == "nobody is left"
 
 

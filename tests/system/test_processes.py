@@ -1,4 +1,4 @@
-"""Real processes: `fes run`, worlds and agents by hand; nothing is left behind, whoever dies."""
+"""Real processes: `fes run`, worlds and agents by hand; no process is left behind, whichever dies."""
 
 import asyncio
 import json

@@ -57,7 +57,7 @@ def hosted(tmp_path: Path) -> Iterator[Hosted]:
 def test_an_agent_that_wakes_when_its_robot_has_another_one_ends_and_the_robot_is_not_lost_with_the_other(
     hosted: Hosted,
 ) -> None:
-    """Equal tokens are one: the death of the other one would not be seen, and nobody could host the robot again."""
+    """Equal tokens count once: the death of the second agent would not be seen, and no agent could host its robot."""
     first = hosted.agent(0)
     hosted.agent(1)
     hosted.says("all robots are here")

@@ -1,6 +1,6 @@
-"""A run over TLS under attack, with real certificates: each attack is refused, and logged once.
+"""A run over TLS under attack, with real certificates: each attack is rejected, and logged once.
 
-What is put here is tried before the run; test_forgeries.py does it on every tick, with payloads that are good.
+These attacks come before the run; those of test_forgeries.py come on every tick, with well-formed payloads.
 """
 
 import asyncio
@@ -31,7 +31,7 @@ from world.server.audit import KINDS_PER_NAME
 
 @pytest.fixture(scope="module")
 def issuer() -> certificates.Authority:
-    return certificates.found(1.0)
+    return certificates.create(1.0)
 
 
 @pytest.fixture
@@ -65,7 +65,7 @@ FORGERIES = [
     ("observer", "declare subscriber", keys.beacon(RUN, 0)),
     ("operator", "put", keys.command(RUN, 0)),
 ]
-"""Who does what that it may not."""
+"""Forbidden operations: role, operation, key expression."""
 
 
 def test_each_forgery_is_refused_and_logged_once_and_the_run_is_the_same(
@@ -155,7 +155,7 @@ def test_a_certificate_that_is_not_of_this_run_opens_no_session(
     tmp_path: Path, expected: str, issuer: certificates.Authority
 ) -> None:
     keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
-    other = certificates.found(1.0)
+    other = certificates.create(1.0)
     bad = tmp_path / "bad"
     team_keys.write(bad, "ca", issuer.pem)
     team_keys.write(bad, "other", certificates.issue(other, "robot-0", 1.0))

@@ -52,7 +52,7 @@ def test_keys_in_a_directory_of_ones_own_are_named_where_it_is_used_again(tmp_pa
     keys = tmp_path / "out" / "keys"
     keys.mkdir(parents=True)
     with stale_keys.marked(keys):
-        assert stale_keys.named(tmp_path / "out") == ""
+        assert stale_keys.remark(tmp_path / "out") == ""
     done = call(tmp_path, "run", PAIR, "--backend", "inprocess", "--out", "out")
     said = "--out out: the directory is not empty; out/keys has the private keys of a run that was killed"
     assert done.stderr == f"fes: error: {said}\n"

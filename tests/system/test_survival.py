@@ -139,7 +139,7 @@ def test_with_respawn_a_crew_that_dies_is_there_again_with_all_of_its_robots(tmp
         code, _, said = run.end()
     assert code == 1  # it was interrupted
     why = "fes-agent --id 5-9 was ended by SIGKILL (its log: out/agent-5-9.log)"
-    assert said[0] == f"fes: warning: robots 5-9: {why}; started again in 0.5 s"
+    assert said[0] == f"fes: warning: robots 5-9: {why}; restarted in 0.5 s"
     assert said[1:] == ["fes: error: stopped by SIGINT; what was reached is in out"]
 
 

@@ -1,4 +1,4 @@
-"""The command fes sweep, as a person calls it, stops it, kills it and calls it again."""
+"""The command fes sweep: called, stopped, killed and called again."""
 
 import csv
 import os
@@ -39,7 +39,7 @@ def witnessed(batch, *watch):
 
 work.carry_out = witnessed
 """
-"""Loaded by every Python that starts in the test: workers write down what they begin."""
+"""Loaded by every Python that starts in the test: workers log the runs that they begin."""
 
 
 def start(where: Path, log: str) -> "subprocess.Popen[str]":
@@ -64,7 +64,7 @@ def begun(log: Path) -> list[tuple[int, str]]:
 
 
 def gone(process: int) -> bool:
-    """Whether a process has ended; one that nobody has collected yet has."""
+    """True if a process has ended, even if no parent has collected it yet."""
     try:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
     except OSError:

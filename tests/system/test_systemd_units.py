@@ -1,4 +1,4 @@
-"""The systemd units of deploy/: systemd can read them, and what they start is a run that survives a stop."""
+"""The systemd units of deploy/: systemd can read them, and their run survives a stop."""
 
 import asyncio
 import json
@@ -38,7 +38,7 @@ def text(name: str) -> str:
 
 
 def drop_in(name: str) -> str:
-    """What a unit gets beside its own text for a run with certificates."""
+    """Further text of a unit for a run with certificates."""
     return text(f"{name}.d/keys.conf")
 
 
@@ -59,7 +59,7 @@ def test_systemd_finds_nothing_wrong_with_the_units(tmp_path: Path, secure: bool
 
 
 def command(unit: str, environment: dict[str, str], instance: str = "") -> list[str]:
-    """What a unit starts, its variables and its instance put in as systemd does; the last line of its kind holds."""
+    """The command of a unit, with variables and instance expanded as by systemd; the last ExecStart holds."""
     *_, found = re.findall(r"^ExecStart=((?:.*\\\n)*.*)", unit, re.MULTILINE)
     words = []
     for word in shlex.split(found.replace("\\\n", " ")):
@@ -118,7 +118,7 @@ def test_a_world_that_is_stopped_and_started_goes_on_and_its_robots_have_waited(
 
 
 def variables(unit: str) -> dict[str, str]:
-    """What a unit sets; of two lines with one variable the last holds."""
+    """The variables of a unit; of two lines with one variable the last holds."""
     lines = re.findall(r"^Environment=(.*)$", unit, re.MULTILINE)
     pairs = (pair.partition("=") for line in lines for pair in shlex.split(line))
     return {name: value for name, _, value in pairs}
@@ -135,7 +135,7 @@ def handed(unit: str, issued: Path, where: Path) -> None:
 def test_with_the_drop_ins_a_run_goes_over_tls_each_with_its_own_files(tmp_path: Path) -> None:
     what = (CONFIGS / "pair.toml").read_text(encoding="utf-8")
     (tmp_path / "scenario.toml").write_text(re.sub(r"(?m)^duration = \S+", f"duration = {SECONDS}", what))
-    issued = team_keys.directory(tmp_path / "issued", certificates.found(1.0), ["world", "observer", "robot-0-1"])
+    issued = team_keys.directory(tmp_path / "issued", certificates.create(1.0), ["world", "observer", "robot-0-1"])
     crew = "0-1"
     units = {
         "world": text("fes-world.service") + drop_in("fes-world.service"),

@@ -1,4 +1,4 @@
-"""What is said to who takes part over TLS in vain: the certificate is named, where it is at fault."""
+"""Errors of programs that cannot take part over TLS: they name the certificate if it is the cause."""
 
 import asyncio
 from pathlib import Path
@@ -16,7 +16,7 @@ from tests.support.stage import ROLES, RUN, Stage, stage
 
 @pytest.fixture(scope="module")
 def issuer() -> certificates.Authority:
-    return certificates.found(1.0)
+    return certificates.create(1.0)
 
 
 async def said(world: Stage, robots: str, timeout: float, *flags: str) -> str:
@@ -33,7 +33,7 @@ async def said(world: Stage, robots: str, timeout: float, *flags: str) -> str:
 def test_an_agent_without_a_role_in_the_run_is_told_where_to_look(
     tmp_path: Path, issuer: certificates.Authority, robots: str
 ) -> None:
-    """Robot 7 of a run of two; and a crew that got its certificate after the world had read those that there were."""
+    """Robot 7 of a run of two, and a crew with a certificate issued after the start of the world."""
     keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
 
     async def main() -> tuple[str, Stage]:
@@ -89,7 +89,7 @@ def test_who_comes_with_certificates_of_another_authority_is_told_of_them(
     tmp_path: Path, issuer: certificates.Authority
 ) -> None:
     keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
-    other = team_keys.directory(tmp_path / "other", certificates.found(1.0), ["observer"])
+    other = team_keys.directory(tmp_path / "other", certificates.create(1.0), ["observer"])
 
     async def main() -> None:
         async with stage(tmp_path, keyed) as world:

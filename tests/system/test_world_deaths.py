@@ -1,4 +1,4 @@
-"""Worlds of real processes that die, or are told to stop, and are gone on with."""
+"""Worlds that die or receive a stop signal, and runs that are resumed by another world process."""
 
 import json
 import shutil
@@ -24,7 +24,7 @@ from world.execution.run import ATTEND, TICK
 from world.metrics.summary import write_scenario
 
 MACHINE = ("backend", "wall_s", "ticks_per_s", "real_time_factor")
-"""What of a summary is of the machine."""
+"""Keys of a summary that depend on the machine."""
 
 
 @pytest.fixture
@@ -66,7 +66,7 @@ def test_fes_run_kills_the_world_that_its_scenario_has_die_and_the_digest_is_the
 def test_a_run_that_was_ended_for_good_cannot_be_gone_on_with(run: Run) -> None:
     for robot in range(load("neighborhood.toml").robots.number):
         run.join(robot)
-    until(lambda: (run.out / NAME).exists() and (run.out / NAME).stat().st_size > 20_000)  # it is under way
+    until(lambda: (run.out / NAME).exists() and (run.out / NAME).stat().st_size > 20_000)  # it is running
     run.world.send_signal(signal.SIGINT)
     for process in (run.world, *run.agents.values()):
         process.communicate(timeout=PATIENCE)

@@ -1,4 +1,4 @@
-"""How the end of a world comes about, and whether its run can be gone on with."""
+"""Ends of a world, and the runs that can be resumed afterwards."""
 
 import resource
 import signal
@@ -45,7 +45,7 @@ def test_ctrl_c_ends_a_run_for_good_but_not_where_it_was_only_waited_for_its_rob
     until(lambda: pair.reached() > 20)
     pair.world.kill()
     pair.world.communicate()
-    endpoint, pair.endpoint = pair.endpoint, "tcp/127.0.0.1:0"  # where nobody looks for it
+    endpoint, pair.endpoint = pair.endpoint, "tcp/127.0.0.1:0"  # an endpoint that no agent knows
     pair.start("--resume", str(pair.out))
     log: list[str] = []
     assert pair.world.stderr is not None

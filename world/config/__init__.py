@@ -1,6 +1,7 @@
 """The scenario of a run.
 
 scenario      the typed scenario, from TOML
+builtin       built-in scenarios, by name
 radio         its table [channel]: the formula, shadowing, bursts, jammers
 starts        its table [robots]: where the robots start
 faults        its table [faults]: faulty transmitters and drifting clocks

@@ -84,7 +84,7 @@ def test_a_world_that_never_comes_is_waited_for_until_the_timeout() -> None:
 
 
 def test_a_world_is_not_missed_while_the_reader_is_busy() -> None:
-    """Who is to end a world, and start another after 20 s, sees none for 30 s where that one is slow to start."""
+    """A caller that replaces a world after 20 s sees none for 30 s if the new one starts slowly."""
     acts = (1.0, True), (2.0, report(7)), (3.0, False), (32.0, True), (33.0, report(TICKS - 1)), (54.0, False)
     ticks, error, _ = seen(5.0, *acts, busy=20.0)
     assert (ticks, error) == ([7, TICKS - 1], None)
@@ -100,7 +100,7 @@ def test_who_hears_only_another_version_is_told_so() -> None:
     strange = [(1.0 + 0.1 * at, of_another_version(at)) for at in range(50)]
     ticks, error, when = seen(30.0, (0.5, True), *strange)
     assert (ticks, str(error)) == ([], "Report: speaks protocol 2, got version: 1")
-    assert when <= 1.0 + observer.STRANGE_FOR + IDLE  # as soon as the world has said enough, for long enough
+    assert when <= 1.0 + observer.FOREIGN_PERIOD + IDLE  # as soon as the world has said enough, for long enough
 
 
 def test_a_flood_of_another_version_before_the_first_report_hides_none() -> None:
@@ -118,8 +118,8 @@ def test_junk_of_another_version_between_reports_hides_none() -> None:
 @pytest.mark.parametrize(
     ("lost", "did"),
     [
-        (True, ["stop 2", "stop 3", "kill 3", "proceed 2", "proceed 3"]),  # the world may still wait for robot 2
-        (False, ["stop 2", "stop 3", "kill 2", "kill 3", "proceed 2", "proceed 3"]),  # nobody does
+        (True, ["stop 2", "stop 3", "kill 3", "resume 2", "resume 3"]),  # the world may still wait for robot 2
+        (False, ["stop 2", "stop 3", "kill 2", "kill 3", "resume 2", "resume 3"]),  # no world waits
     ],
     ids=["lost from sight", "over"],
 )
@@ -144,6 +144,6 @@ def test_a_robot_that_is_to_wake_is_not_killed_when_the_world_is_lost_from_sight
         return lambda ids: done.append(f"{verb} {ids}")
 
     monkeypatch.setattr("console.connect.observer.reports", reports)
-    control = fault_injection.ProcessControl(kill, kill, note("stop"), note("proceed"), away)
+    control = fault_injection.ProcessControl(kill, kill, note("stop"), note("resume"), away)
     jumps.run(fault_injection.enact(None, "test", 1.0, scenario, control, alone=True))  # type: ignore[arg-type]
     assert done == did

@@ -1,6 +1,6 @@
-"""fes doctor: what it says of a machine and of a run, with what remedy; it neither hangs nor disturbs.
+"""fes doctor: findings on a machine and on a run, with remedies; the command neither hangs nor disturbs a run.
 
-What it says of the machine: test_doctor_machine.py.
+Findings on the machine: test_machine.py.
 """
 
 import asyncio
@@ -55,7 +55,7 @@ def test_looking_at_a_run_changes_no_digit_and_sees_all_of_it() -> None:
 
     summary, server, agents = asyncio.run(bounded())
     assert summary["digest"] == inprocess.run(paper, "test")["digest"]
-    assert not server.complaints.counts
+    assert not server.drops.counts
     assert not any(agent.drops.counts for agent in agents)
     for found in seen:
         assert [one.check for one in found] == ["endpoint", "alive", "version", "world's clock"]
@@ -66,8 +66,8 @@ def test_looking_at_a_run_changes_no_digit_and_sees_all_of_it() -> None:
 def test_a_robot_that_is_missing_is_named() -> None:
     found = network.alive(RUN, [keys.world_alive(RUN), *(keys.robot_alive(RUN, i) for i in (0, 1, 4))], [], 6, True)
     assert found.status == Status.WARNING
-    waits = "before its first tick a run waits for all, and later those without an agent stand still"
-    assert found.remedy == f"fes-agent --id 2-3, 5: {waits}"
+    effect = "the first tick waits for all robots; later, robots without an agent stand still"
+    assert found.remedy == f"fes-agent --id 2-3, 5: {effect}"
     assert "robots 0-1, 4 of 6" in found.seen
 
 
@@ -98,9 +98,9 @@ def test_a_world_of_another_version_is_a_finding_with_both_versions() -> None:
     newer = msgpack.packb([1, "9.0", "3.0", 5, 1.0, "a field more"])
     with pytest.raises(MessageError) as caught:
         world_info.decode_world_info(newer)
-    [found] = network.said_by(caught.value)
+    [found] = network.versions(caught.value)
     assert (found.status, found.seen) == (Status.FAILED, "About: speaks protocol 2, got version: 1")
-    package, *_ = network.said_by(Answer(0.0, 0.0, WorldInfo("0.0.1", "1.0", 3, 0.0)))
+    package, *_ = network.versions(Answer(0.0, 0.0, WorldInfo("0.0.1", "1.0", 3, 0.0)))
     assert package.status == Status.WARNING
     assert "fes 0.0.1" in package.seen
 
@@ -118,9 +118,9 @@ def test_the_skew_of_a_clock_is_measured_from_the_middle_of_the_question(
     offset: float, took: float, status: Status
 ) -> None:
     own = world_info.of_this_process(1)
-    *_, found = network.said_by(Answer(100.0, 100.0 + took, own._replace(clock=100.0 + took / 2 + offset)))
+    *_, found = network.versions(Answer(100.0, 100.0 + took, own._replace(clock=100.0 + took / 2 + offset)))
     assert found.status == status
-    assert f"{1e3 * offset:+.1f} ms from ours, known to {500 * took:.1f} ms" in found.seen
+    assert f"{1e3 * offset:+.1f} ms from ours, within {500 * took:.1f} ms" in found.seen
 
 
 def test_nobody_at_the_endpoint_fails_only_where_somebody_is_expected() -> None:
@@ -195,7 +195,7 @@ def test_the_command_prints_json_or_a_table_and_its_exit_code_says_whether_anyth
     healthy = call(tmp_path, "fes", "doctor")
     assert (healthy.returncode, healthy.stderr) == (0, "")
     taken = network.port(DEFAULT_ENDPOINT, world=False).status == Status.WARNING  # a person's own run, perhaps
-    assert taken or "no run goes on" in " ".join(healthy.stdout.split())
+    assert taken or "no run is running" in " ".join(healthy.stdout.split())
 
 
 def test_the_table_fits_eighty_columns() -> None:

@@ -1,4 +1,4 @@
-"""fes doctor: what it says of a machine, with what remedy."""
+"""fes doctor: findings on a machine, with remedies."""
 
 from pathlib import Path
 from typing import Any

@@ -1,4 +1,4 @@
-"""fes doctor in a folder whose runs go on, come or were killed: it advises nobody to harm one that goes well."""
+"""fes doctor in a folder whose runs are running, starting or killed: no remedy harms a healthy run."""
 
 import asyncio
 import json
@@ -37,20 +37,22 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_world_that_is_away_while_its_run_goes_on_is_a_warning_that_harms_nobody(tmp_path: Path) -> None:
     here = announce("pair-1", os.getpid())
     (run_directory.ROOT / "paper-1").mkdir()
-    (run_directory.ROOT / run_directory.LATEST).symlink_to(
-        "paper-1"
-    )  # in process, started later, and announced by nobody
+    (run_directory.ROOT / run_directory.LATEST).symlink_to("paper-1")
+    # a run in one loop, started later and not announced
     done = call(tmp_path, "fes", "doctor", "--json")
     [found] = [one for one in json.loads(done.stdout) if one["check"] == "endpoint"]
     assert (found["status"], done.returncode) == ("warning", 0)
     assert here.endpoint in found["seen"]
-    assert f"process {os.getpid()} goes on with that run, says runs/pair-1/endpoint.json" in found["seen"]
-    assert found["remedy"] == "its world is away, suspended or just starting: look again"
+    assert f"by runs/pair-1/endpoint.json, process {os.getpid()} still executes that run" in found["seen"]
+    assert found["remedy"] == "its world is starting, suspended or being restarted: check again"
 
 
 def test_a_certificate_that_the_world_refuses_stays_a_failure_while_its_run_goes_on() -> None:
     refused = failed("endpoint", "cannot join: it refuses our certificate: expired", "another certificate")
-    assert command.awaited(refused, Path("runs/pair-1/endpoint.json"), Address("tls/x:1", "main", 1)) == refused
+    assert (
+        command.with_announcement(refused, Path("runs/pair-1/endpoint.json"), Address("tls/x:1", "main", 1))
+        == refused
+    )
 
 
 @pytest.mark.parametrize(
@@ -95,10 +97,10 @@ def test_nobody_is_told_to_start_another_world_where_one_may_be_suspended(protoc
         assert said is not None
         assert said.endswith("or it is suspended or overloaded")
         looked = Endpoints("client", (endpoint,), timeout=0.5)
-        [found], _ = asyncio.run(network.examine(looked, "main", wanted=True))
+        [found], _ = asyncio.run(network.examine(looked, "main", is_requested=True))
     assert found.status is Status.FAILED
     assert "suspended or overloaded" in found.seen
-    assert "look again" in found.remedy
+    assert "check again" in found.remedy
     assert "start" not in found.remedy
 
 

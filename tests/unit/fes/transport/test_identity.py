@@ -19,7 +19,7 @@ from tests.support import team_keys
 
 @pytest.fixture(scope="module")
 def issuer() -> certificates.Authority:
-    return certificates.found(2.0)
+    return certificates.create(2.0)
 
 
 @pytest.fixture
@@ -55,7 +55,7 @@ def test_an_expired_certificate_is_named_with_its_end(keys: Path, issuer: certif
 
 
 def test_certificates_of_another_authority_of_nobody_and_of_another_key_are_told_apart(keys: Path) -> None:
-    other = certificates.found(2.0)
+    other = certificates.create(2.0)
     team_keys.write(keys, "robot-3", certificates.issue(other, "robot-3", 1.0))
     assert wrong(keys, "robot-3") == f"{keys}/robot-3.crt: was not issued by ca.crt beside it"
     team_keys.write(keys, "robot-3", other.pem)  # signed by itself

@@ -71,7 +71,7 @@ def test_a_late_transmitter_sends_old_data_and_its_oldest_until_the_delay_has_pa
         return now.state.poses[3].tobytes(), told.links.peers[span].tobytes(), told.estimates[span].tobytes()
 
     def sent(tick: int, robot: int = 3) -> tuple[bytes, ...]:
-        said = run[tick].said
+        said = run[tick].beacons
         span = said.links.spans[robot]
         return said.poses[robot].tobytes(), said.links.peers[span].tobytes(), said.estimates[span].tobytes()
 
@@ -79,7 +79,7 @@ def test_a_late_transmitter_sends_old_data_and_its_oldest_until_the_delay_has_pa
     assert len(then) == len(run)
     for tick, was in enumerate(then):
         assert sent(tick) == given(was), tick
-        assert run[tick].said.poses[4].tobytes() == run[tick].state.poses[4].tobytes()
+        assert run[tick].beacons.poses[4].tobytes() == run[tick].state.poses[4].tobytes()
     assert sent(20) != given(20)
 
 
@@ -87,9 +87,9 @@ def test_measurements_are_late_too_and_commands_are_not() -> None:
     calm = ticks(seconds=1.0, name="measured.toml")
     run = ticks({"at": 0.4, "transmitter": {"robot": 3, "delay": 0.2}}, seconds=1.0, name="measured.toml")
     at = 24  # the first tick at which its own late beacons can affect robot 3 through its peers
-    assert run[at].said.statistics[3].tobytes() == calm[20].said.statistics[3].tobytes()
-    assert run[at].said.statistics[3].tobytes() != calm[at].said.statistics[3].tobytes()
-    spoken = {robot: payloads for robot, *payloads in marshalling.encode_tick(run[at].said, *told(run[at]))}
+    assert run[at].beacons.statistics[3].tobytes() == calm[20].beacons.statistics[3].tobytes()
+    assert run[at].beacons.statistics[3].tobytes() != calm[at].beacons.statistics[3].tobytes()
+    spoken = {robot: payloads for robot, *payloads in marshalling.encode_tick(run[at].beacons, *told(run[at]))}
     beacon, command = messages.decode_beacon(spoken[3][0]), messages.decode_command(spoken[3][1])
     assert beacon.tick == command.tick == at
     own = run[at].telemetry.links.rows == 3
@@ -104,8 +104,8 @@ def test_a_robot_that_rejoins_has_no_old_data_to_send() -> None:
     away = [{"at": 0.8, "hang": [3]}, {"at": 1.2, "wake": [3]}]
     run = ticks({"at": 0.2, "transmitter": {"robot": 3, "delay": 0.1}}, *away, seconds=2.0)
     for tick in range(60, 66):
-        assert run[tick].said.poses[3].tobytes() == run[60].state.poses[3].tobytes()
-    assert run[70].said.poses[3].tobytes() == run[65].state.poses[3].tobytes()
+        assert run[tick].beacons.poses[3].tobytes() == run[60].state.poses[3].tobytes()
+    assert run[70].beacons.poses[3].tobytes() == run[65].state.poses[3].tobytes()
 
 
 def test_a_clock_that_jumps_affects_its_robot_alone_from_its_tick_on() -> None:
@@ -161,7 +161,7 @@ def test_a_hung_robot_is_like_a_dead_one_to_its_peers() -> None:
 def test_damaged_beacons_are_none_and_are_damaged_in_three_ways_each_time_the_same() -> None:
     lengths, broken = set(), []
     for tick in ticks(seconds=4.0, name="measured.toml"):
-        for robot, beacon, _ in marshalling.encode_tick(tick.said, *told(tick)):
+        for robot, beacon, _ in marshalling.encode_tick(tick.beacons, *told(tick)):
             damaged = transmitter.damage(7, tick.state.tick, robot, beacon)
             assert damaged == transmitter.damage(7, tick.state.tick, robot, beacon)
             with pytest.raises(MessageError):
