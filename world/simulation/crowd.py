@@ -8,7 +8,7 @@ from world.simulation import neighbor_list
 
 PER_CONTACT = 1_000
 """Memory that a run in one loop needs per contact (receiver, sender) of a large crowd, log and summary included
-[bytes]; `python -m bench.crowd` measures it. A small crowd needs up to 128 MB more, for the radio's numbers."""
+[bytes]; `python -m bench.size.crowd` measures it. A small crowd needs up to 128 MB more, for the radio's numbers."""
 
 
 def check(scenario: Scenario) -> None:
