@@ -1,4 +1,4 @@
-"""The memory of a run does not grow with its length; bench/size/memory.py looks at a million ticks and at processes."""
+"""The memory of a run does not grow with its length; bench/size/memory.py measures a million ticks, and processes."""
 
 import gc
 import io
