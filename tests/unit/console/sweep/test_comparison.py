@@ -53,7 +53,7 @@ def test_one_pair_has_no_interval_and_none_has_no_mean() -> None:
 def test_a_difference_is_of_the_same_seed_and_so_is_blind_to_what_seeds_share(planned: Design) -> None:
     # Each seed shifts both cells by its own amount: by hand, the difference is 2 at every seed, with no spread.
     (found,) = comparison.differences(planned, table([1.0, 10.0, 100.0, 1000.0], [3.0, 12.0, 102.0, 1002.0]))
-    assert (found.base, found.other, found.outcome, found.pairs) == (0, 1, "time", 4)
+    assert (found.base, found.compared, found.outcome, found.pairs) == (0, 1, "time", 4)
     assert (found.mean, found.low, found.high) == (2.0, 2.0, 2.0)
 
 
@@ -99,7 +99,7 @@ def test_each_axis_is_compared_with_its_first_value_the_others_held() -> None:
         CONFIGS / "pair.toml", ["formation.rule=disk,two_nearest", "run.dt=0.02,0.01,0.005"], "0:1", []
     )
     rows: list[Row] = [{"seed": 0, "x": float(cell**2)} for cell in range(6)]
-    found = [(one.axis, one.base, one.other, one.mean) for one in comparison.differences(crossed, rows)]
+    found = [(one.axis, one.base, one.compared, one.mean) for one in comparison.differences(crossed, rows)]
     assert found == [
         (0, 0, 3, 9.0),
         (0, 1, 4, 15.0),

@@ -54,5 +54,5 @@ def test_a_directory_in_use_and_one_that_is_no_sweeps_are_refused(tmp_path: Path
     with pytest.raises(FesError, match="line 1 is not a run"), ledger.opened(tmp_path, planned):
         pass
     (tmp_path / ledger.HEADER).unlink()
-    with pytest.raises(FesError, match="not empty, and no sweep's"), ledger.opened(tmp_path, planned):
+    with pytest.raises(FesError, match="not empty, and holds no sweep"), ledger.opened(tmp_path, planned):
         pass

@@ -60,7 +60,7 @@ def test_the_screen_is_left_whatever_fails_in_drawing(when: str, monkeypatch: py
 
 def test_the_screen_is_left_where_a_frame_cannot_be_encoded() -> None:
     tty = Tty("ascii")  # refuses, as no entry point has configured it
-    with pytest.raises(UnicodeEncodeError), screen.whole(on(tty)) as draw:
+    with pytest.raises(UnicodeEncodeError), screen.full_screen(on(tty)) as draw:
         draw("→")
     assert ENTER in tty.text
     assert is_restored(tty.text)
@@ -70,7 +70,7 @@ def test_a_second_signal_leaves_the_screen_too(monkeypatch: pytest.MonkeyPatch) 
     codes: list[int] = []
     monkeypatch.setattr(os, "_exit", codes.append)
     tty = Tty()
-    with screen.whole(on(tty)) as draw:
+    with screen.full_screen(on(tty)) as draw:
         draw("a frame")
         signals.force(130)
         assert codes == [130]
