@@ -28,7 +28,7 @@ def test_a_run_without_the_fault_does_not_meet_the_expectations(path: Path) -> N
 
 
 def test_the_death_of_the_world_moves_no_robot() -> None:
-    scenario = load(CONFIGS / "faults" / "world.config.toml", {"run.duration": 4.0})
+    scenario = load(CONFIGS / "faults" / "world.toml", {"run.duration": 4.0})
     died, calm = (
         inprocess.run(variant, "world") for variant in (scenario, scenario.model_copy(update={"event": []}))
     )
