@@ -1,6 +1,7 @@
-"""All benchmarks, one after the other: `python -m bench`."""
+"""All benchmarks, in sequence: `python -m bench`."""
 
-from bench import compute, cost, growth, lockstep, recording, secure, startup
+from bench.size import cost, growth
+from bench.speed import compute, lockstep, recording, secure, startup
 
 if __name__ == "__main__":
     compute.main()

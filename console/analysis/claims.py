@@ -1,6 +1,6 @@
-"""Where the paper's text does not hold: each claim as a computation that prints its numbers.
+"""Errors in the paper's text: each claim as a computation that returns its numbers.
 
-`fes claims` lists them, `fes claims NAME` runs one. `docs/paper.md` says what they mean.
+`fes claims` lists and runs all, `fes claims NAME` runs one. `docs/paper.md` explains the numbers.
 """
 
 import math
@@ -21,7 +21,7 @@ from world.metrics import optimum
 Numbers = dict[str, float]
 
 SEEDS = 5
-"""Number of runs of a formation whose end differs from seed to seed."""
+"""Number of runs of a formation with a different end for each seed."""
 
 PAIR = np.array([58.0, 78.0])
 """Two estimates of one link, 20 m apart [m]."""
@@ -31,7 +31,7 @@ def printed_law() -> Numbers:
     """(18) as printed: beta_l r_hat + xi is conserved, and the disagreement freezes at 2/(2 + beta_l)."""
     config = SeekingConfig(law="paper", index_transform="none", index_gain=1.0)
     start, end = _pair(config, 10.0)
-    kept = config.low_pass_cutoff * end[perturbation.ESTIMATE] + end[perturbation.DRIFT]
+    conserved = config.low_pass_cutoff * end[perturbation.ESTIMATE] + end[perturbation.DRIFT]
     _, with_gain = _pair(config.model_copy(update={"index_gain": 44460.0}), 10.0)
     return {
         "disagreement at the start [m]": 20.0,
@@ -39,7 +39,7 @@ def printed_law() -> Numbers:
         "2/(2 + beta_l) of the start [m]": 20.0 * 2.0 / (2.0 + config.low_pass_cutoff),
         "disagreement after 10 s with an index gain of 44460 [m]": float(np.ptp(with_gain[perturbation.ESTIMATE])),
         "change of beta_l r_hat + xi": float(
-            np.abs(kept - config.low_pass_cutoff * start[perturbation.ESTIMATE]).max()
+            np.abs(conserved - config.low_pass_cutoff * start[perturbation.ESTIMATE]).max()
         ),
     }
 
@@ -62,8 +62,8 @@ def corrected_law() -> Numbers:
 
 
 def time_constant() -> Numbers:
-    """The printed gains: a gradient time constant of half a day; and what a gain of 44460 makes of it."""
-    washout = 100.0**2 / (100.0**2 + 25.0**2)  # what the washout lets through of the dither, in phase
+    """The printed gains: a gradient time constant of half a day; and the modes for a gain of 44460."""
+    washout = 100.0**2 / (100.0**2 + 25.0**2)  # in-phase part of the dither that passes the washout
     slow, fast = sorted(-np.roots([1.0, 4.0, 4.0 * washout]).real)  # s^2 + beta_l s + beta_l (rate of the gradient)
     numbers = {"slow mode at gain 44460, with washout and low-pass [s]": 1.0 / slow, "its fast mode [s]": 1.0 / fast}
     for nearest in (50.0, 100.0):
@@ -84,25 +84,25 @@ def two_exponents() -> Numbers:
 
 
 def weights() -> Numbers:
-    """(9) against (1): no weight is left for a_ii, and a_ij is not a_ji, as (12) wants."""
+    """(9) against (1): the weights leave 0 for a_ii, and a_ij is not a_ji as (12) assumes."""
     three = Edges(np.array([0]), np.array([0, 0, 0]), np.array([1, 2, 3]))
     two = Edges(np.array([0]), np.array([0, 0]), np.array([1, 2]))
-    one = Edges(np.array([0]), np.array([0]), np.array([1]))
-    mine = formation.weights(three, np.array([1.0, 5.0, 2.0]))
-    theirs = formation.weights(two, np.array([1.0, 9.0]))
+    single = Edges(np.array([0]), np.array([0]), np.array([1]))
+    from_three = formation.weights(three, np.array([1.0, 5.0, 2.0]))
+    from_two = formation.weights(two, np.array([1.0, 9.0]))
     return {
-        "sum of weights, three neighbors": float(mine.sum()),
-        "a_ii by (1), three neighbors": 1.0 - float(mine.sum()),
-        "sum of weights, one neighbor": float(formation.weights(one, np.array([3.0])).sum()),
-        "a_ij of a robot with three neighbors": float(mine[0]),
-        "a_ji of its peer with two": float(theirs[0]),
+        "sum of weights, three neighbors": float(from_three.sum()),
+        "a_ii by (1), three neighbors": 1.0 - float(from_three.sum()),
+        "sum of weights, one neighbor": float(formation.weights(single, np.array([3.0])).sum()),
+        "a_ij of a robot with three neighbors": float(from_three[0]),
+        "a_ji of its peer with two": float(from_two[0]),
     }
 
 
 def theorem_1() -> Numbers:
-    """(12) drops cross terms: a robot that stands still between two equal pulls, whose V (12) says falls."""
+    """(12) drops cross terms: a robot at rest between two equal errors, whose V falls according to (12)."""
     best = optimum.optimal_separation(ObjectiveConfig(), ChannelConfig())
-    # Both peers are straight ahead, one a meter too far, one a meter too near; they head across, so their v is 0.
+    # Both peers are straight ahead, the first 1 m too far, the second 1 m too near. They head across: their v is 0.
     ahead = np.array([best + 1.0, best - 1.0])
     pair = Edges(np.array([0]), np.array([0, 0]), np.array([1, 2]))
     error = ahead - best
@@ -118,11 +118,11 @@ def theorem_1() -> Numbers:
 def disk_graph() -> Numbers:
     """Every robot in range a neighbor: Problem 1 has no solution, and the robots end in a frustrated cluster.
 
-    The end of a frustrated formation is chaotic: the last bit of a processor's exp decides. So many seeds are run.
+    The end of a frustrated formation is chaotic, and depends on the last bit of exp: hence several seeds.
     """
     start = _scenario("disk")
     seeds = [start.model_copy(update={"run": start.run.model_copy(update={"seed": seed})}) for seed in range(SEEDS)]
-    lengths = np.array([[edge[2] for edge in one["edges"]] for one in stacked.run(seeds, "paper")])
+    lengths = np.array([[edge[2] for edge in summary["edges"]] for summary in stacked.run(seeds, "paper")])
     shortest, longest = lengths.min(axis=1), lengths.max(axis=1)
     return {
         "seeds": float(SEEDS),
@@ -163,17 +163,17 @@ def _pair(config: SeekingConfig, duration: float) -> tuple[Floats, Floats]:
     seeker = Seeker(config, index, 0.02)
     start = state = perturbation.begin(seeker, 0, PAIR)
     for tick in range(math.ceil(duration / seeker.dt)):
-        heard = perturbation.extrapolate(seeker, state, state[perturbation.ESTIMATE, ::-1], np.zeros(2))
-        state = perturbation.advance(seeker, tick, state, heard)
+        received = perturbation.extrapolate(seeker, state, state[perturbation.ESTIMATE, ::-1], np.zeros(2))
+        state = perturbation.advance(seeker, tick, state, received)
     return start, state
 
 
 def _curvature(objective: ObjectiveConfig) -> float:
     """J'' at r* [1/m^2], by central differences."""
     h = 0.02
-    at = optimum.optimal_separation(objective, ChannelConfig()) + h * np.array([-1.0, 0.0, 1.0])
-    below, here, above = oracle.index(objective, ChannelConfig(), "none")(at)
-    return float((below - 2.0 * here + above) / h**2)
+    separations = optimum.optimal_separation(objective, ChannelConfig()) + h * np.array([-1.0, 0.0, 1.0])
+    below, center, above = oracle.index(objective, ChannelConfig(), "none")(separations)
+    return float((below - 2.0 * center + above) / h**2)
 
 
 def _scenario(rule: str) -> Scenario:

@@ -29,21 +29,21 @@ PAPER, MEASURED = "paper", "measured"
 def plot(
     target: Annotated[str, typer.Argument(help="`paper`, `measured`, a run directory or a log.")],
     out: Annotated[
-        Path | None, typer.Option(help="Where to write (default: figures/, or the run directory).")
+        Path | None, typer.Option(help="Output directory (default: figures/, or the run directory).")
     ] = None,
 ) -> int:
-    """Draw figures as PNG and SVG: the paper's Figs. 1, 3, 5 and 6; how beacons are counted; or those of a run."""
+    """Draw figures as PNG and SVG: the paper's Figs. 1, 3, 5 and 6, robots that count beacons, or a run."""
     with progress.bar("figures") as bar:
         if target == PAPER:
             directory, drawn = out or Path("figures"), _paper_figures(bar)
         elif target == MEASURED:
             bar.note("many seeds of robots that count beacons")
-            seen = convergence_study.learn(builtin.FOLDER)
-            directory, drawn = out or Path("figures"), {"measured": figures.learning_figure(seen)}
+            learning = convergence_study.learn(builtin.FOLDER)
+            directory, drawn = out or Path("figures"), {"measured": figures.learning_figure(learning)}
         else:
             bar.note("the run again")
-            where = Path(target)
-            directory, drawn = out or (where.parent if where.is_file() else where), _run_figures(where)
+            source = Path(target)
+            directory, drawn = out or (source.parent if source.is_file() else source), _run_figures(source)
         written = []
         try:
             directory.mkdir(parents=True, exist_ok=True)
@@ -61,20 +61,20 @@ def show_claims(
     name: Annotated[str | None, typer.Argument(help=f"One of {', '.join(claims.CLAIMS)} (default: all).")] = None,
     json_: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
 ) -> int:
-    """Compute where the paper's text does not hold (docs/paper.md says what the numbers mean)."""
+    """Compute the errors in the paper's text (docs/paper.md explains the numbers)."""
     if name is not None and name not in claims.CLAIMS:
         raise FesError(f"no claim '{name}'; there are {', '.join(claims.CLAIMS)}")
-    wanted, found = [name] if name else list(claims.CLAIMS), {}
+    wanted, results = [name] if name else list(claims.CLAIMS), {}
     with progress.bar("claims", len(wanted)) as bar:
         for key in wanted:
             bar.note(key)
-            found[key] = claims.CLAIMS[key]()
+            results[key] = claims.CLAIMS[key]()
             bar.advance()
     if json_:
-        print(strict_json.dumps(found))
+        print(strict_json.dumps(results))
         return process.SUCCESS
     screen = printing.console()
-    for key, numbers in found.items():
+    for key, numbers in results.items():
         table = Table.grid(padding=(0, 2))
         for label, value in numbers.items():
             table.add_row(printing.cell(f"  {label}"), f"{value:.6g}")
@@ -100,14 +100,14 @@ def _paper_figures(bar: progress.Bar) -> "dict[str, Figure]":
 
 
 def _run_figures(target: Path) -> "dict[str, Figure]":
-    """The figures of a run: from its log, or from its directory if it was not recorded."""
+    """The figures of a run, from its log, or from its directory if there is no log."""
     path = reader.find(target) if target.exists() else None
     seen = _again(target) if path is None else _recorded(logs.load(path))
     return {"formation": figures.formation_figure(seen), "convergence": figures.convergence_figure(seen)}
 
 
 def _recorded(log: Log) -> History:
-    """The run in a log."""
+    """The history of the run in a log."""
     complaint = log.complaint
     if complaint is not None:
         process.complain("fes", complaint)
@@ -115,7 +115,7 @@ def _recorded(log: Log) -> History:
 
 
 def _again(directory: Path) -> History:
-    """A run, executed again from its scenario; its digest must come out again."""
+    """The history of a run executed again from its scenario; raises FesError if its digest differs."""
     scenario = directory / "scenario.toml"
     if not scenario.is_file() or not (directory / "summary.json").is_file():
         raise FesError(f"{directory} is not a run directory: it has no scenario.toml and summary.json")
@@ -124,12 +124,12 @@ def _again(directory: Path) -> History:
     if not isinstance(ticks, int) or not 1 <= ticks <= loaded.ticks or "digest" not in summary:
         raise FesError(f"{directory / 'summary.json'} is not a summary of {scenario.name}: it lacks ticks or digest")
     run = loaded.run.model_copy(update={"duration": ticks * loaded.run.dt})
-    seen = history.follow(loaded.model_copy(update={"run": run}))
-    if seen.digest != summary["digest"]:
-        here = f"this is {fingerprint.text()}"
+    run_history = history.follow(loaded.model_copy(update={"run": run}))
+    if run_history.digest != summary["digest"]:
+        current = f"this is {fingerprint.text()}"
         try:
-            made = f"it was made with {fingerprint.text(summary['arithmetic'])}"
+            recorded = f"it was made with {fingerprint.text(summary['arithmetic'])}"
         except (KeyError, TypeError):
-            made = "it does not say with which arithmetic it was made"
-        raise FesError(f"{directory} cannot be executed again bit for bit here: {made}; {here}")
-    return seen
+            recorded = "it does not say with which arithmetic it was made"
+        raise FesError(f"{directory} cannot be executed again bit for bit here: {recorded}; {current}")
+    return run_history

@@ -1,4 +1,4 @@
-"""How robots that count beacons find the optimum: mean estimates over seeds, beside their lower bound."""
+"""Convergence of robots that count beacons: mean estimates over seeds, beside their lower bound."""
 
 import math
 from dataclasses import dataclass
@@ -14,13 +14,13 @@ from world.config.scenario import Scenario, load
 from world.metrics.optimum import optimal_separation
 
 CHANGE = 60.0
-"""When the signal-to-noise ratio halves [s]."""
+"""Time at which the signal-to-noise ratio halves [s]."""
 
 DURATION = 120.0
-"""[s]"""
+"""Simulated time of a run [s]."""
 
 LINKS = 18
-"""Directed links that ten robots have on the relative neighborhood graph, once they are there."""
+"""Directed links of ten robots in formation on the relative neighborhood graph."""
 
 HALVED: dict[str, Any] = {
     "run.duration": DURATION,
@@ -39,24 +39,24 @@ FED: dict[str, Any] = {
 
 @dataclass(frozen=True, eq=False)
 class Learning:
-    """Mean estimates of several runs less r*, tick by tick."""
+    """Errors of the mean estimates of several runs, tick by tick."""
 
     time: Floats
     """[t] [s]"""
     counted: Floats
-    """Of the measured index [runs, t] [m]."""
+    """Errors with the measured index [runs, t] [m]."""
     fed: Floats
-    """Of (18) fed with samples [runs, t] [m]."""
+    """Errors of (18) fed with samples [runs, t] [m]."""
     bound: Floats
-    """Standard deviation that no unbiased estimator is below, from the start or the change on [t] [m]."""
+    """Lower bound of the standard deviation of unbiased estimators, since the start or the change [t] [m]."""
 
 
 def learn(configs: Path, runs: int = 20, fed: int = 3) -> Learning:
     """Run `measured.toml` with a channel that changes over `runs` seeds, and (18) fed with samples over `fed`."""
     path = configs / "measured.toml"
     counted = [load(path, {**HALVED, "run.seed": seed}) for seed in range(runs)]
-    one_by_one = [load(path, {**HALVED, **FED, "run.seed": seed}) for seed in range(fed)]
-    errors, fed_errors = _errors(counted), _errors(one_by_one)
+    fed_scenarios = [load(path, {**HALVED, **FED, "run.seed": seed}) for seed in range(fed)]
+    errors, fed_errors = _errors(counted), _errors(fed_scenarios)
     time: Floats = counted[0].run.dt * np.arange(errors.shape[1], dtype=np.float64)
     since = np.where(time < CHANGE, time, time - CHANGE) + counted[0].run.dt
     links = 26
@@ -64,30 +64,32 @@ def learn(configs: Path, runs: int = 20, fed: int = 3) -> Learning:
 
 
 def time_to_one_meter(scenario: Scenario, links: int) -> float:
-    """T [s] after which no unbiased estimator of r* from `links` directed links is surer than 1 m (one sigma).
+    """Lower bound T [s] of the time until an unbiased estimator of r* from `links` directed links has 1 m (1 sigma).
 
     The Cramer-Rao bound of a Bernoulli sample's slope at separations dithered about r*:
-    T = (1 - p)/p / (f links (A^2/2) H^2), with f beacons a second and H = (ln J)''.
+    T = (1 - p)/p / (f links (A^2/2) H^2), with f beacons per second and H = (ln J)''.
     """
-    channel, wish = scenario.channel, scenario.objective
-    best = np.array([optimal_separation(wish, channel)])
+    channel, objective_config = scenario.channel, scenario.objective
+    best = np.array([optimal_separation(objective_config, channel)])
     p = float(outage.reception_probability(best, channel)[0])
     step = 1e-3
-    bend = (
+    slope_change = (
         outage.log_reception_slope(best + step, channel) - outage.log_reception_slope(best - step, channel)
     ) / step
-    curvature = float((objective.log_preference_curvature(best, wish) + 0.5 * bend)[0])
+    curvature = float((objective.log_preference_curvature(best, objective_config) + 0.5 * slope_change)[0])
     excited = 0.5 * scenario.seeking.dither_amplitude**2
     return (1.0 - p) / p / (links / scenario.run.dt * excited * curvature**2)
 
 
 def _errors(scenarios: list[Scenario]) -> Floats:
-    """Mean estimate less r* [runs, t] [m]; NaN before there are any."""
+    """Mean estimate less r* [runs, t] [m]; NaN before the first estimate."""
     rows, channel, best = [], None, math.nan
     for together in stacked.ticks(scenarios):
         now = together[0].state.channel  # all runs change at the same time
         if now is not channel:
             channel, best = now, optimal_separation(scenarios[0].objective, now)
-        said = [tick.beacons.estimates for tick in together]
-        rows.append([float(estimates.mean()) - best if len(estimates) else math.nan for estimates in said])
+        estimates_by_run = [tick.beacons.estimates for tick in together]
+        rows.append(
+            [float(estimates.mean()) - best if len(estimates) else math.nan for estimates in estimates_by_run]
+        )
     return np.array(rows).T

@@ -1,6 +1,6 @@
-"""Figures, with matplotlib: readable in grey and by color-blind eyes, PNG and SVG.
+"""Figures with matplotlib, as PNG and SVG: readable in gray and for color-blind readers.
 
-Matplotlib is imported when a figure is drawn: it comes with the extra `plot`.
+Matplotlib comes with the extra `plot`, and is imported only to draw a figure.
 """
 
 from collections.abc import Iterator
@@ -33,17 +33,17 @@ POINTS = {"A": 68.0, "B": 105.0, "C": 150.0}
 """The paper's points of Fig. 1 [m]."""
 
 MARGIN = 25.0
-"""Around the robots of a formation figure [m]."""
+"""Margin around the robots of a formation figure [m]."""
 
 THIN = 10
-"""Of so many ticks one is drawn where there are many lines."""
+"""One tick in this many is drawn in a figure of many lines."""
 
 FLOOR = 1e-6
 """Smallest value of a logarithmic axis [m]."""
 
 
 def require() -> None:
-    """Raise FesError if no figure can be drawn here."""
+    """Raise FesError if matplotlib is missing."""
     if find_spec("matplotlib") is None:
         raise FesError(f"figures need matplotlib: {install('plot')}")
 
@@ -54,10 +54,15 @@ def outage_figure() -> "Figure":
     r = np.linspace(0.0, 250.0, 501)
     with sheet(5.2, 3.4) as (figure, axes):
         axes.plot(r, outage.outage_probability(r, channel), color=BLUE)
-        for name, at in POINTS.items():
-            lost = float(outage.outage_probability(np.array([at]), channel)[0])
-            axes.plot(at, lost, "o", color=INK, markersize=5)
-            axes.annotate(f"{name}: {at:.0f} m, {100 * lost:.1f} %", (at, lost), (8, -10), textcoords="offset points")
+        for name, separation in POINTS.items():
+            lost = float(outage.outage_probability(np.array([separation]), channel)[0])
+            axes.plot(separation, lost, "o", color=INK, markersize=5)
+            axes.annotate(
+                f"{name}: {separation:.0f} m, {100 * lost:.1f} %",
+                (separation, lost),
+                (8, -10),
+                textcoords="offset points",
+            )
         axes.set(xlabel="separation [m]", ylabel="outage probability", xlim=(0, 250), ylim=(0, 1))
     return figure
 
@@ -82,7 +87,7 @@ def index_figure() -> "Figure":
 
 
 def formation_figure(run: History) -> "Figure":
-    """The paper's Fig. 5: formation and links when contacts have opened, on the way and at the end."""
+    """The paper's Fig. 5: formation and links at the first contacts, on the way and at the end."""
     last = len(run.time) - 1
     first = next((tick for tick, links in enumerate(run.links) if len(links)), 0)
     low, high = run.poses[..., :2].min(axis=(0, 1)) - MARGIN, run.poses[..., :2].max(axis=(0, 1)) + MARGIN
@@ -118,7 +123,7 @@ def convergence_figure(run: History) -> "Figure":
 
 
 def step_figure(sub_steps: dict[str, list[tuple[float, float]]], ticks: list[tuple[float, float]]) -> "Figure":
-    """Integration errors: of the seeking law against its sub-step, of the closed loop against the tick."""
+    """Integration errors: the seeking law against its sub-step, the closed loop against the tick."""
     with sheet(7.2, 3.2, columns=2) as (figure, axes):
         for (transform, rows), color in zip(sub_steps.items(), (BLUE, ORANGE), strict=True):
             steps, errors = np.array(rows).T
@@ -141,20 +146,22 @@ def step_figure(sub_steps: dict[str, list[tuple[float, float]]], ticks: list[tup
     return figure
 
 
-def learning_figure(seen: Learning) -> "Figure":
+def learning_figure(learning: Learning) -> "Figure":
     """Mean estimates of robots that count beacons, beside the lower bound and beside (18) fed with samples."""
     with sheet(7.6, 3.4, columns=2) as (figure, axes):
-        jump = int(np.searchsorted(seen.time, CHANGE))
+        jump = int(np.searchsorted(learning.time, CHANGE))
         spans = (slice(0, jump), slice(jump, None))
         titles = ("from the start", "after the signal-to-noise ratio halved")
         for look, span, title in zip(axes, spans, titles, strict=True):
-            time = seen.time[span] - seen.time[span][0]
-            look.fill_between(time, -seen.bound[span], seen.bound[span], color="#cccccc", label="lower bound (1 σ)")
+            time = learning.time[span] - learning.time[span][0]
+            look.fill_between(
+                time, -learning.bound[span], learning.bound[span], color="#cccccc", label="lower bound (1 σ)"
+            )
             time = time[::THIN]
-            for at, run in enumerate(seen.fed[:, span]):
-                look.plot(time, run[::THIN], ":", color=ORANGE, label=None if at else "(18), given samples")
-            for at, run in enumerate(seen.counted[:, span]):
-                look.plot(time, run[::THIN], color=BLUE, linewidth=0.6, label=None if at else "counting beacons")
+            for number, run in enumerate(learning.fed[:, span]):
+                look.plot(time, run[::THIN], ":", color=ORANGE, label=None if number else "(18), given samples")
+            for number, run in enumerate(learning.counted[:, span]):
+                look.plot(time, run[::THIN], color=BLUE, linewidth=0.6, label=None if number else "counting beacons")
             look.axhline(0.0, color=INK, linewidth=0.8)
             look.set(title=title, xlabel="time [s]", xlim=(0.0, 45.0), ylim=(-10.0, 14.0))
             look.grid(alpha=0.3)
@@ -164,7 +171,7 @@ def learning_figure(seen: Learning) -> "Figure":
 
 
 def plain(text: str) -> str:
-    """Data as a label: matplotlib takes text between two dollars for a formula, and hides labels that begin with `_`.
+    """Data as a label: matplotlib reads text between dollars as a formula, and hides labels that begin with `_`.
 
     >>> plain("_$a$")
     ' _\\\\$a\\\\$'
@@ -179,13 +186,13 @@ def save(figure: "Figure", path: Path) -> list[Path]:
 
     written = [path.with_suffix(".png"), path.with_suffix(".svg")]
     figure.savefig(written[0], dpi=150)
-    with rc_context({"svg.hashsalt": "fes"}):  # ids in the picture, else drawn at random
+    with rc_context({"svg.hashsalt": "fes"}):  # ids in the picture are random otherwise
         figure.savefig(written[1], metadata={"Date": None})
     return written
 
 
-def _index(r: Any, wish: ObjectiveConfig, channel: ChannelConfig) -> Any:
-    return objective.preference(r, wish) * outage.reception_probability(r, channel)
+def _index(r: Any, objective_config: ObjectiveConfig, channel: ChannelConfig) -> Any:
+    return objective.preference(r, objective_config) * outage.reception_probability(r, channel)
 
 
 def _robots(axes: "Axes", poses: Any) -> None:
@@ -202,7 +209,7 @@ def _robots(axes: "Axes", poses: Any) -> None:
 def sheet(
     width: float, height: float, columns: int = 1, rows: tuple[float, ...] = (1.0,)
 ) -> Iterator[tuple["Figure", Any]]:
-    """A new figure [inches] in the house's style, with its axes; `rows` are the ratios of their heights."""
+    """A new figure [inches] in the project's style, with its axes; `rows` are the ratios of their heights."""
     require()
     from matplotlib import rc_context
     from matplotlib.figure import Figure

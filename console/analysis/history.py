@@ -1,4 +1,4 @@
-"""A run as time series, for figures. A run is a function of its scenario, so it need not have been recorded."""
+"""A run as time series, for figures; from its log, or from its scenario, which determines it."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from world.simulation.truth import State
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """What happened in a run, tick by tick; sums are over the links in use at each tick."""
+    """Time series of a run; sums are over the links in use at each tick."""
 
     time: Floats
     """[t] [s]"""
@@ -29,36 +29,36 @@ class History:
     links: list[Edges]
     """Links in use at each tick, in both directions [t]."""
     disagreement: Floats
-    """Sum of |r_ij - r_ji| over links [t] [m]; NaN before there are any."""
+    """Sum of |r_ij - r_ji| over links [t] [m]; NaN before the first link."""
     estimate_error: Floats
     """Sum of |r_ij - r*| over both ends of all links [t] [m]."""
     separation_error: Floats
-    """Largest |separation - r*| [t] [m]; averaged over a dither period where one is over, as in the summary."""
+    """Largest |separation - r*| [t] [m]; averaged over a dither period once it is complete, as in the summary."""
     optimal: float
     """r* [m]."""
     digest: str
     averaged: bool
-    """Whether the formation breathes, so that separations are averaged over a dither period."""
+    """True if the dither moves the formation, so that separations are averaged over a dither period."""
 
 
 class Moment(Protocol):
-    """One tick: what was true, and what the robots did and said."""
+    """One tick: truth, commands and telemetry."""
 
     @property
     def state(self) -> State:
-        """The truth."""
+        """True state."""
 
     @property
     def twists(self) -> Floats:
-        """[n, 2] [m/s, rad/s]"""
+        """Commanded twists [n, 2] [m/s, rad/s]."""
 
     @property
     def telemetry(self) -> Telemetry:
-        """What the robots said of themselves."""
+        """Telemetry of the robots."""
 
 
 def follow(scenario: Scenario) -> History:
-    """Run a scenario in process, and keep its history."""
+    """Run a scenario in process, and return its history."""
     metrics = MetricsCollector(scenario)
 
     def accounted() -> Iterator[tuple[Moment, MetricsCollector]]:
@@ -75,17 +75,17 @@ def recorded(log: Log) -> History:
 
 
 def gather(scenario: Scenario, moments: Iterable[tuple[Moment, MetricsCollector]]) -> History:
-    """The history of a run that is gone through, tick by tick with the account up to it; of one tick at least."""
+    """The history of at least one tick, each with the metrics up to it."""
     last = MetricsCollector(scenario)
     poses, links, rows = [], [], []
     for tick, metrics in moments:
         last = metrics
-        said = tick.telemetry
+        telemetry = tick.telemetry
         poses.append(tick.state.poses)
-        links.append(said.links)
-        total = float(np.abs(said.estimates - metrics.optimal).sum()) if len(said.links) else np.nan
-        apart = float(np.abs(metrics.separation - metrics.optimal).max()) if len(links[-1]) else np.nan
-        rows.append((metrics.link_errors.errors["disagreement"], total, apart))
+        links.append(telemetry.links)
+        total = float(np.abs(telemetry.estimates - metrics.optimal).sum()) if len(telemetry.links) else np.nan
+        largest = float(np.abs(metrics.separation - metrics.optimal).max()) if len(links[-1]) else np.nan
+        rows.append((metrics.link_errors.errors["disagreement"], total, largest))
     series = np.array(rows).T
     time = scenario.run.dt * np.arange(len(poses), dtype=np.float64)
     return History(

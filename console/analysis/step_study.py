@@ -1,4 +1,4 @@
-"""How the integration error depends on the step: evidence for the default sub-step and tick."""
+"""Integration error against the step: evidence for the default sub-step and tick."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from fes.model.config import ChannelConfig, ObjectiveConfig, SeekingConfig
 from world.config.scenario import Scenario
 
 STARTS = np.array([50.0, 60.0, 80.0, 90.0])
-"""Starts of the seeking study [m]: where the paper's scenario starts."""
+"""Initial estimates of the seeking study [m], those of the paper's scenario."""
 
 SUB_STEPS = (0.02, 0.01, 0.005, 0.0025)
 TICKS = (0.05, 0.02, 0.01, 0.005)
@@ -33,7 +33,7 @@ def seeking_error(sub_step: float, transform: str = "none", starts: Floats = STA
 def tick_errors(scenario: Scenario, ticks: tuple[float, ...] = TICKS) -> list[tuple[float, float]]:
     """(tick [s], largest distance [m] at HORIZON between robots run with this tick and with REFERENCE_TICK).
 
-    The channel loses nothing: which beacons are lost depends on the tick, and would hide the error.
+    The channel is perfect: losses depend on the tick, and would hide the error.
     """
     reference = _final(scenario, REFERENCE_TICK)
     away = [_final(scenario, tick) - reference for tick in ticks]

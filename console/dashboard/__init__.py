@@ -1,12 +1,12 @@
 """The dashboard: functions from reports to frames.
 
-live             fes view: reports in, frames out
-frame            one frame, from the reports so far
-header           its first lines
-map_panel        its map of the team
-panels           its panels of convergence and connectivity
-links_panel      its table of links
-reception_panel  its chart of what measuring robots learn
+live             fes view: draws frames from reports
+frame            one frame: all panels, from the reports so far
+header           lines at the top: progress, rates, team
+map_panel        map of the team
+panels           convergence and connectivity
+links_panel      table of links
+reception_panel  chart: reception as measuring robots learn it
 canvas           braille dots
-summary          the summary as a person reads it
+summary          the summary as tables for a terminal
 """

@@ -1,6 +1,6 @@
-"""A canvas of braille dots in a terminal: two dots by four a cell, so that a dot is as wide as it is high.
+"""A canvas of braille dots in a terminal: two by four dots per cell, so that a dot is as wide as it is high.
 
-Dots are counted from the lower left, x to the right and y up, as the world's axes are.
+Dots are counted from the lower left, x to the right and y up, like the world's axes.
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ from fes.arrays.types import Bools, Floats, Ints
 Line: TypeAlias = list[Segment]
 
 DOTS_X, DOTS_Y = 2, 4
-"""Dots a cell."""
+"""Dots per cell."""
 
 _BRAILLE = 0x2800
 _BLANK = ord(" ")
@@ -25,7 +25,7 @@ _BITS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]], dtype
 
 
 class Canvas:
-    """Dots, and characters over them. In a cell that drawings share, the later entry of the palette shows."""
+    """Dots, and characters over them. In a cell that drawings share, the later palette entry wins."""
 
     def __init__(self, width: int, height: int, palette: Sequence[str]) -> None:
         self.width, self.height = width, height
@@ -35,7 +35,7 @@ class Canvas:
         self.characters: NDArray[np.uint32] = np.zeros((height, width), dtype=np.uint32)
 
     def points(self, x: Floats, y: Floats, ink: Ints) -> None:
-        """Set the dots nearest to (x, y) [k], in entry `ink` of the palette; leave out those outside."""
+        """Set the dots nearest to (x, y) [k], in entry `ink` of the palette; dots outside are clipped."""
         column, row = _nearest(x), _nearest(y)
         row = self.height * DOTS_Y - 1 - row
         inside = (column >= 0) & (column < self.width * DOTS_X) & (row >= 0) & (row < self.height * DOTS_Y)
@@ -44,16 +44,16 @@ class Canvas:
         np.maximum.at(self.ink, (row // DOTS_Y, column // DOTS_X), ink[inside])
 
     def lines(self, start: Floats, end: Floats, ink: Ints, dash: Ints) -> None:
-        """Draw lines from `start` to `end` [k, 2]; of every dash[:, 1] dots show the first dash[:, 0]."""
+        """Draw lines from `start` to `end` [k, 2]: of every dash[:, 1] dots the first dash[:, 0]."""
         origin = _nearest(start)
-        way = _nearest(end) - origin
-        steps = np.maximum(1, np.abs(way).max(axis=1, initial=0))
+        extent = _nearest(end) - origin
+        steps = np.maximum(1, np.abs(extent).max(axis=1, initial=0))
         line = np.repeat(np.arange(len(steps)), steps + 1)
         first = np.cumsum(steps + 1) - (steps + 1)
         step = np.arange(len(line)) - first[line]
-        line, step = (kept[step % dash[line, 1] < dash[line, 0]] for kept in (line, step))
-        at = origin[line] + way[line] * (step / steps[line])[:, None]
-        self.points(at[:, 0], at[:, 1], ink[line])
+        line, step = (values[step % dash[line, 1] < dash[line, 0]] for values in (line, step))
+        positions = origin[line] + extent[line] * (step / steps[line])[:, None]
+        self.points(positions[:, 0], positions[:, 1], ink[line])
 
     def cell(self, x: Floats, y: Floats) -> tuple[Ints, Ints]:
         """Column and row, counted from the top, of the cells that hold the dots nearest to (x, y)."""
@@ -61,14 +61,14 @@ class Canvas:
         return column // DOTS_X, self.height - 1 - row // DOTS_Y
 
     def write(self, column: int, row: int, text: str, ink: int) -> None:
-        """Put `text` over the dots, from a cell to the right; what does not fit is left out."""
-        for place, character in enumerate(text, column):
-            if 0 <= place < self.width and 0 <= row < self.height:
-                self.characters[row, place] = ord(character)
-                self.ink[row, place] = ink
+        """Put `text` over the dots, from a cell to the right; characters outside are clipped."""
+        for cell, character in enumerate(text, column):
+            if 0 <= cell < self.width and 0 <= row < self.height:
+                self.characters[row, cell] = ord(character)
+                self.ink[row, cell] = ink
 
     def is_free(self, column: int, row: int, length: int, of_dots: bool) -> bool:
-        """Whether `length` cells are on the canvas and hold no character and, if asked, no dot."""
+        """True if `length` cells are on the canvas and hold no character and, with `of_dots`, no dot."""
         if not (0 <= row < self.height and column >= 0 and column + length <= self.width):
             return False
         if self.characters[row, column : column + length].any():
@@ -90,7 +90,7 @@ class Canvas:
         return [Segment(text[first:last], self.palette[ink[first]]) for first, last in pairwise(cuts) if first < last]
 
 
-def _nearest(place: Floats) -> Ints:
-    """Whole numbers; not `rint`, whose halves go to even ones and would leave gaps in a line."""
-    whole: Ints = np.floor(place + 0.5).astype(np.int64)
-    return whole
+def _nearest(position: Floats) -> Ints:
+    """Nearest integers; `rint` rounds halves to even, which would leave gaps in a line."""
+    nearest: Ints = np.floor(position + 0.5).astype(np.int64)
+    return nearest

@@ -1,6 +1,6 @@
-"""The dashboard: `render(history, width, height)` turns what is known of a run into one frame of text.
+"""The dashboard: `render(history, width, height)` draws the reports of a run as one frame of text.
 
-Panels that do not fit are left out, the least needed first; a frame always has the size asked for.
+In a small terminal the least important panels are hidden first. A frame always has the given size.
 """
 
 import numpy as np
@@ -17,40 +17,40 @@ from fes.arrays.types import Bools, Floats, Ints
 from fes.protocol.report import Report
 
 CAPACITY = 1024
-"""Bins of a history."""
+"""Number of bins of a history."""
 
-_TWO_COLUMNS = 72  # narrower than this, the panels stand one below the other
+_TWO_COLUMNS = 72  # narrower than this, the panels form one column
 _GAP = 2
-_SIDE = (49, 68)  # most width of the panels beside the map: what they may take, and what they may grow to
-_LEAST_LINKS = 4  # lines of the links' panel: with fewer, not even one would show
+_SIDE = (49, 68)  # maximum width of the panels beside the map, at first and grown
+_LEAST_LINKS = 4  # lines of the links' panel that show one link
 _MAX_BARS = 6
-_CHART = (4, 14)  # lines of the chart of reception
-_LEAST_COLUMN = 20  # lines from which on the panels have room for it
+_CHART = (4, 14)  # fewest and most lines of the chart of reception
+_LEAST_COLUMN = 20  # lines of a column with room for that chart
 
 
 class ReportHistory:
-    """The latest Report, and the worst of each bin of ticks of the run so far.
+    """The latest Report, and the worst values of each bin of ticks of the run so far.
 
-    A bin is one tick wide at first. Whenever the run outgrows the bins, pairs of them become one.
+    A bin is one tick wide at first. When all bins are full, pairs of bins are merged.
     """
 
     def __init__(self) -> None:
         self.latest: Report | None = None
         self.silence = 0.0
-        """For how long nothing was heard of a run that goes on [s; wall clock]."""
+        """Time since the last sign of life of a running run [s; wall clock]."""
         self._clear()
 
     def add(self, report: Report) -> None:
-        """Take in a Report; one from before the latest begins a new run."""
+        """Add a Report; a tick before the latest starts a new run."""
         if self.latest and (report.tick < self.latest.tick or report.scenario != self.latest.scenario):
             self._clear()
         self.latest = report
         while report.tick // self.stride >= CAPACITY:
             self._coarsen()
-        at = report.tick // self.stride
-        new = np.array([getattr(report, field) for field in SERIES])
-        self._worst[:, at] = np.fmax(self._worst[:, at], np.where(np.isfinite(new), new, np.nan))
-        self._seen[at] = True
+        index = report.tick // self.stride
+        values = np.array([getattr(report, field) for field in SERIES])
+        self._worst[:, index] = np.fmax(self._worst[:, index], np.where(np.isfinite(values), values, np.nan))
+        self._seen[index] = True
         changed = report.changed_at / report.dt if report.dt > 0.0 else 0.0
         if 0.0 < changed <= report.tick:
             self._changed[round(changed) // self.stride] = True
@@ -68,12 +68,12 @@ class ReportHistory:
         column = (seen - seen[0]) * columns // (seen[-1] - seen[0] + 1)
         filled, first = np.unique(column, return_index=True)
         worst = np.fmax.reduceat(self._worst[:, seen], first, axis=1)
-        # A part without a report shows the one before it
+        # A part without a report repeats the part before it
         held: Floats = worst[:, np.searchsorted(filled, np.arange(columns), side="right") - 1]
         return held
 
     def changes(self, columns: int) -> Ints:
-        """In which of `columns` equal parts of the run so far the channel changed [k]."""
+        """Indices of those of `columns` equal parts of the run so far in which the channel changed [k]."""
         seen, changed = np.flatnonzero(self._seen), np.flatnonzero(self._changed)
         if len(seen) == 0:
             return changed
@@ -82,7 +82,7 @@ class ReportHistory:
 
     def _clear(self) -> None:
         self.stride = 1
-        """Ticks a bin."""
+        """Ticks per bin."""
         self._worst: Floats = np.full((len(SERIES), CAPACITY), np.nan)
         self._seen: Bools = np.zeros(CAPACITY, dtype=np.bool_)
         self._changed: Bools = np.zeros(CAPACITY, dtype=np.bool_)
@@ -121,17 +121,20 @@ def _wide(history: ReportHistory, report: Report, width: int, height: int) -> li
     most = max(_SIDE[1], links_panel.full_width(report))
     side = max(min(links_panel.needed_width(report), _SIDE[0]), min(int(0.43 * width), most))
     left, body = width - side - _GAP, height - 2
-    team = [title("Map", legend(left - 6), left), *team_map(report, left, body - 1)]
-    right = _column(history, report, side, body, may_grow=True)
-    rows = zip(_shape(team, left, body), _shape(right, side, body), strict=True)
-    return [*header(report, width, history.silence), *([*one, styled(" " * _GAP), *other] for one, other in rows)]
+    map_lines = [title("Map", legend(left - 6), left), *team_map(report, left, body - 1)]
+    panel_lines = _column(history, report, side, body, may_grow=True)
+    rows = zip(_shape(map_lines, left, body), _shape(panel_lines, side, body), strict=True)
+    return [
+        *header(report, width, history.silence),
+        *([*map_row, styled(" " * _GAP), *panel_row] for map_row, panel_row in rows),
+    ]
 
 
 def _narrow(history: ReportHistory, report: Report, width: int, height: int) -> list[Line]:
     """The map above the other panels, if there is room for it."""
     lines, body = header(report, width, history.silence), height - 2
     chart = 1 + reception_panel.BESIDES + _CHART[0] if reception_panel.is_measured(report) else 0
-    spare = body - 4 - chart - 3 - (2 + len(report.a))  # what the other panels leave at their full height
+    spare = body - 4 - chart - 3 - (2 + len(report.a))  # lines beside the full height of the other panels
     tall = min(max(spare, 2 * body // 5), width // 2) if body >= 14 else 0
     if tall:
         lines += [title("Map", legend(width - 6), width), *team_map(report, width, tall - 1)]
@@ -139,32 +142,32 @@ def _narrow(history: ReportHistory, report: Report, width: int, height: int) -> 
 
 
 def _column(history: ReportHistory, report: Report, width: int, height: int, may_grow: bool) -> list[Line]:
-    """Convergence, reception, links and connectivity in `height` lines; reception goes first, then the last."""
-    learnt = _reception(report, width, height)
-    height -= len(learnt)
+    """Convergence, reception, links and connectivity in `height` lines; reception is hidden first, then the last."""
+    reception = _reception(report, width, height)
+    height -= len(reception)
     connectivity = panels.connectivity(report)
-    tied = 1 + len(connectivity) if height >= 10 + len(connectivity) else 0
+    connectivity_height = 1 + len(connectivity) if height >= 10 + len(connectivity) else 0
     table = 2 + max(1, len(report.a)) if height >= 8 else 0
-    is_due = bool(learnt) or report.changed_at > 0.0 or height - tied - table >= 2 + len(SERIES)
+    is_due = bool(reception) or report.changed_at > 0.0 or height - connectivity_height - table >= 2 + len(SERIES)
     tracking = [panels.tracking(report, width)] if is_due and height >= 12 else []
-    left = height - tied - min(table, (height - tied) // 2 + 1)
+    left = height - connectivity_height - min(table, (height - connectivity_height) // 2 + 1)
     rows = max(1, min(_MAX_BARS, (left - 1 - len(tracking)) // len(SERIES) - 1)) if may_grow else 1
     columns = panels.sparkline_width(width, rows)
     first, last = (tick * report.dt for tick in history.ticks)
     lines = [title("Convergence", [styled(f"log scale, {first:.4g} to {last:.4g} s")], width), *tracking]
     lines += panels.convergence(report, history.series(columns), history.changes(columns), width, rows)
-    lines += learnt
-    room = height + len(learnt) - len(lines) - tied
+    lines += reception
+    room = height + len(reception) - len(lines) - connectivity_height
     if room >= min(table, _LEAST_LINKS) > 0:
         note = [styled(f"{len(report.a):,}, in m, worst error first")]
         lines += [title("Links", note, width), *links_panel.links(report, width, room - 1)]
-    if tied:
+    if connectivity_height:
         lines += [title("Connectivity", [], width), *connectivity]
     return lines
 
 
 def _reception(report: Report, width: int, height: int) -> list[Line]:
-    """What is learnt, of a column of `height` lines, if anything is."""
+    """The panel of reception in a column of `height` lines; empty unless robots measure."""
     if height < _LEAST_COLUMN or not reception_panel.is_measured(report):
         return []
     chart = min(max(height // 5, _CHART[0]), _CHART[1])
@@ -185,5 +188,5 @@ def title(name: str, note: Line, width: int) -> Line:
 
 def _shape(lines: list[Line], width: int, height: int) -> list[Line]:
     """`lines` cropped and padded to exactly `width` x `height` cells."""
-    kept = [Segment.adjust_line_length(line, width) for line in lines[: max(0, height)]]
-    return kept + [[Segment(" " * width)]] * (height - len(kept))
+    shaped = [Segment.adjust_line_length(line, width) for line in lines[: max(0, height)]]
+    return shaped + [[Segment(" " * width)]] * (height - len(shaped))

@@ -1,4 +1,4 @@
-"""The first lines of the dashboard: how far the run is, how fast, and how the team is."""
+"""The first lines of the dashboard: progress and pace of the run, state of the team."""
 
 from collections.abc import Sequence
 
@@ -12,20 +12,19 @@ from fes.system.output import printable
 
 _GAP = 3
 
-
 SILENCE = 1.0
-"""A world that is not heard of for this long [s] is away, or waits for a robot: its pace is of the past then."""
+"""Time without a Report [s] after which the world counts as stopped, and its pace is not shown."""
 
 
 def header(report: Report, width: int, silence: float = 0.0) -> list[Line]:
-    """The two lines, after a `silence` [s] of the world."""
+    """The two lines, `silence` [s] after the last sign of life of the world."""
     return [_progress(report, width), _facts(report, width, silence)]
 
 
 def _progress(report: Report, width: int) -> Line:
     name = printable(report.scenario)
-    done, whole = (number(ticks * report.dt, ",.2f") for ticks in (report.tick, report.ticks))
-    ticks, times = f"{report.tick:,} / {report.ticks:,}", f"{done} / {whole} s"
+    done, duration = (number(ticks * report.dt, ",.2f") for ticks in (report.tick, report.ticks))
+    ticks, times = f"{report.tick:,} / {report.ticks:,}", f"{done} / {duration} s"
     words = [f"tick {ticks}", f"time {times}"] if width >= 72 else [ticks, times]
     room = width - cell_len(name) - sum(len(word) + _GAP for word in words) - 2
     line = [styled(name, "bold")]
@@ -37,7 +36,7 @@ def _progress(report: Report, width: int) -> Line:
 
 
 def _facts(report: Report, width: int, silence: float) -> Line:
-    """As many facts as fit, in their short form if need be."""
+    """The facts that fit in `width`, in their short form if necessary."""
     n, alive = len(report.alive), int(np.count_nonzero(report.alive == 1))
     sent, decoded = report.beacons_sent, report.beacons_decoded
     ratio = f"{decoded / sent:.1%}" if sent > 0 else number(float("nan"), "")
@@ -56,9 +55,9 @@ def _facts(report: Report, width: int, silence: float) -> Line:
         worst = int(np.argmax(report.missed))
         due = max(1, (report.tick + 1) * len(report.missed))
         missed = int(report.missed.sum())
-        told = f"{missed:,}, {missed / due:.2%}" + (f", robot {worst} {report.missed[worst]:,}" if missed else "")
+        misses = f"{missed:,}, {missed / due:.2%}" + (f", robot {worst} {report.missed[worst]:,}" if missed else "")
         late = f"{int(report.late.sum()):,}"
-        pace = [("live, deadlines missed", told, "bold red" if missed > due / 1000 else ""), ("late", late, "")]
+        pace = [("live, deadlines missed", misses, "bold red" if missed > due / 1000 else ""), ("late", late, "")]
     if silence >= SILENCE:
         pace = [("stands still for", f"{silence:,.0f} s", "bold red")]
     choices = [

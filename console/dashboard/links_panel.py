@@ -1,4 +1,4 @@
-"""The dashboard's table of the links in use: where they are, what they lose, and what is believed of them."""
+"""The dashboard's table of the links in use: separations, estimates and losses."""
 
 import numpy as np
 
@@ -9,8 +9,8 @@ from console.terminal.formatting import count, number, percent, styled
 from fes.arrays.types import Ints
 from fes.protocol.report import Report
 
-# Heading, width, and rank when there is no room: the lowest goes first
-_TOLD = (
+# Heading, width, and rank: the lowest is hidden first
+_ORACLE = (
     ("separation", 10, 7),
     ("error", 7, 1),
     ("estimates", 13, 6),
@@ -29,11 +29,11 @@ _MEASURED = (
     ("sent", 5, 2),
     ("gap", 5, 3),
 )
-_NEEDED = 4  # rank from which a column matters so much that the panel is made wide enough for it
+_NEEDED = 4  # the panel is made wide enough for columns of this rank and above
 
 
 def links(report: Report, width: int, height: int) -> list[Line]:
-    """The links in use, worst separation first, as many as fit."""
+    """The links in use that fit, worst separation first."""
     if len(report.a) == 0:
         return [[styled("no links", "dim")]]
     first = _first_column(report)
@@ -42,12 +42,12 @@ def links(report: Report, width: int, height: int) -> list[Line]:
     order = _worst_first(report)
     rows = len(order) if len(order) < height else max(0, height - 2)
     lines = [[styled(heading, "dim")]]
-    for at in order[:rows].tolist():
-        style = OUTAGE_STYLES[int(outage_class(report.outage[at : at + 1])[0])]
-        line = [styled(_link(report, at).ljust(first))]
+    for index in order[:rows].tolist():
+        style = OUTAGE_STYLES[int(outage_class(report.outage[index : index + 1])[0])]
+        line = [styled(_link(report, index).ljust(first))]
         for name, size, _ in columns:
             colored = style if name in ("outage", "learnt true") else ""
-            line.append(styled(f"{_cell(report, at, name):>{gap + size}}", colored))
+            line.append(styled(f"{_cell(report, index, name):>{gap + size}}", colored))
         lines.append(line)
     if rows < len(order):
         lines.append([styled(f"… and {len(order) - rows:,} more", "dim")])
@@ -55,7 +55,7 @@ def links(report: Report, width: int, height: int) -> list[Line]:
 
 
 def needed_width(report: Report) -> int:
-    """Width of the table with all that matters in columns one cell apart."""
+    """Width of the table with its important columns, one cell apart."""
     return _first_column(report) + sum(size + 1 for _, size, rank in _columns(report) if rank >= _NEEDED)
 
 
@@ -65,15 +65,15 @@ def full_width(report: Report) -> int:
 
 
 def _columns(report: Report) -> tuple[tuple[str, int, int], ...]:
-    return _MEASURED if reception_panel.is_measured(report) else _TOLD
+    return _MEASURED if reception_panel.is_measured(report) else _ORACLE
 
 
 def _first_column(report: Report) -> int:
     return max(len("link"), len(f"{report.a.max(initial=0)}–{report.b.max(initial=0)}"))
 
 
-def _link(report: Report, at: int) -> str:
-    return f"{report.a[at]}–{report.b[at]}"
+def _link(report: Report, index: int) -> str:
+    return f"{report.a[index]}–{report.b[index]}"
 
 
 def _fit(report: Report, width: int) -> tuple[list[tuple[str, int, int]], int]:
@@ -85,29 +85,31 @@ def _fit(report: Report, width: int) -> tuple[list[tuple[str, int, int]], int]:
 
 
 def _worst_first(report: Report) -> Ints:
-    """Links by |separation - r*|, rounded as it is shown, so that rows that look equal keep their order."""
+    """Order of the links by |separation - r*|, rounded as shown, so that rows that look equal keep their order."""
     with np.errstate(all="ignore"):
         error = np.round(np.abs(report.separation - report.optimal_separation), 2)
     order: Ints = np.lexsort((report.b, report.a, -np.where(np.isfinite(error), error, -1.0)))
     return order
 
 
-def _cell(report: Report, at: int, column: str) -> str:
-    separation = float(report.separation[at])
+def _cell(report: Report, index: int, column: str) -> str:
+    separation = float(report.separation[index])
     match column:
         case "separation":
             return number(separation, ".2f")
         case "error":
             return number(separation - report.optimal_separation, "+.2f")
         case "estimates":
-            return f"{number(report.estimate_ab[at], '.2f'):>6} {number(report.estimate_ba[at], '.2f'):>6}"
+            return f"{number(report.estimate_ab[index], '.2f'):>6} {number(report.estimate_ba[index], '.2f'):>6}"
         case "outage":
-            return percent(float(report.outage[at]))
+            return percent(float(report.outage[index]))
         case "learnt true":
-            return f"{percent(float(report.learnt_reception[at])):>5} {percent(1.0 - float(report.outage[at])):>5}"
+            return (
+                f"{percent(float(report.learnt_reception[index])):>5} {percent(1.0 - float(report.outage[index])):>5}"
+            )
         case "sent":
-            return count(float(report.sent[at]))
+            return count(float(report.sent[index]))
         case "gap":
-            return count(float(report.longest_gap[at]))
+            return count(float(report.longest_gap[index]))
         case _:
-            return percent(float(reception_panel.counted(report)[at]))
+            return percent(float(reception_panel.counted(report)[index]))

@@ -1,4 +1,4 @@
-"""The live dashboard. A view, which never slows a tick."""
+"""The live dashboard, a passive view that never slows a tick."""
 
 import contextlib
 import io
@@ -19,17 +19,17 @@ from fes.protocol.report import Report
 from fes.transport.bus import Bus
 
 IDLE = 0.25
-"""Without news the screen is drawn again after this time [s], for a terminal that was resized."""
+"""Time without a Report after which the screen is drawn again, for a resized terminal [s]."""
 
 LEAST = 12
-"""Least lines of the last frame, however small the terminal, and however much comes below it."""
+"""Fewest lines of the last frame, even in a smaller terminal."""
 
 
 class Screen:
-    """A terminal that shows the dashboard while the block lasts, and keeps its last frame."""
+    """A terminal that shows the dashboard within a block, and keeps its last frame."""
 
     def __init__(self, console: Console, below: int = 0) -> None:
-        """`below` lines will be printed after the last frame, and are to fit under it."""
+        """`below` is the number of lines printed after the last frame, which leaves room for them."""
         self.history = ReportHistory()
         self._console = console
         self._below = below
@@ -39,7 +39,7 @@ class Screen:
     def __enter__(self) -> Self:
         with contextlib.ExitStack() as stack:
             stack.callback(self._keep)
-            self._draw = stack.enter_context(screen.whole(self._console))
+            self._draw = stack.enter_context(screen.full_screen(self._console))
             self.draw()
             self._open = stack.pop_all()
         return self
@@ -55,19 +55,19 @@ class Screen:
         self.draw()
 
     def draw(self, silence: float = 0.0) -> None:
-        """Draw what is known, at the terminal's present size, after a `silence` [s] of the world."""
+        """Draw the reports so far, `silence` [s] after the last sign of life of the world."""
         self.history.silence = silence
         self._draw(self.frame())
 
     def frame(self) -> RenderableType:
-        """What is known, as one frame of the terminal's present size."""
+        """One frame of the reports so far, at the terminal's present size."""
         return render(self.history, self._console.width, self._console.height)
 
     def _keep(self) -> None:
-        """Print the last frame as ordinary lines, if there was one."""
+        """Print the last frame, if any, as ordinary lines."""
         if self.history.latest is not None:
-            height = max(LEAST, self._console.height - self._below - 1)  # less one, for the shell's prompt
-            with contextlib.suppress(OSError, SystemExit):  # rich raises it when the reader is gone
+            height = max(LEAST, self._console.height - self._below - 1)  # the last line is for the shell's prompt
+            with contextlib.suppress(OSError, SystemExit):  # rich raises SystemExit if the pipe is closed
                 self._console.print(render(self.history, self._console.width, height))
 
 
@@ -84,10 +84,10 @@ def save_picture(path: Path, frame: RenderableType, width: int, height: int, tit
 
 async def watch(bus: Bus, run: str, timeout: float, shown: Screen) -> None:
     """Show a run until its world leaves; raises Absent if none appears within `timeout` [s]."""
-    heard = time.monotonic()
+    last_report = time.monotonic()
     async for report in observer.reports(bus, run, timeout, IDLE):
         if report is None:
-            shown.draw(time.monotonic() - heard)
+            shown.draw(time.monotonic() - last_report)
         else:
-            heard = time.monotonic()
+            last_report = time.monotonic()
             shown.show(report)

@@ -1,4 +1,4 @@
-"""The map of the team: robots where they are, the way they head, and the links between them."""
+"""The map of the team: positions and headings of robots, and the links between them."""
 
 import math
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from fes.arrays.types import Bools, Floats, Ints
 from fes.protocol.report import Report
 
 FAIR_OUTAGE, POOR_OUTAGE = 0.15, 0.35
-"""Outage probability from which a link is drawn dashed, and dotted."""
+"""Outage probabilities from which a link is drawn dashed, and dotted."""
 
 OUTAGE_STYLES = ("green", "yellow", "red")
 """Good, fair and poor links."""
@@ -25,17 +25,17 @@ _LINK, _ROBOT, _DEAD = 1, 4, 5
 _ARROWS = np.array([ord(arrow) for arrow in "→↗↑↖←↙↓↘"], dtype=np.uint32)
 _CROSS, _BODY = ord("×"), ord("•")
 _MARGIN = 6  # dots on each side of the team: room for a marker and its id
-_LEAST_SPAN = 1.0  # m; a team closer together than this is not magnified further
-_MOST = 1e9  # m; a robot beyond is lost, not drawn
-_ZOOMS = 20  # scales a decade: the map zooms in steps, and stands still between them
+_LEAST_SPAN = 1.0  # m; a smaller team is not magnified further
+_MOST = 1e9  # m; robots beyond are not drawn
+_ZOOMS = 20  # scales per decade: the map zooms in steps
 
 
 @dataclass(frozen=True)
 class View:
-    """From the world to dots, equally scaled in x and y."""
+    """Transform from the world to dots, with equal scales in x and y."""
 
     scale: float
-    """[m] a dot"""
+    """Length per dot [m]."""
     west: float
     """x of the leftmost dots [m]"""
     south: float
@@ -47,7 +47,7 @@ class View:
 
 
 def outage_class(outage: Floats) -> Ints:
-    """0 for a good link, 1 for a fair one, 2 for a poor one or one of unknown outage [l].
+    """Class of each link [l]: 0 good, 1 fair, 2 poor or unknown.
 
     >>> outage_class(np.array([0.1, 0.2, 0.5, math.nan])).tolist()
     [0, 1, 2, 2]
@@ -62,7 +62,7 @@ def view(positions: Floats, width: int, height: int) -> View:
         positions = np.zeros((1, 2))
     low, high = positions.min(axis=0), positions.max(axis=0)
     room = np.maximum(size - 1.0 - 2.0 * np.minimum(_MARGIN, size // 4), 1.0)
-    # Half a cell is taken off, for the center is put on a whole cell: lest the map shivers as robots move
+    # The center is rounded to a cell, so that the map does not jitter as robots move: keep half a cell free
     room = np.maximum(room - (DOTS_X, DOTS_Y), 1.0)
     needed = max(_LEAST_SPAN / float(room.max()), float(((high - low) / room).max()))
     scale = 10.0 ** (math.ceil(_ZOOMS * math.log10(needed) - 1e-9) / _ZOOMS)
@@ -72,7 +72,7 @@ def view(positions: Floats, width: int, height: int) -> View:
 
 
 def team_map(report: Report, width: int, height: int) -> list[Line]:
-    """The map in `width` x `height` cells, its scale in the last line."""
+    """The map in `width` x `height` cells, with a scale bar in the last line."""
     if width < 1 or height < 2:
         return []
     canvas = Canvas(width, height - 1, _PALETTE)
@@ -86,12 +86,12 @@ def team_map(report: Report, width: int, height: int) -> list[Line]:
 
 
 def legend(width: int) -> Line:
-    """How outage is drawn, in words if `width` has room for them."""
+    """Line styles of the outage classes, with words if `width` has room for them."""
     line: Line = []
     for (pattern, meaning), style in zip(_LEGEND, OUTAGE_STYLES, strict=True):
         line += [Segment(f" {pattern}", Style.parse(style)), Segment(f" {meaning}")]
-    named = [Segment("outage "), *line]
-    return named if sum(segment.cell_length for segment in named) <= width else line[:-1]
+    titled = [Segment("outage "), *line]
+    return titled if sum(segment.cell_length for segment in titled) <= width else line[:-1]
 
 
 def _links(canvas: Canvas, report: Report, dots: Floats, shown: Bools) -> None:
@@ -124,7 +124,7 @@ def _arrows(heading: Floats) -> Ints:
 
 
 def _name(canvas: Canvas, name: str, column: int, row: int, ink: int) -> None:
-    """Write a robot's id beside it: off the links and apart from other ids, as far as there is room."""
+    """Write a robot's id beside its marker, off the links and apart from other ids if there is room."""
     size = len(name)
     beside = [(column + 1, row, 0, 1), (column - size, row, 1, 0)]
     above = [(x, y, 1, 1) for y in (row - 1, row + 1) for x in (column, column + 1, column - size)]
@@ -136,7 +136,7 @@ def _name(canvas: Canvas, name: str, column: int, row: int, ink: int) -> None:
 
 
 def _scale_bar(cell: float, width: int) -> Line:
-    """A round length, as wide as it is on the map; `cell` [m] a cell."""
+    """A bar of a round length at the map's scale of `cell` [m] per cell."""
     most = max(3, width // 3) * cell
     decade = 10.0 ** math.floor(math.log10(most))
     length = max(step * decade for step in (1, 2, 5) if step * decade <= most)

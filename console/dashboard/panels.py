@@ -1,4 +1,4 @@
-"""The panels beside the map: each a function from numbers to lines of styled text."""
+"""The panels beside the map, each a function from numbers to lines of styled text."""
 
 import math
 from functools import lru_cache
@@ -12,24 +12,24 @@ from fes.protocol.report import Report
 from world.metrics import graphs
 
 MAX_SPECTRUM = 250
-"""Up to this many robots the algebraic connectivity is computed: for more it would hold up the display."""
+"""Maximum number of robots for which the algebraic connectivity is computed; beyond, it would delay the display."""
 
 SERIES = {
     "disagreement": "disagreement",
     "estimate_error_max": "estimate error",
     "separation_error_max": "separation error",
 }
-"""What is plotted: field of a Report, and its label."""
+"""Plotted fields of a Report, and their labels."""
 
 _LABEL = max(map(len, SERIES.values()))
 _VALUE = 8
 _AXIS = 8
-_DECADES = 8  # a log scale goes at most so far below its largest value
+_DECADES = 8  # maximum span of a log scale
 _BARS = " ▁▂▃▄▅▆▇█"
 
 
 def connectivity(report: Report) -> list[Line]:
-    """Whether the links, and the robots in range, hold the team together."""
+    """Connectivity of the links and of the disk graph, and the robots that are not alive."""
     sizes, lambda_2 = _spectrum(len(report.alive), report.a.tobytes(), report.b.tobytes())
     state = styled("connected", "green")
     if len(sizes) != 1:
@@ -45,9 +45,9 @@ def connectivity(report: Report) -> list[Line]:
 
 
 def convergence(report: Report, series: Floats, changes: Ints, width: int, rows: int) -> list[Line]:
-    """A sparkline each of `series` [3, k] [m] on a log scale, `rows` high, under its label if that is > 1.
+    """A sparkline per row of `series` [3, k] [m] on a log scale, `rows` high.
 
-    `series` has as many columns as `sparkline_width` says; `changes` are those in which the channel changed.
+    k is `sparkline_width`; `changes` are the columns in which the channel changed.
     """
     lines: list[Line] = []
     for values, (field, label) in zip(series, SERIES.items(), strict=True):
@@ -65,7 +65,7 @@ def convergence(report: Report, series: Floats, changes: Ints, width: int, rows:
 
 
 def tracking(report: Report, width: int) -> Line:
-    """How far the mean estimate is from r*, and how long it took, or takes, to come near; in as many words as fit."""
+    """Error of the mean estimate, and time until it stays within 1 m of r*, in the words that fit."""
     error = report.mean_estimate_error
     passed = number(report.tick * report.dt - report.changed_at, ",.1f")
     if math.isfinite(report.tracking_time):
@@ -75,9 +75,12 @@ def tracking(report: Report, width: int) -> Line:
         words = [f"within 1 m of r*, not held yet, {passed} s so far", f"not held yet, {passed} s"]
     else:
         words = [f"not within 1 m of r* yet, {passed} s so far", f"not within 1 m, {passed} s"]
-    here, label = f"{number(error, '+,.2f')} m" if math.isfinite(error) else UNKNOWN, f"{'mean estimate':<{_LABEL}} "
-    says = next((text for text in words if len(label) + len(here) + 2 + len(text) <= width), "")
-    return [styled(label, "dim"), styled(here), styled(f", {says}" if says else "")]
+    shown_error, label = (
+        f"{number(error, '+,.2f')} m" if math.isfinite(error) else UNKNOWN,
+        f"{'mean estimate':<{_LABEL}} ",
+    )
+    shown = next((text for text in words if len(label) + len(shown_error) + 2 + len(text) <= width), "")
+    return [styled(label, "dim"), styled(shown_error), styled(f", {shown}" if shown else "")]
 
 
 def sparkline_width(width: int, rows: int) -> int:
@@ -86,7 +89,7 @@ def sparkline_width(width: int, rows: int) -> int:
 
 
 def log_range(values: Floats) -> tuple[float, float]:
-    """Common logarithms between which to plot the positive `values` [k]: from a whole decade to the largest.
+    """Range of the common logarithms of the positive `values` [k]: from a full decade to the largest.
 
     >>> log_range(np.array([0.02, math.nan, 0.0, 100.0]))
     (-2.0, 2.0)
@@ -99,7 +102,7 @@ def log_range(values: Floats) -> tuple[float, float]:
 
 
 def bar_rows(values: Floats, low: float, high: float, rows: int) -> list[str]:
-    """Bars of `values` [k] from 10^low to 10^high, upper row first; a blank where there is no number.
+    """Bars of `values` [k] from 10^low to 10^high, upper row first; a blank for NaN.
 
     >>> bar_rows(np.array([100.0, 10.0, 1.0, math.nan]), 0.0, 2.0, 2)
     ['█▁  ', '██▁ ']
@@ -114,7 +117,7 @@ def bar_rows(values: Floats, low: float, high: float, rows: int) -> list[str]:
 
 
 def _marked(bar: str, changes: Ints) -> Line:
-    """A row of bars with a mark in the columns of `changes`, unless they are so many that they would hide it."""
+    """A row of bars with marks in the columns of `changes`, unless these would hide the bars."""
     line, first = [], 0
     for column in changes.tolist() if len(changes) <= len(bar) // 4 else []:
         line += [styled(bar[first:column], "cyan"), styled("│", "yellow")]
@@ -128,12 +131,12 @@ def _power(exponent: float) -> str:
 
 @lru_cache(maxsize=8)
 def _spectrum(n: int, a: bytes, b: bytes) -> tuple[list[int], float | None]:
-    """Sizes of the components of the links, largest first, and lambda_2; kept, for links change seldom."""
+    """Sizes of the components of the links, largest first, and lambda_2; cached, because links rarely change."""
     ends = np.frombuffer(a, dtype=np.int64), np.frombuffer(b, dtype=np.int64)
-    fine = (np.minimum(*ends) >= 0) & (np.maximum(*ends) < n)
-    lower, higher = ends[0][fine], ends[1][fine]
+    is_known = (np.minimum(*ends) >= 0) & (np.maximum(*ends) < n)
+    lower, higher = ends[0][is_known], ends[1][is_known]
     sizes = np.unique(graphs.components(n, lower, higher), return_counts=True)[1]
-    lambda_2: float | None = 0.0  # not the 1e-16 of rounding where it is not connected
+    lambda_2: float | None = 0.0  # exact where the graph is not connected
     if len(sizes) == 1:
         lambda_2 = graphs.algebraic_connectivity(n, lower, higher) if n <= MAX_SPECTRUM else None
     return sorted(sizes.tolist(), reverse=True), lambda_2

@@ -1,4 +1,4 @@
-"""The dashboard's panel of a measured run: reception over separation as it is learnt, as it is, and as counted."""
+"""The dashboard's panel of a measured run: reception against separation as learnt, true, and counted."""
 
 import math
 
@@ -10,32 +10,32 @@ from fes.arrays.types import Bools, Floats
 from fes.protocol.report import Report
 
 BESIDES = 3
-"""Lines of the panel that are not the chart's."""
+"""Lines of the panel below the chart."""
 
 LEGEND = [styled("⠒⠒⠒", "cyan"), styled(" learnt  "), styled("⠂ ⠂", "magenta"), styled(" true  • counted")]
 
 _PALETTE = ("", "magenta", "cyan", "bold")
 _TRUE, _LEARNT, _COUNTED = 1, 2, 3
 _AXIS = 5
-_EVERY = 3  # of the true curve's dots one is shown
-_LEAST, _MOST = 1e-3, 1e9  # m; separations beyond are not drawn
+_EVERY = 3  # of this many dots of the true curve one is drawn
+_LEAST, _MOST = 1e-3, 1e9  # m; separations outside are not drawn
 _FLAT = 50.0  # beyond, exp(-exp(x)) is 0 or 1
 
 
 def is_measured(report: Report) -> bool:
-    """Whether any robot has learnt anything of the channel."""
+    """True if a robot has learnt parameters of the channel."""
     return bool(np.isfinite(report.learnt_level).any() or np.isfinite(report.learnt_reception).any())
 
 
 def counted(report: Report) -> Floats:
-    """The share of each link's beacons that decoded [l]; NaN where none was sent."""
+    """Share of each link's beacons that decoded [l]; NaN before the first beacon."""
     with np.errstate(divide="ignore", invalid="ignore"):
         share: Floats = report.decoded / report.sent
     return share
 
 
 def panel(report: Report, width: int, height: int) -> list[Line]:
-    """The chart, and below it the line ln(-ln p) = level + exponent ln(r / rho_0) in numbers; `height` lines."""
+    """`height` lines: the chart, and the parameters of ln(-ln p) = level + exponent ln(r / rho_0)."""
     facts = [
         _fact("level", report.learnt_level, report.true_level),
         _fact("exponent", report.learnt_exponent, report.true_exponent),
@@ -47,7 +47,7 @@ def panel(report: Report, width: int, height: int) -> list[Line]:
 
 
 def separation_range(separation: Floats) -> tuple[float, float]:
-    """Round separations [m] around those present, some way apart, so that the axis does not change all the time.
+    """Round separations [m] some way outside those present, so that the axis rarely changes.
 
     >>> separation_range(np.array([61.0, 73.0])), separation_range(np.array([0.4]))
     ((55.0, 80.0), (0.35, 0.45))
@@ -59,7 +59,7 @@ def separation_range(separation: Floats) -> tuple[float, float]:
 
 
 def reference_separation(report: Report) -> float:
-    """rho_0 [m], for which the report holds what was learnt in two forms; NaN if it does not."""
+    """rho_0 [m], from learnt parameters and learnt receptions; NaN if these are unknown."""
     with np.errstate(all="ignore"):
         predictor = np.log(-np.log(report.learnt_reception))
         log_ratio = (predictor - report.learnt_level) / report.learnt_exponent
@@ -68,7 +68,7 @@ def reference_separation(report: Report) -> float:
 
 
 def _chart(report: Report, known: Bools, width: int, height: int) -> list[Line]:
-    """`height` lines of `width` cells beside an axis of reception, and one for the axis of separation."""
+    """`height` lines of `width` cells beside an axis of reception, and a line for the axis of separation."""
     separation, share = report.separation[known], np.clip(counted(report)[known], 0.0, 1.0)
     west, east = separation_range(separation)
     across = np.arange(width * DOTS_X, dtype=np.float64)
@@ -87,14 +87,14 @@ def _chart(report: Report, known: Bools, width: int, height: int) -> list[Line]:
 
 
 def _curves(report: Report, separation: Floats) -> tuple[Floats, Floats]:
-    """Reception at each `separation` [k] [m]: as learnt, of the links' median, and true; NaN where not known."""
+    """Reception at each `separation` [k] [m]: of the links' median parameters, and true; NaN where unknown."""
     ratio = np.log(np.maximum(separation, _LEAST) / reference_separation(report))
     learnt = _median(report.learnt_level), _median(report.learnt_exponent)
     return _reception(*learnt, ratio), _reception(report.true_level, report.true_exponent, ratio)
 
 
 def _draw_curve(canvas: Canvas, x: Floats, y: Floats, every: int, ink: int) -> None:
-    """Every so many dots of a curve, if it is known; all of them without gaps."""
+    """Draw one dot in `every`, or a solid curve for 1; draw nothing if the curve is unknown."""
     if not np.isfinite(y).all():
         return
     if every > 1:
@@ -107,28 +107,30 @@ def _draw_curve(canvas: Canvas, x: Floats, y: Floats, every: int, ink: int) -> N
 
 def _draw_marks(canvas: Canvas, x: Floats, y: Floats) -> None:
     known = np.isfinite(y)
-    for column, row in set(zip(*(place.tolist() for place in canvas.cell(x[known], y[known])), strict=True)):
+    for column, row in set(zip(*(cells.tolist() for cells in canvas.cell(x[known], y[known])), strict=True)):
         canvas.write(column, row, "•", _COUNTED)
 
 
 def _axis(west: float, east: float, optimal: float, width: int) -> str:
-    """Both ends of the range [m], and where r* is in it, if that is apart from them."""
+    """Labels of both ends of the range [m], and of r* between them if there is room."""
     left, right = f"{west:g} m", f"{east:g} m"
     axis = left + right.rjust(max(1, width - len(left)))
     part = (optimal - west) / (east - west)
-    at = round(part * (width - 1)) if 0.0 <= part <= 1.0 else 0
-    return f"{axis[:at]}r*{axis[at + 2 :]}" if at > len(left) and at + 2 < width - len(right) else axis
+    column = round(part * (width - 1)) if 0.0 <= part <= 1.0 else 0
+    return (
+        f"{axis[:column]}r*{axis[column + 2 :]}" if column > len(left) and column + 2 < width - len(right) else axis
+    )
 
 
 def _reception(level: float, exponent: float, ratio: Floats) -> Floats:
-    """Reception p at ln(r / rho_0) of `ratio` [k]; NaN where the line is not known."""
+    """Reception p at ln(r / rho_0) of `ratio` [k]; NaN where the parameters are unknown."""
     with np.errstate(all="ignore"):
         reached: Floats = np.exp(-np.exp(np.clip(level + exponent * ratio, -_FLAT, _FLAT)))
     return reached
 
 
 def _reception_range(parts: Floats) -> tuple[float, float]:
-    """Whole twentieths around what is shown.
+    """Range of receptions in twentieths that holds `parts`.
 
     >>> _reception_range(np.array([0.72, 0.81, math.nan])), _reception_range(np.array([1.0]))
     ((0.7, 0.85), (0.95, 1.0))

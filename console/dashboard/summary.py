@@ -1,4 +1,4 @@
-"""The summary as a person reads it: the most important numbers are last, where a terminal still shows them."""
+"""The summary for a terminal: the most important numbers are last, so that they remain visible."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -12,17 +12,17 @@ from console.terminal.printing import cell
 from world.metrics.summary import links_lost
 
 BELOW = 11
-"""Lines on a terminal of 80 columns, the run directory included, of a summary without deadlines and expectations."""
+"""Lines of a summary without deadlines and expectations, at 80 columns, with the line of the run directory."""
 
 MAX_EDGES = 30
 MAX_CONTACTS = 5
 MAX_EXPECTED = 4
-"""Most lines of expectations; those that do not hold are first."""
+"""Maximum number of expectations shown; those not met are first."""
 
 LONGEST_NAME = 40
 
 FIXED = 1e9
-"""Larger numbers are shown with an exponent."""
+"""Numbers from this on are shown with an exponent."""
 
 _TRACKING = (
     ("at", "from", "{:,.2f} s"),
@@ -34,7 +34,7 @@ _TRACKING = (
     ("disagreement_max", "disagreement", "{:.3g}"),
     ("index", "J", "{:.4f}"),
 )
-"""Columns: the key of a row of the summary's tracking, heading and format."""
+"""Columns: key in a row of the summary's tracking, heading and format."""
 
 
 def render(summary: dict[str, Any], verbose: bool = False) -> RenderableType:
@@ -42,7 +42,7 @@ def render(summary: dict[str, Any], verbose: bool = False) -> RenderableType:
     facts = Table.grid(padding=(0, 2))
     facts.add_column(style="bold", no_wrap=True)
     facts.add_column(overflow="fold")
-    for name, value in [*_course(summary), *([] if verbose else _expected(summary)), *_headline(summary)]:
+    for name, value in [*_conditions(summary), *([] if verbose else _expected(summary)), *_headline(summary)]:
         facts.add_row(cell(name), value if isinstance(value, Text) else cell(value))
     digest = Text.assemble(("digest", "bold"), cell(f"  {summary['digest']}"), no_wrap=True, overflow="ignore")
     return Group(*(_tables(summary) if verbose else []), facts, digest)
@@ -53,23 +53,23 @@ def _tables(summary: dict[str, Any]) -> list[RenderableType]:
     return [part for table in tables if table for part in (*table, "")]
 
 
-def _course(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    """Rows about the course of the run."""
+def _conditions(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    """Rows about connectivity, beacons and deadlines."""
     disk = "always" if summary["disk_connected_always"] else "not always"
     links = "always" if summary["links_connected_always"] else "not always"
     connectivity = summary["algebraic_connectivity"]
     lambda_2 = "not computed" if connectivity is None else f"{connectivity:.4f}"
     sent, decoded = summary["beacons_sent"], summary["beacons_decoded"]
     share = f" ({percent(decoded / sent)})" if sent else ""
-    found = [
+    rows = [
         ("connected", f"disk graph {disk}, links {links}, λ₂ {lambda_2}"),
         ("beacons decoded", f"{decoded:,} of {sent:,}{share}"),
     ]
     if summary["links_lost_at"] is not None:
-        found.append(("links", links_lost(summary["links_lost_at"])))
+        rows.append(("links", links_lost(summary["links_lost_at"])))
     if summary["deadlines"] is not None:
-        found.append(("deadlines missed", _deadlines(summary["deadlines"])))
-    return found
+        rows.append(("deadlines missed", _deadlines(summary["deadlines"])))
+    return rows
 
 
 def _headline(summary: dict[str, Any]) -> list[tuple[str, str]]:
@@ -88,32 +88,32 @@ def _headline(summary: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def _since(summary: dict[str, Any], what: str) -> str:
-    """Times from which on an error was below each level."""
-    told = ""
+    """Times from which an error stayed below each level."""
+    text = ""
     for level, label in (("1m", "1 m"), ("0_1m", "0.1 m")):
         if f"{what}_{level}" in summary["time_to"]:
             time = summary["time_to"][f"{what}_{level}"]
-            told += f", < {label} " + ("never" if time is None else f"from {time:.2f} s on")
-    return told
+            text += f", < {label} " + ("never" if time is None else f"from {time:.2f} s on")
+    return text
 
 
 def _expected(summary: dict[str, Any]) -> list[tuple[str, Text]]:
-    """Rows of the expectations; those that do not hold are first."""
-    verdicts = sorted(summary["expectations"], key=lambda one: bool(one["holds"]))
-    told = [
-        ("expected", Text.assemble(cell(f"{one['of']} {one['expected']}: {_seen(one['seen'])}, "), _verdict(one)))
-        for one in verdicts[:MAX_EXPECTED]
+    """Rows of the expectations; those not met are first."""
+    verdicts = sorted(summary["expectations"], key=lambda expectation: bool(expectation["holds"]))
+    rows = [
+        ("expected", Text.assemble(cell(_outcome(expectation)), _verdict(expectation)))
+        for expectation in verdicts[:MAX_EXPECTED]
     ]
     if len(verdicts) > MAX_EXPECTED:
-        broken = sum(not one["holds"] for one in verdicts)
-        told.append(("", cell(f"{len(verdicts)} expectations, {broken} not met")))
-    for _, line in told:
+        unmet = sum(not expectation["holds"] for expectation in verdicts)
+        rows.append(("", cell(f"{len(verdicts)} expectations, {unmet} not met")))
+    for _, line in rows:
         line.no_wrap, line.overflow = True, "ellipsis"
-    return told
+    return rows
 
 
 def _tracking(rows: list[dict[str, Any]]) -> list[RenderableType]:
-    """How the mean estimate followed r*; columns that have no number yet are left out."""
+    """The mean estimate against r*, without empty columns."""
     columns = [column for column in _TRACKING if any(row[column[0]] is not None for row in rows)]
     table = _table([heading for _, heading, _ in columns])
     for row in rows:
@@ -130,7 +130,7 @@ def _edges(edges: list[list[Any]]) -> list[RenderableType]:
 
 
 def _radio(summary: dict[str, Any]) -> list[RenderableType]:
-    """What the contacts in use as links lost: those that lost most, and all together; none if nothing was lost."""
+    """Losses of the contacts in use as links: the worst, and the total; empty if no beacon was lost."""
     used = {(i, j) for i, j, *_ in summary["edges"]}
     contacts = [row for row in summary["radio"] if (min(row[:2]), max(row[:2])) in used]
     if all(sent == decoded for _, _, sent, decoded, _, _ in contacts):
@@ -147,19 +147,28 @@ def _radio(summary: dict[str, Any]) -> list[RenderableType]:
 
 
 def _expectations(summary: dict[str, Any]) -> list[RenderableType]:
-    """What was expected and seen; nothing if nothing was."""
+    """Expected and seen values; empty without expectations."""
     if not summary["expectations"]:
         return []
     table = Table(box=None)
     for heading in ("expected", "to be", "seen", ""):
         table.add_column(heading)
-    for one in summary["expectations"]:
-        table.add_row(cell(one["of"]), cell(one["expected"]), cell(_seen(one["seen"])), _verdict(one))
-    return [_title("What the scenario expects"), table]
+    for expectation in summary["expectations"]:
+        table.add_row(
+            cell(expectation["of"]),
+            cell(expectation["expected"]),
+            cell(_seen(expectation["seen"])),
+            _verdict(expectation),
+        )
+    return [_title("Expectations of the scenario"), table]
 
 
-def _verdict(one: dict[str, Any]) -> Text:
-    return Text("holds", style="green") if one["holds"] else Text("does not hold", style="bold red")
+def _outcome(expectation: dict[str, Any]) -> str:
+    return f"{expectation['of']} {expectation['expected']}: {_seen(expectation['seen'])}, "
+
+
+def _verdict(expectation: dict[str, Any]) -> Text:
+    return Text("holds", style="green") if expectation["holds"] else Text("does not hold", style="bold red")
 
 
 def _seen(value: Any) -> str:
@@ -184,15 +193,16 @@ def _beacons(sent: int, decoded: int, outage: float | None, longest_gap: int) ->
     return [f"{sent:,}", f"{decoded:,}", lost, UNKNOWN if outage is None else percent(outage), f"{longest_gap:,}"]
 
 
-def _deadlines(kept: dict[str, Any]) -> str:
-    """How the robots kept the pace of the live clock, and which one did worst."""
-    missed = kept["missed"]
-    share = "none due" if kept["missed_share"] is None else f"{kept['missed_share']:.3%}"
+def _deadlines(deadlines: dict[str, Any]) -> str:
+    """Missed deadlines of the live clock, and the robot with most."""
+    missed = deadlines["missed"]
+    share = "none due" if deadlines["missed_share"] is None else f"{deadlines['missed_share']:.3%}"
     worst = max(range(len(missed)), key=missed.__getitem__)
+    slipped = _number(deadlines["slipped_s"], 3)
     of_worst = f" (robot {worst}: {missed[worst]:,})" if missed[worst] else ""
     return (
-        f"{sum(missed):,}, {share}{of_worst}; {sum(kept['late']):,} commands late, "
-        f"{sum(kept['stopped']):,} ticks without one; the world slipped by {_number(kept['slipped_s'], 3)} s"
+        f"{sum(missed):,}, {share}{of_worst}; {sum(deadlines['late']):,} commands late, "
+        f"{sum(deadlines['stopped']):,} ticks without one; the world slipped by {slipped} s"
     )
 
 

@@ -1,4 +1,4 @@
-"""The command fes compare: where two recorded runs first differ."""
+"""The command fes compare: the first difference of two recorded runs."""
 
 import itertools
 from collections.abc import Collection, Iterable, Iterator
@@ -25,49 +25,49 @@ Setting = tuple[str, Any]
 
 def compare(
     first: Annotated[Path, typer.Argument(metavar="A", help="A log, run.mcap, or a run directory.")],
-    second: Annotated[Path, typer.Argument(metavar="B", help="Another one.")],
+    second: Annotated[Path, typer.Argument(metavar="B", help="Another log or run directory.")],
     robots: Annotated[
         list[str] | None,
         typer.Option("--robot", metavar="I|A-B", help="Compare only these robots' messages; may be repeated."),
     ] = None,
-    json_: Annotated[bool, typer.Option("--json", help="Print the differences as JSON, and nothing else.")] = False,
+    json_: Annotated[bool, typer.Option("--json", help="Print only the differences, as JSON.")] = False,
 ) -> int:
-    """Say where two recorded runs first differ: exit code 0 if they do not, 1 if they do.
+    """Print the first difference of two recorded runs; exit code 1 if they differ, else 0.
 
-    With --robot the scenarios, Reports and summaries may differ, and so may what other robots sense and say.
+    With --robot, scenarios, Reports, summaries and the messages of other robots are not compared.
     """
-    one, other = logs.load(first), logs.load(second)
-    chosen = None if robots is None else chosen_robots(robots, one.scenario.robots.number)
+    first_log, second_log = logs.load(first), logs.load(second)
+    chosen = None if robots is None else chosen_robots(robots, first_log.scenario.robots.number)
     with progress.bar("compared"):
-        settings = [] if chosen else list(of_scenarios(one, other))
-        found = first_difference(one, other, chosen)
+        settings = [] if chosen else list(of_scenarios(first_log, second_log))
+        difference = first_difference(first_log, second_log, chosen)
     if json_:
-        told = found._asdict() if found else None
-        arithmetic = [dict(log.arithmetic) for log in (one, other)]
+        fields = difference._asdict() if difference else None
+        arithmetic = [dict(log.arithmetic) for log in (first_log, second_log)]
         differing = [list(setting) for setting in settings]
-        printing.line(strict_json.dumps({"scenario": differing, "first": told, "arithmetic": arithmetic}))
+        printing.line(strict_json.dumps({"scenario": differing, "first": fields, "arithmetic": arithmetic}))
     else:
-        for path, mine, theirs in settings:
-            printing.line(f"scenario, {path}: {mine!r} in A and {theirs!r} in B")
-        whose = f" of robots {', '.join(robots)}" if robots else ""
-        same = f"every message{whose} of every tick is the same to the bit"
-        printing.line(found.told("in A", "in B") if found else same)
-        if found:
-            a, b = (fingerprint.text(log.arithmetic) for log in (one, other))
+        for path, first_value, second_value in settings:
+            printing.line(f"scenario, {path}: {first_value!r} in A and {second_value!r} in B")
+        scope = f" of robots {', '.join(robots)}" if robots else ""
+        same = f"every message{scope} of every tick is the same to the bit"
+        printing.line(difference.describe("in A", "in B") if difference else same)
+        if difference:
+            a, b = (fingerprint.text(log.arithmetic) for log in (first_log, second_log))
             printing.line(f"A was recorded with {a}; B was recorded with {b}")
-    return process.FAILURE if settings or found else process.SUCCESS
+    return process.FAILURE if settings or difference else process.SUCCESS
 
 
-def of_scenarios(one: Log, other: Log) -> Iterator[tuple[str, Any, Any]]:
+def of_scenarios(first: Log, second: Log) -> Iterator[tuple[str, Any, Any]]:
     """Dotted path and both values of each field in which the scenarios differ.
 
-    What was set at a tick is the same whether it was scheduled or a person set it.
+    A setting at a tick is equal whether it was scheduled or made by an operator.
     """
     a, b = (
         dict(_fields(log.scenario.model_dump(mode="json", by_alias=True, exclude={"event"}), ""))
-        for log in (one, other)
+        for log in (first, second)
     )
-    a["event"], b["event"] = _events(one), _events(other)
+    a["event"], b["event"] = _events(first), _events(second)
     for path in [*a, *(path for path in b if path not in a)]:
         values = a.get(path, MISSING), b.get(path, MISSING)
         if values[0] != values[1]:
@@ -83,76 +83,78 @@ def chosen_robots(texts: Iterable[str], robots: int) -> set[int]:
     return chosen
 
 
-def first_difference(one: Log, other: Log, robots: Collection[int] | None = None) -> Difference | None:
-    """The first tick, robot and field in which two logs differ; the end of one of them is a difference, too.
+def first_difference(first: Log, second: Log, robots: Collection[int] | None = None) -> Difference | None:
+    """The first tick, robot and field in which two logs differ; the end of one log is a difference, too.
 
-    Reports, settings, summaries and ends are compared only if no message differs. With `robots` only their messages
-    are compared.
+    Reports, settings, summaries and ends are compared only if no message differs. With `robots`, only the messages of
+    these robots are compared.
     """
-    aside, ticks = None, 0
-    for pair in itertools.zip_longest(one.ticks(), other.ticks()):
-        found = _of_messages(ticks, *pair, robots)
-        if found is not None:
-            return found
-        aside, ticks = aside or _aside(ticks, *pair), ticks + 1
-    return None if robots else aside or _of_ends(ticks - 1, one, other)
+    deferred, ticks = None, 0
+    for pair in itertools.zip_longest(first.ticks(), second.ticks()):
+        difference = _of_messages(ticks, *pair, robots)
+        if difference is not None:
+            return difference
+        deferred, ticks = deferred or _beside_messages(ticks, *pair), ticks + 1
+    return None if robots else deferred or _of_ends(ticks - 1, first, second)
 
 
 def _of_messages(
-    number: int, one: LoggedTick | None, other: LoggedTick | None, robots: Collection[int] | None
+    number: int, first: LoggedTick | None, second: LoggedTick | None, robots: Collection[int] | None
 ) -> Difference | None:
-    if one is None or other is None:
-        return Difference(number, "run", None, "this tick", *_there(one, other))
-    return between(number, one.said, other.said, robots)
+    if first is None or second is None:
+        return Difference(number, "run", None, "this tick", *_presence(first, second))
+    return between(number, first.said, second.said, robots)
 
 
-def _aside(number: int, one: LoggedTick | None, other: LoggedTick | None) -> Difference | None:
-    """The first difference of two ticks whose messages are the same."""
-    assert one is not None
-    assert other is not None
-    mine, theirs = (_together(tick.scheduled, tick.changes) for tick in (one, other))
-    if mine != theirs:
-        return Difference(number, "events", None, "what was set", mine, theirs)
-    if one.report is None or other.report is None:
-        same = one.report is other.report
-        return None if same else Difference(number, "Report", None, "payload", *_there(one.report, other.report))
-    return of_reports(one.report, other.report)
+def _beside_messages(number: int, first: LoggedTick | None, second: LoggedTick | None) -> Difference | None:
+    """The first difference of two ticks with equal messages."""
+    assert first is not None
+    assert second is not None
+    first_settings, second_settings = (_together(tick.scheduled, tick.changes) for tick in (first, second))
+    if first_settings != second_settings:
+        return Difference(number, "events", None, "what was set", first_settings, second_settings)
+    if first.report is None or second.report is None:
+        same = first.report is second.report
+        return (
+            None if same else Difference(number, "Report", None, "payload", *_presence(first.report, second.report))
+        )
+    return of_reports(first.report, second.report)
 
 
-def _of_ends(number: int, one: Log, other: Log) -> Difference | None:
-    """How the ends of two logs differ whose ticks are the same."""
-    if one.ended != other.ended:
-        return Difference(number, "end", None, "how it ended", one.ended or MISSING, other.ended or MISSING)
-    if one.summary is None or other.summary is None:
-        same = one.summary is other.summary
-        return None if same else Difference(number, "summary", None, "it", *_there(one.summary, other.summary))
-    return of_summaries(number, one.summary, other.summary)
+def _of_ends(number: int, first: Log, second: Log) -> Difference | None:
+    """The first difference of the ends of two logs with equal ticks."""
+    if first.ended != second.ended:
+        return Difference(number, "end", None, "how it ended", first.ended or MISSING, second.ended or MISSING)
+    if first.summary is None or second.summary is None:
+        same = first.summary is second.summary
+        return None if same else Difference(number, "summary", None, "it", *_presence(first.summary, second.summary))
+    return of_summaries(number, first.summary, second.summary)
 
 
-def _there(*things: object) -> list[str]:
-    return [MISSING if thing is None else "there" for thing in things]
+def _presence(*values: object) -> list[str]:
+    return [MISSING if value is None else "there" for value in values]
 
 
-def _together(scheduled: Iterable[Setting], by_persons: Iterable[Setting]) -> list[Setting]:
-    """What was set at a tick, by whomever: of two values of a field the later one."""
-    found: dict[str, Any] = {}
-    for path, value in (*scheduled, *by_persons):
-        found.pop(path, None)
-        found[path] = value
-    return list(found.items())
+def _together(scheduled: Iterable[Setting], by_operators: Iterable[Setting]) -> list[Setting]:
+    """Settings at a tick, scheduled and by operators: of two values of a field the later."""
+    settings: dict[str, Any] = {}
+    for path, value in (*scheduled, *by_operators):
+        settings.pop(path, None)
+        settings[path] = value
+    return list(settings.items())
 
 
 def _events(log: Log) -> list[dict[str, Any]]:
-    """What was scheduled or set, as the events of a scenario in which all of it is scheduled."""
+    """Events of a scenario in which all settings, scheduled and by operators, are scheduled."""
     scenario = log.scenario
     sets = {tick: list(settings.items()) for tick, settings in scenario.changes.items()}
     for tick in log.ticks():
         if tick.changes:
             sets[tick.number] = _together(sets.get(tick.number, ()), tick.changes)
-    found = [
+    changes = [
         {"at": round(tick * scenario.run.dt, 9), "set": dict(settings)} for tick, settings in sorted(sets.items())
     ]
-    return found + [
+    return changes + [
         {"at": event.at, "kill": event.kill, "restart": event.restart}
         for event in scenario.event
         if event.kill or event.restart

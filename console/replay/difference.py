@@ -1,4 +1,4 @@
-"""Where two ticks differ: message, robot, field and both values."""
+"""Differences between two ticks: message, robot, field and both values."""
 
 import struct
 from collections.abc import Callable, Container
@@ -19,13 +19,13 @@ _DECODERS: dict[str, Callable[[bytes], Any]] = {
 }
 _PARTS = {"pose": ("x", "y", "heading"), "twist": ("linear", "angular")}
 _OUTSIDE = {"scenario", "elapsed", "ticks_per_s", "alive", "late"}
-"""Fields of a Report that are of the machine or of the scenario's file, and not of the run."""
+"""Fields of a Report that describe the machine or the scenario's file, not the run."""
 _OUTSIDE_SUMMARY = {"scenario", "backend", "wall_s", "ticks_per_s", "real_time_factor", "arithmetic"}
-"""The same of a summary."""
+"""Keys of a summary that describe them."""
 
 
 class Difference(NamedTuple):
-    """One field that is not the same to the bit."""
+    """A field that differs by at least a bit."""
 
     tick: int
     message: str
@@ -34,86 +34,88 @@ class Difference(NamedTuple):
     first: Any
     second: Any
 
-    def told(self, first: str, second: str) -> str:
-        """In a line; `first` and `second` say where each value is.
+    def describe(self, first: str, second: str) -> str:
+        """The difference in a line; `first` and `second` name the origins of the values.
 
-        >>> Difference(7, "Command", 3, "twist.linear", 1.5, 2.5).told("in the log", "executed again")
+        >>> Difference(7, "Command", 3, "twist.linear", 1.5, 2.5).describe("in the log", "executed again")
         'tick 7, Command of robot 3: twist.linear is 1.5 in the log and 2.5 executed again'
         """
-        whose = "" if self.robot is None else f" of robot {self.robot}"
+        owner = "" if self.robot is None else f" of robot {self.robot}"
         values = f"{self.first!r} {first} and {self.second!r} {second}"
-        return f"tick {self.tick}, {self.message}{whose}: {self.field} is {values}"
+        return f"tick {self.tick}, {self.message}{owner}: {self.field} is {values}"
 
 
 def between(
-    tick: int, one: TickPayloads, other: TickPayloads, robots: Container[int] | None = None
+    tick: int, first: TickPayloads, second: TickPayloads, robots: Container[int] | None = None
 ) -> Difference | None:
     """The first difference of two ticks: Observations before Beacons before Commands, the lowest robot first.
 
-    With `robots`, of their messages only.
+    With `robots`, only the messages of these robots are compared.
     """
-    for message, mine, theirs in zip(_DECODERS, one, other, strict=True):
-        if mine != theirs:
-            if len(mine) != len(theirs):
-                return Difference(tick, message, None, "number of robots", len(mine), len(theirs))
-            for robot, pair in enumerate(zip(mine, theirs, strict=True)):
+    for message, first_payloads, second_payloads in zip(_DECODERS, first, second, strict=True):
+        if first_payloads != second_payloads:
+            if len(first_payloads) != len(second_payloads):
+                return Difference(tick, message, None, "number of robots", len(first_payloads), len(second_payloads))
+            for robot, pair in enumerate(zip(first_payloads, second_payloads, strict=True)):
                 if pair[0] != pair[1] and (robots is None or robot in robots):
                     return of_payloads(tick, message, robot, *pair)
     return None
 
 
-def of_payloads(tick: int, message: str, robot: int, one: bytes, other: bytes) -> Difference:
-    """The first field in which two payloads differ, which are not the same."""
-    if not one or not other:
-        return Difference(tick, message, robot, "payload", *("there" if it else "missing" for it in (one, other)))
+def of_payloads(tick: int, message: str, robot: int, first: bytes, second: bytes) -> Difference:
+    """The first field in which two unequal payloads differ."""
+    if not first or not second:
+        return Difference(
+            tick, message, robot, "payload", *("there" if payload else "missing" for payload in (first, second))
+        )
     try:
-        mine, theirs = _DECODERS[message](one), _DECODERS[message](other)
+        first_message, second_message = _DECODERS[message](first), _DECODERS[message](second)
     except MessageError as error:
-        return Difference(tick, message, robot, f"payload ({error})", one.hex(), other.hex())
-    for field in mine._fields:
-        found = _values(field, getattr(mine, field), getattr(theirs, field))
-        if found is not None:
-            return Difference(tick, message, robot, *found)
-    return Difference(tick, message, robot, "encoding", one.hex(), other.hex())
+        return Difference(tick, message, robot, f"payload ({error})", first.hex(), second.hex())
+    for field in first_message._fields:
+        difference = _values(field, getattr(first_message, field), getattr(second_message, field))
+        if difference is not None:
+            return Difference(tick, message, robot, *difference)
+    return Difference(tick, message, robot, "encoding", first.hex(), second.hex())
 
 
-def of_reports(one: Report, other: Report) -> Difference | None:
-    """The first difference of two Reports, but for what is of the machine."""
-    for field in one.__slots__:
+def of_reports(first: Report, second: Report) -> Difference | None:
+    """The first difference of two Reports, fields of the machine aside."""
+    for field in first.__slots__:
         if field in _OUTSIDE:
             continue
-        found = _values(field, getattr(one, field), getattr(other, field))
-        if found is not None:
-            return Difference(one.tick, "Report", None, *found)
+        difference = _values(field, getattr(first, field), getattr(second, field))
+        if difference is not None:
+            return Difference(first.tick, "Report", None, *difference)
     return None
 
 
-def of_summaries(tick: int, one: dict[str, Any], other: dict[str, Any]) -> Difference | None:
-    """The first difference of two summaries, but for what is of the machine and the name."""
-    for key in dict.fromkeys([*one, *other]):
-        mine, theirs = one.get(key), other.get(key)
-        if key not in _OUTSIDE_SUMMARY and strict_json.dumps(mine) != strict_json.dumps(theirs):
-            return Difference(tick, "summary", None, key, mine, theirs)
+def of_summaries(tick: int, first: dict[str, Any], second: dict[str, Any]) -> Difference | None:
+    """The first difference of two summaries, name and keys of the machine aside."""
+    for key in dict.fromkeys([*first, *second]):
+        first_value, second_value = first.get(key), second.get(key)
+        if key not in _OUTSIDE_SUMMARY and strict_json.dumps(first_value) != strict_json.dumps(second_value):
+            return Difference(tick, "summary", None, key, first_value, second_value)
     return None
 
 
-def _values(field: str, one: Any, other: Any) -> tuple[str, Any, Any] | None:
-    """Name of the first part of a field that differs, and its values; None if nothing does."""
-    if isinstance(one, np.ndarray):
-        one, other = one.ravel().tolist(), other.ravel().tolist()
-    if not isinstance(one, list | tuple):
-        return None if _same(one, other) else (field, one, other)
-    if len(one) != len(other):
-        return f"length of {field}", len(one), len(other)
+def _values(field: str, first: Any, second: Any) -> tuple[str, Any, Any] | None:
+    """Name and values of the first part of a field that differs; None if all are equal."""
+    if isinstance(first, np.ndarray):
+        first, second = first.ravel().tolist(), second.ravel().tolist()
+    if not isinstance(first, list | tuple):
+        return None if _same(first, second) else (field, first, second)
+    if len(first) != len(second):
+        return f"length of {field}", len(first), len(second)
     parts = _PARTS.get(field)
-    for at, pair in enumerate(zip(one, other, strict=True)):
+    for index, pair in enumerate(zip(first, second, strict=True)):
         if not _same(*pair):
-            return f"{field}.{parts[at]}" if parts else f"{field}[{at}]", *pair
+            return f"{field}.{parts[index]}" if parts else f"{field}[{index}]", *pair
     return None
 
 
-def _same(one: Any, other: Any) -> bool:
-    """Whether two values are the same to the bit: 0.0 is not -0.0, and NaN is NaN."""
-    if isinstance(one, float) and isinstance(other, float):
-        return struct.pack("<d", one) == struct.pack("<d", other)
-    return bool(one == other)
+def _same(first: Any, second: Any) -> bool:
+    """True if two values have equal bits: 0.0 differs from -0.0, and NaN equals NaN."""
+    if isinstance(first, float) and isinstance(second, float):
+        return struct.pack("<d", first) == struct.pack("<d", second)
+    return bool(first == second)

@@ -10,5 +10,5 @@ Log = reader.Log[Scenario]
 
 
 def load(target: Path) -> Log:
-    """A log with a tick at least: a file, or that of a run directory; raises FesError in one line."""
+    """Load a log of at least one tick from a file or a run directory; raises FesError."""
     return reader.load(target, scenario.parse)

@@ -18,18 +18,18 @@ from fes.errors import Stopped
 from fes.protocol.report import Report, decode_report, encode_report
 
 SEEK = 5.0
-"""[s]"""
+"""Length of a seek [s]."""
 
 SPEEDS = (2.0**-6, 2.0**10)
 KEYS = "space: play, pause  ←→: 5 s  .: step  +-: speed  q: quit"
 
 _FRAME, _IDLE = 0.05, 0.25
-_PATIENCE = 0.1  # s; so long may a frame go through ticks before it is drawn
-_KEPT = 2_000_000  # robot-ticks whose Reports are kept, about 130 bytes each
+_PATIENCE = 0.1  # s; longest execution of ticks before a frame is drawn
+_CAPACITY = 2_000_000  # robot-ticks whose Reports are stored, about 130 bytes each
 
 
 class Player:
-    """Where in a run one is, and what was seen on the way; the run is executed again as far as one has looked."""
+    """Position in a run, and the Reports up to it; the run is executed again as far as it has been shown."""
 
     def __init__(self, log: Log, speed: float) -> None:
         self.dt, self.ticks = log.scenario.run.dt, log.scenario.ticks
@@ -37,17 +37,17 @@ class Player:
         self.playing = True
         self.over = False
         self.tick = -1
-        """That is shown."""
+        """Tick currently shown."""
         self.history = ReportHistory()
         self._wanted = 0.0
-        self._stride = 1 + log.scenario.robots.number * self.ticks // _KEPT
+        self._stride = 1 + log.scenario.robots.number * self.ticks // _CAPACITY
         self._reports = _reports(log)
-        self._kept: list[bytes] = []
-        """Of every tick that is a multiple of the stride, encoded: a seek backward is instant."""
+        self._stored: list[bytes] = []
+        """Encoded Reports of every stride-th tick, so that a seek backward is instant."""
         self._ended = False
 
     def press(self, key: str) -> None:
-        """Do what a key says."""
+        """Perform the action of a key."""
         if key in ("q", END):
             self.over = True
         elif key == " ":
@@ -62,62 +62,62 @@ class Player:
             self.speed = min(max(self.speed * (2.0 if key == "+" else 0.5), low), high)
 
     def advance(self, elapsed: float) -> None:
-        """Go on after `elapsed` [s; wall clock]; what takes long goes on at the next call."""
+        """Advance by `elapsed` [s; wall clock]; a long execution continues at the next call."""
         due = self._due()
-        if self.playing and self.tick >= due:  # a player that is behind catches up first
+        if self.playing and self.tick >= due:  # a player behind its target catches up first
             self._wanted += elapsed * self.speed
             due = self._due()
-        until = time.monotonic() + _PATIENCE
-        while self.tick < due and time.monotonic() < until:
+        deadline = time.monotonic() + _PATIENCE
+        while self.tick < due and time.monotonic() < deadline:
             self._show_next()
         if self.tick >= self._last:
             self.playing = False
 
     @property
     def _last(self) -> int:
-        """The last tick that can be shown, as far as is known."""
-        return (len(self._kept) - 1) * self._stride if self._ended else self.ticks - 1
+        """The last tick known to exist."""
+        return (len(self._stored) - 1) * self._stride if self._ended else self.ticks - 1
 
     def _due(self) -> int:
         self._wanted = min(self._wanted, self._last * self.dt)
         due = int(self._wanted / self.dt + 1e-6)
         return due - due % self._stride
 
-    def _seek(self, at: float) -> None:
-        self._wanted = max(at, 0.0)
+    def _seek(self, target_time: float) -> None:
+        self._wanted = max(target_time, 0.0)
         if self._due() < self.tick:
-            seen = self._kept[: self._due() // self._stride + 1]
+            reports = self._stored[: self._due() // self._stride + 1]
             self.history, self.tick = ReportHistory(), -1
-            for _ in seen:
+            for _ in reports:
                 self._show_next()
 
     def _show_next(self) -> None:
-        """Show the next tick that is kept."""
-        at = (self.tick + self._stride) // self._stride if self.tick >= 0 else 0
-        if at < len(self._kept):
-            report = decode_report(self._kept[at])
+        """Show the next tick, stored or executed now."""
+        index = (self.tick + self._stride) // self._stride if self.tick >= 0 else 0
+        if index < len(self._stored):
+            report = decode_report(self._stored[index])
         else:
-            found = next((one for one in self._reports if one.tick % self._stride == 0), None)
-            if found is None:
+            next_report = next((candidate for candidate in self._reports if candidate.tick % self._stride == 0), None)
+            if next_report is None:
                 self._ended = True
                 self._wanted = self.tick * self.dt
                 return
-            report = found
-            self._kept.append(encode_report(report))
+            report = next_report
+            self._stored.append(encode_report(report))
         self.history.add(report)
         self.tick = report.tick
         if self.tick + self._stride >= self.ticks:
-            deque(self._reports, maxlen=0)  # nothing more is shown, but the summary is still to be compared
+            deque(self._reports, maxlen=0)  # execute the rest, so that the summary is compared
 
 
 def play(log: Log, console: Console, speed: float) -> None:
-    """Show a log until a person has seen enough."""
+    """Show a log until the user quits."""
     player = Player(log, speed)
     try:
         with (
             process.interruptible(),
             Keyboard(sys.stdin.fileno()) as keyboard,
-            screen.whole(console) as draw,
+            screen.full_screen(console) as draw,
         ):
             before = time.monotonic()
             while not player.over:
@@ -128,21 +128,21 @@ def play(log: Log, console: Console, speed: float) -> None:
                 for key in keyboard.pressed(_FRAME if player.playing else _IDLE):
                     player.press(key)
     except Stopped:
-        pass  # a view that was told to stop, and stopped
+        pass  # a signal ends a view without an error
     console.print(frame(player, console.width, console.height - 1))
 
 
 def frame(player: Player, width: int, height: int) -> RenderableType:
-    """The dashboard, and a line that says where one is and what the keys do."""
-    where = f"{max(player.tick, 0) * player.dt:.2f} of {player.ticks * player.dt:g} s"
+    """The dashboard, and a line with position, speed and keys."""
+    position = f"{max(player.tick, 0) * player.dt:.2f} of {player.ticks * player.dt:g} s"
     state = f"{'▶' if player.playing else '⏸'} {player.speed:g}x"
-    line = Text(f"{where} {state}  {KEYS}", style="reverse", no_wrap=True, overflow="ellipsis")
+    line = Text(f"{position} {state}  {KEYS}", style="reverse", no_wrap=True, overflow="ellipsis")
     line.truncate(max(1, width - 1), overflow="ellipsis", pad=True)
     return Group(render(player.history, width, height - 1), line)
 
 
 def _reports(log: Log) -> Iterator[Report]:
-    """The Report of each tick; those that were recorded, and at the end the summary, are compared."""
+    """The Report of each tick; recorded Reports, and the summary at the end, are compared."""
     latest = None
     for moment, metrics in reexecution.accounted(log):
         latest = moment.recorded.report or latest

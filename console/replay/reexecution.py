@@ -1,6 +1,6 @@
-"""A recorded run executed again: the world from the recorded Commands, robots from what they sensed and heard.
+"""A second execution of a recorded run: the world from recorded Commands, robots from Observations and Beacons.
 
-Whatever comes out is compared with the log, to the bit.
+Every result is compared with the log, to the bit.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator
@@ -41,38 +41,40 @@ T = TypeVar("T", Observation, Beacon, Command)
 
 
 class Mismatch(FesError):
-    """A run came out otherwise when executed again. A note shows whether another processor may be the cause."""
+    """A second execution differs from the log. A note shows whether another processor may be the cause."""
 
-    def __init__(self, log: Log, found: Difference | str) -> None:
-        super().__init__(found if isinstance(found, str) else found.told("in the log", "executed again"))
+    def __init__(self, log: Log, difference: Difference | str) -> None:
+        super().__init__(
+            difference if isinstance(difference, str) else difference.describe("in the log", "executed again")
+        )
         self.add_note(f"recorded with {fingerprint.text(log.arithmetic)}; executed with {fingerprint.text()}")
 
 
 @dataclass(frozen=True, eq=False)
 class ReplayedTick:
-    """One tick, as the world went through it again."""
+    """One tick of the world's second execution."""
 
     recorded: LoggedTick
     state: State
     twists: Floats
     """[n, 2] [m/s, rad/s]"""
     telemetry: Telemetry
-    spoken: Ints
+    command_ticks: Ints
     """Tick of the command that each robot follows [n], -1 for none."""
 
 
 def world(log: Log) -> Iterator[ReplayedTick]:
     """Every tick of a log, the world moved by the recorded Commands.
 
-    Raises Mismatch where an Observation comes out otherwise, and FesError where the log is damaged.
+    Raises Mismatch where an Observation differs, and FesError where the log is damaged.
     """
-    again = truth.create(log.scenario)
-    state, told = truth.start(again), CommandBatch(again.ids)
-    before: ReplayedTick | None = None
+    simulation = truth.create(log.scenario)
+    state, batch = truth.start(simulation), CommandBatch(simulation.ids)
+    previous: ReplayedTick | None = None
     live = log.scenario.run.clock == "live"
     for tick in log.ticks():
-        if before is not None:  # only now: after the last recorded tick nobody knows what would have come
-            state = truth.step(again, before.state, before.twists)
+        if previous is not None:  # not after the last recorded tick: its successor is unknown
+            state = truth.step(simulation, previous.state, previous.twists)
         _check_schedule(log, tick)
         channel = state.channel
         for path, value in tick.changes:
@@ -80,31 +82,30 @@ def world(log: Log) -> Iterator[ReplayedTick]:
         if channel is not state.channel:
             state = replace(state, channel=channel)
         for robots in tick.attended:
-            state = truth.attend(state, np.isin(again.ids, robots))
+            state = truth.attend(state, np.isin(simulation.ids, robots))
         sensed = world_marshalling.observations(truth.observe(state), state.present, state.since)
         _compare(log, tick, tick.said._replace(observations=sensed))
-        commands: list[Command | None] = [None] * len(again.ids)
-        here = np.flatnonzero(state.present).tolist()
-        if live:  # whoever is not heard of stops
-            here = [robot for robot in here if tick.said.commands[robot]]
-        given = _decoded(tick, messages.decode_command, tick.said.commands, here, held=live)
-        for robot, command in zip(here, given, strict=True):
+        commands: list[Command | None] = [None] * len(simulation.ids)
+        participating = np.flatnonzero(state.present).tolist()
+        if live:  # a robot without a command stops
+            participating = [robot for robot in participating if tick.said.commands[robot]]
+        decoded = _decoded(tick, messages.decode_command, tick.said.commands, participating, held=live)
+        for robot, command in zip(participating, decoded, strict=True):
             commands[robot] = command
-        twists, telemetry = told.read(commands)
-        spoken = np.array([-1 if command is None else command.tick for command in commands])
-        before = ReplayedTick(tick, state, twists, telemetry, spoken)
-        yield before
+        twists, telemetry = batch.read(commands)
+        command_ticks = np.array([-1 if command is None else command.tick for command in commands])
+        previous = ReplayedTick(tick, state, twists, telemetry, command_ticks)
+        yield previous
 
 
 def accounted(log: Log) -> Iterator[tuple[ReplayedTick, MetricsCollector]]:
-    """Every tick of a log as `world` has it, and the account up to it.
+    """Every tick of `world`, with the metrics up to it.
 
-    Raises Mismatch if a Report or, after the last tick, the summary comes out otherwise, and FesError if a Report is
-    missing.
+    Raises Mismatch if a Report or, after the last tick, the summary differs, and FesError if a Report is missing.
     """
     metrics, elapsed, period = MetricsCollector(log.scenario), 0.0, report_period(log.scenario)
     for moment in world(log):
-        metrics.add(moment.state, moment.twists, moment.telemetry, moment.spoken)
+        metrics.add(moment.state, moment.twists, moment.telemetry, moment.command_ticks)
         number, recorded = moment.recorded.number, moment.recorded.report
         if recorded is not None:
             elapsed = recorded.elapsed
@@ -116,19 +117,18 @@ def accounted(log: Log) -> Iterator[tuple[ReplayedTick, MetricsCollector]]:
 
 
 def summary(log: Log, metrics: MetricsCollector, elapsed: float = 0.0) -> dict[str, Any]:
-    """The summary of the ticks in `metrics`, with what is of the machine taken from the log, or from `elapsed`
-    [s]."""
+    """The summary of `metrics`; its wall-clock time is that of the log, or `elapsed` [s]."""
     wall = (log.summary or {}).get("wall_s")
     wall = float(wall) if isinstance(wall, int | float) and abs(wall) < YEARS else elapsed
-    kept = (log.summary or {}).get("deadlines")
-    if metrics.deadlines is not None and isinstance(kept, dict):  # the log cannot tell how late what came late was
+    deadlines = (log.summary or {}).get("deadlines")
+    if metrics.deadlines is not None and isinstance(deadlines, dict):  # lateness is not in the messages
         try:
-            metrics.deadlines.late = np.array(kept.get("late"), dtype=np.int64)
-            metrics.deadlines.slipped = float(kept.get("slipped_s", 0.0))
+            metrics.deadlines.late = np.array(deadlines.get("late"), dtype=np.int64)
+            metrics.deadlines.slipped = float(deadlines.get("slipped_s", 0.0))
         except (TypeError, ValueError, OverflowError):
             raise FesError(f"{log.path}: the deadlines in its summary cannot be read") from None
-    found: dict[str, Any] = strict_json.loads(strict_json.dumps(summarize(metrics, log.name, log.backend, wall)))
-    return {**found, "arithmetic": dict(log.arithmetic)}
+    summarized: dict[str, Any] = strict_json.loads(strict_json.dumps(summarize(metrics, log.name, log.backend, wall)))
+    return {**summarized, "arithmetic": dict(log.arithmetic)}
 
 
 class ReplayedRobots:
@@ -136,7 +136,9 @@ class ReplayedRobots:
 
     def __init__(self, log: Log, ids: Collection[int]) -> None:
         if log.scenario.run.clock == "live":
-            raise FesError(f"{log.path} is of the live clock: what came too late for a robot is not in it")
+            raise FesError(
+                f"{log.path} is of the live clock: the log does not show which inputs a robot received in time"
+            )
         robots = np.array(sorted(ids), dtype=np.int64)
         self._crew = crew.create(agent_config(log.scenario), robots)
         self._state = crew.start(self._crew)
@@ -146,47 +148,47 @@ class ReplayedRobots:
         self._before: LoggedTick | None = None
 
     def step(self, tick: LoggedTick) -> None:
-        """Go through a tick, and compare each Beacon and Command; raises Mismatch."""
-        here = [robot for robot in self._robots if tick.said.observations[robot]]
+        """Execute a tick, and compare each Beacon and Command; raises Mismatch."""
+        sensing = [robot for robot in self._robots if tick.said.observations[robot]]
         sensed = dict(
-            zip(here, _decoded(tick, messages.decode_observation, tick.said.observations, here), strict=True)
+            zip(sensing, _decoded(tick, messages.decode_observation, tick.said.observations, sensing), strict=True)
         )
-        anew = np.array([robot in sensed and sensed[robot].since == tick.number for robot in self._robots])
-        if anew.any():
-            self._state = crew.forget(self._crew, self._state, anew)
+        restarted = np.array([robot in sensed and sensed[robot].since == tick.number for robot in self._robots])
+        if restarted.any():
+            self._state = crew.forget(self._crew, self._state, restarted)
         observations = self._stack.observations(
             [sensed.get(robot) or _absent(tick.number, robot) for robot in self._robots]
         )
-        heard = []
+        received = []
         if self._before is not None:
-            spoken = self._before.said.beacons
-            peers = [peer for peer in np.unique(observations.in_range.peers).tolist() if spoken[peer]]
-            heard = _decoded(self._before, messages.decode_beacon, spoken, peers)
-        beacons = self._stack.beacons(tick.number - 1, heard)
-        self._state, said, twists = crew.step(self._crew, self._state, observations, beacons)
+            payloads = self._before.said.beacons
+            peers = [peer for peer in np.unique(observations.in_range.peers).tolist() if payloads[peer]]
+            received = _decoded(self._before, messages.decode_beacon, payloads, peers)
+        beacons = self._stack.beacons(tick.number - 1, received)
+        self._state, sent, twists = crew.step(self._crew, self._state, observations, beacons)
         if not contacts.all_here(self._state.contacts, observations):
             raise FesError(f"tick {tick.number - 1}: a Beacon that was decoded is not in the log")
-        told = crew.telemetry(self._crew, self._state)
+        telemetry = crew.telemetry(self._crew, self._state)
         broken = transmitter.damaging(self._crew.transmitters, tick.number)
-        for robot, whole, command in agent_marshalling.encode_tick(said, twists, told):
+        for robot, encoded, command in agent_marshalling.encode_tick(sent, twists, telemetry):
             if robot not in sensed:
                 continue
-            beacon = b"" if robot in broken else whole
+            beacon = b"" if robot in broken else encoded
             recorded = tick.said.beacons[robot], tick.said.commands[robot]
-            for message, one, other in zip(("Beacon", "Command"), recorded, (beacon, command), strict=True):
-                if one != other:
-                    raise Mismatch(self._log, of_payloads(tick.number, message, robot, one, other))
+            for message, logged, computed in zip(("Beacon", "Command"), recorded, (beacon, command), strict=True):
+                if logged != computed:
+                    raise Mismatch(self._log, of_payloads(tick.number, message, robot, logged, computed))
         self._before = tick
 
 
 def _absent(tick: int, robot: int) -> Observation:
-    """What a robot that is not there senses: whatever it makes of it is forgotten when it comes back."""
+    """Observation for an absent robot; its state is discarded when the robot rejoins."""
     nothing = np.zeros(0, dtype=np.int64)
     return Observation(tick, robot, (0.0, 0.0, 0.0), nothing, nothing.astype(np.uint8), over=False, since=0)
 
 
 def report(metrics: MetricsCollector, like: Report) -> Report:
-    """The Report of the last tick of `metrics`, with what is of the machine taken from `like`."""
+    """The Report of the last tick of `metrics`, with the fields of the machine from `like`."""
     if metrics.deadlines is not None and len(like.late):
         metrics.deadlines.late = like.late
     return report_builder.build(metrics, like.scenario, like.alive, like.elapsed, like.ticks_per_s)
@@ -194,24 +196,28 @@ def report(metrics: MetricsCollector, like: Report) -> Report:
 
 def _check_report(log: Log, metrics: MetricsCollector, recorded: Report) -> None:
     """Raise Mismatch unless the Report of the last tick of `metrics` is the recorded one."""
-    found = of_reports(recorded, report(metrics, recorded))
-    if found is not None:
-        raise Mismatch(log, found)
+    difference = of_reports(recorded, report(metrics, recorded))
+    if difference is not None:
+        raise Mismatch(log, difference)
 
 
-def _check_summary(log: Log, found: dict[str, Any]) -> None:
-    """Raise Mismatch unless the summary in the log, if it has one, equals the one that was found."""
+def _check_summary(log: Log, again: dict[str, Any]) -> None:
+    """Raise Mismatch if the log has a summary that differs from `again`."""
     if log.summary is None:
         return
-    for key in [*log.summary, *(key for key in found if key not in log.summary)]:
-        mine, theirs = (strict_json.dumps(one[key]) if key in one else None for one in (log.summary, found))
-        if mine != theirs:
-            told = [repr(one[key]) if key in one else "missing" for one in (log.summary, found)]
-            raise Mismatch(log, f"summary: {key} is {told[0]} in the log and {told[1]} executed again")
+    for key in [*log.summary, *(key for key in again if key not in log.summary)]:
+        logged, computed = (
+            strict_json.dumps(summarized[key]) if key in summarized else None for summarized in (log.summary, again)
+        )
+        if logged != computed:
+            values = [
+                repr(summarized[key]) if key in summarized else "missing" for summarized in (log.summary, again)
+            ]
+            raise Mismatch(log, f"summary: {key} is {values[0]} in the log and {values[1]} executed again")
 
 
 def _check_schedule(log: Log, tick: LoggedTick) -> None:
-    """Raise Mismatch unless the log says that at this tick was set what the scenario schedules."""
+    """Raise Mismatch unless the settings recorded at this tick are those that the scenario schedules."""
     planned = list(log.scenario.changes.get(tick.number, {}).items())
     if tick.scheduled != planned:
         raise Mismatch(log, Difference(tick.number, "events", None, "what was scheduled", tick.scheduled, planned))
@@ -220,28 +226,28 @@ def _check_schedule(log: Log, tick: LoggedTick) -> None:
 def _decoded(
     tick: LoggedTick, decode: Callable[[bytes], T], payloads: list[bytes], robots: Iterable[int], held: bool = False
 ) -> list[T]:
-    """The messages of some robots at a tick; raises FesError where one is missing, damaged or another's.
+    """The messages of some robots at a tick; raises FesError where one is missing, damaged or of another robot.
 
     With `held` they may be of earlier ticks.
     """
-    found = []
+    decoded = []
     for robot in robots:
         try:
-            one = decode(payloads[robot])
-            name = type(one).__name__
-            of_now = one.tick <= tick.number if held else one.tick == tick.number
-            if not of_now or one.robot != robot:
-                raise MessageError(name, "is of another tick or robot", f"tick {one.tick}, robot {one.robot}")
-            peers = one.in_range if isinstance(one, Observation) else one.links
+            message = decode(payloads[robot])
+            name = type(message).__name__
+            is_due = message.tick <= tick.number if held else message.tick == tick.number
+            if not is_due or message.robot != robot:
+                raise MessageError(name, "is of another tick or robot", f"tick {message.tick}, robot {message.robot}")
+            peers = message.in_range if isinstance(message, Observation) else message.links
             if len(peers) and not 0 <= peers.min() <= peers.max() < len(payloads):
                 raise MessageError(name, f"names a robot that is not one of {len(payloads)}", str(peers.tolist()))
         except MessageError as error:
             raise FesError(f"tick {tick.number}, robot {robot}: {error}") from None
-        found.append(one)
-    return found
+        decoded.append(message)
+    return decoded
 
 
-def _compare(log: Log, tick: LoggedTick, again: TickPayloads) -> None:
-    found = between(tick.number, tick.said, again)
-    if found is not None:
-        raise Mismatch(log, found)
+def _compare(log: Log, tick: LoggedTick, computed: TickPayloads) -> None:
+    difference = between(tick.number, tick.said, computed)
+    if difference is not None:
+        raise Mismatch(log, difference)

@@ -1,12 +1,12 @@
 """fes sweep: many runs of a scenario.
 
-command     the command, from its arguments to its files
+command     the command: from its arguments to its files
 design      design of the experiment: axes, seeds, cells, runs and their keys
-work        what a worker gets, and what it returns
+work        batches for workers, and their results
 local       workers on this machine
 cluster     workers of a Dask cluster
-ledger      finished runs, kept through every interruption
-table       one row per run, as CSV or Parquet
+ledger      finished runs: durable through interruptions
+table       table of runs: one row per run, as CSV or Parquet
 comparison  cells, and paired differences between them
 report      the comparison as a table
 picture     the comparison as a figure

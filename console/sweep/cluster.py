@@ -1,6 +1,6 @@
-"""Workers of a Dask cluster: the same batches, on as many machines as its scheduler knows.
+"""Workers of a Dask cluster, which carry out the same batches on many machines.
 
-Dask is imported when a scheduler is named: it comes with the extra `cluster`.
+Dask comes with the extra `cluster`, and is imported only for a sweep with --scheduler.
 """
 
 import contextlib
@@ -24,24 +24,24 @@ if TYPE_CHECKING:
     from distributed import Client
 
 PATIENCE = 10.0
-"""Time [s] that a scheduler has to answer, and then to have a worker."""
+"""Time limit for the scheduler's answer, and for its first worker [s]."""
 
 
 @contextlib.contextmanager
 def connected(address: str) -> Iterator[Workers]:
     """The workers of the scheduler at `address`; raises FesError if there is none."""
-    found = re.fullmatch(r"(?:tcp|tls|ucx|ws|wss)://([^\s/]+:\d{1,5})", address)
-    if found is None:
+    match = re.fullmatch(r"(?:tcp|tls|ucx|ws|wss)://([^\s/]+:\d{1,5})", address)
+    if match is None:
         raise FesError(f"--scheduler expects an address such as tcp://10.0.0.1:8786, got '{address}'")
-    place = f"tcp/{found[1]}"
-    addresses.check(place, listening=False)
-    if why := addresses.unresolved(place):
-        raise FesError(f"no Dask scheduler answers at {address}: {why}")
+    endpoint = f"tcp/{match[1]}"
+    addresses.check(endpoint, listening=False)
+    if cause := addresses.unresolved(endpoint):
+        raise FesError(f"no Dask scheduler answers at {address}: {cause}")
     try:
         import distributed
     except ImportError:
         raise FesError(f"--scheduler needs dask.distributed: {install('cluster')}") from None
-    for name in ("distributed", "distributed.client"):  # what they would tell is raised here, in one line
+    for name in ("distributed", "distributed.client"):  # errors are raised here, in one line
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
@@ -56,11 +56,13 @@ def connected(address: str) -> Iterator[Workers]:
 
 
 def _carry_out(client: "Client", batches: Sequence[Batch], watch: Watch) -> Generator[list[Done], None, None]:
-    """Results of batches; their ticks are reported when they end."""
+    """Results of batches; the ticks of a batch are reported at its end."""
     from distributed import as_completed
 
-    here, ticks = (version(), fingerprint.text()), 0
-    futures = [client.submit(_at_worker, here, batch, key=_key(batch), retries=0, pure=False) for batch in batches]
+    versions, ticks = (version(), fingerprint.text()), 0
+    futures = [
+        client.submit(_at_worker, versions, batch, key=_key(batch), retries=0, pure=False) for batch in batches
+    ]
     sizes = {_key(batch): sum(scenario.ticks for scenario in batch.scenarios) for batch in batches}
     try:
         for future in as_completed(futures, loop=client.loop):
@@ -76,9 +78,9 @@ def _carry_out(client: "Client", batches: Sequence[Batch], watch: Watch) -> Gene
             client.cancel(futures)
 
 
-def _at_worker(wanted: tuple[str, str], batch: Batch) -> list[Done]:
-    """On a worker: carry out a batch, unless another version of fes would, or another arithmetic."""
-    package, arithmetic = wanted
+def _at_worker(versions: tuple[str, str], batch: Batch) -> list[Done]:
+    """On a worker: carry out a batch if version and arithmetic equal those of the sweep."""
+    package, arithmetic = versions
     if version() != package:
         raise FesError(f"a Dask worker has fes {version()}, and the sweep is of fes {package}")
     if fingerprint.text() != arithmetic:

@@ -1,4 +1,4 @@
-"""The command fes sweep: from its arguments to its files."""
+"""The command fes sweep, from its arguments to its files."""
 
 import contextlib
 from collections.abc import Iterator
@@ -29,17 +29,17 @@ def sweep(
         list[str] | None, typer.Option(metavar="A.B=V,W", help="A field and its values; several axes are crossed.")
     ] = None,
     set_: Annotated[list[str] | None, typer.Option("--set", metavar="A.B=C", help=SET)] = None,
-    jobs: Annotated[int | None, typer.Option(min=1, help="Worker processes (default: one a core).")] = None,
+    jobs: Annotated[int | None, typer.Option(min=1, help="Worker processes (default: one per core).")] = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Run on a Dask cluster, such as tcp://10.0.0.1:8786.")
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Directory (default sweeps/<scenario>-<hash>).")] = None,
-    form: Annotated[Format, typer.Option("--format", help="Of the table of runs.")] = Format.CSV,
-    plot: Annotated[bool, typer.Option("--plot", help="Draw sweep.png and sweep.svg too.")] = False,
+    form: Annotated[Format, typer.Option("--format", help="Format of the table of runs.")] = Format.CSV,
+    plot: Annotated[bool, typer.Option("--plot", help="Also draw sweep.png and sweep.svg.")] = False,
 ) -> int:
-    """Run a scenario with many seeds and settings, and compare them; what is done is not done again."""
+    """Run a scenario with many seeds and settings, and compare them; a repeated command skips finished runs."""
     if scheduler is not None and jobs is not None:
-        raise ScenarioError("--jobs", "counts processes of this machine, and --scheduler runs on a cluster's")
+        raise ScenarioError("--jobs", "sets processes on this machine, which --scheduler does not use")
     planned = design.plan(builtin.resolve(scenario), axis or [], seeds, set_ or [])
     table.require(form)
     if plot:
@@ -49,31 +49,31 @@ def sweep(
     directory = out or ledger.default_directory(planned)
     with process.interruptible(), contextlib.ExitStack() as stack:
         workers = stack.enter_context(_workers(scheduler, jobs))
-        book = stack.enter_context(ledger.opened(directory, planned))
+        finished = stack.enter_context(ledger.opened(directory, planned))
         try:
-            _work_off(planned, book, workers)
+            _carry_out(planned, finished, workers)
         except Stopped as stopped:
-            book.read_again()
-            done = sum(run.key in book.done for run in planned.runs)
+            finished.read_again()
+            done = sum(run.key in finished.done for run in planned.runs)
             raise Stopped(
-                f"{stopped}: {done} of {len(planned.runs)} runs are done, and the same command does the rest"
+                f"{stopped}: {done} of {len(planned.runs)} runs are done; the same command resumes the sweep"
             ) from None
-    return _tell(planned, book, directory, form, plot)
+    return _report(planned, finished, directory, form, plot)
 
 
 @contextlib.contextmanager
 def _workers(scheduler: str | None, jobs: int | None) -> Iterator[Workers]:
-    hired = local.hired(jobs or local.cores()) if scheduler is None else cluster.connected(scheduler)
-    with hired as workers:
+    opened = local.hired(jobs or local.cores()) if scheduler is None else cluster.connected(scheduler)
+    with opened as workers:
         yield workers
 
 
-def _work_off(planned: Design, book: Ledger, workers: Workers) -> None:
-    """Carry out all runs that the ledger does not have."""
+def _carry_out(planned: Design, finished: Ledger, workers: Workers) -> None:
+    """Carry out all runs that are not in the ledger."""
     with progress.bar(planned.name) as bar:
-        missing = [run for run in planned.runs if run.key not in book.done]
+        missing = [run for run in planned.runs if run.key not in finished.done]
         total, done = len(planned.runs), len(planned.runs) - len(missing)
-        before = sum(run.scenario.ticks for run in planned.runs if run.key in book.done)
+        before = sum(run.scenario.ticks for run in planned.runs if run.key in finished.done)
         bar.measure(sum(run.scenario.ticks for run in planned.runs))
 
         def watch(ticks: int) -> None:
@@ -83,23 +83,23 @@ def _work_off(planned: Design, book: Ledger, workers: Workers) -> None:
         watch(0)
         ended = workers.carry_out(work.batches(planned.name, missing, workers.count), watch)
         with contextlib.closing(ended):
-            for some in ended:
-                book.add(some)
-                done += len(some)
+            for results in ended:
+                finished.add(results)
+                done += len(results)
 
 
-def _tell(planned: Design, book: Ledger, directory: Path, form: Format, plot: bool) -> int:
-    """Write the tables and the figure, and say what was found."""
-    rows = table.rows(planned, book.done)
+def _report(planned: Design, finished: Ledger, directory: Path, form: Format, plot: bool) -> int:
+    """Write tables and figure, and print the comparison."""
+    rows = table.rows(planned, finished.done)
     spreads = list(comparison.spreads(planned, rows))
     differences = list(comparison.differences(planned, rows))
     try:
         written = [
             table.write(directory, "table", rows, form),
-            table.write(directory, "cells", [_cell(planned, one) for one in spreads]),
+            table.write(directory, "cells", [_cell(planned, row) for row in spreads]),
         ]
         if differences:
-            written.append(table.write(directory, "differences", [_contrast(planned, one) for one in differences]))
+            written.append(table.write(directory, "differences", [_contrast(planned, row) for row in differences]))
         if plot and picture.drawable(planned, rows):
             with progress.bar("figure"):
                 written += figures.save(picture.sweep_figure(planned, rows, differences), directory / "sweep")
@@ -108,23 +108,27 @@ def _tell(planned: Design, book: Ledger, directory: Path, form: Format, plot: bo
     printing.show(printing.console(), report.render(planned, spreads, differences))
     for path in written:
         printing.line(path)
-    failed = [(run, book.done[run.key].error) for run in planned.runs if book.done[run.key].error is not None]
+    failed = [(run, finished.done[run.key].error) for run in planned.runs if finished.done[run.key].error is not None]
     if failed:
-        run, why = failed[0]
-        told = f"{planned.title(run.cell)}, seed {run.seed}: {why}"
+        run, error_text = failed[0]
+        first_failure = f"{planned.title(run.cell)}, seed {run.seed}: {error_text}"
         repeat = f"to repeat them, delete the lines with an error in {directory / ledger.LINES}"
-        raise FesError(f"{len(failed)} of {len(planned.runs)} runs failed, the first {told}; {repeat}")
+        raise FesError(f"{len(failed)} of {len(planned.runs)} runs failed, the first {first_failure}; {repeat}")
     return process.SUCCESS
 
 
-def _cell(planned: Design, one: Spread) -> Row:
-    found = asdict(one)
-    return dict(zip(planned.axes, planned.cells[found.pop("cell")].values, strict=True)) | found
+def _cell(planned: Design, spread: Spread) -> Row:
+    columns = asdict(spread)
+    return dict(zip(planned.axes, planned.cells[columns.pop("cell")].values, strict=True)) | columns
 
 
-def _contrast(planned: Design, one: PairedDifference) -> Row:
-    """A row of differences.csv: along which axis, between which values, at which values of the other axes."""
-    base, other = (dict(zip(planned.axes, planned.cells[cell].values, strict=True)) for cell in (one.base, one.other))
-    axis = planned.axes[one.axis]
-    found = asdict(one) | {"axis": axis, "base": base[axis], "other": other[axis]}
-    return found | {f"at {held}": value if held != axis else None for held, value in base.items()}
+def _contrast(planned: Design, difference: PairedDifference) -> Row:
+    """A row of differences.csv: the axis, its two values, and the values of the other axes."""
+    base, compared = (
+        dict(zip(planned.axes, planned.cells[cell].values, strict=True))
+        for cell in (difference.base, difference.compared)
+    )
+    axis = planned.axes[difference.axis]
+    columns = {"other" if name == "compared" else name: value for name, value in asdict(difference).items()}
+    columns |= {"axis": axis, "base": base[axis], "other": compared[axis]}
+    return columns | {f"at {held}": value if held != axis else None for held, value in base.items()}

@@ -1,7 +1,7 @@
-"""What the rows say: each cell by itself, and cells against each other on the same seeds.
+"""Statistics of the rows: each cell by itself, and paired differences between cells on the same seeds.
 
-A run that never reached a level has no time for it. It is counted, never given a number: a cell's mean is over the
-runs that have one, and a difference over the seeds at which both cells have one.
+A run that never reaches a level has no time for it. Such runs are counted, not given a number. The mean of a cell is
+over the runs with a value, a difference over the seeds at which both cells have one.
 """
 
 import math
@@ -19,7 +19,7 @@ from fes.arrays.types import Floats
 CONFIDENCE = 0.95
 
 SETTINGS = frozenset({"robots", "ticks", "dt", "simulated_s", "optimal_separation"})
-"""Numbers of the summary that the scenario gives."""
+"""Numbers of the summary that the scenario determines."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Spread:
     outcome: str
     runs: int
     reached: int
-    """Runs that have a value."""
+    """Number of runs with a value."""
     mean: float
     median: float
     largest: float
@@ -43,13 +43,13 @@ class PairedDifference:
     axis: int
     base: int
     """The cell at the axis's first value."""
-    other: int
+    compared: int
     outcome: str
     pairs: int
-    """Seeds at which both have a value."""
+    """Number of seeds at which both cells have a value."""
     only_base: int
     only_other: int
-    """Seeds at which only one has."""
+    """Numbers of seeds at which only that cell has a value."""
     mean: float
     low: float
     high: float
@@ -57,46 +57,48 @@ class PairedDifference:
 
 
 def outcomes(design: Design, rows: list[Row]) -> list[str]:
-    """The columns that are numbers and come out of a run."""
+    """The columns of numbers that are results of a run."""
     given = {*design.axes, SEED, ERROR, *SETTINGS}
     columns = [name for name in (rows[0] if rows else {}) if name not in given]
     return [name for name in columns if not any(isinstance(row[name], str) for row in rows)]
 
 
 def values(design: Design, rows: list[Row], outcome: str) -> Floats:
-    """An outcome by cell and seed [cells, seeds]; NaN where a run has none."""
+    """An outcome by cell and seed [cells, seeds]; NaN where a run has no value."""
     numbers: list[Any] = [math.nan if row[outcome] is None else row[outcome] for row in rows]
-    found = np.array(numbers, dtype=np.float64).reshape(len(design.cells), len(design.seeds))
-    return np.where(np.isfinite(found), found, np.nan)
+    array = np.array(numbers, dtype=np.float64).reshape(len(design.cells), len(design.seeds))
+    return np.where(np.isfinite(array), array, np.nan)
 
 
 def spreads(design: Design, rows: list[Row]) -> Iterator[Spread]:
     """Every outcome in every cell."""
     for outcome in outcomes(design, rows):
         for cell, numbers in enumerate(values(design, rows, outcome)):
-            there = numbers[np.isfinite(numbers)]
-            some = len(there) > 0
+            finite = numbers[np.isfinite(numbers)]
+            reached = len(finite) > 0
             mean, median, largest = (
-                (float(there.mean()), float(np.median(there)), float(there.max())) if some else (math.nan,) * 3
+                (float(finite.mean()), float(np.median(finite)), float(finite.max())) if reached else (math.nan,) * 3
             )
-            yield Spread(cell, outcome, len(numbers), len(there), mean, median, largest)
+            yield Spread(cell, outcome, len(numbers), len(finite), mean, median, largest)
 
 
 def differences(design: Design, rows: list[Row]) -> Iterator[PairedDifference]:
-    """Every outcome, for each axis at each of its values but the first, against the first, the other axes held."""
+    """Every outcome, for each axis at each further value against its first, with the other axes fixed."""
     columns = {outcome: values(design, rows, outcome) for outcome in outcomes(design, rows)}
-    for axis, base, other in _contrasts(design):
+    for axis, base, compared in _contrasts(design):
         for outcome, by_cell in columns.items():
-            yield difference(axis, base, other, outcome, by_cell[base], by_cell[other])
+            yield difference(axis, base, compared, outcome, by_cell[base], by_cell[compared])
 
 
-def difference(axis: int, base: int, other: int, outcome: str, before: Floats, after: Floats) -> PairedDifference:
+def difference(axis: int, base: int, compared: int, outcome: str, before: Floats, after: Floats) -> PairedDifference:
     """The paired difference after - before [seeds]."""
-    has, had = np.isfinite(after), np.isfinite(before)
-    paired = (after - before)[has & had]
+    in_base, in_compared = np.isfinite(before), np.isfinite(after)
+    paired = (after - before)[in_base & in_compared]
     mean, low, high = interval(paired)
-    only_base, only_other = (int(np.count_nonzero(one)) for one in (had & ~has, has & ~had))
-    return PairedDifference(axis, base, other, outcome, len(paired), only_base, only_other, mean, low, high)
+    only_base, only_other = (
+        int(np.count_nonzero(seeds)) for seeds in (in_base & ~in_compared, in_compared & ~in_base)
+    )
+    return PairedDifference(axis, base, compared, outcome, len(paired), only_base, only_other, mean, low, high)
 
 
 def interval(sample: Floats) -> tuple[float, float, float]:
@@ -115,7 +117,7 @@ def interval(sample: Floats) -> tuple[float, float, float]:
 
 @cache
 def student_t(freedom: int, confidence: float = CONFIDENCE) -> float:
-    """The t that |T| stays below with probability `confidence`, for `freedom` degrees of freedom.
+    """Quantile t for which P(|T| < t) = `confidence`, for `freedom` degrees of freedom.
 
     By bisection of the finite series for integer degrees: Abramowitz & Stegun 26.7.3 and 26.7.4.
     """
@@ -140,11 +142,11 @@ def _within(angle: float, freedom: int) -> float:
 
 
 def _contrasts(design: Design) -> Iterator[tuple[int, int, int]]:
-    """(axis, base cell, other cell)."""
-    at = {cell.values: number for number, cell in enumerate(design.cells)}
+    """Pairs of cells to compare: (axis, base cell, compared cell)."""
+    numbers = {cell.values: number for number, cell in enumerate(design.cells)}
     for axis in range(len(design.axes)):
         first = design.values(axis)[0]
         for number, cell in enumerate(design.cells):
-            base = at[(*cell.values[:axis], first, *cell.values[axis + 1 :])]
+            base = numbers[(*cell.values[:axis], first, *cell.values[axis + 1 :])]
             if base != number:
                 yield axis, base, number

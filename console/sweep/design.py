@@ -1,7 +1,7 @@
 """The design of an experiment: the cells of a full factorial of axes, each run with the same seeds.
 
 The channel's draws depend on (seed, stream, tick, pair) only, so runs with one seed face the same radio in every
-cell: common random numbers, without anybody's doing.
+cell: common random numbers.
 """
 
 import hashlib
@@ -31,7 +31,7 @@ class Cell:
     """One combination of the axes' values."""
 
     values: tuple[Value, ...]
-    """As they came to stand in the scenario, one for each axis; a list as its JSON."""
+    """Values in the scenario, one per axis; a list as its JSON."""
     scenario: Scenario
 
 
@@ -45,13 +45,13 @@ class SweepRun:
 
     @cached_property
     def key(self) -> str:
-        """The run's name among all others: SHA-256 of the scenario as it is run, every default included."""
+        """Unique key of the run: SHA-256 of its complete scenario, defaults included."""
         return digest(self.scenario)
 
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """All that is to be run."""
+    """All cells and seeds of a sweep."""
 
     name: str
     axes: tuple[str, ...]
@@ -60,29 +60,29 @@ class Design:
 
     @cached_property
     def runs(self) -> list[SweepRun]:
-        """Cell by cell in the order of the axes, in each by seed."""
+        """All runs, cell by cell in the order of the axes, and by seed within a cell."""
         return [
-            SweepRun(at, seed, seeded(cell.scenario, seed))
-            for at, cell in enumerate(self.cells)
+            SweepRun(index, seed, seeded(cell.scenario, seed))
+            for index, cell in enumerate(self.cells)
             for seed in self.seeds
         ]
 
     def values(self, axis: int) -> list[Value]:
-        """The values of an axis, in their order."""
+        """The values of an axis, in their given order."""
         return list(dict.fromkeys(cell.values[axis] for cell in self.cells))
 
     def title(self, cell: int) -> str:
-        """A cell's values, as a person reads them."""
+        """A label of a cell: its values."""
         return ", ".join(map(str, self.cells[cell].values)) or self.name
 
-    def contrast(self, axis: int, base: int, other: int) -> tuple[str, str]:
-        """How two cells differ along an axis, and at which values of the other axes."""
-        before, after = self.cells[base].values, self.cells[other].values
+    def contrast(self, axis: int, base: int, compared: int) -> tuple[str, str]:
+        """Labels of the difference of two cells along an axis, and of the values of the other axes."""
+        before, after = self.cells[base].values, self.cells[compared].values
         return f"{after[axis]} - {before[axis]}", ", ".join(map(str, (*after[:axis], *after[axis + 1 :])))
 
 
 def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design:
-    """The design that the arguments of fes sweep ask for; every cell's scenario is checked.
+    """The design given by the arguments of fes sweep; the scenario of every cell is checked.
 
     Raises ScenarioError.
     """
@@ -110,14 +110,14 @@ def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design
         crowd.check(scenario)
         cells.append(Cell(tuple(_value(scenario, field) for field in fields), scenario))
     design = Design(encoding.name_of(path), tuple(fields), cells, numbers)
-    for at, (field, values) in enumerate(fields.items()):
-        if len(design.values(at)) < len(values):
+    for index, (field, values) in enumerate(fields.items()):
+        if len(design.values(index)) < len(values):
             raise ScenarioError("--axis", f"expects each value of '{field}' once, got {', '.join(map(str, values))}")
     return design
 
 
 def parse_axis(text: str) -> tuple[str, list[Any]]:
-    """An `--axis` argument `a.b=v1,v2` as its path and its TOML values; bare words are strings.
+    """Parse an `--axis` argument `a.b=v1,v2` to its path and TOML values; bare words are strings.
 
     >>> parse_axis("formation.rule=disk,two_nearest")
     ('formation.rule', ['disk', 'two_nearest'])
@@ -132,7 +132,7 @@ def parse_axis(text: str) -> tuple[str, list[Any]]:
 
 
 def parse_seeds(text: str) -> list[int]:
-    """The argument of --seeds: `A:B`, which is A to B - 1, or a list.
+    """Parse the argument of --seeds: `A:B` for A to B - 1, or a list.
 
     >>> parse_seeds("2:5"), parse_seeds("7,1")
     ([2, 3, 4], [7, 1])
@@ -152,18 +152,18 @@ def parse_seeds(text: str) -> list[int]:
 
 
 def seeded(scenario: Scenario, seed: int) -> Scenario:
-    """The same scenario with another seed."""
+    """The scenario with another seed."""
     return scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": seed})})
 
 
 def digest(scenario: Scenario) -> str:
-    """SHA-256 of a scenario as it is run."""
+    """SHA-256 of a complete scenario."""
     tables = scenario.model_dump(mode="json", by_alias=True)
     return hashlib.sha256(strict_json.dumps(tables, sort_keys=True).encode()).hexdigest()
 
 
 def _split(raw: str) -> list[str]:
-    """The pieces between the commas that stand in no bracket and in no string."""
+    """The pieces between commas outside brackets and strings."""
     pieces, depth, quote = [""], 0, ""
     for letter in raw:
         if quote:

@@ -1,7 +1,7 @@
-"""What is done, kept through every interruption: one line a run, appended when the run has ended.
+"""Finished runs, durable through every interruption: one line per run, appended at its end.
 
-A line that a kill tore off is dropped, and its run is run again; a run has one line, by its key. Each line ends with
-a checksum of the text before it. All runs of a directory were computed with one arithmetic.
+A line cut short by a kill is dropped, and its run repeated. A run has one line, by its key. Each line ends with a
+checksum of the text before it. All runs of a directory are computed with one arithmetic.
 """
 
 import contextlib
@@ -43,47 +43,47 @@ class Ledger:
     """An open ledger."""
 
     done: dict[str, Done]
-    """By run key."""
+    """Finished runs by key."""
     _file: IO[bytes]
 
     def add(self, ended: Sequence[Done]) -> None:
-        """Keep what these runs came to; it is on the disk when this returns."""
-        fresh = {one.key: one for one in ended if one.key not in self.done}
+        """Write the results of these runs to the disk."""
+        fresh = {run.key: run for run in ended if run.key not in self.done}
         self._file.write(b"".join(map(_line, fresh.values())))
         self._file.flush()
         os.fsync(self._file.fileno())
         self.done |= fresh
 
     def read_again(self) -> None:
-        """Know what is on the disk: a signal may have come while it was written."""
+        """Read the finished runs from the disk, after a signal that may have interrupted a write."""
         self._file.flush()
         self.done = _read(self._file, Path(self._file.name))
 
 
 def default_directory(design: Design) -> Path:
-    """Where the same command finds its sweep again."""
+    """The directory in which a repeated command finds its sweep."""
     return Path("sweeps") / f"{encoding.file_name(design.name)}-{_identity(design)['cells'][:8]}"
 
 
 @contextlib.contextmanager
 def opened(directory: Path, design: Design) -> Iterator[Ledger]:
-    """The ledger of a design in a directory, a new one or one to go on with; raises FesError if it is another's."""
+    """The ledger of a design in a directory, created or resumed; raises FesError if it is of another design."""
     with contextlib.ExitStack() as stack:
         try:
             directory.mkdir(parents=True, exist_ok=True)
-            _claim(directory, design)
+            _check_header(directory, design)
             file = stack.enter_context((directory / LINES).open("a+b"))
             _lock(file, directory)
             done = _read(file, directory / LINES)
         except OSError as error:
-            raise FesError(f"cannot keep a sweep: {reason(error)}") from None
+            raise FesError(f"cannot store a sweep: {reason(error)}") from None
         yield Ledger(done, file)
 
 
 def _identity(design: Design) -> dict[str, Any]:
-    """What one directory may hold the runs of; more seeds are the same sweep."""
+    """Header of a directory: equal for designs that differ only in their seeds."""
     cells = "".join(digest(seeded(cell.scenario, 0)) for cell in design.cells)
-    axes = {field: design.values(at) for at, field in enumerate(design.axes)}
+    axes = {field: design.values(index) for index, field in enumerate(design.axes)}
     return {
         "scenario": design.name,
         "axes": axes,
@@ -94,68 +94,68 @@ def _identity(design: Design) -> dict[str, Any]:
     }
 
 
-def _claim(directory: Path, design: Design) -> None:
-    """Write the directory's header, or find that it is this design's."""
-    path, wanted = directory / HEADER, _identity(design)
+def _check_header(directory: Path, design: Design) -> None:
+    """Write the directory's header, or check that it is of this design; raises FesError."""
+    path, identity = directory / HEADER, _identity(design)
     if not path.exists():
         temporary = directory / f".{HEADER}"
-        if any(found != temporary for found in directory.iterdir()):  # that one a kill may have left behind
-            raise FesError(f"--out {directory}: the directory is not empty, and no sweep's")
-        temporary.write_text(strict_json.dumps(wanted, indent=1) + "\n", encoding="utf-8")
+        if any(path != temporary for path in directory.iterdir()):  # a kill may leave a temporary file
+            raise FesError(f"--out {directory}: the directory is not empty, and holds no sweep")
+        temporary.write_text(strict_json.dumps(identity, indent=1) + "\n", encoding="utf-8")
         os.replace(temporary, path)
         return
-    found = files.read_table(path, _MAX_HEADER)
-    before = found.get("format", 1)
+    header = files.read_table(path, _MAX_HEADER)
+    before = header.get("format", 1)
     if before != FORMAT:
         raise FesError(
             f"--out {directory}: it holds a sweep of format {before!r:.20}; this fes reads format {FORMAT}"
         )
-    for name, what in _DIFFERS.items():
-        if found.get(name) != wanted[name]:
-            told = f"{strict_json.dumps(found.get(name)):.200}"
+    for name, difference in _DIFFERS.items():
+        if header.get(name) != identity[name]:
+            recorded = f"{strict_json.dumps(header.get(name)):.200}"
             if name == "arithmetic":
-                told += f", and this is {wanted[name]}"
-            raise FesError(f"--out {directory}: it holds a sweep of {what}; {HEADER} has {name} = {told}")
+                recorded += f", and this is {identity[name]}"
+            raise FesError(f"--out {directory}: it holds a sweep of {difference}; {HEADER} has {name} = {recorded}")
 
 
 def _lock(file: IO[bytes], directory: Path) -> None:
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        raise FesError(f"--out {directory}: another fes sweep is at work there") from None
+        raise FesError(f"--out {directory}: another fes sweep is using it") from None
 
 
 def _read(file: IO[bytes], path: Path) -> dict[str, Done]:
-    """The runs that have ended; what stands after the last whole line is cut off."""
+    """The finished runs; an incomplete last line is cut off."""
     file.seek(0)
     done: dict[str, Done] = {}
-    whole = number = 0
+    complete = number = 0
     while (line := file.readline(_MAX_LINE)).endswith(b"\n"):
-        number, whole = number + 1, whole + len(line)
-        one = _parse(line)
-        if one is None:
+        number, complete = number + 1, complete + len(line)
+        run = _parse(line)
+        if run is None:
             raise FesError(f"{path} is damaged: line {number} is not a run")
-        done.setdefault(one.key, one)
+        done.setdefault(run.key, run)
     if len(line) == _MAX_LINE:
         raise FesError(f"{path} is damaged: line {number + 1} has more than {_MAX_LINE:,} bytes")
-    file.truncate(whole)
+    file.truncate(complete)
     return done
 
 
-def _line(one: Done) -> bytes:
-    """The line of a run."""
-    told = strict_json.dumps(asdict(one)).encode()
-    return told[:-1] + b', "crc32": "%08x"}\n' % zlib.crc32(told)
+def _line(run: Done) -> bytes:
+    """Encode a run as a line."""
+    text = strict_json.dumps(asdict(run)).encode()
+    return text[:-1] + b', "crc32": "%08x"}\n' % zlib.crc32(text)
 
 
 def _parse(line: bytes) -> Done | None:
-    """The run of a line; None if the line is not as it was written."""
+    """Decode the run of a line; None if the line is damaged."""
     try:
-        told = strict_json.loads(line)
-        told.pop("crc32")
-        one = Done(**told)
+        fields = strict_json.loads(line)
+        fields.pop("crc32")
+        run = Done(**fields)
     except (ValueError, TypeError, KeyError, AttributeError):
         return None
-    scalars = one.scalars.values() if isinstance(one.scalars, dict) else [one.scalars]
-    plain = all(isinstance(value, str | int | float | bool | None) for value in (one.key, one.error, *scalars))
-    return one if plain and _line(one) == line else None
+    scalars = run.scalars.values() if isinstance(run.scalars, dict) else [run.scalars]
+    is_plain = all(isinstance(value, str | int | float | bool | None) for value in (run.key, run.error, *scalars))
+    return run if is_plain and _line(run) == line else None

@@ -1,4 +1,4 @@
-"""Workers on this machine: a process a core, none of which outlives the sweep."""
+"""Workers on this machine: one process per core, none of which outlives the sweep."""
 
 import contextlib
 import ctypes
@@ -20,27 +20,26 @@ from console.sweep.work import Batch, Done, Watch, Workers
 from fes.errors import FesError
 
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-"""A worker has a core of its own: threads of the linear algebra would only take turns."""
-
+"""Each worker has one core, on which threads of linear algebra would only compete."""
 
 PERIOD = 0.1
-"""Time [s] between two looks at what the workers have done."""
+"""Time between two readings of the workers' progress [s]."""
 
 Ticks = ctypes.Array[ctypes.c_int64]
-"""Ticks done of each batch; each place has one writer, so no lock is needed."""
+"""Completed ticks of each batch; each entry has one writer, so that it needs no lock."""
 
 _ticks: Ticks | None = None
 """In a worker: the array of its sweep."""
 
 
 def cores() -> int:
-    """The cores that this process may use."""
+    """Number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextlib.contextmanager
 def hired(jobs: int) -> Iterator[Workers]:
-    """As many workers as `jobs`; they start when there is work, and end with it."""
+    """`jobs` workers, which start with the first batch and end after the last."""
     yield Workers(jobs, partial(_carry_out, jobs))
 
 
@@ -52,24 +51,24 @@ def _carry_out(jobs: int, batches: Sequence[Batch], watch: Watch) -> Generator[l
     with _pool(min(jobs, len(batches)), context, ticks) as pool:
         try:
             ended: SimpleQueue[Future[list[Done]]] = SimpleQueue()
-            with _unheard(signal.SIGINT):
-                for at, batch in enumerate(batches):
-                    pool.submit(_work, at, batch).add_done_callback(ended.put)
-            left, looked = len(batches), time.monotonic()
-            while left:
+            with _blocked(signal.SIGINT):
+                for index, batch in enumerate(batches):
+                    pool.submit(_work, index, batch).add_done_callback(ended.put)
+            remaining, reported = len(batches), time.monotonic()
+            while remaining:
                 with contextlib.suppress(Empty):
                     yield ended.get(timeout=PERIOD).result()
-                    left -= 1
-                if left == 0 or time.monotonic() - looked >= PERIOD:
-                    looked = time.monotonic()
+                    remaining -= 1
+                if remaining == 0 or time.monotonic() - reported >= PERIOD:
+                    reported = time.monotonic()
                     watch(sum(ticks))
         except BrokenProcessPool:
-            raise FesError("a worker of the sweep was ended from outside; the same command resumes it") from None
+            raise FesError("a worker of the sweep was killed; the same command resumes the sweep") from None
 
 
 @contextlib.contextmanager
 def _pool(count: int, context: SpawnContext, ticks: Ticks) -> Iterator[ProcessPoolExecutor]:
-    """A pool on a leash: when this end of the pipe closes, with the block or with this process, the workers end."""
+    """A pool whose workers end when this end of a pipe closes: with the block, or with this process."""
     held, leash = context.Pipe(duplex=False)
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     os.environ.update(ONE_THREAD)
@@ -89,7 +88,7 @@ def _pool(count: int, context: SpawnContext, ticks: Ticks) -> Iterator[ProcessPo
 
 
 def _begin(leash: Connection, ticks: Ticks) -> None:
-    """In a worker: end when the other end of the leash is closed, and count its ticks in `ticks`."""
+    """In a worker: end when the other end of `leash` closes, and count ticks in `ticks`."""
     global _ticks
     _ticks = ticks
 
@@ -101,21 +100,21 @@ def _begin(leash: Connection, ticks: Ticks) -> None:
     threading.Thread(target=hold, name="leash", daemon=True).start()
 
 
-def _work(at: int, batch: Batch) -> list[Done]:
-    """In a worker: carry out a batch, whose ticks are counted in its own place."""
+def _work(index: int, batch: Batch) -> list[Done]:
+    """In a worker: carry out a batch, and count its ticks in its own entry."""
 
-    def tell(done: int) -> None:
+    def count(done: int) -> None:
         if _ticks is not None:
-            _ticks[at] = done
+            _ticks[index] = done
 
-    done = work.carry_out(batch, tell)
-    tell(sum(scenario.ticks for scenario in batch.scenarios))  # a failed run did not count all of its ticks
+    done = work.carry_out(batch, count)
+    count(sum(scenario.ticks for scenario in batch.scenarios))  # a failed run leaves ticks uncounted
     return done
 
 
 @contextlib.contextmanager
-def _unheard(number: signal.Signals) -> Iterator[None]:
-    """Processes and threads that start in this block never see the signal: the terminal sends it to all alike."""
+def _blocked(number: signal.Signals) -> Iterator[None]:
+    """Block a signal in the processes and threads that start here: the terminal sends it to all of them."""
     signal.pthread_sigmask(signal.SIG_BLOCK, {number})
     try:
         yield

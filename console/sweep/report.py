@@ -1,4 +1,4 @@
-"""What a sweep found, as a person reads it."""
+"""The comparison of a sweep as tables for a terminal."""
 
 import math
 
@@ -13,16 +13,16 @@ from console.terminal.formatting import UNKNOWN
 from console.terminal.printing import cell
 
 MOST_ROWS = 36
-"""Of a table on the screen; the files have all."""
+"""Maximum number of rows of a table on the screen; the files hold all."""
 
 SHOWN = ("time_to.", "separation_error_max")
-"""How the names of the outcomes begin that are shown; the files have all."""
+"""Prefixes of the outcomes shown; the files hold all outcomes."""
 
 
 def render(design: Design, spreads: list[Spread], differences: list[PairedDifference]) -> RenderableType:
     """Each cell by itself, and the paired differences between cells."""
-    found = dict.fromkeys(one.outcome for one in spreads)
-    names = [name for shown in SHOWN for name in found if name.startswith(shown)]
+    outcomes = dict.fromkeys(spread.outcome for spread in spreads)
+    names = [name for prefix in SHOWN for name in outcomes if name.startswith(prefix)]
     parts: list[RenderableType] = [_cells(design, names, spreads)]
     if differences:
         parts += ["", _differences(design, names, differences)]
@@ -31,31 +31,35 @@ def render(design: Design, spreads: list[Spread], differences: list[PairedDiffer
 
 def _cells(design: Design, names: list[str], spreads: list[Spread]) -> Table:
     table = _table(", ".join(design.axes) or "outcome", "reached", "median", "mean", "largest")
-    rows = [one for name in names for one in spreads if one.outcome == name]
-    for at, one in enumerate(rows[:MOST_ROWS]):
-        if at == 0 or rows[at - 1].outcome != one.outcome:
-            table.add_row(_name(one.outcome))
-        numbers = map(_number, (one.median, one.mean, one.largest))
-        table.add_row(cell(f"  {design.title(one.cell)}"), f"{one.reached}/{one.runs}", *numbers)
+    rows = [spread for name in names for spread in spreads if spread.outcome == name]
+    for index, spread in enumerate(rows[:MOST_ROWS]):
+        if index == 0 or rows[index - 1].outcome != spread.outcome:
+            table.add_row(_name(spread.outcome))
+        numbers = map(_number, (spread.median, spread.mean, spread.largest))
+        table.add_row(cell(f"  {design.title(spread.cell)}"), f"{spread.reached}/{spread.runs}", *numbers)
     return _cut(table, len(rows), "cells.csv")
 
 
 def _differences(design: Design, names: list[str], differences: list[PairedDifference]) -> Table:
     table = _table("paired difference", "pairs", "mean", f"{100 * comparison.CONFIDENCE:g} % interval")
-    rows = [one for name in names for one in differences if one.outcome == name]
-    for at, one in enumerate(rows[:MOST_ROWS]):
-        if at == 0 or rows[at - 1].outcome != one.outcome:
-            table.add_row(_name(one.outcome))
-        bounds = f"{_number(one.low, '+')} to {_number(one.high, '+')}" if math.isfinite(one.low) else UNKNOWN
-        difference, at_others = design.contrast(one.axis, one.base, one.other)
-        what = f"  {difference} ({at_others})" if at_others else f"  {difference}"
-        table.add_row(cell(what), str(one.pairs), _number(one.mean, "+"), bounds)
+    rows = [difference for name in names for difference in differences if difference.outcome == name]
+    for index, difference in enumerate(rows[:MOST_ROWS]):
+        if index == 0 or rows[index - 1].outcome != difference.outcome:
+            table.add_row(_name(difference.outcome))
+        bounds = (
+            f"{_number(difference.low, '+')} to {_number(difference.high, '+')}"
+            if math.isfinite(difference.low)
+            else UNKNOWN
+        )
+        text, at_others = design.contrast(difference.axis, difference.base, difference.compared)
+        label = f"  {text} ({at_others})" if at_others else f"  {text}"
+        table.add_row(cell(label), str(difference.pairs), _number(difference.mean, "+"), bounds)
     return _cut(table, len(rows), "differences.csv")
 
 
-def _table(what: str, *numbers: str) -> Table:
+def _table(heading: str, *numbers: str) -> Table:
     table = Table(box=None, padding=(0, 2, 0, 0))
-    table.add_column(cell(what), overflow="fold")
+    table.add_column(cell(heading), overflow="fold")
     for name in numbers:
         table.add_column(cell(name), justify="right", no_wrap=True)
     return table

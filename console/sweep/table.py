@@ -1,6 +1,6 @@
-"""One row a run, in the order of the design, the same bytes however and wherever the runs were carried out.
+"""One row per run, in the order of the design.
 
-So nothing of the machine is in it: no wall-clock time, no name of a worker.
+The bytes do not depend on the machines: the table holds no wall-clock time and no name of a worker.
 """
 
 import csv
@@ -20,38 +20,38 @@ from fes.system.distribution import install
 SEED, ERROR = "seed", "error"
 
 TEXTS = frozenset({ERROR, "digest"})
-"""Columns that are text even where no run has a value; others are numbers, so that two sweeps' tables are alike."""
+"""Columns of text, even without a value; other columns without a value are numbers, so that all tables agree."""
 
 Row = dict[str, Value]
 
 
 class Format(StrEnum):
-    """How the table is written."""
+    """File format of a table."""
 
     CSV = "csv"
     PARQUET = "parquet"
 
 
 def require(form: Format) -> None:
-    """Raise FesError if this format cannot be written here."""
+    """Raise FesError if this format needs a missing library."""
     if form is Format.PARQUET and find_spec("pyarrow") is None:
         raise FesError(f"--format parquet needs pyarrow: {install('parquet')}")
 
 
 def rows(design: Design, done: dict[str, Done]) -> list[Row]:
-    """The table: a run's axes, its seed, the scalars of its summary, and why it failed if it did."""
-    found = []
+    """The table: axes, seed, scalars of the summary, and error of each run."""
+    table = []
     for run in design.runs:
-        one = done[run.key]
+        result = done[run.key]
         given = dict(zip(design.axes, design.cells[run.cell].values, strict=True))
-        found.append(one.scalars | given | {SEED: run.seed, ERROR: one.error})
-    columns = dict.fromkeys([*design.axes, SEED, *(name for row in found for name in row)])
+        table.append(result.scalars | given | {SEED: run.seed, ERROR: result.error})
+    columns = dict.fromkeys([*design.axes, SEED, *(name for row in table for name in row)])
     del columns[ERROR]
-    return [{name: row.get(name) for name in (*columns, ERROR)} for row in found]
+    return [{name: row.get(name) for name in (*columns, ERROR)} for row in table]
 
 
 def write(directory: Path, name: str, table: Sequence[Row], form: Format = Format.CSV) -> Path:
-    """Write a table, complete or not at all; a number that is not finite is empty, like a missing one."""
+    """Write a table atomically; a number that is not finite is empty, like a missing number."""
     table = [strict_json.finite(row) for row in table]
     path = directory / f"{name}.{form.value}"
     temporary = directory / f".{path.name}"
@@ -82,7 +82,7 @@ def _write_parquet(path: Path, table: Sequence[Row]) -> None:
 
 
 def _typed(arrow: Any, name: str, values: list[Value]) -> tuple[list[Value], Any]:
-    """A column with its type: the narrowest that holds all its values; numbers where there are none."""
+    """A column with the narrowest type of all its values; numbers for a column without values."""
     kinds = {type(value) for value in values if value is not None}
     if kinds == {bool}:
         return values, arrow.bool_()

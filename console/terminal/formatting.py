@@ -1,4 +1,4 @@
-"""Numbers as a person reads them, and pieces of styled lines."""
+"""Numbers for people, and segments of styled lines."""
 
 import math
 
@@ -6,18 +6,18 @@ from rich.segment import Segment
 from rich.style import Style
 
 UNKNOWN = "–"
-"""What stands for a number that does not exist."""
+"""Text for a number that does not exist."""
 
 _UNITS = ((1e3, "km"), (1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
 
 
 def styled(text: str, style: str = "") -> Segment:
-    """One piece of a line."""
+    """A segment of a line."""
     return Segment(text, Style.parse(style))
 
 
 def number(value: float, form: str) -> str:
-    """`value` in a format, if it is one.
+    """`value` in a format; UNKNOWN if it is not finite.
 
     >>> number(1234.56, ",.1f"), number(math.nan, ",.1f")
     ('1,234.6', '–')
@@ -26,7 +26,7 @@ def number(value: float, form: str) -> str:
 
 
 def length(value: float) -> str:
-    """A length [m], not negative, in three digits and the unit that suits it.
+    """A non-negative length [m] in three digits and a suitable unit.
 
     >>> length(68.1), length(0.0123), length(0.9996), length(math.nan), length(0.0), length(3e-14)
     ('68.1 m', '12.3 mm', '1.00 m', '–', '0 m', '3e-14 m')
@@ -42,7 +42,7 @@ def length(value: float) -> str:
 
 
 def count(value: float) -> str:
-    """A count, if it is one, in at most five characters or so.
+    """A count in about five characters; UNKNOWN if it is not finite.
 
     >>> count(9_999), count(123_456), count(12_345_678), count(math.nan)
     ('9,999', '123k', '12.3M', '–')

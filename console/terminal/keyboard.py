@@ -1,4 +1,4 @@
-"""Keys of a terminal, as they are pressed."""
+"""Keys pressed in a terminal."""
 
 import contextlib
 import os
@@ -16,7 +16,7 @@ _SEQUENCES = {b"\x1b[C": RIGHT, b"\x1b[D": LEFT, b"\x1bOC": RIGHT, b"\x1bOD": LE
 
 
 class Keyboard:
-    """A terminal that hands over each key while the block lasts."""
+    """A terminal that delivers each key at once within a block."""
 
     def __init__(self, terminal: int) -> None:
         self._terminal = terminal
@@ -37,11 +37,11 @@ class Keyboard:
             self._restored.__exit__(None, None, None)
 
     def _restore(self) -> None:
-        with contextlib.suppress(termios.error):  # the terminal may be gone
+        with contextlib.suppress(termios.error):  # the terminal may be closed
             termios.tcsetattr(self._terminal, termios.TCSADRAIN, self._before)
 
     def pressed(self, timeout: float) -> list[str]:
-        """The keys pressed, waiting for one up to `timeout` [s]; END when there is no terminal any more."""
+        """The keys pressed, after a wait of up to `timeout` [s]; END if the terminal is closed."""
         if not select.select([self._terminal], [], [], timeout)[0]:
             return []
         try:
@@ -52,18 +52,18 @@ class Keyboard:
 
 
 def keys(typed: bytes) -> list[str]:
-    """What was typed, key by key; sequences that mean nothing here are left out.
+    """Typed bytes as keys, without unknown sequences.
 
     >>> keys(b" +\\x1b[C\\x1b[Aq")
     [' ', '+', 'right', 'q']
     """
-    found = []
+    pressed = []
     while typed:
         if typed[:1] == b"\x1b":
             sequence, typed = typed[:3], typed[3:]
             if sequence in _SEQUENCES:
-                found.append(_SEQUENCES[sequence])
+                pressed.append(_SEQUENCES[sequence])
             continue
-        found.append(chr(typed[0]))
+        pressed.append(chr(typed[0]))
         typed = typed[1:]
-    return found
+    return pressed

@@ -12,7 +12,7 @@ def console(stderr: bool = False) -> Console:
 
 
 def is_screen(screen: Console) -> bool:
-    """True if frames and bars can be drawn: on a terminal that can move its cursor, whatever FORCE_COLOR says."""
+    """True if frames and bars can be drawn: on a terminal that can move its cursor, even with FORCE_COLOR."""
     return screen.file.isatty() and not screen.is_dumb_terminal
 
 
@@ -22,10 +22,10 @@ def line(text: object) -> None:
 
 
 def cell(text: object, style: str = "") -> Text:
-    """Data as a piece of a table."""
+    """Data as a cell of a table."""
     return Text(printable(str(text)), style)
 
 
-def show(screen: Console, what: RenderableType) -> None:
-    """Print a table, or several, without cutting anything off."""
-    screen.print(what, crop=False)
+def show(screen: Console, renderable: RenderableType) -> None:
+    """Print tables without cropping."""
+    screen.print(renderable, crop=False)

@@ -1,4 +1,4 @@
-"""Progress of a command that takes longer than a second: on standard error, only if it is a terminal."""
+"""Progress of a command that takes longer than a second, on standard error if that is a terminal."""
 
 import contextlib
 from collections.abc import Iterator
@@ -27,9 +27,9 @@ SPINNER = "line"
 class Bar:
     """The progress bar of a command."""
 
-    def __init__(self, shown: Progress, what: str, total: float | None) -> None:
+    def __init__(self, shown: Progress, task: str, total: float | None) -> None:
         self._shown = shown
-        self._task = shown.add_task(printable(what), total=total, note="")
+        self._task = shown.add_task(printable(task), total=total, note="")
 
     @property
     def is_shown(self) -> bool:
@@ -37,52 +37,52 @@ class Bar:
         return not self._shown.disable
 
     def measure(self, total: float) -> None:
-        """Set the work that is to be done."""
+        """Set the total work."""
         self._shown.update(self._task, total=total)
 
     def advance(self, by: float = 1.0) -> None:
-        """Add to the work that is done."""
+        """Add to the completed work."""
         if self.is_shown:
             self._shown.advance(self._task, by)
 
     def reach(self, done: float) -> None:
-        """Set the work that is done so far."""
+        """Set the completed work."""
         self._shown.update(self._task, completed=done)
 
     def name(self, text: str) -> None:
-        """Show what is done now."""
+        """Show the present task."""
         self._shown.update(self._task, description=printable(text))
 
     def note(self, text: str) -> None:
-        """Show a text beside the bar."""
+        """Show text beside the bar."""
         self._shown.update(self._task, note=printable(text))
 
 
 @contextlib.contextmanager
-def bar(what: str, total: float | None = None) -> Iterator[Bar]:
-    """A block that takes a while, in which a bar shows how much of `total` is done; None if that is unknown.
+def bar(task: str, total: float | None = None) -> Iterator[Bar]:
+    """A block in which a bar shows the completed part of `total`; None if the total is unknown.
 
-    Within it a signal raises Stopped, so that the cursor returns whatever ends the block.
+    Within it a signal raises Stopped, so that the cursor always returns.
     """
     measured = (BarColumn(), TaskProgressColumn(), _text("{task.fields[note]}"), TimeElapsedColumn())
     console = printing.console(stderr=True)
     with process.interruptible(), _shown(console, *measured, TimeRemainingColumn()) as shown:
-        yield Bar(shown, what, total)
+        yield Bar(shown, task, total)
 
 
 @contextlib.contextmanager
-def waiting(what: str) -> Iterator[None]:
-    """A block of asyncio that waits for others; a line says for `what`."""
+def waiting(task: str) -> Iterator[None]:
+    """A block of asyncio that waits for other processes; a line shows `task`."""
     with _shown(printing.console(stderr=True), TimeElapsedColumn()) as shown:
-        Bar(shown, what, None)
+        Bar(shown, task, None)
         yield
 
 
 @contextlib.contextmanager
-def status(console: Console, what: str) -> Iterator[Bar]:
-    """A block of asyncio in which a line on this console says what is done, first `what`."""
+def status(console: Console, task: str) -> Iterator[Bar]:
+    """A block of asyncio in which a line on this console shows the present task, first `task`."""
     with _shown(console) as shown:
-        yield Bar(shown, what, None)
+        yield Bar(shown, task, None)
 
 
 @contextlib.contextmanager
@@ -94,7 +94,7 @@ def _shown(console: Console, *columns: ProgressColumn) -> Iterator[Progress]:
         console=console,
         disable=not printing.is_screen(console),
         transient=True,
-        # Rich would wrap a warning, and move it to the stream of this console.
+        # Rich would wrap warnings, and move them to the stream of this console.
         redirect_stdout=False,
         redirect_stderr=False,
     )

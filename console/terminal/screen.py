@@ -23,10 +23,10 @@ Draw = Callable[[RenderableType], None]
 
 
 @contextmanager
-def whole(console: Console) -> Iterator[Draw]:
-    """A block in which frames are drawn on the alternate screen, which closes however the block ends.
+def full_screen(console: Console) -> Iterator[Draw]:
+    """A block in which frames are drawn on the alternate screen, which always closes at its end.
 
-    If no frame can be drawn, nothing happens.
+    Nothing is drawn if this is not a terminal.
     """
     if not is_screen(console):
         yield lambda frame: None
@@ -43,22 +43,22 @@ def whole(console: Console) -> Iterator[Draw]:
         finally:
             try:
                 live.stop()
-            except BaseException:  # the frame that failed may be in its way, or a signal came
+            except BaseException:  # a frame that failed, or a signal, may prevent the stop
                 leave()
                 raise
 
 
 @contextmanager
 def cursor_back(console: Console) -> Iterator[None]:
-    """A block that may hide the cursor, which returns even if a second signal ends the process."""
+    """A block that may hide the cursor; it returns even if a second signal ends the process."""
     with signals.if_forced(lambda: _write(console, CURSOR) if is_screen(console) else None):
         yield
 
 
 def erase_line(console: Console) -> None:
-    """Erase the line of the cursor, and return to its start; nothing if this is not a terminal."""
+    """On a terminal, erase the line of the cursor, and return to its start."""
     if is_screen(console):
-        with contextlib.suppress(OSError):  # the terminal may be gone
+        with contextlib.suppress(OSError):  # the terminal may be closed
             _write(console, ERASE)
 
 

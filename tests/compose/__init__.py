@@ -1,8 +1,8 @@
-"""compose.yaml on a real container engine: `tests/compose/run` starts the engine, then this package tries the claims.
+"""compose.yaml on a container engine: `tests/compose/run` starts the engine, then this package checks the claims.
 
-__main__    the claims, in turn
-walls       claims of what a container may do
-engine      Docker's command line, and the engine's network namespace
+__main__    the claims, in sequence;
+walls       claims about the privileges of containers;
+engine      Docker's command line, and the engine's network namespace.
 
-They need nothing but Python's own library, for the machine's Python has no other.
+The modules import only Python's own library, because the machine's Python has no other.
 """

@@ -1,4 +1,4 @@
-"""The engine as the claims see it: Docker's command line, and the engine's network namespace."""
+"""The engine: Docker's command line, and the engine's network namespace."""
 
 import json
 import os
@@ -13,25 +13,25 @@ from typing import Any
 ROOT = Path(__file__).parents[2]
 
 DEADLINE = 90.0
-"""What has not come after this long [s] will not come."""
+"""Time limit of a condition [s]."""
 
 LONGEST = 300.0
-"""No command takes longer [s]."""
+"""Time limit of a command [s]."""
 
 
 class Broken(Exception):
     """A claim does not hold."""
 
 
-def claim(holds: bool, what: str) -> None:
-    """Say that a claim holds; raises Broken if it does not."""
+def claim(holds: bool, claimed: str) -> None:
+    """Print a claim that holds; raises Broken if it does not."""
     if not holds:
-        raise Broken(what)
-    print(f"compose:   {what}", flush=True)
+        raise Broken(claimed)
+    print(f"compose:   {claimed}", flush=True)
 
 
 def call(*words: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    """A command's exit code and output, of stderr too."""
+    """A command's exit code and output, with its stderr."""
     return subprocess.run(
         words,
         cwd=ROOT,
@@ -53,18 +53,18 @@ def output(*words: str, **environment: str) -> str:
     return done.stdout
 
 
-def wait(what: str, holds: Callable[[], bool]) -> None:
-    """Wait until something holds; raises Broken if it does not in time."""
+def wait(claimed: str, holds: Callable[[], bool]) -> None:
+    """Wait until a condition holds; raises Broken after DEADLINE."""
     end = time.monotonic() + DEADLINE
     while not holds():
         if time.monotonic() > end:
-            raise Broken(f"{what}: not within {DEADLINE:g} s")
+            raise Broken(f"{claimed}: not within {DEADLINE:g} s")
         time.sleep(0.02)
-    claim(True, what)
+    claim(True, claimed)
 
 
-class Beside:
-    """A command that goes on beside the claims while a thread gathers what it says."""
+class BackgroundCommand:
+    """A command that runs beside the claims while a thread collects its output."""
 
     def __init__(self, *words: str, **environment: str) -> None:
         self._words = words
@@ -72,7 +72,7 @@ class Beside:
         self._done = self._gatherer.submit(lambda: call(*words, **environment))
 
     def end(self) -> tuple[int, str]:
-        """Exit code and output, when it has ended; raises Broken if it does not."""
+        """Exit code and output after its end; raises Broken after LONGEST."""
         try:
             done = self._done.result(LONGEST)
         except (TimeoutError, subprocess.TimeoutExpired):
@@ -88,7 +88,7 @@ class Team:
         self._settings = {"COMPOSE_PROFILES": profile, **settings}
 
     def words(self, *words: str) -> tuple[str, ...]:
-        """A Compose command."""
+        """The words of a Compose command."""
         return ("docker", "compose", *words)
 
     def compose(self, *words: str) -> str:
@@ -96,34 +96,34 @@ class Team:
         return output(*self.words(*words), **self._settings)
 
     def attempt(self, *words: str) -> subprocess.CompletedProcess[str]:
-        """A Compose command that may fail."""
+        """Exit code and output of a Compose command that may fail."""
         return call(*self.words(*words), **self._settings)
 
-    def beside(self, *words: str) -> Beside:
-        """A Compose command that goes on."""
-        return Beside(*self.words(*words), **self._settings)
+    def start(self, *words: str) -> BackgroundCommand:
+        """Start a Compose command that runs beside the claims."""
+        return BackgroundCommand(*self.words(*words), **self._settings)
 
     def log(self, service: str) -> str:
-        """What a service has said."""
+        """The log of a service."""
         return self.compose("logs", "--no-color", "--no-log-prefix", service)
 
     def containers(self) -> list[dict[str, Any]]:
-        """What the engine knows of each container of the team."""
-        found: list[dict[str, Any]] = json.loads(output("docker", "inspect", *self.compose("ps", "-aq").split()))
-        return found
+        """Docker's description of each container of the team."""
+        containers: list[dict[str, Any]] = json.loads(output("docker", "inspect", *self.compose("ps", "-aq").split()))
+        return containers
 
     def summary(self, run: str) -> dict[str, Any]:
         """The summary in the run directory on the volume."""
-        with tempfile.TemporaryDirectory() as here:
-            self.compose("cp", f"{self.world}:/srv/runs/{run}/summary.json", here)
-            found: dict[str, Any] = json.loads((Path(here) / "summary.json").read_text(encoding="utf-8"))
-        return found
+        with tempfile.TemporaryDirectory() as folder:
+            self.compose("cp", f"{self.world}:/srv/runs/{run}/summary.json", folder)
+            summary: dict[str, Any] = json.loads((Path(folder) / "summary.json").read_text(encoding="utf-8"))
+        return summary
 
     def end(self) -> None:
-        """Down, and nothing is left."""
+        """Remove the team; raises Broken if a container, volume or network is left."""
         self.compose("--profile", "*", "down", "-v")
-        for what in ("container ls -a", "volume ls"):
-            claim(output("docker", *what.split(), "-q").split() == [], f"after down: `docker {what}` is empty")
+        for listing in ("container ls -a", "volume ls"):
+            claim(output("docker", *listing.split(), "-q").split() == [], f"after down: `docker {listing}` is empty")
         networks = set(output("docker", "network", "ls", "--format", "{{.Name}}").split())
         claim(networks == {"bridge", "host", "none"}, "after down: no network is left")
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from bench.own_router import SOURCE
+from bench.size.own_router import SOURCE
 from console.backends.process_group import free_port
 from fes.errors import Rejected, Unavailable
 from fes.protocol import keys

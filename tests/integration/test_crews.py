@@ -78,7 +78,7 @@ def test_a_crew_goes_with_the_first_of_its_tokens_and_is_taken_in_with_the_last(
     summary = live_through(three(), path, story, groups=GROUPS)
     assert summary["ticks"] == 200
     assert [present for _, present in attendances(path)] == [[[2]], [[0, 1, 2]]]
-    assert replay_command.again(log.load(path), everybody=True)["digest"] == summary["digest"]
+    assert replay_command.rerun(log.load(path), all_robots=True)["digest"] == summary["digest"]
 
 
 def test_a_crew_of_which_one_robot_is_mute_is_left_out_and_taken_in_when_that_one_speaks(
@@ -125,4 +125,4 @@ def test_a_crew_of_which_one_robot_is_mute_is_left_out_and_taken_in_when_that_on
     # Robot 0 answered the tick at which the world waited.
     assert (first, then, back) == ([[0, 2]], [[2]], [[0, 1, 2]])
     assert left == silent + 1
-    assert replay_command.again(log.load(path), everybody=True)["digest"] == summary["digest"]
+    assert replay_command.rerun(log.load(path), all_robots=True)["digest"] == summary["digest"]

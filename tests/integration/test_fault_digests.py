@@ -122,8 +122,8 @@ def test_a_log_of_faults_is_executed_again_and_is_the_same_from_one_loop_and_ove
     loop, over = (log.load(tmp_path / name) for name in ("loop.mcap", "bus.mcap"))
     assert compare.first_difference(loop, over) is None
     for found in (loop, over):
-        assert replay_command.again(found, everybody=True)["digest"] == summary["digest"]
-        assert [replay_command.alone(found, robot) for robot in (0, 4, 5)] == [120] * 3
+        assert replay_command.rerun(found, all_robots=True)["digest"] == summary["digest"]
+        assert [replay_command.rerun_robot(found, robot) for robot in (0, 4, 5)] == [120] * 3
 
 
 def test_a_damaged_beacon_is_an_empty_payload_in_the_log(tmp_path: Path) -> None:

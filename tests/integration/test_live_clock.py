@@ -97,9 +97,11 @@ def test_a_run_takes_as_long_as_it_simulates_and_its_world_can_be_executed_again
     assert kept["due"] == [150, 150]
     assert sum(kept["missed"]) < 300
     found = log.load(tmp_path / "run.mcap")
-    assert replay_command.again(found) == json.loads(json.dumps(summary))
-    with pytest.raises(FesError, match=r"is of the live clock: what came too late for a robot is not in it$"):
-        replay_command.again(found, everybody=True)
+    assert replay_command.rerun(found) == json.loads(json.dumps(summary))
+    with pytest.raises(
+        FesError, match=r"is of the live clock: the log does not show which inputs a robot received in time$"
+    ):
+        replay_command.rerun(found, all_robots=True)
 
 
 def test_nobody_waits_for_a_robot_that_says_nothing_and_it_stops(
@@ -140,7 +142,7 @@ def test_nobody_waits_for_a_robot_that_says_nothing_and_it_stops(
     kept = summary["deadlines"]
     assert kept["missed"][1] >= 45
     assert kept["stopped"][1] >= 30
-    assert replay_command.again(log.load(tmp_path / "run.mcap"))["digest"] == summary["digest"]
+    assert replay_command.rerun(log.load(tmp_path / "run.mcap"))["digest"] == summary["digest"]
 
 
 def test_a_beacon_that_comes_too_late_is_lost_and_counted_and_nobody_asks_for_it(

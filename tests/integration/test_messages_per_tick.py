@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from bench import growth
+from bench.size import growth
 from tests.support.loop import load
 
 

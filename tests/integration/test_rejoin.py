@@ -63,11 +63,11 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
     assert seen["ticks"][1] > seen["ticks"][0] + 60
     assert summary["ticks"] == 300
     found = log.load(tmp_path / "run.mcap")
-    again = replay_command.again(found, everybody=True)
+    again = replay_command.rerun(found, all_robots=True)
     absent = sum(not tick.said.commands[4] for tick in found.ticks())
     assert summary["unscheduled_absences"] == again["unscheduled_absences"] == absent > 60
     assert again["digest"] == summary["digest"] != inprocess.run(scenario, "test")["digest"]
-    assert replay_command.alone(found, 4) == 300
+    assert replay_command.rerun_robot(found, 4) == 300
 
 
 def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_when_it_speaks(
@@ -106,7 +106,7 @@ def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_wh
     assert seen[1] >= seen[0] + 40
     assert len(delayed) == 1
     assert summary["ticks"] == 200
-    assert replay_command.again(log.load(tmp_path / "run.mcap"), everybody=True)["digest"] == summary["digest"]
+    assert replay_command.rerun(log.load(tmp_path / "run.mcap"), all_robots=True)["digest"] == summary["digest"]
 
 
 @pytest.mark.parametrize(
@@ -158,8 +158,8 @@ def test_a_log_of_scheduled_deaths_in_one_loop_is_executed_again(tmp_path: Path)
     with Recorder(tmp_path / "run.mcap", dying, "test", "inprocess") as recorder:
         summary = inprocess.run(dying, "test", recorder=recorder)
     found = log.load(tmp_path / "run.mcap")
-    assert replay_command.again(found, everybody=True)["digest"] == summary["digest"]
-    assert [replay_command.alone(found, robot) for robot in (4, 5)] == [120, 120]
+    assert replay_command.rerun(found, all_robots=True)["digest"] == summary["digest"]
+    assert [replay_command.rerun_robot(found, robot) for robot in (4, 5)] == [120, 120]
 
 
 def test_fes_run_kills_the_processes_that_its_scenario_has_die_and_the_digest_is_the_same(tmp_path: Path) -> None:
@@ -198,4 +198,4 @@ def test_a_team_that_hangs_as_one_is_taken_in_again_when_it_speaks(
     summary = live_through(load("pair.toml", run__duration=2.0), tmp_path / "run.mcap", story)
     assert len(delayed) == 2
     assert summary["ticks"] == 100
-    assert replay_command.again(log.load(tmp_path / "run.mcap"), everybody=True)["digest"] == summary["digest"]
+    assert replay_command.rerun(log.load(tmp_path / "run.mcap"), all_robots=True)["digest"] == summary["digest"]

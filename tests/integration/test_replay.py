@@ -68,7 +68,7 @@ def tampered(recorded: Recorded, tmp_path_factory: pytest.TempPathFactory) -> Pa
 def test_summary_digest_and_figures_are_those_of_the_live_run(recorded: Recorded) -> None:
     path, summary = recorded
     found = log.load(path)
-    assert replay_command.again(found) == replay_command.again(found, everybody=True) == as_json(summary)
+    assert replay_command.rerun(found) == replay_command.rerun(found, all_robots=True) == as_json(summary)
     live, drawn = history.follow(found.scenario), history.recorded(found)
     assert drawn.digest == live.digest == summary["digest"]
     for field in ("time", "poses", "disagreement", "estimate_error", "separation_error"):
@@ -82,15 +82,15 @@ def test_ten_processes_over_zenoh_are_executed_again_in_one_loop(tmp_path: Path)
     summary = json.loads(done.stdout)
     found = log.load(tmp_path / "out")
     assert found.backend == "processes"
-    assert replay_command.again(found, everybody=True) == summary
-    assert replay_command.alone(found, 3) == summary["ticks"] == 100
+    assert replay_command.rerun(found, all_robots=True) == summary
+    assert replay_command.rerun_robot(found, 3) == summary["ticks"] == 100
     recordings.record(tmp_path / "loop.mcap", found.scenario)
     assert compare.first_difference(found, log.load(tmp_path / "loop.mcap")) is None
 
 
 @pytest.mark.parametrize("robot", range(10))
 def test_a_robot_alone_says_and_does_what_it_did(recorded: Recorded, robot: int) -> None:
-    assert replay_command.alone(log.load(recorded[0]), robot) == recorded[1]["ticks"]
+    assert replay_command.rerun_robot(log.load(recorded[0]), robot) == recorded[1]["ticks"]
 
 
 def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
@@ -115,7 +115,7 @@ def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
     assert changes == [("channel.reference_snr", 2e6)]
     assert found.scenario == pair
     assert summary["digest"] != inprocess.run(pair, "test")["digest"]
-    assert replay_command.again(found, everybody=True) == as_json(summary)
+    assert replay_command.rerun(found, all_robots=True) == as_json(summary)
 
     recordings.record(tmp_path / "again.mcap", server.run.scenario, "scenario")  # as scenario.toml holds it then
     again = log.load(tmp_path / "again.mcap")
@@ -133,15 +133,15 @@ def test_a_change_is_named_with_tick_robot_field_and_both_values(recorded: Recor
     other = true + SHIFT
     expected = f"tick 40, Command of robot 3: twist.angular is {other!r} in the log and {true!r} executed again"
     for execute in (
-        lambda found: replay_command.again(found, everybody=True),
-        lambda found: replay_command.alone(found, 3),
+        lambda found: replay_command.rerun(found, all_robots=True),
+        lambda found: replay_command.rerun_robot(found, 3),
     ):
         with pytest.raises(Mismatch) as caught:
             execute(log.load(tampered))
         assert str(caught.value) == expected
-    assert replay_command.alone(log.load(tampered), 4) == recorded[1]["ticks"]  # robot 4 cannot know this
+    assert replay_command.rerun_robot(log.load(tampered), 4) == recorded[1]["ticks"]  # robot 4 cannot know
     with pytest.raises(Mismatch, match=r"^tick 41, Observation of robot 3: pose\.x is "):
-        replay_command.again(log.load(tampered))  # the world does not judge twists
+        replay_command.rerun(log.load(tampered))  # the world does not ask why a robot moves
 
 
 def test_a_summary_that_was_not_reached_is_named(recorded: Recorded, tmp_path: Path) -> None:
@@ -150,7 +150,7 @@ def test_a_summary_that_was_not_reached_is_named(recorded: Recorded, tmp_path: P
     with Recorder(path, pair, "test", "inprocess") as recorder:
         recorder.conclude({**inprocess.run(pair, "test", recorder=recorder), "digest": "0" * 64})
     with pytest.raises(FesError, match=r"^summary: digest is '0000"):
-        replay_command.again(log.load(path))
+        replay_command.rerun(log.load(path))
 
 
 def test_compare_names_the_first_difference(recorded: Recorded, tampered: Path, tmp_path: Path) -> None:
@@ -171,7 +171,7 @@ def test_compare_names_the_first_difference(recorded: Recorded, tampered: Path, 
     recordings.record(tmp_path / "shorter.mcap", load("measured.toml", run__duration=1.0))
     shorter = compare.first_difference(one, log.load(tmp_path / "shorter.mcap"))
     assert shorter is not None
-    assert shorter.told("in A", "in B") == "tick 50, run: this tick is 'there' in A and 'nothing' in B"
+    assert shorter.describe("in A", "in B") == "tick 50, run: this tick is 'there' in A and 'nothing' in B"
 
 
 def test_compare_and_replay_return_1_where_something_differs(recorded: Recorded, tampered: Path) -> None:
@@ -215,7 +215,7 @@ def test_a_log_of_a_world_that_was_ended_holds_what_was_reached(tmp_path: Path, 
     found = log.load(path)
     ticks = sum(1 for _ in found.ticks())
     assert ticks > 0
-    summary = replay_command.again(found, everybody=True)
+    summary = replay_command.rerun(found, all_robots=True)
     assert summary["ticks"] == ticks
     assert summary["digest"] == inprocess.run(load("pair.toml", run__duration=ticks * 0.02), "pair")["digest"]
     if how is signal.SIGKILL:
@@ -229,7 +229,7 @@ def test_a_log_of_a_world_that_was_ended_holds_what_was_reached(tmp_path: Path, 
 
 
 def test_robot_and_all_at_once_are_refused(recorded: Recorded) -> None:
-    with pytest.raises(FesError, match=r"^--all executes every robot again, give it or --robot 3$"):
+    with pytest.raises(FesError, match=r"^--all executes every robot again: give either --all or --robot 3$"):
         replay_command.replay(recorded[0], robot=3, all_=True)
 
 

@@ -75,7 +75,7 @@ def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, r
                     raise FesError("it was stopped")
                 whole = log.load(second / NAME)
                 assert sum(1 for _ in whole.ticks()) == tick + 1
-                again_of_it = replay_command.again(whole, everybody=True)
+                again_of_it = replay_command.rerun(whole, all_robots=True)
                 assert again_of_it["digest"] == run.metrics.link_errors.digest.text()
                 logs[tick] = messages_of(second / NAME)
             kept.discard(other)

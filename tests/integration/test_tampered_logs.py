@@ -132,9 +132,9 @@ def execute(how: str, path: Path, out: Path) -> None:
     if how == "plot":
         analysis_command.plot(str(path), out=out)
     elif how == "alone":
-        replay_command.alone(log.load(path), 1)
+        replay_command.rerun_robot(log.load(path), 1)
     elif how == "again":
-        replay_command.again(log.load(path))
+        replay_command.rerun(log.load(path))
     else:
         shown(log.load(path))
 
@@ -187,7 +187,7 @@ def test_compare_sees_an_end_that_is_not_there_and_messages_before_all_else(reco
     recordings.rewrite(recorded, tmp_path / "killed.mcap", lambda topic, tick, data: data, ended=False)
     found = compare.first_difference(one, log.load(tmp_path / "killed.mcap"))
     assert found is not None
-    assert found.told("in A", "in B") == "tick 49, end: how it ended is 'at its end' in A and 'nothing' in B"
+    assert found.describe("in A", "in B") == "tick 49, end: how it ended is 'at its end' in A and 'nothing' in B"
 
     def both(topic: str, tick: int, data: bytes) -> bytes | None:
         moved = recordings.edited("/commands", 40, 1, links)(topic, tick, data)
@@ -210,7 +210,7 @@ def test_the_world_goes_no_further_than_the_log(tmp_path: Path) -> None:
     found = log.load(tmp_path / "run.mcap")
     late = found.scenario.event[0].model_copy(update={"at": 1.0, "settings": {"channel.reference_snr": -1.0}})
     impossible = found.scenario.model_copy(update={"event": [*found.scenario.event, late]})
-    ticks = replay_command.again(Log(found.path, found.name, found.backend, impossible, found.summary, found.ended))[
+    ticks = replay_command.rerun(Log(found.path, found.name, found.backend, impossible, found.summary, found.ended))[
         "ticks"
     ]
     assert ticks == 50

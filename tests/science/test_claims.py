@@ -18,20 +18,20 @@ PAPER = (DOCS / "paper.md").read_text(encoding="utf-8")
 
 
 def test_the_printed_law_freezes_a_disagreement_at_one_third() -> None:
-    found = claims.printed_law()
+    numbers = claims.printed_law()
     # The gradient, at its time constant of half a day, moves the estimates by some millimeters in 10 s.
-    assert found["disagreement after 10 s [m]"] == pytest.approx(20.0 / 3.0, abs=0.002)
-    assert found["change of beta_l r_hat + xi"] < 0.01
+    assert numbers["disagreement after 10 s [m]"] == pytest.approx(20.0 / 3.0, abs=0.002)
+    assert numbers["change of beta_l r_hat + xi"] < 0.01
 
 
 def test_the_corrected_law_agrees_with_the_eigenvalues_by_hand() -> None:
-    found = claims.corrected_law()
-    assert found["disagreement after 4 s [m]"] < 20.0 * 2.718281828 ** (-6.0 * 4.0) * 100.0
+    numbers = claims.corrected_law()
+    assert numbers["disagreement after 4 s [m]"] < 20.0 * 2.718281828 ** (-6.0 * 4.0) * 100.0
     # lambda^2 + 12 lambda + 64 = 0, and lambda^2 + 12 lambda = 0 as printed
-    assert found["eigenvalues, real part [1/s]"] == pytest.approx(-6.0)
-    assert found["eigenvalues, imaginary part [rad/s]"] == pytest.approx(28.0**0.5)
-    assert found["printed law, largest eigenvalue [1/s]"] == pytest.approx(0.0, abs=1e-9)
-    assert found["printed law, smallest eigenvalue [1/s]"] == pytest.approx(-12.0)
+    assert numbers["eigenvalues, real part [1/s]"] == pytest.approx(-6.0)
+    assert numbers["eigenvalues, imaginary part [rad/s]"] == pytest.approx(28.0**0.5)
+    assert numbers["printed law, largest eigenvalue [1/s]"] == pytest.approx(0.0, abs=1e-9)
+    assert numbers["printed law, smallest eigenvalue [1/s]"] == pytest.approx(-12.0)
 
 
 def test_the_printed_gains_take_half_a_day() -> None:
@@ -42,22 +42,22 @@ def test_the_printed_gains_take_half_a_day() -> None:
 
 
 def test_only_exponents_four_and_three_give_the_optima_of_figure_three() -> None:
-    found = claims.two_exponents()
-    right = {name for name, best in found.items() if round(best) in (68, 105)}
+    numbers = claims.two_exponents()
+    right = {name for name, best in numbers.items() if round(best) in (68, 105)}
     assert {name for name in right if "r_min 100" in name} == {"r* with shape exponent 4, r_min 100 [m]"}
     assert "r* with shape exponent 4, r_min 50 [m]" in right
 
 
 def test_weights_leave_nothing_for_the_robot_itself_and_are_not_symmetric() -> None:
-    found = claims.weights()
-    assert found["a_ii by (1), three neighbors"] == 0.0
-    assert found["sum of weights, one neighbor"] == 0.5
-    assert found["a_ij of a robot with three neighbors"] != found["a_ji of its peer with two"]
+    numbers = claims.weights()
+    assert numbers["a_ii by (1), three neighbors"] == 0.0
+    assert numbers["sum of weights, one neighbor"] == 0.5
+    assert numbers["a_ij of a robot with three neighbors"] != numbers["a_ji of its peer with two"]
 
 
 @pytest.fixture(scope="module", params=["this processor", "another one"])
 def disk(request: pytest.FixtureRequest) -> dict[str, float]:
-    """The end of the disk graph; also with an exp whose last bit differs, as that of another processor may."""
+    """The end of the disk graph, also with an exp that differs in its last bit, as on another processor."""
     own = oracle.index
 
     def other(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal["log", "none"]) -> oracle.Index:
@@ -84,18 +84,18 @@ def test_two_nearest_starts_in_two_parts() -> None:
 
 
 def test_a_gain_alone_moves_the_printed_law_and_makes_the_slow_mode_two_thirds_of_a_second() -> None:
-    found, times = claims.printed_law(), claims.time_constant()
+    numbers, times = claims.printed_law(), claims.time_constant()
     # lambda^2 + 12 lambda + 4 g = 0 with g = 1/(1 + (25/100)^2): the slow root decays by e^-3.2 in 10 s, from 20/3 m
     slow = 6.0 - math.sqrt(36.0 - 4.0 / 1.0625)
     expected = 20.0 / 3.0 * math.exp(-10.0 * slow)
-    assert found["disagreement after 10 s with an index gain of 44460 [m]"] == pytest.approx(expected, rel=0.2)
+    assert numbers["disagreement after 10 s with an index gain of 44460 [m]"] == pytest.approx(expected, rel=0.2)
     assert times["slow mode at gain 44460, with washout and low-pass [s]"] == pytest.approx(0.66, abs=0.005)
 
 
 def test_theorem_one_loses_the_cross_terms() -> None:
-    found = claims.theorem_1()
-    assert found["dV/dt by the chain rule [m^2/s]"] == pytest.approx(0.0, abs=1e-12)
-    assert found["dV/dt by (12) [m^2/s]"] == pytest.approx(-2.0)
+    numbers = claims.theorem_1()
+    assert numbers["dV/dt by the chain rule [m^2/s]"] == pytest.approx(0.0, abs=1e-12)
+    assert numbers["dV/dt by (12) [m^2/s]"] == pytest.approx(-2.0)
 
 
 def test_the_document_names_every_claim_and_only_tests_and_code_that_exist() -> None:
@@ -103,8 +103,8 @@ def test_the_document_names_every_claim_and_only_tests_and_code_that_exist() -> 
     tests = {path.stem for path in (ROOT / "tests").rglob("test_*.py")}
     assert set(re.findall(r"`(test_[a-z_]+)`", PAPER)) <= tests
     for module, functions in set(re.findall(r"`((?:fes|agents|world)\.[a-z_.]+)(?::([a-z_]+))?`", PAPER)):
-        found = importlib.import_module(module)
-        assert not functions or hasattr(found, functions), f"{module}:{functions}"
+        imported = importlib.import_module(module)
+        assert not functions or hasattr(imported, functions), f"{module}:{functions}"
 
 
 def test_the_document_prints_the_numbers_that_the_claims_compute(disk: dict[str, float]) -> None:

@@ -1,4 +1,4 @@
-"""Settings that cannot be stable: refused, or run without a warning to a summary that says what was lost."""
+"""Unstable settings are rejected, or run without a warning to a summary that reports lost links."""
 
 import itertools
 import types
@@ -39,7 +39,7 @@ def numbers(model: type[Table], prefix: str = "") -> Iterator[str]:
 
 
 def _kinds(annotation: Any) -> list[Any]:
-    """The alternatives of a type, without lists: what is in them is set by tests of its own."""
+    """The alternatives of a type, without lists: other tests set their items."""
     if get_origin(annotation) is Annotated:
         return _kinds(get_args(annotation)[0])
     if get_origin(annotation) in (Union, types.UnionType):
@@ -74,7 +74,7 @@ def after(gain_per_tick: float, ticks: int) -> Floats:
 def test_two_robots_keep_one_minus_mu_dt_of_their_error(gain_per_tick: float) -> None:
     errors = after(gain_per_tick, 5)
     assert errors == pytest.approx(10.0 * (1.0 - gain_per_tick) ** np.arange(5), abs=1e-9)
-    assert (abs(errors[-1]) > 10.0) == (gain_per_tick >= 2.0)  # where the rule has its bound
+    assert (abs(errors[-1]) > 10.0) == (gain_per_tick >= 2.0)  # the bound of the rule
 
 
 @pytest.mark.parametrize(("gain", "dt"), [(100.0, 0.02), (1000.0, 0.02), (2.0, 1.0), (1e308, 0.02)])
@@ -91,7 +91,7 @@ def test_a_linear_gain_that_cannot_be_stable_is_refused(gain: float, dt: float) 
 def test_the_disagreement_of_a_measured_pair_dies_out_iff_kappa_dt_is_below_one(
     learning: float, mixing: float
 ) -> None:
-    """The recursion of stability.py, run instead of solved: `mixing` is kappa dt, `learning` is g dt."""
+    """The recursion of stability.py, executed, not solved: `mixing` is kappa dt, `learning` is g dt."""
     before, now = 1.0, 1.0
     for _ in range(4000):
         before, now = now, (1.0 - mixing - learning) * now - mixing * before
@@ -135,17 +135,17 @@ def test_a_washout_beyond_its_integration_is_refused() -> None:
     ],
 )
 def test_no_setting_makes_numpy_warn(field: str, index: str) -> None:
-    """Each number of a scenario, far below and far above what is sensible; a warning is an error here."""
+    """Each number of a scenario, far below and far above sensible values; a warning is an error here."""
     transform = "none" if index == "sampled" else "log"
     for value in (SMALLEST, 1e-9, 1e9, LARGEST):
         given = [value, value] if field == "seeking.initial_estimate" else value
         more = next((tables for start, tables in REQUIRED.items() if field.startswith(start)), {})
-        said = error_of({"seeking.index": index, "seeking.index_transform": transform, **more, field: given})
-        assert "\n" not in said
+        error = error_of({"seeking.index": index, "seeking.index_transform": transform, **more, field: given})
+        assert "\n" not in error
 
 
 def error_of(settings: dict[str, Any]) -> str:
-    """Run six ticks of the pair to their summary; the error that ended it, or nothing."""
+    """Run six ticks of the pair to their summary; the error, or an empty text."""
     try:
         what = load("pair.toml", **settings)
         metrics = MetricsCollector(what)
@@ -159,8 +159,8 @@ def error_of(settings: dict[str, Any]) -> str:
 
 @pytest.mark.parametrize("amplitude", [3.5, 5.0, 10.0, 60.0])
 def test_a_dither_far_too_large_runs_without_a_warning(amplitude: float) -> None:
-    found = inprocess.run(load("paper.toml", run__duration=4.0, seeking__dither_amplitude=amplitude), "paper")
-    assert found["estimate_error_max"] > 1.0
+    result = inprocess.run(load("paper.toml", run__duration=4.0, seeking__dither_amplitude=amplitude), "paper")
+    assert result["estimate_error_max"] > 1.0
 
 
 def links_by_tick(what: Scenario) -> list[int]:
@@ -172,16 +172,16 @@ def test_a_team_that_diverges_says_when_it_lost_its_last_link() -> None:
     what = load(
         "pair.toml", run__duration=4.0, seeking__index_gain=1e10, expect=[{"of": "links_lost_at", "below": 4}]
     )
-    links, found = links_by_tick(what), inprocess.run(what, "pair")
+    links, result = links_by_tick(what), inprocess.run(what, "pair")
     last = max(tick for tick, count in enumerate(links) if count)
     assert 0 < last < len(links) - 1
-    assert found["links_lost_at"] == pytest.approx((last + 1) * 0.02)
-    assert found["expectations"][0]["holds"]
-    line = f"all links were lost permanently at {found['links_lost_at']:g} s: no robot has had one since"
-    assert line in summaries.lines(found)
+    assert result["links_lost_at"] == pytest.approx((last + 1) * 0.02)
+    assert result["expectations"][0]["holds"]
+    line = f"all links were lost permanently at {result['links_lost_at']:g} s: no robot has had one since"
+    assert line in summaries.lines(result)
     paper = Console(width=200)
     with paper.capture() as shown:
-        paper.print(summary.render(found))
+        paper.print(summary.render(result))
     assert line in shown.get()
 
 
@@ -190,9 +190,9 @@ def test_a_team_that_keeps_its_links_has_lost_none() -> None:
 
 
 def test_a_team_that_never_had_a_link_lost_it_at_the_start() -> None:
-    found = inprocess.run(load("pair.toml", run__duration=1.0, channel__path_loss_exponent=6.0), "pair")
-    assert found["links_lost_at"] == 0.0
-    assert "no robot ever had a link" in summaries.lines(found)
+    result = inprocess.run(load("pair.toml", run__duration=1.0, channel__path_loss_exponent=6.0), "pair")
+    assert result["links_lost_at"] == 0.0
+    assert "no robot ever had a link" in summaries.lines(result)
 
 
 def test_a_robot_alone_has_no_links_to_lose() -> None:
@@ -200,11 +200,11 @@ def test_a_robot_alone_has_no_links_to_lose() -> None:
     assert inprocess.run(alone, "pair")["links_lost_at"] is None
 
 
-def test_links_that_come_back_are_not_lost() -> None:
+def test_links_that_return_are_not_lost() -> None:
     gone = [{"at": 1.0, "kill": [0, 1]}, {"at": 2.0, "restart": [0, 1]}]
     back = load("pair.toml", run__duration=3.0, event=gone)
-    links, found = links_by_tick(back), inprocess.run(back, "pair")
+    links, result = links_by_tick(back), inprocess.run(back, "pair")
     assert 0 in links[60:90]
-    assert found["links_lost_at"] is None
-    found = inprocess.run(load("pair.toml", run__duration=3.0, event=gone[:1]), "pair")
-    assert found["links_lost_at"] == pytest.approx(1.0)
+    assert result["links_lost_at"] is None
+    result = inprocess.run(load("pair.toml", run__duration=3.0, event=gone[:1]), "pair")
+    assert result["links_lost_at"] == pytest.approx(1.0)

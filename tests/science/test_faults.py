@@ -1,4 +1,4 @@
-"""Each scenario of configs/faults is as it expects to be, and would not be without its fault."""
+"""Each scenario of configs/faults meets its expectations, and does not without its fault."""
 
 from pathlib import Path
 
@@ -20,16 +20,18 @@ def test_a_fault_is_survived_as_its_scenario_says(path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", [path for path in FAULTS if path.stem != "world"], ids=lambda path: path.stem)
-def test_a_run_without_the_fault_is_not_as_its_scenario_expects(path: Path) -> None:
+def test_a_run_without_the_fault_does_not_meet_the_expectations(path: Path) -> None:
     scenario = load(path)
     calm = scenario.model_copy(update={"event": []})
     verdicts = inprocess.run(calm, "calm")["expectations"]
     assert not all(verdict["holds"] for verdict in verdicts), verdicts
 
 
-def test_that_the_world_dies_moves_nothing() -> None:
+def test_the_death_of_the_world_moves_no_robot() -> None:
     scenario = load(CONFIGS / "faults" / "world.toml", {"run.duration": 4.0})
-    died, calm = (inprocess.run(one, "world") for one in (scenario, scenario.model_copy(update={"event": []})))
+    died, calm = (
+        inprocess.run(variant, "world") for variant in (scenario, scenario.model_copy(update={"event": []}))
+    )
     assert died["digest"] == calm["digest"]
 
 

@@ -1,4 +1,4 @@
-"""Robots that find the optimum by counting beacons: nobody on their side evaluates or is told the channel."""
+"""Robots find the optimum by counting beacons: no agent evaluates or receives the channel."""
 
 import math
 import os
@@ -24,13 +24,13 @@ SAMPLED = {
     "seeking__dither_amplitude": 0.2,
     "seeking__dither_frequency": 100.0,
 }
-"""The paper's (18) with its dither and gain, fed with what a radio can give it."""
+"""The paper's (18) with its dither and gain, fed with samples that a radio can measure."""
 
 
 def tracked(name: str, seeds: range, segment: int = 0, **changes: Any) -> dict[str, list[Any]]:
-    """What the summaries of runs over seeds say of one stretch, column by column."""
+    """Tracking of runs over seeds in one segment, column by column."""
     summaries = stacked.run([load(name, run__seed=seed, **changes) for seed in seeds], name)
-    rows = [{**one["tracking"][segment], "connected": one["links_connected_always"]} for one in summaries]
+    rows = [{**summary["tracking"][segment], "connected": summary["links_connected_always"]} for summary in summaries]
     return {key: [row[key] for row in rows] for key in rows[0]}
 
 
@@ -44,35 +44,35 @@ def rms(values: list[float]) -> float:
 
 @pytest.mark.slow
 def test_counting_beacons_finds_the_optimum() -> None:
-    found = tracked("measured.toml", range(10))
-    assert median(found["time_to_1m"]) <= 12.0
-    assert abs(np.mean(found["bias"])) <= 0.2
-    assert rms(found["rmse"]) <= 0.35
-    assert rms(found["separation_rmse"]) <= 0.35
-    assert max(found["disagreement_max"]) < 0.5
-    assert all(found["connected"])
+    tracking = tracked("measured.toml", range(10))
+    assert median(tracking["time_to_1m"]) <= 12.0
+    assert abs(np.mean(tracking["bias"])) <= 0.2
+    assert rms(tracking["rmse"]) <= 0.35
+    assert rms(tracking["separation_rmse"]) <= 0.35
+    assert max(tracking["disagreement_max"]) < 0.5
+    assert all(tracking["connected"])
 
 
 @pytest.mark.slow
 def test_counting_beacons_finds_the_farther_optimum_of_a_team_that_wants_to_spread() -> None:
-    found = tracked("measured-coverage.toml", range(8))
-    assert median(found["time_to_1m"]) <= 17.0
-    assert rms(found["rmse"]) <= 0.5
-    assert abs(np.mean(found["bias"])) <= 0.5
+    tracking = tracked("measured-coverage.toml", range(8))
+    assert median(tracking["time_to_1m"]) <= 17.0
+    assert rms(tracking["rmse"]) <= 0.5
+    assert abs(np.mean(tracking["bias"])) <= 0.5
 
 
-def test_robots_follow_a_channel_that_changes_though_nobody_tells_them() -> None:
+def test_robots_follow_a_channel_that_changes_without_notice() -> None:
     halved = {"at": 60.0, "set": {"channel.reference_snr": 5e6}}
-    found = tracked("measured-jump.toml", range(8), 1, event=[halved], run__duration=85)
-    assert found["optimal_separation"] == pytest.approx([65.524] * 8, abs=1e-3)  # m; the study's figure
-    assert median(found["time_to_1m"]) <= 10.0
+    tracking = tracked("measured-jump.toml", range(8), 1, event=[halved], run__duration=85)
+    assert tracking["optimal_separation"] == pytest.approx([65.524] * 8, abs=1e-3)  # m; the study's figure
+    assert median(tracking["time_to_1m"]) <= 10.0
 
 
 @pytest.mark.slow
-def test_a_channel_outside_the_family_of_the_fit_biases_them_by_less_than_a_fifth_of_a_meter() -> None:
-    found = tracked("measured.toml", range(8), channel__model="logistic")
-    assert abs(np.mean(found["bias"])) <= 0.2
-    assert rms(found["rmse"]) <= 0.35
+def test_a_channel_outside_the_family_of_the_fit_biases_estimates_by_less_than_a_fifth_of_a_meter() -> None:
+    tracking = tracked("measured.toml", range(8), channel__model="logistic")
+    assert abs(np.mean(tracking["bias"])) <= 0.2
+    assert rms(tracking["rmse"]) <= 0.35
 
 
 @pytest.mark.slow
@@ -83,11 +83,11 @@ def test_clocks_that_are_fifty_milliseconds_off_do_no_harm() -> None:
     assert len(set(ahead.tolist())) == 10
     assert 0.02 < np.abs(ahead).max() <= 0.05
     assert inprocess.run(plain, "on time")["digest"] != inprocess.run(skewed, "off")["digest"]
-    found = tracked("measured.toml", range(8), run__clock_skew=0.05)
-    assert median(found["time_to_1m"]) <= 12.0
-    assert abs(np.mean(found["bias"])) <= 0.2
-    assert rms(found["rmse"]) <= 0.35
-    assert max(found["disagreement_max"]) < 0.5
+    tracking = tracked("measured.toml", range(8), run__clock_skew=0.05)
+    assert median(tracking["time_to_1m"]) <= 12.0
+    assert abs(np.mean(tracking["bias"])) <= 0.2
+    assert rms(tracking["rmse"]) <= 0.35
+    assert max(tracking["disagreement_max"]) < 0.5
 
 
 def test_teams_that_want_to_be_twice_as_far_apart_find_their_optimum_too() -> None:
@@ -102,21 +102,21 @@ def test_teams_that_want_to_be_twice_as_far_apart_find_their_optimum_too() -> No
         "seeking__initial_estimate": [160.0, 200.0],
         "robots__poses": [[2.0 * x, 2.0 * y, heading] for x, y, heading in load("measured.toml").robots.poses or []],
     }
-    found = tracked("measured.toml", range(4), run__duration=80, **doubled)
-    assert found["optimal_separation"] == pytest.approx([2.0 * 68.11376] * 4, abs=1e-4)
-    assert rms(found["rmse"]) <= 2.0 * 0.35
+    tracking = tracked("measured.toml", range(4), run__duration=80, **doubled)
+    assert tracking["optimal_separation"] == pytest.approx([2.0 * 68.11376] * 4, abs=1e-4)
+    assert rms(tracking["rmse"]) <= 2.0 * 0.35
 
 
 @pytest.mark.parametrize("gain", [1.0, 44460.0])
 def test_the_papers_own_law_fed_with_samples_does_not_converge(gain: float) -> None:
     changes: dict[str, Any] = SAMPLED | {"seeking__law": "paper", "seeking__index_gain": gain}
-    found = tracked("measured.toml", range(2), run__duration=80, **changes)
-    assert found["time_to_1m"] == [None] * 2
-    assert min(found["rmse"]) > 5.0
+    tracking = tracked("measured.toml", range(2), run__duration=80, **changes)
+    assert tracking["time_to_1m"] == [None] * 2
+    assert min(tracking["rmse"]) > 5.0
 
 
 def test_agent_processes_of_a_measured_run_never_load_the_formula_nor_the_oracle(tmp_path: Path) -> None:
-    """Python itself lists what each process imports; a run with the oracle shows that the list would tell."""
+    """Python itself lists what each process imports; a run with the oracle shows that the list is complete."""
     loaded = {}
     for name in ("measured", "paper"):
         out = tmp_path / name

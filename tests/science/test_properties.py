@@ -1,4 +1,4 @@
-"""Properties that the paper's argument rests on, over whatever hypothesis finds."""
+"""Properties on which the paper's argument rests, over the examples of hypothesis."""
 
 import math
 
@@ -37,29 +37,29 @@ def edges_of(where: Floats) -> set[tuple[int, int]]:
 
 
 def joined(n: int, edges: set[tuple[int, int]]) -> bool:
-    """Whether a graph is connected, by walking it."""
+    """True if a graph is connected, by a walk over it."""
     reached, waiting = {0}, [0]
     while waiting:
-        at = waiting.pop()
-        new = {j for i, j in edges if i == at} - reached
+        node = waiting.pop()
+        new = {j for i, j in edges if i == node} - reached
         reached |= new
         waiting += new
     return len(reached) == n
 
 
-@given(preferred=objectives, channel=channels)
+@given(objective=objectives, channel=channels)
 def test_the_index_lies_in_zero_to_one_and_rises_to_one_maximum_then_falls(
-    preferred: ObjectiveConfig, channel: ChannelConfig
+    objective: ObjectiveConfig, channel: ChannelConfig
 ) -> None:
     r = np.linspace(0.5, 400.0, 4000)
-    J = oracle.index(preferred, channel, "none")(r)
+    J = oracle.index(objective, channel, "none")(r)
     assert ((J >= 0.0) & (J < 1.0)).all()
     steps = np.diff(J)
-    steps = steps[np.abs(steps) > 1e-14]  # beyond rounding; far out J underflows to a plain
+    steps = steps[np.abs(steps) > 1e-14]  # above rounding; J underflows to zero at large separations
     changes = np.flatnonzero(np.diff(np.sign(steps)))
     assert len(changes) == 1
     assert steps[0] > 0.0
-    assert abs(r[int(np.argmax(J))] - optimal_separation(preferred, channel)) <= 0.1  # the grid's step
+    assert abs(r[int(np.argmax(J))] - optimal_separation(objective, channel)) <= 0.1  # the grid's step
 
 
 @given(channel=channels, r=st.lists(st.floats(0.0, 1e3), min_size=2, max_size=30))
@@ -110,6 +110,6 @@ def test_two_nearest_does_not_depend_on_the_ids_but_for_ties(team: list[tuple[in
 
 @given(channel=channels, probability=st.floats(1e-6, 1.0 - 1e-6))
 def test_range_and_outage_are_each_others_inverse(channel: ChannelConfig, probability: float) -> None:
-    at = outage.range_at_outage(probability, channel)
-    back = float(outage.outage_probability(np.array([at]), channel)[0])
+    separation = outage.range_at_outage(probability, channel)
+    back = float(outage.outage_probability(np.array([separation]), channel)[0])
     assert math.isclose(back, probability, rel_tol=1e-9)  # a power and its root, then a difference from 1

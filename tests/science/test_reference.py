@@ -1,4 +1,4 @@
-"""The reference figures over seeds: what the corrected law does on both graphs, and the log index from anywhere."""
+"""The reference figures over seeds: the corrected law on both graphs, and the log index from any start."""
 
 import numpy as np
 import pytest
@@ -13,8 +13,8 @@ from tests.support.loop import load
 SEEDS = range(20)
 
 # Median (and, in brackets, largest) times [s] of an independent study: 20 other seeds, no loss, no radio delay.
-# Each of our medians must lie within a tenth of the study's median or below it; what is larger is the formation's
-# time on two nearest, whose graph switches: there the study's own spread, 27.3 (37.0), is the width.
+# Each median here is at most 1.1 of the study's median. The exception is the formation's time on two nearest, whose
+# graph switches: its limits are the study's own median and largest time, 27.3 (37.0).
 MEDIANS = {
     "two_nearest": {"disagreement_1m": 1.48, "estimate_1m": 4.16, "estimate_0_1m": 6.64},
     "relative_neighborhood": {
@@ -41,7 +41,8 @@ LARGEST = {
 def test_the_reference_table_holds_over_twenty_seeds(rule: str) -> None:
     summaries = [inprocess.run(load("paper.toml", formation__rule=rule, run__seed=seed), "paper") for seed in SEEDS]
     times = {
-        name: np.array([one["time_to"][name] for one in summaries], dtype=float) for name in summaries[0]["time_to"]
+        name: np.array([summary["time_to"][name] for summary in summaries], dtype=float)
+        for name in summaries[0]["time_to"]
     }
     for name, median in MEDIANS[rule].items():
         assert np.median(times[name]) <= 1.1 * median, name
@@ -50,14 +51,14 @@ def test_the_reference_table_holds_over_twenty_seeds(rule: str) -> None:
     if rule == "two_nearest":
         assert 16.8 <= np.median(times["separation_1m"]) <= 21.9
         assert 27.3 <= np.median(times["separation_0_1m"]) <= 37.0
-        assert {len(one["edges"]) for one in summaries} <= {12, 13}
-        assert not any(one["links_connected_always"] for one in summaries)
+        assert {len(summary["edges"]) for summary in summaries} <= {12, 13}
+        assert not any(summary["links_connected_always"] for summary in summaries)
     else:
-        assert {len(one["edges"]) for one in summaries} == {9}
-        assert all(one["links_connected_always"] for one in summaries)
-        assert max(one["separation_error_max"] for one in summaries) <= 0.0011
-    assert all(one["disk_connected_always"] for one in summaries)
-    assert max(one["separation_error_max"] for one in summaries) <= 0.1
+        assert {len(summary["edges"]) for summary in summaries} == {9}
+        assert all(summary["links_connected_always"] for summary in summaries)
+        assert max(summary["separation_error_max"] for summary in summaries) <= 0.0011
+    assert all(summary["disk_connected_always"] for summary in summaries)
+    assert max(summary["separation_error_max"] for summary in summaries) <= 0.1
 
 
 @pytest.mark.parametrize(("nearest", "optimal"), [(50.0, 68.113761), (100.0, 105.384321)])

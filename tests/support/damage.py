@@ -144,7 +144,7 @@ class StoredRun:
         path = self.where / "changed.mcap"
         path.write_bytes(changed)
         found = log.load(path)
-        reached = replay_command.again(found)
+        reached = replay_command.rerun(found)
         self._ticks_of(path)
         if found.complaint is not None:
             return LINE, found.complaint

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from bench.own_router import SOURCE
+from bench.size.own_router import SOURCE
 
 TOOLS = ("ip", "unshare", "nsenter")
 

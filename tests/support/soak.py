@@ -227,7 +227,7 @@ def soak(out: Path, minutes: float, seed: int) -> dict[str, Any]:
     whole = log.load(out / NAME)
     changes = sum(bool(tick.attended) for tick in whole.ticks())
     assert summary["ticks"] == whole.scenario.ticks == sum(1 for _ in whole.ticks())
-    assert replay_command.again(whole, everybody=True)["digest"] == summary["digest"]
+    assert replay_command.rerun(whole, all_robots=True)["digest"] == summary["digest"]
     assert summary["separation_error_rms"] < 0.5, summary["separation_error_rms"]
     assert summary["algebraic_connectivity"] > 0.0
     assert not (out / "checkpoint").exists()

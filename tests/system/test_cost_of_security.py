@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from bench import secure
+from bench.speed import secure
 from tests.support.paths import CONFIGS, DOCS
 
 TEXT = (DOCS / "security.md").read_text(encoding="utf-8")

@@ -166,7 +166,7 @@ def test_a_robot_at_fault_is_excluded_and_the_others_lose_no_digit(
     assert outcome.summary["unscheduled_absences"] == scenario().ticks - tick
     assert [robot for robot, error in enumerate(outcome.ended) if error is not None] == [HOSTILE]
     assert str(outcome.ended[HOSTILE]).startswith(f"robot {HOSTILE} is excluded at tick {tick}: {reason}")
-    assert replay_command.again(recorded, everybody=True)["digest"] == outcome.summary["digest"] == resumed(outcome)
+    assert replay_command.rerun(recorded, all_robots=True)["digest"] == outcome.summary["digest"] == resumed(outcome)
 
 
 def honest(outbox: Outbox, tick: int, said: TickPayloads) -> None:

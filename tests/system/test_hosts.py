@@ -73,7 +73,7 @@ class Team:
         found = self.summary()
         assert "robot 0 is not there" not in self.said()
         recorded = log.load(self.where / "out/run.mcap")
-        assert replay_command.again(recorded, everybody=True)["digest"] == found["digest"]
+        assert replay_command.rerun(recorded, all_robots=True)["digest"] == found["digest"]
 
     def said(self, who: str = "world") -> str:
         return (self.where / f"{who}.log").read_text()

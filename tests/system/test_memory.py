@@ -1,4 +1,4 @@
-"""The memory of a run does not grow with its length; bench/memory.py measures a million ticks, and processes."""
+"""The memory of a run does not grow with its length; bench/size/memory.py measures a million ticks, and processes."""
 
 import gc
 import io
@@ -6,7 +6,7 @@ import io
 import numpy as np
 from rich.console import Console
 
-from bench.memory import resident
+from bench.size.memory import resident
 from console.backends import inprocess
 from console.dashboard import frame
 from tests.support.loop import load

@@ -151,7 +151,7 @@ def test_an_interrupted_sweep_says_what_is_done_and_leaves_no_process(tmp_path: 
     done = len(kept(tmp_path / "out"))
     assert (sweep.returncode, said) == (1, "")
     assert complained == (
-        f"fes: error: stopped by SIGINT: {done} of {RUNS} runs are done, and the same command does the rest\n"
+        f"fes: error: stopped by SIGINT: {done} of {RUNS} runs are done; the same command resumes the sweep\n"
     )
     assert_all_gone({process for process, _ in begun(tmp_path / "log")})
 

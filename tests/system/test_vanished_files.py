@@ -168,4 +168,4 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
         while not other.is_over:
             team.step(other)
         checkpoints.discard(other)
-    assert replay_command.again(log.load(run))["digest"] == other.metrics.link_errors.digest.text()
+    assert replay_command.rerun(log.load(run))["digest"] == other.metrics.link_errors.digest.text()

@@ -45,7 +45,7 @@ def test_a_run_whose_world_is_killed_and_told_to_stop_comes_to_the_same_digest(r
     summary = run.finish()
     whole = inprocess.run(load("neighborhood.toml", run__duration=40), "neighborhood")
     assert {**summary, **dict.fromkeys(MACHINE)} == {**whole, **dict.fromkeys(MACHINE)}
-    assert replay_command.again(log.load(run.out / NAME), everybody=True)["digest"] == whole["digest"]
+    assert replay_command.rerun(log.load(run.out / NAME), all_robots=True)["digest"] == whole["digest"]
 
 
 def test_fes_run_kills_the_world_that_its_scenario_has_die_and_the_digest_is_the_same(tmp_path: Path) -> None:
@@ -98,7 +98,7 @@ def test_what_a_person_set_and_who_died_meanwhile_is_not_forgotten(run: Run) -> 
     [gone, back] = [tick for tick in found.ticks() if tick.attended]
     assert 1 not in gone.attended[-1]
     assert 1 in back.attended[-1]
-    assert replay_command.again(found, everybody=True)["digest"] == summary["digest"]
+    assert replay_command.rerun(found, all_robots=True)["digest"] == summary["digest"]
 
 
 def test_robots_that_came_and_went_since_the_checkpoint_come_and_go_again(run: Run) -> None:
@@ -127,7 +127,7 @@ def test_robots_that_came_and_went_since_the_checkpoint_come_and_go_again(run: R
     run.start("--resume", str(run.out))
     summary = run.finish()
     found = log.load(run.out / NAME)
-    assert replay_command.again(found, everybody=True)["digest"] == summary["digest"]
+    assert replay_command.rerun(found, all_robots=True)["digest"] == summary["digest"]
     assert len([tick for tick in found.ticks() if tick.attended]) == 2
 
 

@@ -7,8 +7,8 @@ from world.config.scenario import Scenario, initial_poses
 from world.simulation import neighbor_list
 
 PER_CONTACT = 1_000
-"""Memory of a run in one loop per contact (receiver, sender) of a large team, with log and summary [bytes];
-`python -m bench.crowd` measures it. A small team needs up to 128 MB more, for the radio's numbers."""
+"""Memory that a run in one loop needs per contact (receiver, sender) of a large crowd, log and summary included
+[bytes]; `python -m bench.size.crowd` measures it. A small crowd needs up to 128 MB more, for the radio's numbers."""
 
 
 def check(scenario: Scenario) -> None:

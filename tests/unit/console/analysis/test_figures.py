@@ -1,4 +1,4 @@
-"""Figures say what they claim, and the step study what the default steps rest on."""
+"""Figures show what they claim, and the step study supports the default steps."""
 
 import json
 from pathlib import Path
@@ -47,7 +47,7 @@ def test_trajectories_are_smooth(seen: History) -> None:
     speed = length / 0.02
     assert speed.max() < 75.0  # m/s; (6) with errors of at most 75 m and mu = 1
     late = seen.time[:-2] > 1.0
-    assert np.abs(np.diff(speed, axis=0))[late].max() < 5.0  # m/s a tick
+    assert np.abs(np.diff(speed, axis=0))[late].max() < 5.0  # m/s per tick
 
 
 def test_figures_are_written_as_png_and_svg_and_repeat_to_the_byte(tmp_path: Path, seen: History) -> None:
@@ -58,15 +58,15 @@ def test_figures_are_written_as_png_and_svg_and_repeat_to_the_byte(tmp_path: Pat
     assert first[0].read_bytes().startswith(b"\x89PNG")
 
 
-def test_a_run_is_drawn_from_its_directory_and_only_if_its_digest_comes_out_again(tmp_path: Path) -> None:
+def test_a_run_is_drawn_from_its_directory_and_only_if_its_digest_is_reproduced(tmp_path: Path) -> None:
     pair = load("pair.toml", run__duration=2.0)
     summary.write_scenario(tmp_path, pair)
-    found = inprocess.run(pair, "pair")
-    summary.write(tmp_path, found)
+    result = inprocess.run(pair, "pair")
+    summary.write(tmp_path, result)
     analysis_command.plot(str(tmp_path))
     assert (tmp_path / "formation.svg").exists()
     assert (tmp_path / "convergence.png").exists()
-    (tmp_path / "summary.json").write_text(json.dumps({**found, "digest": "0" * 64}))
+    (tmp_path / "summary.json").write_text(json.dumps({**result, "digest": "0" * 64}))
     with pytest.raises(FesError, match="cannot be executed again bit for bit"):
         analysis_command.plot(str(tmp_path))
     with pytest.raises(FesError, match="is not a run directory"):

@@ -1,4 +1,4 @@
-"""The dashboard, read back from the frames it draws, as a person would."""
+"""The dashboard, read back from its frames as a person would."""
 
 import math
 import re
@@ -31,7 +31,7 @@ def test_a_frame_has_exactly_the_size_asked_for(robots: int | None, width: int, 
 
 @pytest.mark.parametrize(("width", "height"), SIZES + TINY)
 @pytest.mark.parametrize("robots", [2, 10, 200])
-def test_so_has_a_frame_of_a_measured_run(robots: int, width: int, height: int) -> None:
+def test_a_frame_of_a_measured_run_has_exactly_the_size_asked_for(robots: int, width: int, height: int) -> None:
     history = a_history(replace(measured(a_swarm(robots), -2.0, 3.0), changed_at=0.1))
     lines = frame(history, width, height)
     assert [cell_len(line) for line in lines] == [width] * height
@@ -58,17 +58,17 @@ def test_a_report_of_nothing_but_extreme_numbers_is_drawn(value: float, spared: 
     start = measured(a_report([(0.0, 0.0), (60.0, 0.0), (60.0, 50.0)], [(0, 1), (1, 2)]), -2.0, 3.0)
     extreme: dict[str, Any] = {}
     for field in fields(Report):
-        kept = getattr(start, field.name)
-        if isinstance(kept, float):
+        original = getattr(start, field.name)
+        if isinstance(original, float):
             extreme[field.name] = value
-        elif isinstance(kept, np.ndarray) and kept.dtype == np.float64 and field.name != spared:
-            extreme[field.name] = np.full(kept.shape, value)
+        elif isinstance(original, np.ndarray) and original.dtype == np.float64 and field.name != spared:
+            extreme[field.name] = np.full(original.shape, value)
     history = a_history(start, replace(start, **extreme))
     for width, height in SIZES:
         assert [cell_len(line) for line in frame(history, width, height)] == [width] * height
 
 
-def test_no_links_are_said_to_be_none() -> None:
+def test_a_team_without_links_has_no_table_of_links() -> None:
     assert "no links" in "".join(frame(a_history(a_report([(0.0, 0.0), (50.0, 0.0)]))))
 
 

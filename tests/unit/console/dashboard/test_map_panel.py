@@ -1,4 +1,4 @@
-"""The map of the dashboard: where robots and links are drawn."""
+"""The map of the dashboard: positions of robots and links."""
 
 import math
 import re
@@ -21,10 +21,10 @@ def played() -> list[Report]:
 def test_a_robot_to_the_east_is_drawn_to_the_right_and_one_to_the_north_above() -> None:
     poses = np.array([[0.0, 0.0, 0.0], [80.0, 0.0, math.pi / 2], [0.0, 80.0, math.pi]])
     lines = team_map(a_report(poses[:, :2], poses=poses))
-    (here, level), (east, level_east), (north, level_north) = (find(lines, arrow) for arrow in "→↑←")
-    assert east > here
+    (origin, level), (east, level_east), (north, level_north) = (find(lines, arrow) for arrow in "→↑←")
+    assert east > origin
     assert level_east == level
-    assert north == here
+    assert north == origin
     assert level_north < level
 
 
@@ -42,7 +42,7 @@ def test_the_scale_tells_the_metres_between_two_robots() -> None:
     report = a_report(poses[:, :2], poses=poses)
     (left, _), (right, _) = (find(team_map(report), arrow) for arrow in "→←")
     bar, metres = re.findall(r"(├─*┤) (\d+) m", frame(a_history(report))[-1])[0]
-    # Both are whole cells: half a cell of the bar's fifteen or so, and one of the forty between the robots
+    # Rounding to cells: half a cell of the bar's fifteen or so, and one of the forty between the robots
     assert (right - left) * int(metres) / len(bar) == pytest.approx(140.0, rel=0.06)
 
 
@@ -62,7 +62,7 @@ def test_links_of_more_outage_have_fewer_dots() -> None:
     assert unknown == poor
 
 
-def test_a_link_to_a_robot_that_is_not_there_is_left_out_of_map_and_graph() -> None:
+def test_a_link_to_a_robot_that_is_not_there_is_omitted_from_map_and_graph() -> None:
     report = replace(a_report([(0.0, 0.0), (9.0, 0.0)], [(0, 1)]), b=np.array([7]))
     assert "2 components (1, 1)" in "".join(frame(a_history(report)))
 

@@ -1,4 +1,4 @@
-"""What the dashboard and the printed summary say of learning: reception, losses, and how r* was tracked."""
+"""Learning in the dashboard and the printed summary: reception, losses, and tracking of r*."""
 
 import io
 import math
@@ -29,7 +29,7 @@ def text(report: Report, width: int = 100, height: int = 30) -> str:
 
 
 def chart(report: Report) -> tuple[list[str], Floats, Floats]:
-    """The rows of the chart of reception, and what its edges are: separations [m] and receptions."""
+    """The rows of the chart of reception, and its limits: separations [m] and receptions."""
     lines = frame(a_history(report))
     side = lines[2].index("Convergence")
     column = [line[side:] for line in lines]
@@ -66,7 +66,7 @@ def test_the_counted_share_of_a_link_is_a_mark_at_its_separation() -> None:
     assert north - (north - south) * (row + 0.5) / len(rows) == pytest.approx(0.62, abs=0.6 * (north - south) / 5)
 
 
-def test_what_is_learnt_stands_beside_the_truth() -> None:
+def test_learnt_parameters_stand_beside_the_true_ones() -> None:
     start = measured(a_report(ROW, [(0, 1), (1, 2)]), -2.0, 3.0)
     report = replace(
         start,
@@ -79,15 +79,15 @@ def test_what_is_learnt_stands_beside_the_truth() -> None:
     assert "exponent 2.500 (spread 0.000), true 3.250" in text(report)
 
 
-def test_a_wide_table_tells_what_a_link_lost() -> None:
+def test_a_wide_table_shows_the_losses_of_a_link() -> None:
     report = a_pair(
         sent=np.array([12345.0]), decoded=np.array([9876.0]), outage=np.array([0.19]), longest_gap=np.array([17.0])
     )
     lines = text(report, 160, 50).split("\n")
     heading = next(line for line in lines if "separation  " in line and "link" in line)
     row = next(line for line in lines if "0–1" in line)
-    found = dict(zip(heading[heading.index("link") :].split(), row[row.index("0–1") :].split(), strict=False))
-    assert list(found) == ["link", "separation", "error", "estimates", "outage", "decoded", "sent", "gap"]
+    columns = dict(zip(heading[heading.index("link") :].split(), row[row.index("0–1") :].split(), strict=False))
+    assert list(columns) == ["link", "separation", "error", "estimates", "outage", "decoded", "sent", "gap"]
     assert row.split()[-4:] == ["19.0%", "80.0%", "12.3k", "17"]  # 9876 of 12345
     narrow = text(report, 80, 24)
     assert "outage" in narrow
@@ -103,7 +103,7 @@ def test_a_measured_table_has_the_learnt_beside_the_true_reception() -> None:
 
 
 @pytest.mark.parametrize(
-    ("fields", "said"),
+    ("fields", "expected"),
     [
         ({"mean_estimate_error": -0.3, "tracking_time": 5.9}, "-0.30 m, within 1 m of r* after 5.9 s"),
         ({"mean_estimate_error": 12.3}, "+12.30 m, not within 1 m of r* yet, 3.2 s so far"),
@@ -111,9 +111,9 @@ def test_a_measured_table_has_the_learnt_beside_the_true_reception() -> None:
         ({"mean_estimate_error": math.nan}, "mean estimate    –"),
     ],
 )
-def test_it_is_told_how_long_the_mean_estimate_took(fields: dict[str, float], said: str) -> None:
+def test_the_time_of_the_mean_estimate_is_shown(fields: dict[str, float], expected: str) -> None:
     report = a_pair(tick=10_160, ticks=15_000, changed_at=200.0, **fields)
-    assert said in text(report, 200, 50)
+    assert expected in text(report, 200, 50)
     assert "r* 68.11 m since 200.0 s" in text(report, 200, 50)
     assert "since" not in text(replace(report, changed_at=0.0), 200, 50)
 
@@ -138,37 +138,37 @@ def test_a_change_stays_marked_when_the_history_outgrows_its_bins() -> None:
     assert history.changes(45).tolist() == [4]  # 500 of 5000 ticks: a tenth
 
 
-def printed(found: dict[str, Any]) -> str:
+def printed(result: dict[str, Any]) -> str:
     screen = Console(width=80, file=io.StringIO())
-    screen.print(summary.render(found, verbose=True))
+    screen.print(summary.render(result, verbose=True))
     assert isinstance(screen.file, io.StringIO)
     return screen.file.getvalue()
 
 
-def test_the_printed_summary_tells_how_each_optimum_was_tracked() -> None:
-    found = inprocess.run(loop.load("pair.toml", run__duration=1), "pair")
-    row = dict.fromkeys(found["tracking"][0])
-    found["tracking"] = [
+def test_the_printed_summary_shows_the_tracking_of_each_optimum() -> None:
+    result = inprocess.run(loop.load("pair.toml", run__duration=1), "pair")
+    row = dict.fromkeys(result["tracking"][0])
+    result["tracking"] = [
         {**row, "at": 0.0, "optimal_separation": 68.1138, "time_to_1m": 9.04},
         {**row, "at": 200.0, "optimal_separation": 65.5238, "bias": -0.19, "rmse": 0.257},
     ]
-    lines = [line.split() for line in printed(found).split("\n")]
-    assert ["from", "r*", "1", "m", "after", "bias", "rmse"] in lines  # nothing is known of the others
+    lines = [line.split() for line in printed(result).split("\n")]
+    assert ["from", "r*", "1", "m", "after", "bias", "rmse"] in lines  # the other columns are empty
     assert ["0.00", "s", "68.114", "9.04", "s", "–", "–"] in lines
     assert ["200.00", "s", "65.524", "–", "-0.190", "0.257"] in lines
 
 
-def test_the_printed_summary_tells_which_links_lost_most_and_what_all_lost() -> None:
-    found = inprocess.run(loop.load("pair.toml", run__duration=1), "pair")
-    found["edges"] = [[k, k + 1, 60.0, 60.0, 60.0] for k in range(9)]
-    found["radio"] = [[k, k + 1, 1000, 900 - 10 * k, 0.1, k] for k in range(9)] + [[0, 5, 1000, 0, 1.0, 1000]]
-    lines = [line.split() for line in printed(found).split("\n")]
+def test_the_printed_summary_shows_the_worst_losses_and_the_total() -> None:
+    result = inprocess.run(loop.load("pair.toml", run__duration=1), "pair")
+    result["edges"] = [[k, k + 1, 60.0, 60.0, 60.0] for k in range(9)]
+    result["radio"] = [[k, k + 1, 1000, 900 - 10 * k, 0.1, k] for k in range(9)] + [[0, 5, 1000, 0, 1.0, 1000]]
+    lines = [line.split() for line in printed(result).split("\n")]
     first = lines.index(["8", "←", "9", "1,000", "820", "18.0%", "10.0%", "8"])
     assert [row[0] for row in lines[first : first + summary.MAX_CONTACTS + 1]] == ["8", "7", "6", "5", "4", "all"]
     assert lines[first + summary.MAX_CONTACTS] == ["all", "9,000", "7,740", "14.0%", "10.0%", "8"]
-    assert "0 ← 5" not in printed(found)  # a contact, but not a link
+    assert "0 ← 5" not in printed(result)  # a contact, but not a link
 
 
-def test_the_printed_summary_is_silent_of_a_radio_that_lost_nothing() -> None:
+def test_the_printed_summary_omits_a_radio_without_losses() -> None:
     perfect = inprocess.run(loop.load("pair.toml", run__duration=1, channel__model="perfect"), "pair")
     assert "Beacons over" not in printed(perfect)

@@ -1,4 +1,4 @@
-"""The dashboard of a log: what keys do, and what is shown."""
+"""The dashboard of a log: actions of keys, and frames."""
 
 import io
 import os
@@ -28,7 +28,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> log.Log:
 
 
 def settle(shown: Player) -> None:
-    """Let the player do what it still has to, with no time going by."""
+    """Let the player catch up without the passage of time."""
     while True:
         before = shown.tick
         shown.advance(0.0)
@@ -70,25 +70,25 @@ def test_it_steps_and_seeks_and_stops_at_both_ends(recorded: log.Log) -> None:
     assert shown.over
 
 
-def test_what_is_shown_after_a_seek_is_what_is_shown_on_the_way(recorded: log.Log) -> None:
+def test_a_frame_after_a_seek_equals_the_frame_on_the_way(recorded: log.Log) -> None:
     def text(shown: Player) -> str:
         screen = Console(width=100, file=io.StringIO())
         screen.print(frame.render(shown.history, 100, 29))
         assert isinstance(screen.file, io.StringIO)
         return screen.file.getvalue()
 
-    there, back = Player(recorded, 1.0), Player(recorded, 1.0)
-    for shown, keys in ((there, [RIGHT]), (back, [RIGHT, RIGHT, LEFT])):
+    forward, back = Player(recorded, 1.0), Player(recorded, 1.0)
+    for shown, keys in ((forward, [RIGHT]), (back, [RIGHT, RIGHT, LEFT])):
         shown.press(" ")
         for key in keys:
             shown.press(key)
             settle(shown)
-    assert there.tick == back.tick == 250
-    assert text(there) == text(back)
-    assert "time 5.00 / 12.00 s" in text(there)
+    assert forward.tick == back.tick == 250
+    assert text(forward) == text(back)
+    assert "time 5.00 / 12.00 s" in text(forward)
 
 
-def test_a_frame_has_the_size_of_the_terminal_and_says_what_keys_do(recorded: log.Log) -> None:
+def test_a_frame_has_the_size_of_the_terminal_and_names_the_keys(recorded: log.Log) -> None:
     shown = Player(recorded, 1.0)
     settle(shown)
     screen = Console(width=80, height=24, file=io.StringIO())

@@ -52,9 +52,9 @@ def test_one_pair_has_no_interval_and_none_has_no_mean() -> None:
 
 def test_a_difference_is_of_the_same_seed_and_so_is_blind_to_what_seeds_share(planned: Design) -> None:
     # Each seed shifts both cells by its own amount: by hand, the difference is 2 at every seed, with no spread.
-    (found,) = comparison.differences(planned, table([1.0, 10.0, 100.0, 1000.0], [3.0, 12.0, 102.0, 1002.0]))
-    assert (found.base, found.other, found.outcome, found.pairs) == (0, 1, "time", 4)
-    assert (found.mean, found.low, found.high) == (2.0, 2.0, 2.0)
+    (difference,) = comparison.differences(planned, table([1.0, 10.0, 100.0, 1000.0], [3.0, 12.0, 102.0, 1002.0]))
+    assert (difference.base, difference.compared, difference.outcome, difference.pairs) == (0, 1, "time", 4)
+    assert (difference.mean, difference.low, difference.high) == (2.0, 2.0, 2.0)
 
 
 def test_a_run_that_never_arrives_is_counted_and_never_a_number(planned: Design) -> None:
@@ -62,11 +62,11 @@ def test_a_run_that_never_arrives_is_counted_and_never_a_number(planned: Design)
     disk, nearest = comparison.spreads(planned, rows)
     assert (disk.runs, disk.reached, disk.mean, disk.largest) == (4, 2, 2.0, 3.0)
     assert (nearest.reached, nearest.median) == (2, 4.5)
-    (found,) = comparison.differences(planned, rows)
-    assert (found.pairs, found.only_base, found.only_other, found.mean) == (1, 1, 1, 1.0)
+    (difference,) = comparison.differences(planned, rows)
+    assert (difference.pairs, difference.only_base, difference.only_other, difference.mean) == (1, 1, 1, 1.0)
 
 
-def test_where_nobody_arrives_there_is_no_mean(planned: Design) -> None:
+def test_a_cell_in_which_no_run_arrives_has_no_mean(planned: Design) -> None:
     disk, _ = comparison.spreads(planned, table([None] * 4, [None] * 4))
     assert disk.reached == 0
     assert math.isnan(disk.mean)
@@ -99,8 +99,8 @@ def test_each_axis_is_compared_with_its_first_value_the_others_held() -> None:
         CONFIGS / "pair.toml", ["formation.rule=disk,two_nearest", "run.dt=0.02,0.01,0.005"], "0:1", []
     )
     rows: list[Row] = [{"seed": 0, "x": float(cell**2)} for cell in range(6)]
-    found = [(one.axis, one.base, one.other, one.mean) for one in comparison.differences(crossed, rows)]
-    assert found == [
+    contrasts = [(each.axis, each.base, each.compared, each.mean) for each in comparison.differences(crossed, rows)]
+    assert contrasts == [
         (0, 0, 3, 9.0),
         (0, 1, 4, 15.0),
         (0, 2, 5, 21.0),

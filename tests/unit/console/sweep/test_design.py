@@ -1,4 +1,4 @@
-"""What fes sweep is asked for becomes cells, seeds and runs, or one line that says why not."""
+"""The arguments of fes sweep become cells, seeds and runs, or an error of one line."""
 
 from pathlib import Path
 
@@ -33,20 +33,20 @@ def test_a_list_is_one_value_of_an_axis() -> None:
     assert [cell.values for cell in planned.cells] == [("[50.0, 90.0]",), ("[60.0, 60.0]",)]
 
 
-def test_a_run_is_known_by_everything_that_it_does_and_by_nothing_else(tmp_path: Path) -> None:
+def test_the_key_of_a_run_depends_on_everything_that_it_does_and_on_nothing_else(tmp_path: Path) -> None:
     def key(*settings: str, path: Path = PAIR, seeds: str = "1") -> str:
         return design.plan(path, [], seeds, list(settings)).runs[0].key
 
     copy = tmp_path / "copy.toml"
     copy.write_text("# the same, under another name\n" + PAIR.read_text())
     assert key() == key(path=copy)
-    assert key() == key("formation.contact_timeout=1.0")  # the default, said aloud
+    assert key() == key("formation.contact_timeout=1.0")  # the default, given explicitly
     others = [key("run.duration=1"), key("channel.reference_snr=1e8"), key(seeds="2")]
     assert len({key(), *others}) == 4
 
 
 @pytest.mark.parametrize(
-    ("axes", "seeds", "settings", "said"),
+    ("axes", "seeds", "settings", "message_parts"),
     [
         (["formation.rul=disk"], "0:2", [], ["'formation.rul'", "'formation.rule'"]),
         (["formation.rule=disk,ring"], "0:2", [], ["formation.rule", "'ring'"]),
@@ -71,10 +71,10 @@ def test_a_run_is_known_by_everything_that_it_does_and_by_nothing_else(tmp_path:
     ],
 )
 def test_a_design_that_breaks_a_rule_is_one_line(
-    axes: list[str], seeds: str, settings: list[str], said: list[str]
+    axes: list[str], seeds: str, settings: list[str], message_parts: list[str]
 ) -> None:
     with pytest.raises(ScenarioError) as refused:
         design.plan(PAIR, axes, seeds, settings)
     line = str(refused.value)
-    assert [word for word in said if word not in line] == []
+    assert [word for word in message_parts if word not in line] == []
     assert "\n" not in line

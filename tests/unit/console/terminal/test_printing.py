@@ -35,12 +35,12 @@ ODD = "a[/b]c [red]d[ [lambda=2] :smile:"
 
 
 def is_clean(text: str) -> bool:
-    """True if a text has no control character but newlines."""
+    """True if a text has no control character except newlines."""
     return all(line.isprintable() for line in text.split("\n"))
 
 
 def words(text: str) -> str:
-    """A folded text as the one line that it was before."""
+    """A folded text as the single line before the folding."""
     return "".join(text.split())
 
 
@@ -69,8 +69,8 @@ def test_a_character_that_moves_the_cursor_is_shown_by_its_escape() -> None:
 @pytest.mark.parametrize("verbose", [False, True])
 def test_every_string_of_a_summary_is_text(verbose: bool, capfd: pytest.CaptureFixture[str]) -> None:
     expected = [{"of": "digest", "equals": "x"}]
-    found = evil(inprocess.run(load("pair.toml", run__duration=1.0, expect=expected), "pair"))
-    printing.show(printing.console(), summary.render(found, verbose))
+    result = evil(inprocess.run(load("pair.toml", run__duration=1.0, expect=expected), "pair"))
+    printing.show(printing.console(), summary.render(result, verbose))
     out = capfd.readouterr().out
     assert is_clean(out)
     assert r"\x1b]0;PWNED\x07\x1b[2J[boldred]x[/]" in words(out)
@@ -78,7 +78,7 @@ def test_every_string_of_a_summary_is_text(verbose: bool, capfd: pytest.CaptureF
 
 @pytest.fixture(scope="module")
 def crafted(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """An honest log, and one whose name, backend and reason of its end are EVIL, at an odd path."""
+    """An honest log, and a log with EVIL as name, backend and reason of its end, at an odd path."""
     where = tmp_path_factory.mktemp("a[b") / "[red]" / LONG
     where.mkdir(parents=True)
     pair = load("pair.toml", run__duration=0.2)
@@ -103,25 +103,25 @@ def test_every_string_of_a_log_is_text_and_so_is_its_path(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     honest, bad = crafted
-    said = SHOWN
-    if way == "summary":  # another summary than the ticks have: an error that quotes it
+    expected_text = SHOWN
+    if way == "summary":  # a summary that differs from the ticks: the error quotes it
         true = log.load(honest).summary
         recordings.rewrite(honest, tmp_path / "other.mcap", lambda topic, tick, data: data, evil(true))
-        code, arguments, said = 1, ["replay", str(tmp_path / "other.mcap")], r"\x1b]0;PWNED\x07\x1b[2J"
+        code, arguments, expected_text = 1, ["replay", str(tmp_path / "other.mcap")], r"\x1b]0;PWNED\x07\x1b[2J"
     elif way == "plot":
-        code, arguments, said = (
+        code, arguments, expected_text = (
             0,
             ["plot", str(honest), "--out", str(tmp_path / ODD)],
             f"{tmp_path / ODD}/formation.png",
         )
     elif way == "compare":
-        code, arguments, said = 1, ["compare", str(honest), str(bad)], r"\x1b]0;PWNED\x07\x1b[2J"
+        code, arguments, expected_text = 1, ["compare", str(honest), str(bad)], r"\x1b]0;PWNED\x07\x1b[2J"
     else:
         code, arguments = 0, ["replay", str(bad), "--verbose", *(["--all"] if way == "all" else [])]
     assert fes(monkeypatch, *arguments) == code
     out, err = capfd.readouterr()
     assert is_clean(out + err)
-    assert said in out + err
+    assert expected_text in out + err
 
 
 def test_every_string_of_a_report_is_text_in_a_frame() -> None:

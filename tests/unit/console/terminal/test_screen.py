@@ -1,4 +1,4 @@
-"""The alternate screen closes, whatever happens on it."""
+"""The alternate screen always closes."""
 
 import io
 import os
@@ -19,18 +19,18 @@ from tests.support.terminals import ENTER, LEAVE, SHOW, is_restored
 
 
 class Tty(io.TextIOWrapper):
-    """A terminal as far as a program can see, that keeps what was written."""
+    """A stand-in for a terminal that stores its output."""
 
     def __init__(self, encoding: str = "utf-8") -> None:
-        self.kept = io.BytesIO()
-        super().__init__(self.kept, encoding=encoding, write_through=True)
+        self.written = io.BytesIO()
+        super().__init__(self.written, encoding=encoding, write_through=True)
 
     def isatty(self) -> bool:
         return True
 
     @property
     def text(self) -> str:
-        return self.kept.getvalue().decode(self.encoding)
+        return self.written.getvalue().decode(self.encoding)
 
 
 def on(tty: Tty) -> Console:
@@ -42,7 +42,7 @@ def fail(*_: object) -> Any:
 
 
 @pytest.mark.parametrize("when", ["at first", "later"])
-def test_the_screen_is_left_whatever_fails_in_drawing(when: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_screen_is_left_after_any_failure_in_drawing(when: str, monkeypatch: pytest.MonkeyPatch) -> None:
     tty = Tty()
     if when == "at first":
         monkeypatch.setattr(live, "render", fail)
@@ -59,8 +59,8 @@ def test_the_screen_is_left_whatever_fails_in_drawing(when: str, monkeypatch: py
 
 
 def test_the_screen_is_left_where_a_frame_cannot_be_encoded() -> None:
-    tty = Tty("ascii")  # refuses, as no entry point has configured it
-    with pytest.raises(UnicodeEncodeError), screen.whole(on(tty)) as draw:
+    tty = Tty("ascii")  # an encoding error: no entry point has configured it
+    with pytest.raises(UnicodeEncodeError), screen.full_screen(on(tty)) as draw:
         draw("→")
     assert ENTER in tty.text
     assert is_restored(tty.text)
@@ -70,17 +70,17 @@ def test_a_second_signal_leaves_the_screen_too(monkeypatch: pytest.MonkeyPatch) 
     codes: list[int] = []
     monkeypatch.setattr(os, "_exit", codes.append)
     tty = Tty()
-    with screen.whole(on(tty)) as draw:
+    with screen.full_screen(on(tty)) as draw:
         draw("a frame")
         signals.force(130)
         assert codes == [130]
         assert tty.text.endswith(f"{LEAVE}{SHOW}")
     before = tty.text
     signals.force(130)
-    assert tty.text == before  # once it is left, nobody leaves it again
+    assert tty.text == before  # it is left only once
 
 
-def test_a_last_frame_that_nobody_reads_is_no_error() -> None:
+def test_a_last_frame_that_is_not_read_is_no_error() -> None:
     code = """
 from console.dashboard import live as view
 from console.terminal import printing

@@ -131,7 +131,7 @@ def test_replay_and_compare_tell_another_processor_from_a_log_that_was_edited(
         recordings.record(there, pair)
     # The digits are the same: no line about the arithmetic.
     assert log.load(there).arithmetic == OTHER
-    found = replay_command.again(log.load(there), everybody=True)
+    found = replay_command.rerun(log.load(there), all_robots=True)
     assert found["arithmetic"] == OTHER  # as it was recorded
     assert compare.compare(here, there) == 0
     assert capsys.readouterr().out == "every message of every tick is the same to the bit\n"
@@ -143,7 +143,7 @@ def test_replay_and_compare_tell_another_processor_from_a_log_that_was_edited(
 
     recordings.rewrite(there, edited, recordings.edited("/commands", 6, 1, farther))
     with pytest.raises(Mismatch, match=r"^tick 6, Command of robot 1: estimates") as caught:
-        replay_command.again(log.load(edited), everybody=True)
+        replay_command.rerun(log.load(edited), all_robots=True)
     assert caught.value.__notes__ == [f"recorded with {THERE}; executed with {HERE}"]
     assert "\n" not in str(caught.value)
     assert compare.compare(here, edited) == 1
@@ -159,7 +159,7 @@ def test_a_summary_of_another_arithmetic_than_its_log_is_named(tmp_path: Path) -
         tmp_path / "a.mcap", tmp_path / "b.mcap", lambda *words: words[2], {**summary, "arithmetic": OTHER}
     )
     with pytest.raises(Mismatch, match=r"^summary: arithmetic is "):
-        replay_command.again(log.load(tmp_path / "b.mcap"))
+        replay_command.rerun(log.load(tmp_path / "b.mcap"))
 
 
 def test_real_programs_with_another_arithmetic(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

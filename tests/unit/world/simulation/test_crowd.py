@@ -13,7 +13,7 @@ import pytest
 from agents.control import contacts
 from agents.laws import neighbor_rules
 from agents.laws.neighbor_rules import Witnesses
-from bench.crowd import dense
+from bench.size.crowd import dense
 from console import cli
 from console.backends import inprocess
 from fes.arrays import draws

@@ -1,4 +1,4 @@
-"""How long until an agent is ready, by its own CPU time, and how much memory it takes."""
+"""CPU time until an agent is ready, and its memory."""
 
 import re
 import subprocess
@@ -11,7 +11,7 @@ from console.backends.process_group import free_port
 
 
 def main() -> None:
-    """Start a world and ten agents as `fes run` does, and look at them when all are ready."""
+    """Start a world and ten agents as `fes run` does, and measure them when all are ready."""
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     world = subprocess.Popen(
         [sys.executable, "-m", "world.process", "configs/paper.toml", "--rtf", "1", "-l", endpoint],
@@ -52,8 +52,8 @@ def _cpu(pid: int) -> float:
 
 def _resident(pid: int) -> float:
     """Resident memory [MB]."""
-    found = re.search(r"VmRSS:\s+(\d+)", Path(f"/proc/{pid}/status").read_text())
-    return int(found[1]) / 1024.0 if found else 0.0
+    resident = re.search(r"VmRSS:\s+(\d+)", Path(f"/proc/{pid}/status").read_text())
+    return int(resident[1]) / 1024.0 if resident else 0.0
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
-"""How a run grows: messages and bytes a tick at the world's router, for 10 to 100 robots with a session each.
+"""Messages and bytes per tick at the world's router, for 10 to 100 robots with a session each.
 
-Robots and world are those of fes, each robot with a session and a connection of its own, but in one process, so that
-a hundred need no hundred interpreters. Messages are counted where they are put and taken; bytes are those that the
-system counted on the router's connections (`ss`, of iproute2), with Zenoh's framing, without TCP's and IP's headers.
+Each robot of fes has a session and a connection of its own, in one process with the world. Messages are counted where
+they are put and taken. Bytes are those that the kernel counts on the router's connections (`ss`, of iproute2): with
+Zenoh's framing, without the headers of TCP and IP.
 """
 
 import asyncio
@@ -32,22 +32,22 @@ RUN = "growth"
 SCENARIO = Path("configs/hundred.toml")
 ROBOTS = (10, 25, 50, 100)
 FIRST, TICKS = 20, 60
-"""The window that is counted [ticks]."""
+"""Counted window [ticks]."""
 
 LATER = 60.0
-"""When the formation stands, for its contacts and its log [s]."""
+"""Time at which the formation is complete, for its contacts and its log [s]."""
 
 KINDS = ("observation", "beacon", "command")
 
 Counts = Counter[str]
-"""Messages, and their bytes, by what was done with them."""
+"""Numbers of messages, and of their bytes, by kind and action."""
 
 
 class Counted(Bus):
-    """A bus that counts what robots put and take, by kind."""
+    """A bus that counts messages put and taken, by kind."""
 
     def __init__(self, opened: Bus, counts: Counts, beacons: str = "beacon taken") -> None:
-        """`beacons` is the kind of those that are taken here: what the world hears itself crosses no link."""
+        """`beacons` is the kind of beacons taken here; those that the world takes do not cross a connection."""
         self.__dict__.update(opened.__dict__)
         self.counts = counts
         self.beacons = beacons
@@ -95,30 +95,30 @@ class Counted(Bus):
 
 @dataclass(frozen=True)
 class Grown:
-    """What a tick of so many robots costs the router."""
+    """Load of the router per tick."""
 
     robots: int
     contacts: float
-    """Peers in range of a robot, the mean."""
+    """Mean number of peers in range of a robot."""
     counts: dict[str, float]
-    """Messages and bytes of payload a tick, by kind."""
+    """Messages, and bytes of payload, per tick by kind."""
     received: float
-    """Bytes a tick on the router's connections."""
+    """Bytes per tick into the router's connections."""
     sent: float
 
     @property
     def incoming(self) -> float:
-        """Messages from robots to the router a tick."""
+        """Messages per tick from robots to the router."""
         return self.counts["beacon put"] + self.counts["command put"]
 
     @property
     def outgoing(self) -> float:
-        """Messages from the router to robots a tick."""
+        """Messages per tick from the router to robots."""
         return self.counts["beacon taken"] + self.counts["observation taken"]
 
 
 def measure(scenario: Scenario) -> Grown:
-    """Run a few ticks, and count."""
+    """Run the ticks of the window, and count messages and bytes."""
     return asyncio.run(_measure(scenario))
 
 
@@ -132,7 +132,7 @@ async def _measure(scenario: Scenario) -> Grown:
         running = asyncio.ensure_future(server.main_loop())
         before, degrees = await _snapshot(server, FIRST, port, counts), dict[int, float]()
         while server.run.state.tick < FIRST + TICKS:
-            degrees[server.run.state.tick] = _contacts(server.run.state)  # once, however long it takes
+            degrees[server.run.state.tick] = _contacts(server.run.state)
             await asyncio.sleep(0.0)
         after = await _snapshot(server, FIRST + TICKS, port, counts)
         await running
@@ -152,12 +152,12 @@ async def _live(port: int, robot: int, counts: Counts) -> None:
 async def _snapshot(server: Server, tick: int, port: int, counts: Counts) -> Counts:
     while server.run.state.tick < tick:
         await asyncio.sleep(0.0)
-    said = subprocess.run(["ss", "-Htin", f"sport = :{port}"], check=True, capture_output=True, text=True).stdout
-    found = Counter(counts)
-    found["tick"] = server.run.state.tick
+    output = subprocess.run(["ss", "-Htin", f"sport = :{port}"], check=True, capture_output=True, text=True).stdout
+    snapshot = Counter(counts)
+    snapshot["tick"] = server.run.state.tick
     for what in ("received", "sent"):
-        found[what] = sum(int(number) for number in re.findall(rf"bytes_{what}:(\d+)", said))
-    return found
+        snapshot[what] = sum(int(number) for number in re.findall(rf"bytes_{what}:(\d+)", output))
+    return snapshot
 
 
 def _contacts(state: State) -> float:
@@ -166,7 +166,7 @@ def _contacts(state: State) -> float:
 
 
 def standing(robots: int) -> tuple[float, float]:
-    """Contacts of a robot when the formation stands, the mean; and the log of that time, bytes a robot-tick."""
+    """Mean contacts of a robot at LATER, and size of the log until then [bytes per robot-tick]."""
     scenario = load(SCENARIO, {"robots.count": robots, "run.duration": LATER})
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / NAME
@@ -178,26 +178,30 @@ def standing(robots: int) -> tuple[float, float]:
 
 
 def main() -> None:
-    """Print what was counted beside what the code says: n observations and commands, n beacons to k peers each."""
-    print(f"growth: {SCENARIO}, ticks {FIRST} to {FIRST + TICKS}, the world as router; messages and bytes a tick")
+    """Print counts beside those expected: n observations, n commands, and n beacons to k peers each."""
+    print(f"growth: {SCENARIO}, ticks {FIRST} to {FIRST + TICKS}, the world as router; messages and bytes per tick")
     for robots in ROBOTS:
-        found = measure(load(SCENARIO, {"robots.count": robots, "run.duration": (FIRST + TICKS + 10) * 0.02}))
-        n, k, counts = found.robots, found.contacts, found.counts
+        measured = measure(load(SCENARIO, {"robots.count": robots, "run.duration": (FIRST + TICKS + 10) * 0.02}))
+        n, k, counts = measured.robots, measured.contacts, measured.counts
         print(
-            f"  {n:4d} robots, {k:5.2f} contacts: in {found.incoming:6.1f} (2 n = {2 * n}), "
-            f"out {found.outgoing:7.1f} (n (1 + k) = {n * (1 + k):7.1f}); "
-            f"bytes in {found.received:7.0f}, out {found.sent:7.0f}",
+            f"  {n:4d} robots, {k:5.2f} contacts: in {measured.incoming:6.1f} (2 n = {2 * n}), "
+            f"out {measured.outgoing:7.1f} (n (1 + k) = {n * (1 + k):7.1f}); "
+            f"bytes in {measured.received:7.0f}, out {measured.sent:7.0f}",
             flush=True,
         )
-        said = [f"{kind} {counts[f'{kind} put, bytes'] / counts[f'{kind} put']:.0f}" for kind in KINDS]
-        inside = [(found.received, "beacon put", "command put"), (found.sent, "beacon taken", "observation taken")]
-        around = [
-            (total - counts[f"{one}, bytes"] - counts[f"{other}, bytes"]) / (counts[one] + counts[other])
-            for total, one, other in inside
+        payloads = [f"{kind} {counts[f'{kind} put, bytes'] / counts[f'{kind} put']:.0f}" for kind in KINDS]
+        totals = [
+            (measured.received, "beacon put", "command put"),
+            (measured.sent, "beacon taken", "observation taken"),
         ]
-        print(f"       bytes of payload: {', '.join(said)}; around each: in {around[0]:.0f}, out {around[1]:.0f}")
+        overheads = [
+            (total - counts[f"{first}, bytes"] - counts[f"{second}, bytes"]) / (counts[first] + counts[second])
+            for total, first, second in totals
+        ]
+        framing = "in {:.0f}, out {:.0f}".format(*overheads)
+        print(f"       bytes of payload: {', '.join(payloads)}; framing of each: {framing}")
         contacts, size = standing(robots)
-        print(f"       after {LATER:g} s: {contacts:.2f} contacts; log: {size:.0f} bytes a robot-tick", flush=True)
+        print(f"       after {LATER:g} s: {contacts:.2f} contacts; log: {size:.0f} bytes per robot-tick", flush=True)
 
 
 if __name__ == "__main__":

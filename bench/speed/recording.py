@@ -1,11 +1,11 @@
-"""What a log costs: the lockstep with and without it, in turn, and its size."""
+"""Cost of a log: the lockstep with and without it, alternating, and its size."""
 
 import tempfile
 from pathlib import Path
 
 import numpy as np
 
-from bench import lockstep
+from bench.speed import lockstep
 from console.backends import inprocess
 from fes.recording.layout import NAME
 from world.config.scenario import load
@@ -13,13 +13,13 @@ from world.execution.recorder import Recorder
 
 ROUNDS = 8
 DURATION = 10.0
-"""[s]; simulated, each time"""
+"""Simulated time per run [s]."""
 
 BUDGET = 0.9
 
 
 def size(scenario: Path) -> float:
-    """Bytes a robot-tick."""
+    """Bytes per robot-tick of a log."""
     loaded = load(scenario)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / NAME
@@ -31,12 +31,12 @@ def size(scenario: Path) -> float:
 def main() -> None:
     """Print rates and their ratio, round by round."""
     for scenario in (Path("configs/paper.toml"), Path("configs/measured.toml")):
-        print(f"log of {scenario}: {size(scenario):.0f} bytes a robot-tick (budget 200)")
+        print(f"log of {scenario}: {size(scenario):.0f} bytes per robot-tick (budget 200)")
         ratios = []
         for number in range(ROUNDS):
             flags = ["--record", "--no-record"]
             if number % 2:
-                flags.reverse()  # whoever comes second may find a warmer machine
+                flags.reverse()  # the second run may meet a warmer machine
             rates = {flag: lockstep.fes(scenario, DURATION, flag) for flag in flags}
             ratios.append(rates["--record"] / rates["--no-record"])
             print(

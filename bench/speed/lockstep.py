@@ -1,4 +1,4 @@
-"""fes against the bare message pattern, in turn, on the same machine in the same minute."""
+"""fes against the bare message pattern, alternating, on the same machine in the same minute."""
 
 import json
 import subprocess
@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from bench import robot
+from bench.speed import robot
 from console.backends.process_group import free_port
 from world.config.scenario import load
 from world.simulation import truth
@@ -20,10 +20,10 @@ BUDGET = 0.6
 
 
 def bare(n: int, ticks: int, peers: list[list[int]], agent: float = 0.0, world: float = 0.0) -> float:
-    """Ticks per second of the bare pattern, if agents and world spin for so long [s] each tick."""
+    """Ticks per second of the bare pattern, if `agent` and `world` spin for that long [s] in each tick."""
     endpoint = f"tcp/127.0.0.1:{free_port()}"
-    module = [sys.executable, "-m", "bench.bare"]
-    hub = subprocess.Popen(
+    module = [sys.executable, "-m", "bench.speed.bare"]
+    world_process = subprocess.Popen(
         [*module, "world", str(n), str(ticks), endpoint, str(PAYLOAD), str(world)], stdout=subprocess.PIPE, text=True
     )
     agents = [
@@ -31,33 +31,33 @@ def bare(n: int, ticks: int, peers: list[list[int]], agent: float = 0.0, world: 
         for robot in range(n)
     ]
     try:
-        said, _ = hub.communicate(timeout=120)
+        output, _ = world_process.communicate(timeout=120)
         for child in agents:
             child.wait(timeout=20)
     finally:
-        children: list[subprocess.Popen[Any]] = [hub, *agents]
+        children: list[subprocess.Popen[Any]] = [world_process, *agents]
         for process in children:
             if process.poll() is None:
                 process.kill()
-    return float(said)
+    return float(output)
 
 
-def fes(scenario: Path, duration: float, *more: str) -> float:
-    """Ticks per second of a scenario in processes, without anybody watching; `more` are flags of `fes run`."""
+def fes(scenario: Path, duration: float, *flags: str) -> float:
+    """Ticks per second of a scenario in processes, without a viewer; `flags` are those of `fes run`."""
     with tempfile.TemporaryDirectory() as folder:
         words = [sys.executable, "-c", "from console.cli import main; main()", "run", str(scenario)]
-        said = subprocess.run(
-            [*words, "--headless", "--json", "--duration", str(duration), "--out", f"{folder}/run", *more],
+        output = subprocess.run(
+            [*words, "--headless", "--json", "--duration", str(duration), "--out", f"{folder}/run", *flags],
             stdout=subprocess.PIPE,
             text=True,
             check=True,
             timeout=300,
         ).stdout
-    return float(json.loads(said)["ticks_per_s"])
+    return float(json.loads(output)["ticks_per_s"])
 
 
 def in_range(scenario: Path) -> list[list[int]]:
-    """Who is in range of whom at the scenario's start: the subscriptions that its robots hold."""
+    """Peers in range of each robot at the scenario's start: its subscriptions."""
     state = truth.start(truth.create(load(scenario)))
     edges = state.proximity.edges
     return [edges.peers[span].tolist() for span in edges.spans]
@@ -74,7 +74,7 @@ def main() -> None:
     print(
         f"lockstep, {n} robots in {n} processes, {np.mean([len(p) for p in peers]):.1f} peers in range each [ticks/s]"
     )
-    print("  bare: the messages alone; busy: the same, spinning for as long as fes computes when it is warm")
+    print("  bare: the messages alone; busy: the same, with a spin as long as the computation of a warm fes")
     for _ in range(ROUNDS):
         alone, busy = bare(n, ticks, peers), bare(n, ticks, peers, costs.robot, costs.world_tick)
         ours = fes(scenario, duration)

@@ -1,4 +1,4 @@
-"""Counting beacons over seeds: the table of docs/measured.md. `python -m bench.measured` takes some minutes."""
+"""Robots that count beacons, over seeds: the table of docs/measured.md, in some minutes."""
 
 import argparse
 import math
@@ -15,11 +15,11 @@ import numpy as np
 from console.backends import stacked
 from world.config.scenario import load
 
-CONFIGS = Path(__file__).parents[1] / "configs"
+CONFIGS = Path(__file__).parents[2] / "configs"
 
 SHADOWING = {"channel.shadowing": {"deviation": 8.0, "decorrelation_distance": 20.0}, "run.duration": 180.0}
-TOLD = {"seeking.index": "oracle", "seeking.dither_amplitude": 0.2, "seeking.dither_frequency": 100.0}
-SAMPLED = TOLD | {
+ORACLE = {"seeking.index": "oracle", "seeking.dither_amplitude": 0.2, "seeking.dither_frequency": 100.0}
+SAMPLED = ORACLE | {
     "seeking.index": "sampled",
     "seeking.index_transform": "none",
     "seeking.index_gain": 44460.0,
@@ -28,7 +28,7 @@ SAMPLED = TOLD | {
 PRINTED = {"seeking.law": "paper"}
 
 PARTS = 4
-"""The runs of a row are stacked into so many array programs."""
+"""Number of array programs into which the runs of a row are stacked."""
 
 COLUMNS = (
     "scenario",
@@ -49,37 +49,39 @@ class Row:
     title: str
     scenario: str = "measured.toml"
     changes: dict[str, Any] = field(default_factory=dict)
-    stretch: int = 0
-    """Which stretch of the run: 0 from the start, 1 after the first change."""
+    segment: int = 0
+    """Segment of the run: 0 from the start, 1 after the first change."""
 
 
 ROWS = [
     Row("measured"),
     Row("coverage, r_min 100", "measured-coverage.toml"),
-    Row("after the SNR halved", "measured-jump.toml", stretch=1),
+    Row("after the SNR halved", "measured-jump.toml", segment=1),
     Row("logistic reception", changes={"channel.model": "logistic"}),
     Row("clocks up to 50 ms off", changes={"run.clock_skew": 0.05}),
     Row("(18) fed with samples, k = 1", changes=SAMPLED | PRINTED | {"seeking.index_gain": 1.0}),
     Row("(18) fed with samples, k = 44460", changes=SAMPLED | PRINTED),
     Row("the same, its sign corrected", changes=SAMPLED),
-    Row("8 dB shadowing: told the formula", changes=SHADOWING | TOLD),
+    Row("8 dB shadowing: oracle", changes=SHADOWING | ORACLE),
     Row("8 dB shadowing: pooled", changes=SHADOWING),
     Row("8 dB shadowing: each link alone", changes=SHADOWING | {"seeking.pooling": "none"}),
 ]
 
 
 def outcomes(row: Row, seeds: Sequence[int]) -> list[dict[str, Any]]:
-    """What the runs of these seeds achieved in the row's stretch."""
+    """Tracking of the runs of these seeds in the row's segment."""
     scenarios = [load(CONFIGS / row.scenario, {**row.changes, "run.seed": int(seed)}) for seed in seeds]
     summaries = stacked.run(scenarios, row.title)
-    return [{**one["tracking"][row.stretch], "connected": one["links_connected_always"]} for one in summaries]
+    return [
+        {**summary["tracking"][row.segment], "connected": summary["links_connected_always"]} for summary in summaries
+    ]
 
 
-def line(row: Row, found: list[dict[str, Any]]) -> str:
-    """The row as Markdown."""
+def line(row: Row, rows: list[dict[str, Any]]) -> str:
+    """One row of the table, as Markdown."""
 
     def column(name: str) -> "np.ndarray[Any, np.dtype[np.float64]]":
-        return np.array([math.nan if one[name] is None else one[name] for one in found], dtype=np.float64)
+        return np.array([math.nan if outcome[name] is None else outcome[name] for outcome in rows], dtype=np.float64)
 
     def rms(name: str) -> str:
         values = column(name)
@@ -87,17 +89,17 @@ def line(row: Row, found: list[dict[str, Any]]) -> str:
 
     times = np.where(np.isnan(column("time_to_1m")), math.inf, column("time_to_1m"))
     bias, index = column("bias"), column("index")
-    error = 1.0 / math.sqrt(max(1, len(found) - 1))
+    error = 1.0 / math.sqrt(max(1, len(rows) - 1))
     reached = int(np.isfinite(times).sum())
     cells = (
         row.title,
-        f"{np.median(times):.1f} / {times.max():.1f}" if reached == len(found) else f"{reached} of {len(found)}",
+        f"{np.median(times):.1f} / {times.max():.1f}" if reached == len(rows) else f"{reached} of {len(rows)}",
         f"{bias.mean():+.3f} ± {bias.std() * error:.3f}",
         rms("rmse"),
         rms("separation_rmse"),
         f"{column('disagreement_max').max():.3f}",
         f"{index.mean():.4f} ± {index.std() * error:.4f}",
-        f"{sum(one['connected'] for one in found)} of {len(found)}",
+        f"{sum(outcome['connected'] for outcome in rows)} of {len(rows)}",
     )
     return "| " + " | ".join(cells) + " |"
 
@@ -114,14 +116,15 @@ def main() -> None:
         for row in ROWS:
             if flags.only in row.title:
                 parts = pool.map(partial(outcomes, row), np.array_split(np.arange(flags.seeds), PARTS))
-                found = [one for part in parts for one in part]
-                print(line(row, found), flush=True)
-                indices[row.title] = np.array([one["index"] for one in found], dtype=np.float64)
-    shadowed = [title for title in indices if "shadowing" in title]
-    for other in shadowed[:-1]:
-        more = indices[shadowed[-1]] - indices[other]
-        error = more.std() / math.sqrt(max(1, len(more) - 1))
-        print(f"mean J, {shadowed[-1]}, less that of '{other}' on the same seeds: {more.mean():+.4f} ± {error:.4f}")
+                rows = [outcome for part in parts for outcome in part]
+                print(line(row, rows), flush=True)
+                indices[row.title] = np.array([outcome["index"] for outcome in rows], dtype=np.float64)
+    titles = [title for title in indices if "shadowing" in title]
+    for compared in titles[:-1]:
+        difference = indices[titles[-1]] - indices[compared]
+        error = difference.std() / math.sqrt(max(1, len(difference) - 1))
+        advantage = f"{difference.mean():+.4f} ± {error:.4f}"
+        print(f"mean J, {titles[-1]}, less that of '{compared}' on the same seeds: {advantage}")
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
-"""Whether memory grows with the length of a run: python -m bench.memory [--ticks N] [--minutes M].
+"""Memory against the length of a run: python -m bench.size.memory [--ticks N] [--minutes M].
 
-First N ticks of ten robots in one loop, world, crew, account and log in one process, the dashboard drawn ten times a
-simulated second. Then M minutes of a world, ten agents and a viewer as processes. Resident memory is read at each
-twentieth of the way; a line through the second half says how much it grows.
+First N ticks of ten robots in one loop: world, crew, metrics and log, and a dashboard per simulated second. Then M
+minutes of a world, ten agents and a viewer as processes. Resident memory is read twenty times. A line fitted through
+the second half of the readings gives its growth.
 """
 
 import argparse
@@ -52,10 +52,10 @@ def growth(ticks: list[int], memory: list[float]) -> float:
 def in_one_loop(ticks: int, recorded: bool) -> None:
     """Everything in one process, the dashboard drawn every fiftieth tick."""
     scenario = load(SCENARIO, {"run.duration": ticks * 0.02})
-    at: list[int] = []
+    ticks_read: list[int] = []
     memory: list[float] = []
     alive = np.ones(scenario.robots.number, dtype=np.uint8)
-    paper, shown = Console(file=io.StringIO(), width=120, height=40), frame.ReportHistory()
+    paper, history = Console(file=io.StringIO(), width=120, height=40), frame.ReportHistory()
     with tempfile.TemporaryDirectory() as folder:
         recorder = Recorder(Path(folder) / NAME, scenario, "memory", "inprocess") if recorded else None
         metrics = MetricsCollector(scenario)
@@ -64,16 +64,16 @@ def in_one_loop(ticks: int, recorded: bool) -> None:
             if recorder is not None:
                 recorder.add(metrics, tick.twists, inprocess.payloads(tick), alive, 0.0)
             if done % 50 == 0:
-                shown.add(report_builder.build(metrics, "memory", alive, 0.02 * done, 50.0))
-                paper.print(frame.render(shown, 120, 40))
+                history.add(report_builder.build(metrics, "memory", alive, 0.02 * done, 50.0))
+                paper.print(frame.render(history, 120, 40))
                 paper.file = io.StringIO()
             if done % (ticks // READINGS) == 0:
                 gc.collect()
-                at.append(done)
+                ticks_read.append(done)
                 memory.append(resident())
-    told = " ".join(f"{value:.0f}" for value in memory)
-    print(f"one loop, log {'on' if recorded else 'off'}: {told} MB")
-    print(f"  {growth(at, memory):+.2f} MB a million ticks", flush=True)
+    readings = " ".join(f"{value:.0f}" for value in memory)
+    print(f"one loop, log {'on' if recorded else 'off'}: {readings} MB")
+    print(f"  {growth(ticks_read, memory):+.2f} MB per million ticks", flush=True)
 
 
 def in_processes(minutes: float) -> None:
@@ -96,33 +96,33 @@ def in_processes(minutes: float) -> None:
 
 
 async def _watch(pids: dict[str, int], endpoint: str, minutes: float) -> None:
-    """Look at reports as the dashboard does, and at everybody's memory."""
-    at: list[int] = []
+    """Draw reports as the dashboard does, and read the memory of every process."""
+    ticks: list[int] = []
     memory: dict[str, list[float]] = {name: [] for name in (*pids, "viewer")}
-    paper, shown = Console(file=io.StringIO(), width=120, height=40), frame.ReportHistory()
+    paper, history = Console(file=io.StringIO(), width=120, height=40), frame.ReportHistory()
     begun = time.monotonic()
     async with bus.opened(Endpoints("client", (endpoint,), timeout=30.0)) as opened:
         async for report in observer.reports(opened, keys.DEFAULT_RUN, 60.0, 1.0):
             if report is None:
                 continue
-            shown.add(report)
-            paper.print(frame.render(shown, 120, 40))
+            history.add(report)
+            paper.print(frame.render(history, 120, 40))
             paper.file = io.StringIO()
-            if time.monotonic() - begun >= 60.0 * minutes / READINGS * (len(at) + 1):
-                at.append(report.tick)
+            if time.monotonic() - begun >= 60.0 * minutes / READINGS * (len(ticks) + 1):
+                ticks.append(report.tick)
                 for name, pid in {**pids, "viewer": os.getpid()}.items():
                     memory[name].append(resident(pid))
-            if len(at) == READINGS:
+            if len(ticks) == READINGS:
                 break
-    print(f"processes, {at[-1]:,} ticks in {minutes:g} minutes; first and last reading, and growth:")
+    print(f"processes, {ticks[-1]:,} ticks in {minutes:g} minutes; first reading, last reading and growth:")
     for name, readings in memory.items():
-        grows = f"{growth(at, readings):+8.2f} MB a million ticks"
+        grows = f"{growth(ticks, readings):+8.2f} MB per million ticks"
         print(f"  {name:>8} {readings[0]:6.1f} {readings[-1]:6.1f} MB {grows}")
 
 
 def main() -> None:
     """Print the readings."""
-    parser = argparse.ArgumentParser(prog="python -m bench.memory", description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(prog="python -m bench.size.memory", description=__doc__.splitlines()[0])
     parser.add_argument("--ticks", type=int, default=1_000_000)
     parser.add_argument("--minutes", type=float, default=20.0)
     flags = parser.parse_args()

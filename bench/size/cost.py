@@ -1,7 +1,7 @@
-"""What a hundred robots cost a world and a router of their own, and what delay costs the lockstep.
+"""CPU time of a world and of a separate router with a hundred robots; rate of the lockstep behind a delay.
 
-World and router are processes of their own, so that their CPU time can be told apart; the robots have a session each
-in this one. The delay is that of a relay, which holds every byte for a while: there is no other way on this kernel.
+World and router are separate processes, so that each has a CPU time of its own. The robots have a session each in
+this process. A relay delays every byte, because this kernel has no other means.
 """
 
 import asyncio
@@ -15,8 +15,8 @@ from contextlib import asynccontextmanager, contextmanager
 from pathlib import Path
 
 from agents.process import Agent
-from bench.growth import SCENARIO, Counted, Counts
-from bench.own_router import SOURCE
+from bench.size.growth import SCENARIO, Counted, Counts
+from bench.size.own_router import SOURCE
 from console.backends.process_group import free_port
 from console.connect import observer
 from fes.protocol import keys
@@ -27,7 +27,7 @@ from world.execution.run import Run
 from world.server.server import Server
 
 FIRST, LAST = 30, 130
-"""The window that is looked at [ticks]."""
+"""Measured window [ticks]."""
 
 ROBOTS = (25, 50, 100)
 DELAYS = (0.0, 0.005, 0.010, 0.020)
@@ -53,7 +53,7 @@ def spent(pid: int) -> float:
 
 
 async def cost(robots: int) -> None:
-    """Print the CPU time of world and router a tick."""
+    """Print the CPU time per tick of world and router."""
     endpoint, counts = f"tcp/127.0.0.1:{free_port()}", Counts()
     words = [str(SCENARIO), "-m", "client", "-e", endpoint, "--set", f"robots.count={robots}", "--exit-with-stdin"]
     with started("-c", SOURCE, endpoint) as router:
@@ -68,13 +68,13 @@ async def cost(robots: int) -> None:
     (tick, before, *cpu), (end, after, *total) = marks
     ticks, messages = end - tick, Counter(after)
     messages.subtract(before)
-    # In: a beacon, a command, an observation from the world; out: those two again, and a beacon to each peer.
+    # In: a beacon, a command, an observation from the world. Out: the last two, and the beacon to each peer.
     handled = 2 * messages["command put"] + 2 * messages["observation taken"]
     handled += messages["beacon put"] + messages["beacon taken"]
     of_world, of_router = (now - then for then, now in zip(cpu, total, strict=True))
     print(
-        f"  {robots:4d} robots: world {1e6 * of_world / ticks / robots:5.1f} us a robot-tick; "
-        f"router {handled / ticks:6.0f} messages a tick, {1e6 * of_router / handled:4.1f} us each",
+        f"  {robots:4d} robots: world {1e6 * of_world / ticks / robots:5.1f} us per robot-tick; "
+        f"router {handled / ticks:6.0f} messages per tick, {1e6 * of_router / handled:4.1f} us each",
         flush=True,
     )
 
@@ -112,7 +112,7 @@ async def relayed(port: int, delay: float) -> AsyncIterator[int]:
 
     async def accept(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         onward = await asyncio.open_connection("127.0.0.1", port)
-        with contextlib.suppress(asyncio.CancelledError):  # the end of all
+        with contextlib.suppress(asyncio.CancelledError):  # the benchmark ends
             await asyncio.gather(carry(reader, onward[1]), carry(onward[0], writer))
 
     server = await asyncio.start_server(accept, "127.0.0.1", 0)
@@ -125,9 +125,12 @@ async def relayed(port: int, delay: float) -> AsyncIterator[int]:
 async def pace(delay: float) -> float:
     """Ticks per second of two robots behind a relay."""
     port = free_port()
-    async with bus.opened(Endpoints("router", (), (f"tcp/127.0.0.1:{port}",))) as opened, relayed(port, delay) as far:
+    async with (
+        bus.opened(Endpoints("router", (), (f"tcp/127.0.0.1:{port}",))) as opened,
+        relayed(port, delay) as relay_port,
+    ):
         server = Server(opened, Run(load(Path("configs/pair.toml"), {"run.duration": 2.0})), "pair", keys.DEFAULT_RUN)
-        agents = [asyncio.ensure_future(_live(f"tcp/127.0.0.1:{far}", robot, Counts())) for robot in range(2)]
+        agents = [asyncio.ensure_future(_live(f"tcp/127.0.0.1:{relay_port}", robot, Counts())) for robot in range(2)]
         await server.gather()
         begun = time.perf_counter()
         await server.main_loop()
@@ -138,8 +141,8 @@ async def pace(delay: float) -> float:
 
 
 def main() -> None:
-    """Print both."""
-    print(f"cost: {SCENARIO}, world and router processes of their own, a session a robot")
+    """Print costs and rates."""
+    print(f"cost: {SCENARIO}, world and router in separate processes, one session per robot")
     for robots in ROBOTS:
         asyncio.run(cost(robots))
     rest = 0.0
@@ -147,8 +150,8 @@ def main() -> None:
         rate = asyncio.run(pace(delay))
         rest = rest or 1.0 / rate
         bound = 1.0 / (2.0 * delay + rest)
-        said = f"1 / (2 x delay + {1e3 * rest:.1f} ms) = {bound:.1f}"
-        print(f"  {1e3 * delay:4.0f} ms one way: {rate:6.1f} ticks/s; {said}", flush=True)
+        bound_text = f"1 / (2 x delay + {1e3 * rest:.1f} ms) = {bound:.1f}"
+        print(f"  {1e3 * delay:4.0f} ms one way: {rate:6.1f} ticks/s; {bound_text}", flush=True)
 
 
 if __name__ == "__main__":

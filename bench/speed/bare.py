@@ -1,11 +1,11 @@
-"""The lockstep's message pattern on bare Zenoh: one world, one asyncio process a robot, nothing computed.
+"""The lockstep's message pattern on bare Zenoh: one world, one asyncio process per robot, without computation.
 
-World to each robot an observation, robot to its peers a beacon, robot to the world a command; the world's next
-tick follows the last command. Payloads have the sizes of the real ones, and are not looked at.
-With WORK [s], agents (and the world) spin for that long each tick before they answer.
+The world sends an observation to each robot. A robot sends a beacon to its peers, then a command to the world. The
+world starts the next tick after the last command. Payloads have the sizes of the real ones, and are not decoded.
+With WORK [s], agents and the world spin for that long in each tick before they answer.
 
-Run as `python -m bench.bare world N TICKS ENDPOINT SIZE WORK` and
-`python -m bench.bare agent I ENDPOINT SIZE WORK PEER...`.
+Run as `python -m bench.speed.bare world N TICKS ENDPOINT SIZE WORK` and
+`python -m bench.speed.bare agent I ENDPOINT SIZE WORK PEER...`.
 """
 
 import asyncio
@@ -26,7 +26,7 @@ PROBE = b"?"
 
 
 def settings(mode: str, endpoint: str) -> zenoh.Config:
-    """The session settings that the project uses too."""
+    """Session settings, the same as the project's."""
     config = zenoh.Config()
     for key, value in {
         "mode": mode,
@@ -43,12 +43,12 @@ def settings(mode: str, endpoint: str) -> zenoh.Config:
 
 
 def publisher(session: zenoh.Session, key: str) -> zenoh.Publisher:
-    """A publisher as the project declares them."""
+    """A publisher with the project's settings."""
     return session.declare_publisher(key, congestion_control=zenoh.CongestionControl.BLOCK, express=False)
 
 
 def spin(seconds: float) -> None:
-    """Keep the processor busy, without touching memory."""
+    """Keep the processor busy without memory access."""
     end = time.perf_counter() + seconds
     while time.perf_counter() < end:
         pass
@@ -58,7 +58,7 @@ async def world(n: int, ticks: int, endpoint: str, size: int, work: float) -> fl
     """Ticks per second over `ticks` ticks with `n` agents."""
     loop = asyncio.get_running_loop()
     arrived: list[bytes] = []
-    wanted = 0  # commands that must have arrived in all
+    wanted = 0  # commands due since the start
     present: set[str] = set()
     barrier: asyncio.Future[None] = loop.create_future()
 
@@ -78,13 +78,13 @@ async def world(n: int, ticks: int, endpoint: str, size: int, work: float) -> fl
     with zenoh.open(settings("router", endpoint)) as session:
         subscriber = session.declare_subscriber("bare/*/command", zenoh.handlers.Callback(on_command, indirect=False))
         puts = [publisher(session, f"bare/{robot}/observation").put for robot in range(n)]
-        while len(present) < n:  # a roll-call: what was put before a subscription was in place is lost
+        while len(present) < n:  # puts before a subscription exists are lost
             for put in puts:
                 put(PROBE)
             await asyncio.sleep(0.05)
         payload, begun = bytes(size), 0.0
         for tick in range(ticks + 1):
-            # Two threads may both wake us for one tick, the second late: so what has arrived is looked at again.
+            # Two threads may both call wake for one tick, the second late: so count the commands again.
             while len(arrived) < wanted:
                 barrier = loop.create_future()
                 if len(arrived) < wanted:
@@ -105,9 +105,9 @@ async def world(n: int, ticks: int, endpoint: str, size: int, work: float) -> fl
 
 
 async def agent(robot: int, endpoint: str, size: int, work: float, peers: list[int]) -> None:
-    """One robot that answers every observation until an empty one comes."""
+    """Run a robot that answers every observation until an empty one arrives."""
     loop = asyncio.get_running_loop()
-    heard: list[bytes] = []
+    beacons: list[bytes] = []
     tick: asyncio.Future[bytes] = loop.create_future()
 
     def wake(payload: bytes) -> None:
@@ -121,7 +121,7 @@ async def agent(robot: int, endpoint: str, size: int, work: float, peers: list[i
             loop.call_soon_threadsafe(wake, payload)
 
     def on_beacon(sample: zenoh.Sample) -> None:
-        heard.append(sample.payload.to_bytes())
+        beacons.append(sample.payload.to_bytes())
 
     with zenoh.open(settings("client", endpoint)) as session:
         beacon = publisher(session, f"bare/{robot}/beacon").put
@@ -138,7 +138,7 @@ async def agent(robot: int, endpoint: str, size: int, work: float, peers: list[i
         payload = bytes(size)
         while await tick:
             tick = loop.create_future()
-            heard.clear()
+            beacons.clear()
             spin(work)
             beacon(payload)
             command(payload)
@@ -147,7 +147,7 @@ async def agent(robot: int, endpoint: str, size: int, work: float, peers: list[i
 
 
 def main() -> None:
-    """One of the two roles."""
+    """Run one of the two roles."""
     role, *words = sys.argv[1:]
     if role == "world":
         n, ticks, endpoint, size, work = words

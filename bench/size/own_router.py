@@ -1,6 +1,6 @@
-"""A router that belongs to no world, as the source of a small program: it stands for zenohd, whose code it shares.
+"""A router separate from the world, as the source of a small program: a stand-in for zenohd, with the same code.
 
-The program takes an endpoint to listen on, and those of routers to link to; it says "ready", and ends with its
+The program takes an endpoint to listen on, and those of routers to connect to. It prints "ready", and ends with its
 standard input.
 """
 

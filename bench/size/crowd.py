@@ -1,8 +1,7 @@
-"""Robots that all start within radio range of each other: python -m bench.crowd [ROBOTS ...] [--rule RULE].
+"""Robots that all start within radio range of each other: python -m bench.size.crowd [ROBOTS ...] [--rule RULE].
 
 Each number of robots runs three ticks in one loop, log and summary included, in a process of its own. A line gives
-its wall-clock time, its peak resident memory, and that memory per contact beside what `world.simulation.crowd`
-assumes.
+wall-clock time, peak resident memory, and memory per contact beside the estimate of `world.simulation.crowd`.
 """
 
 import argparse
@@ -37,7 +36,7 @@ def dense(robots: int, rule: str, ticks: int = TICKS) -> Scenario:
 
 
 def measure(robots: int, rule: str, answer: Connection) -> None:
-    """Run in a process of its own; the `answer` is contacts, time [s] and resident memory taken [bytes]."""
+    """Run the scenario, and send contacts, time [s] and increase of resident memory [bytes] through `answer`."""
     before, begun = _peak(), time.perf_counter()
     scenario = dense(robots, rule)
     with tempfile.TemporaryDirectory() as folder:
@@ -53,17 +52,17 @@ def _peak() -> int:
 
 def main() -> None:
     """Measure and print each number of robots."""
-    parser = argparse.ArgumentParser(prog="python -m bench.crowd")
+    parser = argparse.ArgumentParser(prog="python -m bench.size.crowd")
     parser.add_argument("robots", nargs="*", type=int, default=list(SIZES))
     parser.add_argument("--rule", choices=sorted(RULES), default="relative_neighborhood")
     flags = parser.parse_args()
     for robots in flags.robots:
         context = multiprocessing.get_context("spawn")
-        here, there = context.Pipe(duplex=False)
-        child = context.Process(target=measure, args=(robots, flags.rule, there))
+        receiver, sender = context.Pipe(duplex=False)
+        child = context.Process(target=measure, args=(robots, flags.rule, sender))
         child.start()
-        there.close()
-        contacts, seconds, taken = here.recv()
+        sender.close()
+        contacts, seconds, taken = receiver.recv()
         child.join()
         print(
             f"{robots:6,} robots, {flags.rule}: {contacts:11,} contacts, {seconds:6.1f} s, {taken / 1e6:7,.0f} MB, "

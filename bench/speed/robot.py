@@ -1,7 +1,7 @@
-"""What one robot's process computes in a tick, and what the world's does, measured warm in one process.
+"""Computation per tick of one robot's process, and of the world's, measured warm in one process.
 
-The whole way of a tick is walked: observations, beacons and commands are encoded and decoded as they would be
-on the wire, and each robot is a crew of its own.
+A tick passes through all its stages: observations, beacons and commands are encoded and decoded as on the wire. Each
+robot is a crew of its own.
 """
 
 import time
@@ -23,7 +23,7 @@ from world.simulation import truth
 
 @dataclass
 class Costs:
-    """Median times a tick [s]."""
+    """Times per tick [s]."""
 
     read: list[float] = field(default_factory=list)
     step: list[float] = field(default_factory=list)
@@ -32,28 +32,28 @@ class Costs:
 
     @property
     def robot(self) -> float:
-        """All that a robot's process computes."""
+        """Median total of a robot's process [s]."""
         return float(np.median(self.read) + np.median(self.step) + np.median(self.say))
 
     @property
     def world_tick(self) -> float:
-        """All that the world's process computes."""
+        """Median total of the world's process [s]."""
         return float(np.median(self.world))
 
 
 def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
-    """The costs of a scenario's robots, over `ticks` ticks after `skip`."""
+    """Costs of a scenario's robots, over `ticks` ticks after the first `skip`."""
     scenario = load(path)
     world = truth.create(scenario)
     state = truth.start(world)
     config, ids = agent_config(scenario), world.ids.tolist()
     crews = [crew.create(config, np.array([robot])) for robot in ids]
-    minds = [crew.start(one) for one in crews]
-    stacks = [MessageAssembler(np.array([robot])) for robot in ids]
-    everybody = MessageAssembler(world.ids)
+    states = [crew.start(robot_crew) for robot_crew in crews]
+    assemblers = [MessageAssembler(np.array([robot])) for robot in ids]
+    assembler = MessageAssembler(world.ids)
     metrics = MetricsCollector(scenario)
     costs, clock = Costs(), time.perf_counter
-    spoken: dict[int, bytes] = {}
+    previous_beacons: dict[int, bytes] = {}
     for tick in range(skip + ticks):
         if tick == skip:
             costs = Costs()
@@ -79,26 +79,28 @@ def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
         for robot in ids:
             begun = clock()
             observation = messages.decode_observation(sensed[robot])
-            near = [spoken[peer] for peer in observation.in_range.tolist() if peer in spoken]
-            seen = stacks[robot].observations([observation])
-            heard = stacks[robot].beacons(tick - 1, [messages.decode_beacon(payload) for payload in near])
+            payloads = [previous_beacons[peer] for peer in observation.in_range.tolist() if peer in previous_beacons]
+            inputs = assemblers[robot].observations([observation])
+            received_beacons = assemblers[robot].beacons(
+                tick - 1, [messages.decode_beacon(beacon) for beacon in payloads]
+            )
             read = clock()
-            minds[robot], said, twists = crew.step(crews[robot], minds[robot], seen, heard)
+            states[robot], sent, twists = crew.step(crews[robot], states[robot], inputs, received_beacons)
             stepped = clock()
-            told = crew.telemetry(crews[robot], minds[robot])
-            [(_, beacon, command)] = marshalling.encode_tick(said, twists, told)
+            telemetry = crew.telemetry(crews[robot], states[robot])
+            [(_, beacon, command)] = marshalling.encode_tick(sent, twists, telemetry)
             costs.say.append(clock() - stepped)
             costs.step.append(stepped - read)
             costs.read.append(read - begun)
             beacons[robot] = beacon
             commands.append(command)
-        spoken = beacons
+        previous_beacons = beacons
         begun = clock()
         received = [messages.decode_command(payload) for payload in commands]
-        links = everybody._links.edges(world.ids, [command.links for command in received])
+        links = assembler._links.edges(world.ids, [command.links for command in received])
         estimates = np.concatenate([command.estimates for command in received])
-        turned = np.array([command.twist for command in received])
-        before, state = state, truth.step(world, state, turned)
-        metrics.add(before, turned, Telemetry(links, estimates, np.zeros((2, 0))))
+        twists_applied = np.array([command.twist for command in received])
+        before, state = state, truth.step(world, state, twists_applied)
+        metrics.add(before, twists_applied, Telemetry(links, estimates, np.zeros((2, 0))))
         costs.world.append(world_time + clock() - begun)
     return costs

@@ -1,4 +1,4 @@
-"""What the laws cost: one robot's step, in-process rates, and the cost per robot-tick as the team grows."""
+"""Computation of the laws: one robot's step, in-process rates, and cost per robot-tick from 10 to 10,000 robots."""
 
 import time
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from agents.control import crew
-from bench import robot
+from bench.speed import robot
 from fes.model.sensing import no_beacons
 from world.config.scenario import Scenario, agent_config, load
 from world.simulation import truth
@@ -21,27 +21,25 @@ def rate(scenario: Scenario, ticks: int, skip: int) -> float:
     world = truth.create(scenario)
     state = truth.start(world)
     robots = crew.create(agent_config(scenario), world.ids)
-    minds, said = crew.start(robots), no_beacons()
+    states, beacons = crew.start(robots), no_beacons()
     begun = 0.0
     for tick in range(skip + ticks):
         if tick == skip:
             begun = time.perf_counter()
-        minds, said, twists = crew.step(robots, minds, truth.observe(state), said)
+        states, beacons, twists = crew.step(robots, states, truth.observe(state), beacons)
         state = truth.step(world, state, twists)
     return ticks / (time.perf_counter() - begun)
 
 
 def main() -> None:
-    """Print them all."""
+    """Print steps, rates and costs."""
     paper = load(CONFIGS / "paper.toml")
     costs = robot.measure(CONFIGS / "paper.toml")
     print(
         f"crew.step, one robot, about 3 links: {np.median(costs.step) * 1e6:.0f} us"
         "    budget <= 250 us with sub-steps"
     )
-    print(
-        f"  beside it, reading: {np.median(costs.read) * 1e6:.0f} us, speaking: {np.median(costs.say) * 1e6:.0f} us"
-    )
+    print(f"  decoding: {np.median(costs.read) * 1e6:.0f} us, encoding: {np.median(costs.say) * 1e6:.0f} us")
     print(f"  the world's tick, 10 robots: {costs.world_tick * 1e6:.0f} us")
     print(f"in process, 10 robots: {rate(paper, 2000, 500):,.0f} ticks/s    budget >= 2,000")
     print("in process, relative neighborhood at constant density:")
@@ -53,7 +51,7 @@ def main() -> None:
         cost = 1e6 / per_second / n
         first = cost if n == 100 else first
         flat = f"    {cost / first:.2f}x that of 100 robots (budget <= 2x)" if first and n > 100 else ""
-        print(f"  {n:6,} robots: {per_second * n:11,.0f} robot-ticks/s, {cost:6.2f} us a robot-tick{flat}")
+        print(f"  {n:6,} robots: {per_second * n:11,.0f} robot-ticks/s, {cost:6.2f} us per robot-tick{flat}")
     print("    budget >= 500,000 robot-ticks/s for many robots or stacked runs")
 
 
