@@ -103,7 +103,7 @@ def _of_messages(
 ) -> Difference | None:
     if one is None or other is None:
         return Difference(number, "run", None, "this tick", *_there(one, other))
-    return between(number, one.said, other.said, robots)
+    return between(number, one.payloads, other.payloads, robots)
 
 
 def _aside(number: int, one: LoggedTick | None, other: LoggedTick | None) -> Difference | None:

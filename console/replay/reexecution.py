@@ -82,12 +82,12 @@ def world(log: Log) -> Iterator[ReplayedTick]:
         for robots in tick.attended:
             state = truth.attend(state, np.isin(again.ids, robots))
         sensed = world_marshalling.observations(truth.observe(state), state.present, state.since)
-        _compare(log, tick, tick.said._replace(observations=sensed))
+        _compare(log, tick, tick.payloads._replace(observations=sensed))
         commands: list[Command | None] = [None] * len(again.ids)
         here = np.flatnonzero(state.present).tolist()
         if live:  # whoever is not heard of stops
-            here = [robot for robot in here if tick.said.commands[robot]]
-        given = _decoded(tick, messages.decode_command, tick.said.commands, here, held=live)
+            here = [robot for robot in here if tick.payloads.commands[robot]]
+        given = _decoded(tick, messages.decode_command, tick.payloads.commands, here, held=live)
         for robot, command in zip(here, given, strict=True):
             commands[robot] = command
         twists, telemetry = told.read(commands)
@@ -147,9 +147,9 @@ class ReplayedRobots:
 
     def step(self, tick: LoggedTick) -> None:
         """Go through a tick, and compare each Beacon and Command; raises Mismatch."""
-        here = [robot for robot in self._robots if tick.said.observations[robot]]
+        here = [robot for robot in self._robots if tick.payloads.observations[robot]]
         sensed = dict(
-            zip(here, _decoded(tick, messages.decode_observation, tick.said.observations, here), strict=True)
+            zip(here, _decoded(tick, messages.decode_observation, tick.payloads.observations, here), strict=True)
         )
         anew = np.array([robot in sensed and sensed[robot].since == tick.number for robot in self._robots])
         if anew.any():
@@ -159,7 +159,7 @@ class ReplayedRobots:
         )
         heard = []
         if self._before is not None:
-            spoken = self._before.said.beacons
+            spoken = self._before.payloads.beacons
             peers = [peer for peer in np.unique(observations.in_range.peers).tolist() if spoken[peer]]
             heard = _decoded(self._before, messages.decode_beacon, spoken, peers)
         beacons = self._stack.beacons(tick.number - 1, heard)
@@ -172,7 +172,7 @@ class ReplayedRobots:
             if robot not in sensed:
                 continue
             beacon = b"" if robot in broken else whole
-            recorded = tick.said.beacons[robot], tick.said.commands[robot]
+            recorded = tick.payloads.beacons[robot], tick.payloads.commands[robot]
             for message, one, other in zip(("Beacon", "Command"), recorded, (beacon, command), strict=True):
                 if one != other:
                     raise Mismatch(self._log, of_payloads(tick.number, message, robot, one, other))
@@ -242,6 +242,6 @@ def _decoded(
 
 
 def _compare(log: Log, tick: LoggedTick, again: TickPayloads) -> None:
-    found = between(tick.number, tick.said, again)
+    found = between(tick.number, tick.payloads, again)
     if found is not None:
         raise Mismatch(log, found)

@@ -9,6 +9,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import IO, Any, cast
 
+from google.protobuf.message import Message
 from mcap.records import Channel as McapChannel
 from mcap.records import Message as McapMessage
 from mcap.records import Schema as McapSchema
@@ -17,9 +18,8 @@ from mcap.writer import CompressionType, Writer
 from fes.errors import FesError, reason
 from fes.protocol import world_info
 from fes.recording import hashed_file, records
-from fes.recording.descriptors import describe
 from fes.recording.hashed_file import HashedFile
-from fes.recording.protobuf import Message
+from fes.recording.protobuf import describe
 from fes.recording.records import Block, Damaged, Reader
 from fes.system import strict_json
 
@@ -37,7 +37,7 @@ LARGEST = records.LIMIT - (records.LIMIT >> 6)
 
 _MESSAGE_HEADER = 31  # bytes
 
-Schema = Message | dict[str, Any]
+Schema = type[Message] | dict[str, Any]
 """Of a topic: a type of Protocol Buffers, or a JSON schema."""
 
 
@@ -144,9 +144,9 @@ class McapFile:
             self.loss = hashed_file.loss(self._path, self.fileno, self._file.size)
 
     def _register(self, topic: str, schema: Schema) -> int:
-        if isinstance(schema, Message):
-            return self._declare(topic, "protobuf", schema.name, "protobuf", describe(schema))
-        return self._declare(topic, "json", schema["title"], "jsonschema", strict_json.dumps(schema).encode())
+        if isinstance(schema, dict):
+            return self._declare(topic, "json", schema["title"], "jsonschema", strict_json.dumps(schema).encode())
+        return self._declare(topic, "protobuf", schema.DESCRIPTOR.full_name, "protobuf", describe(schema))
 
     def _declare(self, topic: str, encoding: str, name: str, kind: str, described: bytes) -> int:
         if name not in self._schemas:

@@ -117,7 +117,7 @@ def test_no_table_of_a_checkpoint_changes_without_another_format(tmp_path: Path)
 
 
 def test_all_that_is_kept_is_tried() -> None:
-    assert sorted(path.name for path in KEPT.iterdir()) == ["checkpoint-2", LAYOUT.name, "log-1", "sweep-1"]
+    assert sorted(path.name for path in KEPT.iterdir()) == ["checkpoint-2", LAYOUT.name, "log-1", "log-2", "sweep-1"]
     assert all(len(content) < 100_000 for content in contents(KEPT).values())
 
 
