@@ -29,7 +29,7 @@ def test_the_doctor_asks_a_world_once_and_nobody_else(monkeypatch: pytest.Monkey
         asked[query.key] += 1
         refuse(query, why)
 
-    monkeypatch.setattr(Query, "answer", answered)
+    monkeypatch.setattr(Query, "reply", answered)
     monkeypatch.setattr(Query, "reply_err", refused)
 
     async def main() -> None:

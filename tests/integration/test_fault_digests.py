@@ -74,7 +74,7 @@ def test_a_fault_has_one_digest_in_one_loop_and_over_zenoh_and_is_no_other_fault
     assert summary["digest"] != inprocess.run(load(name, run__duration=2.4), "calm")["digest"]
     if fault == "all hang" and crew == "many":
         return  # nobody holds the world up, so it runs ahead of crews, which drop what they have missed
-    assert not server.complaints.counts
+    assert not server.drops.counts
     counts = {robot: agent.complaints.counts for agent in agents for robot in agent._robots}
     if FAULTS["corrupt"][0] not in FAULTS[fault]:
         assert not any(counts.values())

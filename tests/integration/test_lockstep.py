@@ -57,7 +57,7 @@ def test_the_digest_does_not_depend_on_zenoh_placement_or_start_order(
     assert summary["digest"] == expected["digest"]
     assert summary["edges"] == expected["edges"]
     assert summary["beacons_decoded"] == expected["beacons_decoded"]
-    assert not server.complaints.counts
+    assert not server.drops.counts
 
 
 HARD = {"model": "logistic", "shadowing": {"deviation": 6.0}, "bursts": {"bad_share": 0.1, "mean_length": 0.2}}
@@ -76,7 +76,7 @@ def test_a_measured_run_has_the_same_digest_over_zenoh(changes: dict[str, Any]) 
     measured = load("measured.toml", **SHORT, **changes)
     summary, server, agents = run(measured, [[0, 1, 2], [3], [4, 5, 6, 7, 8, 9]])
     assert summary["digest"] == inprocess.run(measured, "test")["digest"]
-    assert not server.complaints.counts
+    assert not server.drops.counts
     assert not any(agent.complaints.counts for agent in agents)
 
 
@@ -85,7 +85,7 @@ def test_an_agent_listens_to_the_peers_in_range_and_to_nobody_else() -> None:
     apart = load("pair.toml", robots__poses=[[0.0, 0.0, 0.0], [100.0, 0.0, 0.0], [200.0, 0.0, 0.0]])
     still = apart.model_copy(update={"run": apart.run.model_copy(update={"duration": 0.1})})
     _, _, agents = run(still, [[0], [1], [2]])
-    assert [agent.radio.tuned for agent in agents] == [[1], [0, 2], [1]]
+    assert [agent.radio.peers for agent in agents] == [[1], [0, 2], [1]]
 
 
 def test_an_agent_drops_its_subscription_when_a_peer_leaves() -> None:
@@ -98,7 +98,7 @@ def test_an_agent_drops_its_subscription_when_a_peer_leaves() -> None:
     )
     summary, _, agents = run(parting, [[0], [1]])
     assert not summary["disk_connected_always"]
-    assert [agent.radio.tuned for agent in agents] == [[], []]
+    assert [agent.radio.peers for agent in agents] == [[], []]
 
 
 def test_garbage_on_any_key_is_counted_and_changes_nothing(
@@ -126,7 +126,7 @@ def test_garbage_on_any_key_is_counted_and_changes_nothing(
 
     summary, server, agents = run(paper, [[i] for i in range(10)], disturb)
     assert summary["digest"] == expected["digest"]
-    kinds = set(server.complaints.counts)
+    kinds = set(server.drops.counts)
     assert {"Command: is not for this tick", "Command: a deletion is not a command"} <= kinds
     assert all(agent.complaints.counts for agent in agents)
 

@@ -123,7 +123,7 @@ def test_scheduled_deaths_have_one_digest_in_one_loop_and_over_zenoh(name: str, 
     summary, server, _ = asyncio.run(bounded())
     assert summary["digest"] == inprocess.run(dying, "test")["digest"]
     assert summary["unscheduled_absences"] == 0
-    assert not server.complaints.counts
+    assert not server.drops.counts
 
 
 def test_answers_of_a_robot_that_was_dead_by_schedule_may_come_when_it_takes_part_again(
@@ -148,7 +148,7 @@ def test_answers_of_a_robot_that_was_dead_by_schedule_may_come_when_it_takes_par
 
     summary, server, _ = asyncio.run(bounded())
     assert summary["digest"] == inprocess.run(dying, "test")["digest"]
-    assert not server.complaints.counts
+    assert not server.drops.counts
 
 
 def test_a_log_of_scheduled_deaths_in_one_loop_is_executed_again(tmp_path: Path) -> None:

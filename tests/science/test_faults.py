@@ -28,7 +28,7 @@ def test_a_run_without_the_fault_is_not_as_its_scenario_expects(path: Path) -> N
 
 
 def test_that_the_world_dies_moves_nothing() -> None:
-    scenario = load(CONFIGS / "faults" / "world.config.toml", {"run.duration": 4.0})
+    scenario = load(CONFIGS / "faults" / "world.toml", {"run.duration": 4.0})
     died, calm = (inprocess.run(one, "world") for one in (scenario, scenario.model_copy(update={"event": []})))
     assert died["digest"] == calm["digest"]
 

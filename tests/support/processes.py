@@ -5,17 +5,14 @@ import json
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
-
-import pytest
 
 from console.connect import observer
 from console.connect.run_directory import Address
 from fes.transport import bus
 from fes.transport.endpoints import Endpoints
-from tests.support.paths import CONFIGS
 
 PATIENCE = 60.0  # s; how long a test waits for what must come, on a machine of any speed
 
@@ -89,15 +86,3 @@ async def first_report(directory: Path) -> None:
         async for report in observer.reports(opened, address.run, PATIENCE, PATIENCE):
             if report is not None and report.tick > 0:
                 return
-
-
-@pytest.fixture
-def endless(tmp_path: Path) -> Iterator["subprocess.Popen[str]"]:
-    """A run of two robots that goes on for a very long time."""
-    running = start(
-        fes("run", str(CONFIGS / "pair.toml"), "--duration", "100000", "--out", "out", "--json"), tmp_path
-    )
-    yield running
-    if running.poll() is None:
-        running.kill()
-    running.communicate()

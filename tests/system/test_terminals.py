@@ -16,10 +16,8 @@ from tests.support import recordings
 from tests.support.commands import PAIR, PROGRAMS
 from tests.support.loop import load
 from tests.support.paths import CONFIGS
-from tests.support.processes import PATIENCE, endless, fes, first_report, until
+from tests.support.processes import PATIENCE, fes, first_report, until
 from tests.support.terminals import ENTER, POSIX, Terminal, is_restored
-
-__all__ = ["endless"]
 
 LOOP = ["run", PAIR, "--backend", "inprocess"]
 ARROW = os.fsdecode("→".encode())
