@@ -57,13 +57,13 @@ class ChannelConfig(Table):
     logistic_midpoint: Positive = 100.0
     """Separation at which the logistic channel decodes half of the beacons [m]."""
     logistic_width: Annotated[float, Field(ge=1e-3, le=1e6)] = 12.0
-    """How gently its reception falls with separation [m]; a quarter of 1/width a meter at the midpoint."""
+    """Width over which reception falls [m]; its slope at the midpoint is 1 / (4 width) per meter."""
     communication_range: Positive = 150.0
     """Hard cut-off of the radio [m] (r_x)."""
 
 
 class ObjectiveConfig(Table):
-    """Which separations the team prefers; equation (16)."""
+    """Preference for separations; equation (16)."""
 
     minimum_separation: Positive = 50.0
     """Minimum spacing preferred [m] (r_min)."""
@@ -142,7 +142,7 @@ class FormationConfig(Table):
     """The formation law (6), (7) and the graph it works on."""
 
     rule: Literal["disk", "two_nearest", "relative_neighborhood"] = "relative_neighborhood"
-    """Which robots in range are neighbors."""
+    """Rule that chooses neighbors among the robots in range."""
     linear_gain: Positive = 1.0
     """Gain of the linear velocity [1/s] (mu)."""
     angular_gain: Positive = 10.0
@@ -167,18 +167,18 @@ class FaultConfig(Table):
     corrupt: bool = False
     """Its beacons are damaged on their way."""
     skew: Annotated[float, Field(ge=-MAX_SKEW, le=MAX_SKEW)] | None = None
-    """How far its clock is ahead of the team's [s]; None: as it was drawn."""
+    """Lead of its clock over the team's [s]; None: the lead drawn from the seed."""
 
 
 class AgentConfig(Table):
-    """What the world tells an agent when it joins, and all that it ever knows of the run's settings."""
+    """Settings of the run that an agent receives when it joins, and all that it ever knows of them."""
 
     dt: Positive
     """Tick length [s]."""
     seed: int = Field(ge=0)
     """Seed of the robots' own draws; it does not reveal the world's."""
     objective: ObjectiveConfig
-    """Which separations the team prefers."""
+    """Preference for separations."""
     seeking: SeekingConfig
     """The seeking law."""
     formation: FormationConfig
@@ -187,13 +187,13 @@ class AgentConfig(Table):
     """The true channel, for the oracle index only."""
     clock: Clock = "lockstep"
     clock_skew: NonNegative = 0.0
-    """How far each robot's own clock may be off the team's [s]; a robot draws its skew from the seed."""
+    """Largest skew of a robot's clock against the team's [s]; each skew is drawn from the seed."""
     faults: list[FaultConfig] = Field(default=[])
-    """What goes wrong with the robots' own equipment, by tick. It makes the equipment fail: no robot reads it."""
+    """Faults of the robots' equipment, by tick. They make the equipment fail; no law reads them."""
 
 
 def own(config: AgentConfig, robots: Collection[int]) -> AgentConfig:
-    """What only the agent of these robots is told: of the faults, theirs."""
+    """The settings for the agent of these robots, with their own faults only."""
     if not config.faults:
         return config
     return config.model_copy(update={"faults": [fault for fault in config.faults if fault.robot in robots]})

@@ -64,14 +64,14 @@ class McapFile:
             )
             self._writer.start(PROFILE, f"fes {world_info.version()}; mcap-python {metadata.version('mcap')}")
 
-    def put(self, topic: str, schema: Schema, payload: bytes, at: int, tick: int) -> None:
-        """Add a message of a topic, `at` a simulated time [ns]; nothing to a file that could not be written."""
+    def put(self, topic: str, schema: Schema, payload: bytes, time_ns: int, tick: int) -> None:
+        """Add a message of a topic at a simulated time; does nothing if the file could not be written."""
         if self._broken:
             return
         channel = self._channels.get(topic)
         if channel is None:
             channel = self._register(topic, schema)
-        self._writer.add_message(channel, at, payload, at, tick)
+        self._writer.add_message(channel, time_ns, payload, time_ns, tick)
         self._waiting += len(payload) + _MESSAGE_HEADER
 
     def settle(self, at_once: bool = False) -> None:
@@ -193,8 +193,8 @@ class _Contents:
                 if channel.topic not in self._topics:
                     self._topics.add(channel.topic)
                     self._hash.update(schema.data)
-                told = (channel.topic, schema.name, record.sequence, record.log_time, len(record.data))
-                self._hash.update(repr(told).encode() + record.data)
+                identity = (channel.topic, schema.name, record.sequence, record.log_time, len(record.data))
+                self._hash.update(repr(identity).encode() + record.data)
                 yield record, channel, schema
 
     @property

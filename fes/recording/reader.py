@@ -25,7 +25,7 @@ class RobotNumber(Protocol):
 
     @property
     def number(self) -> int:
-        """How many they are."""
+        """Their number."""
 
 
 class Recorded(Protocol):
@@ -55,7 +55,7 @@ class Log(Generic[S]):
     summary: dict[str, Any] | None
     """Of what was reached; None if the log has no end."""
     ended: str | None
-    """How the run ended; None if the log has no end."""
+    """Reason for the end of the run; None if the log has no end."""
     arithmetic: Mapping[str, str] = field(default_factory=fingerprint.table)
     """The arithmetic with which it was recorded."""
 
@@ -81,7 +81,7 @@ class Log(Generic[S]):
 
     @property
     def complaint(self) -> str | None:
-        """What is to be said of a log without an end."""
+        """Complaint about a log without an end; None if it has one."""
         if self.ended is not None:
             return None
         whole = sum(1 for _ in self.ticks())
@@ -127,7 +127,7 @@ def load(target: Path, parse: Callable[[dict[str, Any], str], S]) -> Log[S]:
 
 
 def _scenario(path: Path) -> dict[str, Any]:
-    """What the log says of its run: its first message."""
+    """Scenario and versions of the run: the first message of the log."""
     with suppress(ValueError, RecursionError):
         for topic, message in ticks.messages(path):
             if topic == "/scenario":

@@ -30,7 +30,7 @@ ASKERS = 1024
 """Askers whose questions may wait for one handler at once."""
 
 REFUSED = b"refused: "
-"""How an answer begins that turns the asker away."""
+"""Prefix of a reply that rejects a query."""
 
 CROWDED = "too many questions at once"
 """Why it is, where it may ask again."""
@@ -60,7 +60,7 @@ class Query:
             query.reply(self.key, payload, encoding=_encoding(schema))
 
     def reply_err(self, reason: str) -> None:
-        """Turn it away, with one line that says why."""
+        """Reject the query, with a reason in one line."""
         with self._query as query:
             query.reply_err(REFUSED + reason.encode())
 
@@ -222,7 +222,7 @@ class Bus:
 async def opened(endpoints: Endpoints) -> AsyncIterator[Bus]:
     """An open bus, closed at the end.
 
-    Raises TransportError in one line: port taken, nobody there, bad flag.
+    Raises TransportError in one line: port taken, no process listening, bad flag.
     """
     with await session.begin(endpoints) as begun:
         yield Bus(begun, asyncio.get_running_loop())

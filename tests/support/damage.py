@@ -137,8 +137,6 @@ class StoredRun:
         ticks = list(log.load(path).ticks())
         pairs = zip(ticks, self.ticks, strict=False)
         assert all(one.payloads == other.payloads for one, other in pairs), "other messages"
-            "other messages"
-        )
         return len(ticks)
 
     def executed_again(self, name: str, changed: bytes) -> Outcome:
