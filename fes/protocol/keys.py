@@ -148,5 +148,5 @@ def robot_of(key: str) -> int | None:
     >>> robot_of("fes/main/robot/3/beacon"), robot_of("fes/main/robot/*/beacon")
     (3, None)
     """
-    found = _ROBOT.fullmatch(key)
-    return int(found[1]) if found else None
+    match = _ROBOT.fullmatch(key)
+    return int(match[1]) if match else None

@@ -89,7 +89,7 @@ class Command(NamedTuple):
     estimates: Floats
     """As in the beacon [l] [m]."""
     learnt: Floats
-    """Parameters of reception that it has learnt [2 l]: levels, then exponents of its links. Empty without measuring."""
+    """Parameters of reception that it has learnt [2 l]: levels, then exponents of its links. Empty if unmeasured."""
 
 
 def encode_observation(message: Observation) -> bytes:

@@ -143,9 +143,7 @@ class Reader:
                 return head, content
             read = len(content)
         if self._size is not None:
-            raise Damaged(
-                self.path, self._place + len(head) + read, f"it ends there, {self._size:,} were written"
-            )
+            raise Damaged(self.path, self._place + len(head) + read, f"it ends there, {self._size:,} were written")
         return head, None
 
     def _end(self, opcode: int, head: bytes, content: bytes) -> None:

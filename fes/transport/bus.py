@@ -144,11 +144,11 @@ class Bus:
 
     async def liveliness_get(self, key: str, timeout: float) -> list[str]:
         """The liveliness tokens on `key` that stand now; Absent if the router does not say in `timeout` [s]."""
-        found: set[str] = set()  # one of our own comes twice: from here and from the router
+        tokens: set[str] = set()  # one of our own comes twice: from here and from the router
         failed: list[zenoh.Reply] = []
         done = asyncio.Event()
         callback: zenoh.handlers.Callback[zenoh.Reply] = zenoh.handlers.Callback(
-            lambda reply: found.add(str(reply.ok.key_expr)) if reply.ok is not None else failed.append(reply),
+            lambda reply: tokens.add(str(reply.ok.key_expr)) if reply.ok is not None else failed.append(reply),
             drop=lambda: self._loop.call_soon_threadsafe(done.set),
             indirect=False,
         )
@@ -156,7 +156,7 @@ class Bus:
         await done.wait()
         if failed:
             raise Unavailable(f"the router does not say within {timeout:g} s who is alive on {key}")
-        return sorted(found)
+        return sorted(tokens)
 
     def declare_queryable(self, key: str, handler: Callable[[Query], None]) -> None:
         """Call `handler` on the loop with each question asked on `key`.

@@ -40,7 +40,7 @@ class Endpoints:
     by_default: frozenset[str] = frozenset()
     """Default settings: those of the configuration file override them."""
     security: Mapping[str, object] = field(default_factory=dict)
-    """Settings by Zenoh's key: the certificates of this process, and whom it lets in."""
+    """Settings by Zenoh's key: the certificates of this process, and the roles that it accepts."""
 
     @property
     def shown(self) -> str:
@@ -97,10 +97,10 @@ def exposed(endpoint: str) -> bool:
     >>> exposed("tcp/127.0.0.1:7447"), exposed("tcp/0.0.0.0:7447"), exposed("tls/0.0.0.0:7447")
     (False, True, False)
     """
-    found = _OPEN.match(endpoint)
-    if found is None:
+    match = _OPEN.match(endpoint)
+    if match is None:
         return False
-    host = found["host"].strip("[]")
+    host = match["host"].strip("[]")
     try:
         return not ipaddress.ip_address(host.partition("%")[0]).is_loopback
     except ValueError:

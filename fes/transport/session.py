@@ -61,7 +61,7 @@ async def _open(config: zenoh.Config) -> zenoh.Session:
             outcome = zenoh.open(config), None
         except Exception as error:
             outcome = None, error
-        with contextlib.suppress(RuntimeError):  # the loop is closed: nobody waits any more
+        with contextlib.suppress(RuntimeError):  # the loop is closed, and no task waits
             loop.call_soon_threadsafe(settle, *outcome)
 
     threading.Thread(target=work, name="zenoh open", daemon=True).start()
