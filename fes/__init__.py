@@ -1,4 +1,4 @@
-"""What the world, its robots and its observers must agree on.
+"""Agreements between the world, its robots and its observers.
 
 arrays     arrays, edges, geometry, keyed random draws
 model      settings, sensing, contacts, the objective and the outage formula

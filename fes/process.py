@@ -216,7 +216,7 @@ def add_network_flags(parser: argparse.ArgumentParser) -> None:
 def world_endpoints(flags: argparse.Namespace, access: Mapping[str, object] | None = None) -> Endpoints:
     """Endpoints of a world: a router that listens, unless the flags or the configuration file say otherwise.
 
-    With `--keys` it speaks TLS only, and lets in whom `access` names; raises FesError for bad certificates.
+    With `--keys` it speaks TLS only, to the roles that `access` names; raises FesError for bad certificates.
     """
     mode: Mode = flags.mode or "router"
     listen = tuple(flags.listen) or ((default_endpoint(secure=flags.keys is not None),) if mode == "router" else ())

@@ -103,7 +103,7 @@ def _of_messages(
 ) -> Difference | None:
     if first is None or second is None:
         return Difference(number, "run", None, "this tick", *_presence(first, second))
-    return between(number, first.said, second.said, robots)
+    return between(number, first.payloads, second.payloads, robots)
 
 
 def _beside_messages(number: int, first: LoggedTick | None, second: LoggedTick | None) -> Difference | None:

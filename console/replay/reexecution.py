@@ -84,12 +84,12 @@ def world(log: Log) -> Iterator[ReplayedTick]:
         for robots in tick.attended:
             state = truth.attend(state, np.isin(simulation.ids, robots))
         sensed = world_marshalling.observations(truth.observe(state), state.present, state.since)
-        _compare(log, tick, tick.said._replace(observations=sensed))
+        _compare(log, tick, tick.payloads._replace(observations=sensed))
         commands: list[Command | None] = [None] * len(simulation.ids)
         participating = np.flatnonzero(state.present).tolist()
         if live:  # a robot without a command stops
-            participating = [robot for robot in participating if tick.said.commands[robot]]
-        decoded = _decoded(tick, messages.decode_command, tick.said.commands, participating, held=live)
+            participating = [robot for robot in participating if tick.payloads.commands[robot]]
+        decoded = _decoded(tick, messages.decode_command, tick.payloads.commands, participating, held=live)
         for robot, command in zip(participating, decoded, strict=True):
             commands[robot] = command
         twists, telemetry = batch.read(commands)
@@ -149,9 +149,11 @@ class ReplayedRobots:
 
     def step(self, tick: LoggedTick) -> None:
         """Execute a tick, and compare each Beacon and Command; raises Mismatch."""
-        sensing = [robot for robot in self._robots if tick.said.observations[robot]]
+        sensing = [robot for robot in self._robots if tick.payloads.observations[robot]]
         sensed = dict(
-            zip(sensing, _decoded(tick, messages.decode_observation, tick.said.observations, sensing), strict=True)
+            zip(
+                sensing, _decoded(tick, messages.decode_observation, tick.payloads.observations, sensing), strict=True
+            )
         )
         restarted = np.array([robot in sensed and sensed[robot].since == tick.number for robot in self._robots])
         if restarted.any():
@@ -161,7 +163,7 @@ class ReplayedRobots:
         )
         received = []
         if self._before is not None:
-            payloads = self._before.said.beacons
+            payloads = self._before.payloads.beacons
             peers = [peer for peer in np.unique(observations.in_range.peers).tolist() if payloads[peer]]
             received = _decoded(self._before, messages.decode_beacon, payloads, peers)
         beacons = self._stack.beacons(tick.number - 1, received)
@@ -174,7 +176,7 @@ class ReplayedRobots:
             if robot not in sensed:
                 continue
             beacon = b"" if robot in broken else encoded
-            recorded = tick.said.beacons[robot], tick.said.commands[robot]
+            recorded = tick.payloads.beacons[robot], tick.payloads.commands[robot]
             for message, logged, computed in zip(("Beacon", "Command"), recorded, (beacon, command), strict=True):
                 if logged != computed:
                     raise Mismatch(self._log, of_payloads(tick.number, message, robot, logged, computed))
@@ -248,6 +250,6 @@ def _decoded(
 
 
 def _compare(log: Log, tick: LoggedTick, computed: TickPayloads) -> None:
-    difference = between(tick.number, tick.said, computed)
+    difference = between(tick.number, tick.payloads, computed)
     if difference is not None:
         raise Mismatch(log, difference)

@@ -12,7 +12,7 @@ NEVER = -(2**62)
 
 @dataclass(frozen=True, eq=False)
 class Lookup:
-    """Where each contact's beacon stands in the beacons of a tick; holds while neither set changes."""
+    """Index of each contact's beacon in the beacons of a tick; valid while neither set changes."""
 
     edges: Edges
     ids: Ints
@@ -20,12 +20,12 @@ class Lookup:
     sender: Ints
     """Row of the peer's beacon [m]; 0 where it is absent."""
     present: Bools
-    """Whether the peer's beacon is there [m]."""
+    """True if the peer's beacon exists [m]."""
     link: Ints
     """Position of the peer's link to this robot among all links, or -1 [m]."""
 
     def fits(self, edges: Edges, beacons: Beacons) -> bool:
-        """Whether this lookup holds for these contacts and beacons."""
+        """True if this lookup is valid for these contacts and beacons."""
         return self.edges is edges and self.ids is beacons.ids and self.links is beacons.links
 
 
@@ -43,11 +43,11 @@ class Contacts:
     estimates: Floats
     """The peer's own separation estimate for the link to this robot [m]; NaN if it has no such link."""
     selected_by_peer: Bools
-    """Whether the peer's graph rule chose this robot."""
+    """True if the peer's graph rule chose this robot."""
     heard_separation: Floats
     """Separation at the tick of that beacon [m]."""
     known: Bools
-    """Whether the peer was heard within the timeout."""
+    """True if the peer was heard within the timeout."""
     dx: Floats
     dy: Floats
     separation: Floats

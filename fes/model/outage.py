@@ -70,10 +70,10 @@ def range_at_outage(outage: float, channel: ChannelConfig) -> float:
     if not 0.0 < outage < 1.0:
         raise ValueError(f"outage must lie in (0, 1): {outage}")
     if channel.model == "logistic":
-        found = channel.logistic_midpoint + channel.logistic_width * (math.log(outage) - math.log1p(-outage))
-        if found <= 0.0:
+        separation = channel.logistic_midpoint + channel.logistic_width * (math.log(outage) - math.log1p(-outage))
+        if separation <= 0.0:
             raise ValueError(f"this logistic channel has a larger outage at every separation: {outage}")
-        return found
+        return separation
     scale = exponent_scale(channel)
     if scale == 0.0:
         raise ValueError("a perfect channel reaches no outage at any separation")

@@ -1,4 +1,4 @@
-"""What a crew senses and says in one tick, as arrays; the shells turn messages into these and back.
+"""Signals that a crew receives and sends in one tick, as arrays; the shells turn messages into these and back.
 
 An observation holds only what a real robot could sense or receive.
 """
@@ -32,7 +32,7 @@ def bounded(values: Floats, most: float) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Observations:
-    """What the robots of a crew sense at one tick."""
+    """Measurements of the robots of a crew at one tick."""
 
     tick: int
     poses: Floats
@@ -40,12 +40,12 @@ class Observations:
     in_range: Edges
     """Peers within communication range at this tick [m]."""
     reception: Bytes
-    """What became of each peer's beacon of the previous tick: CLOSED, LOST or DECODED [m]."""
+    """Reception of each peer's beacon of the previous tick: CLOSED, LOST or DECODED [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Beacons:
-    """What robots tell their peers at one tick."""
+    """Beacons of robots to their peers at one tick."""
 
     tick: int
     ids: Ints
@@ -57,22 +57,22 @@ class Beacons:
     estimates: Floats
     """Its separation estimate for each link [l] [m]."""
     selected: Bools
-    """Whether its own graph rule chose the link (a link may stand because the other side chose it) [l]."""
+    """True if the robot's own graph rule chose the link; else only the peer's rule did [l]."""
     statistics: Floats
-    """What each sender has measured of the channel [n, q]; q = 0 where nobody measures."""
+    """Statistics of the channel that each sender has measured [n, q]; q = 0 if no robot measures."""
 
 
 @dataclass(frozen=True, eq=False)
 class Telemetry:
-    """What robots say of themselves at one tick, for observers; it moves nothing."""
+    """State of robots at one tick, for observers only."""
 
     links: Edges
     """The links in use [l]."""
     estimates: Floats
     """Separation estimate for each link [l] [m]."""
     learnt: Floats
-    """What each link's robot has learnt of reception on it: rows level and exponent of
-    ln(-ln p) = level + exponent ln(r / rho_0) [2, l]; [2, 0] where nobody measures."""
+    """Parameters of reception that each link's robot has learnt: rows level and exponent of
+    ln(-ln p) = level + exponent ln(r / rho_0) [2, l]; [2, 0] if no robot measures."""
 
 
 def of_those(said: Telemetry, present: Bools) -> Telemetry:
@@ -88,7 +88,7 @@ def no_telemetry(ids: Ints) -> Telemetry:
 
 
 def no_beacons() -> Beacons:
-    """The beacons before the first tick: nobody has said anything."""
+    """The beacons before the first tick: no robot has sent one."""
     nobody = np.zeros(0, dtype=np.int64)
     return Beacons(
         -1, nobody, np.zeros((0, 3)), no_edges(nobody), np.zeros(0), np.zeros(0, dtype=np.bool_), np.zeros((0, 0))

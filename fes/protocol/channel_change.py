@@ -19,7 +19,7 @@ DEEPEST_PATH = 8
 
 
 class ParameterChange(NamedTuple):
-    """What is to be set."""
+    """A request to set a field of the channel."""
 
     path: str
     """Field of the channel, by its dotted path."""
@@ -28,7 +28,7 @@ class ParameterChange(NamedTuple):
 
 
 class ChangeResult(NamedTuple):
-    """What holds now."""
+    """The value after the request."""
 
     path: str
     value: Any

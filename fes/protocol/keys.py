@@ -58,12 +58,12 @@ def world_tokens(run: str) -> str:
 
 
 def about(run: str) -> str:
-    """Where a person asks the world who it is."""
+    """The key of queries for information about the world."""
     return f"fes/{run}/world/about"
 
 
 def lease(run: str) -> str:
-    """Where an agent that has no robot yet asks for one."""
+    """The key on which an agent without robots queries for one."""
     return f"fes/{run}/world/lease"
 
 
@@ -73,7 +73,7 @@ def tree(run: str) -> str:
 
 
 def welcome(run: str, robots: str) -> str:
-    """Where the agent of `robots`, as `span` writes them, asks to join; `*` for all agents."""
+    """The key on which the agent of `robots`, as `span` writes them, asks to join; `*` for all agents."""
     return f"fes/{run}/world/welcome/{robots}"
 
 
@@ -103,12 +103,12 @@ def parse_span(text: str, flag: str, forms: str = "I or A-B") -> tuple[int, ...]
 
 
 def report(run: str) -> str:
-    """Where observers look."""
+    """The key of Reports to observers."""
     return f"fes/{run}/world/report"
 
 
 def change(run: str) -> str:
-    """Where a person asks the world to change its channel."""
+    """The key of requests to change the channel."""
     return f"fes/{run}/world/set"
 
 
@@ -118,12 +118,12 @@ def robot_alive(run: str, robot: int | str) -> str:
 
 
 def observation(run: str, robot: int | str) -> str:
-    """What a robot senses."""
+    """The key of a robot's Observations."""
     return f"fes/{run}/robot/{robot}/observation"
 
 
 def beacon(run: str, robot: int | str) -> str:
-    """What a robot tells its peers."""
+    """The key of a robot's Beacons."""
     return f"fes/{run}/robot/{robot}/beacon"
 
 
@@ -138,15 +138,15 @@ def held_beacon(run: str, robot: int | str, robots: str) -> str:
 
 
 def command(run: str, robot: int | str) -> str:
-    """What a robot tells its body."""
+    """The key of a robot's Commands."""
     return f"fes/{run}/robot/{robot}/command"
 
 
 def robot_of(key: str) -> int | None:
-    """The robot that a key belongs to, or None if it is no robot's own key (a wildcard, say).
+    """The robot that a key belongs to, or None if it is not a robot's own key (a wildcard, say).
 
     >>> robot_of("fes/main/robot/3/beacon"), robot_of("fes/main/robot/*/beacon")
     (3, None)
     """
-    found = _ROBOT.fullmatch(key)
-    return int(found[1]) if found else None
+    match = _ROBOT.fullmatch(key)
+    return int(match[1]) if match else None

@@ -1,6 +1,6 @@
-"""What crosses the wire between world and agents, one robot at a time.
+"""Messages between world and agents, one robot at a time.
 
-A decoder raises MessageError, and nothing else, on whatever bytes it gets.
+A decoder raises MessageError, and nothing else, on any bytes.
 """
 
 from typing import NamedTuple
@@ -53,7 +53,7 @@ class Observation(NamedTuple):
     in_range: Ints
     """Peers within communication range, ascending [c]."""
     reception: Bytes
-    """What became of their beacons of the previous tick: CLOSED, LOST or DECODED [c]."""
+    """Reception of their beacons of the previous tick: CLOSED, LOST or DECODED [c]."""
     over: bool
     since: int
     """The tick from which on the robot takes part. Where it is another than before, the robot was away: it begins
@@ -74,7 +74,7 @@ class Beacon(NamedTuple):
     selected: Bytes
     """1 where its own graph rule chose the link [l]."""
     statistics: Floats
-    """What it has measured of the channel [q]; empty where nobody measures."""
+    """Statistics of the channel that it has measured [q]; empty if no robot measures."""
 
 
 class Command(NamedTuple):
@@ -89,7 +89,7 @@ class Command(NamedTuple):
     estimates: Floats
     """As in the beacon [l] [m]."""
     learnt: Floats
-    """What it has learnt of reception: levels, then exponents of its links [2 l]; empty if it does not measure."""
+    """Parameters of reception that it has learnt [2 l]: levels, then exponents of its links. Empty if unmeasured."""
 
 
 def encode_observation(message: Observation) -> bytes:

@@ -1,6 +1,6 @@
 """Report: the world to observers, as often as they can use it. The truth, and what robots say of themselves.
 
-No agent subscribes to it. Quantities that do not exist yet (an estimate nobody made) are NaN.
+No agent subscribes to it. Quantities that do not exist yet (such as an estimate of a robot without links) are NaN.
 """
 
 from dataclasses import dataclass
@@ -78,7 +78,7 @@ class Report:
     longest_gap: Floats
     """Most beacons lost in a row since the contact opened, of both ways [l]."""
     learnt_reception: Floats
-    """What the robots believe reception to be at this separation, from what they counted [l]; NaN if they do not."""
+    """Reception at this separation as the robots estimate it from their counts [l]; NaN if they do not."""
     learnt_level: Floats
     """alpha of what they have learnt, ln(-ln p) = alpha + nu ln(r / rho_0), mean of both ends [l]."""
     learnt_exponent: Floats
@@ -98,15 +98,15 @@ class Report:
     mean_estimate_error: float
     """Mean estimate less r* [m]."""
     changed_at: float
-    """When the channel last changed, or the start [s]."""
+    """Time of the last change of the channel, or of the start [s]."""
     tracking_time: float
-    """How long after that the mean estimate came within 1 m of r*, to stay [s]; NaN if it is not there yet."""
+    """Time from the change until the mean estimate stays within 1 m of r* [s]; NaN until then."""
     missed: Ints
     """Deadlines of the live clock that each robot missed [n]; [0] in lockstep."""
     late: Ints
     """Commands of each robot that came after their deadline [n]; [0] in lockstep."""
     disk_connected: bool
-    """Whether the graph of all robots in range is connected."""
+    """True if the graph of all robots in range is connected."""
 
 
 def encode_report(report: Report) -> bytes:
@@ -165,10 +165,10 @@ def decode_report(payload: bytes) -> Report:
 
 def _ids(name: str, blob: Any, robots: int) -> Ints:
     wire.check(name, type(blob) is bytes and len(blob) % 4 == 0, "expects ids as int32", blob)
-    found = np.frombuffer(blob, dtype="<i4").astype(np.int64)
-    inside = bool(((found >= 0) & (found < robots)).all())  # whoever draws a link looks up both its ends
-    wire.check(name, inside, f"expects links between its {robots} robots", found.tolist())
-    return found
+    ids = np.frombuffer(blob, dtype="<i4").astype(np.int64)
+    inside = bool(((ids >= 0) & (ids < robots)).all())  # a viewer looks up both ends of a link
+    wire.check(name, inside, f"expects links between its {robots} robots", ids.tolist())
+    return ids
 
 
 def _counts(name: str, blob: Any, robots: int) -> Ints:

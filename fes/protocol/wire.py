@@ -1,4 +1,4 @@
-"""Fields of a payload: packed with msgpack, and checked one by one when they come back.
+"""Fields of a payload: packed with msgpack, and checked one by one when they are read.
 
 Every payload is a msgpack array that begins with PROTOCOL. Lists of ids and of numbers travel as binary,
 little-endian int32 and float64. Each function that reads a field takes the name of the message, and raises
@@ -73,7 +73,7 @@ def peek(payload: bytes) -> tuple[int, int] | None:
 def check(name: str, holds: bool, rule: str, value: object) -> None:
     """Raise MessageError with the rule and the offending value unless the rule holds."""
     if not holds:
-        shown = reprlib.repr(value)  # bounded in length and depth, whatever the value is
+        shown = reprlib.repr(value)  # bounded in length and depth, for any value
         raise MessageError(name, rule, shown if len(shown) <= 60 else shown[:57] + "...")
 
 
@@ -109,9 +109,9 @@ def finite(name: str, values: T, most: float = sys.float_info.max) -> T:
 def robot_list(name: str, value: Any) -> tuple[int, ...]:
     """Ids of robots, ascending, at least one."""
     check(name, type(value) is list and 0 < len(value) <= MAX_LIST, "expects a list of robots", value)
-    found = tuple(robot_id(name, robot) for robot in value)
-    check(name, all(low < high for low, high in pairwise(found)), "robot ids must ascend", value)
-    return found
+    ids = tuple(robot_id(name, robot) for robot in value)
+    check(name, all(low < high for low, high in pairwise(ids)), "robot ids must ascend", value)
+    return ids
 
 
 def flag(name: str, value: Any) -> bool:
@@ -124,10 +124,10 @@ def ids(name: str, blob: Any) -> Ints:
     """Ids, ascending [m]; the same bytes give the same array."""
     if type(blob) is not bytes or len(blob) % 4:
         check(name, False, "expects ids as int32", blob)
-    found = _ascending(blob) if len(blob) <= KEPT else _ascending.__wrapped__(blob)
-    if found is None:
+    ids = _ascending(blob) if len(blob) <= KEPT else _ascending.__wrapped__(blob)
+    if ids is None:
         raise MessageError(name, "ids must ascend from 0")
-    return found
+    return ids
 
 
 @lru_cache(maxsize=4096)
@@ -136,11 +136,11 @@ def _ascending(blob: bytes) -> Ints | None:
 
     The same bytes give the same array, so that a set of ids which does not change keeps its identity.
     """
-    found = np.frombuffer(blob, dtype="<i4").astype(np.int64)
-    if len(found) and (found[0] < 0 or (found[1:] <= found[:-1]).any()):
+    ids = np.frombuffer(blob, dtype="<i4").astype(np.int64)
+    if len(ids) and (ids[0] < 0 or (ids[1:] <= ids[:-1]).any()):
         return None
-    found.flags.writeable = False
-    return found
+    ids.flags.writeable = False
+    return ids
 
 
 def id_bytes(robots: Ints) -> bytes:
@@ -152,11 +152,11 @@ def numbers(name: str, blob: Any, count: int, most: float = sys.float_info.max) 
     """Finite numbers [count], each within `most` of zero."""
     if type(blob) is not bytes or len(blob) != 8 * count:
         check(name, False, f"expects {count} float64", blob)
-    found = np.frombuffer(blob, dtype="<f8")
-    if not np.logical_and.reduce(np.abs(found) <= most):  # NaN is not
-        rule = f"numbers must be within {most:g} of zero" if np.isfinite(found).all() else "numbers must be finite"
-        check(name, False, rule, found.tolist())
-    return found
+    values = np.frombuffer(blob, dtype="<f8")
+    if not np.logical_and.reduce(np.abs(values) <= most):  # NaN is not
+        rule = f"numbers must be within {most:g} of zero" if np.isfinite(values).all() else "numbers must be finite"
+        check(name, False, rule, values.tolist())
+    return values
 
 
 def some_numbers(name: str, blob: Any, count: int, most: float = sys.float_info.max) -> Floats:

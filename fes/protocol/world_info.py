@@ -20,13 +20,13 @@ class WorldInfo(NamedTuple):
     zenoh: str
     """Version of eclipse-zenoh."""
     robots: int
-    """How many robots the run has."""
+    """Number of robots of the run."""
     clock: float
     """The world's clock [s since 1970, UTC]."""
 
 
 def of_this_process(robots: int) -> WorldInfo:
-    """What this process says of itself."""
+    """The information about this process."""
     return WorldInfo(installed(distribution.NAME), installed("eclipse-zenoh"), robots, time.time())
 
 
@@ -62,5 +62,5 @@ def decode_world_info(payload: bytes) -> WorldInfo:
 
 
 def speaks_otherwise(error: MessageError) -> bool:
-    """Whether a payload was refused because it is of another protocol version."""
+    """True if a payload was rejected because it is of another protocol version."""
     return error.rule == wire.WRONG_VERSION

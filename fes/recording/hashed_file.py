@@ -70,10 +70,10 @@ def loss(path: Path, fileno: int, size: int) -> str | None:
     if not stat.S_ISREG(ours.st_mode):
         return None
     try:
-        found = path.stat()
+        current = path.stat()
     except OSError:
         return "was removed"
-    if (found.st_dev, found.st_ino) != (ours.st_dev, ours.st_ino):
+    if (current.st_dev, current.st_ino) != (ours.st_dev, ours.st_ino):
         return "was replaced"
     if ours.st_size < size:
         return f"was cut by {size - ours.st_size:,} bytes"

@@ -9,6 +9,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import IO, Any, cast
 
+from google.protobuf.message import Message
 from mcap.records import Channel as McapChannel
 from mcap.records import Message as McapMessage
 from mcap.records import Schema as McapSchema
@@ -17,9 +18,8 @@ from mcap.writer import CompressionType, Writer
 from fes.errors import FesError, reason
 from fes.protocol import world_info
 from fes.recording import hashed_file, records
-from fes.recording.descriptors import describe
 from fes.recording.hashed_file import HashedFile
-from fes.recording.protobuf import Message
+from fes.recording.protobuf import describe
 from fes.recording.records import Block, Damaged, Reader
 from fes.system import strict_json
 
@@ -37,7 +37,7 @@ LARGEST = records.LIMIT - (records.LIMIT >> 6)
 
 _MESSAGE_HEADER = 31  # bytes
 
-Schema = Message | dict[str, Any]
+Schema = type[Message] | dict[str, Any]
 """Of a topic: a type of Protocol Buffers, or a JSON schema."""
 
 
@@ -64,14 +64,14 @@ class McapFile:
             )
             self._writer.start(PROFILE, f"fes {world_info.version()}; mcap-python {metadata.version('mcap')}")
 
-    def put(self, topic: str, schema: Schema, payload: bytes, at: int, tick: int) -> None:
-        """Add a message of a topic, `at` a simulated time [ns]; nothing to a file that could not be written."""
+    def put(self, topic: str, schema: Schema, payload: bytes, time_ns: int, tick: int) -> None:
+        """Add a message of a topic at a simulated time; does nothing if the file could not be written."""
         if self._broken:
             return
         channel = self._channels.get(topic)
         if channel is None:
             channel = self._register(topic, schema)
-        self._writer.add_message(channel, at, payload, at, tick)
+        self._writer.add_message(channel, time_ns, payload, time_ns, tick)
         self._waiting += len(payload) + _MESSAGE_HEADER
 
     def settle(self, at_once: bool = False) -> None:
@@ -144,9 +144,9 @@ class McapFile:
             self.loss = hashed_file.loss(self._path, self.fileno, self._file.size)
 
     def _register(self, topic: str, schema: Schema) -> int:
-        if isinstance(schema, Message):
-            return self._declare(topic, "protobuf", schema.name, "protobuf", describe(schema))
-        return self._declare(topic, "json", schema["title"], "jsonschema", strict_json.dumps(schema).encode())
+        if isinstance(schema, dict):
+            return self._declare(topic, "json", schema["title"], "jsonschema", strict_json.dumps(schema).encode())
+        return self._declare(topic, "protobuf", schema.DESCRIPTOR.full_name, "protobuf", describe(schema))
 
     def _declare(self, topic: str, encoding: str, name: str, kind: str, described: bytes) -> int:
         if name not in self._schemas:
@@ -193,8 +193,8 @@ class _Contents:
                 if channel.topic not in self._topics:
                     self._topics.add(channel.topic)
                     self._hash.update(schema.data)
-                told = (channel.topic, schema.name, record.sequence, record.log_time, len(record.data))
-                self._hash.update(repr(told).encode() + record.data)
+                identity = (channel.topic, schema.name, record.sequence, record.log_time, len(record.data))
+                self._hash.update(repr(identity).encode() + record.data)
                 yield record, channel, schema
 
     @property

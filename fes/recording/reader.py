@@ -25,7 +25,7 @@ class RobotNumber(Protocol):
 
     @property
     def number(self) -> int:
-        """How many they are."""
+        """Their number."""
 
 
 class Recorded(Protocol):
@@ -55,13 +55,13 @@ class Log(Generic[S]):
     summary: dict[str, Any] | None
     """Of what was reached; None if the log has no end."""
     ended: str | None
-    """How the run ended; None if the log has no end."""
+    """Reason for the end of the run; None if the log has no end."""
     arithmetic: Mapping[str, str] = field(default_factory=fingerprint.table)
     """The arithmetic with which it was recorded."""
 
     def ticks(self) -> Iterator[LoggedTick]:
-        """Its ticks, in order; of a log without an end those that are whole. Raises FesError."""
-        there = 0
+        """Its ticks, in order; of a log without an end the complete ones. Raises FesError."""
+        count = 0
         try:
             for expected, tick in enumerate(ticks.read(self.path, self.scenario.robots.number)):
                 if tick.number != expected:
@@ -69,23 +69,23 @@ class Log(Generic[S]):
                 if expected >= self.scenario.ticks:
                     raise FesError(f"{self.path}: it continues after tick {expected - 1}, the last of its scenario")
                 yield tick
-                there = expected + 1
+                count = expected + 1
         except ticks.UNREADABLE as error:
             raise FesError(
                 f"{self.path}: a message is not what its topic promises: {ticks.one_line(error)}"
             ) from None
-        if self.summary is not None and there != self.summary.get("ticks"):
-            raise FesError(f"{self.path}: {there} ticks are there, and its summary is of {self.summary.get('ticks')}")
-        if self.ended == AT_ITS_END and there != self.scenario.ticks:
-            raise FesError(f"{self.path}: {there} of {self.scenario.ticks} ticks are there, and no reason why")
+        if self.summary is not None and count != self.summary.get("ticks"):
+            raise FesError(f"{self.path}: {count} ticks are there, and its summary is of {self.summary.get('ticks')}")
+        if self.ended == AT_ITS_END and count != self.scenario.ticks:
+            raise FesError(f"{self.path}: {count} of {self.scenario.ticks} ticks are there, and no reason why")
 
     @property
     def complaint(self) -> str | None:
-        """What is to be said of a log without an end."""
+        """Complaint about a log without an end; None if it has one."""
         if self.ended is not None:
             return None
-        whole = sum(1 for _ in self.ticks())
-        of = f"{whole} of {self.scenario.ticks} ticks are there"
+        count = sum(1 for _ in self.ticks())
+        of = f"{count} of {self.scenario.ticks} ticks are there"
         return f"{self.path} has no end, its run was killed or the file was cut: {of}"
 
 
@@ -104,21 +104,21 @@ def load(target: Path, parse: Callable[[dict[str, Any], str], S]) -> Log[S]:
     path = find(target)
     if path is None:
         raise FesError(f"{target} has no {NAME}: the run was not recorded")
-    told = _scenario(path)
-    if told.get("log") != schemas.VERSION:
-        version = f"{told.get('log')!r:.20}"
+    header = _scenario(path)
+    if header.get("log") != schemas.VERSION:
+        version = f"{header.get('log')!r:.20}"
         raise FesError(f"{path} is a log of version {version}; this fes reads version {schemas.VERSION}")
     ended = _metadata(path)
     try:
         summary = strict_json.loads(ended["summary"]) if ended and "summary" in ended else None
         if summary is not None and not isinstance(summary, dict):
             raise TypeError("its summary is not a table")
-        scenario = parse(tomllib.loads(told["scenario"]), str(path))
-        fingerprint.text(told["arithmetic"])  # raises one of these errors where it names none
-        if not all(isinstance(told[key], str) for key in ("name", "backend")):
+        scenario = parse(tomllib.loads(header["scenario"]), str(path))
+        fingerprint.text(header["arithmetic"])  # raises one of these errors where it names none
+        if not all(isinstance(header[key], str) for key in ("name", "backend")):
             raise TypeError("its name and backend are texts")
         how = ended["ended"] if ended else None
-        log = Log(path, told["name"], told["backend"], scenario, summary, how, told["arithmetic"])
+        log = Log(path, header["name"], header["backend"], scenario, summary, how, header["arithmetic"])
     except ticks.UNREADABLE as error:
         raise FesError(f"{path}: what it says of its run cannot be read: {ticks.one_line(error)}") from None
     if next(log.ticks(), None) is None:
@@ -127,21 +127,21 @@ def load(target: Path, parse: Callable[[dict[str, Any], str], S]) -> Log[S]:
 
 
 def _scenario(path: Path) -> dict[str, Any]:
-    """What the log says of its run: its first message."""
+    """Scenario and versions of the run: the first message of the log."""
     with suppress(ValueError, RecursionError):
         for topic, message in ticks.messages(path):
             if topic == "/scenario":
-                told = ticks.parsed(message.data)
-                if isinstance(told, dict):
-                    return told
+                header = ticks.parsed(message.data)
+                if isinstance(header, dict):
+                    return header
             break
     raise FesError(f"{path} is not a log of a run: it does not begin with its scenario")
 
 
 def _metadata(path: Path) -> dict[str, str] | None:
-    """The metadata written when the log was closed; None if it was not. Raises FesError unless the log is whole."""
-    reader, found = Reader(path), None
+    """The metadata written when the log was closed; None if it was not. Raises FesError for a damaged log."""
+    reader, metadata = Reader(path), None
     for block in reader:
         if isinstance(block.record, Metadata) and block.record.name == SUMMARY:
-            found = block.record.metadata
-    return found if reader.has_end else None
+            metadata = block.record.metadata
+    return metadata if reader.has_end else None

@@ -133,7 +133,7 @@ class Reader:
 
     def _next(self, file: BinaryIO) -> tuple[bytes, bytes | None]:
         """Head and content of the next record; content is None where the file was cut."""
-        head, there = file.read(_HEAD.size), 0
+        head, read = file.read(_HEAD.size), 0
         if len(head) == _HEAD.size:
             length = _HEAD.unpack(head)[1]
             if length > LIMIT:
@@ -141,9 +141,9 @@ class Reader:
             content = file.read(length)
             if len(content) == length:
                 return head, content
-            there = len(content)
+            read = len(content)
         if self._size is not None:
-            raise Damaged(self.path, self._place + len(head) + there, f"it ends there, {self._size:,} were written")
+            raise Damaged(self.path, self._place + len(head) + read, f"it ends there, {self._size:,} were written")
         return head, None
 
     def _end(self, opcode: int, head: bytes, content: bytes) -> None:
@@ -172,14 +172,14 @@ class Reader:
                 return Message(channel, log_time, content[_MESSAGE.size :], publish_time, sequence)
             if opcode != Opcode.CHUNK and len(content) > SMALL:
                 raise Damaged(self.path, place, f"a record of {len(content):,} bytes, more than {SMALL:,}")
-            found: McapRecord = _TYPES[opcode].read(ReadDataStream(BytesIO(content)))
-            if isinstance(found, Chunk):
-                return self._unpack(found, place)
+            record: McapRecord = _TYPES[opcode].read(ReadDataStream(BytesIO(content)))
+            if isinstance(record, Chunk):
+                return self._unpack(record, place)
         except _BROKEN as error:
             raise Damaged(self.path, place, f"it cannot be read: {type(error).__name__}") from None
-        if isinstance(found, Channel):
-            self._channels.add(found.id)
-        return found
+        if isinstance(record, Channel):
+            self._channels.add(record.id)
+        return record
 
     def _unpack(self, chunk: Chunk, place: int) -> Chunk:
         size = chunk.uncompressed_size

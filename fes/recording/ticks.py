@@ -1,4 +1,4 @@
-"""The ticks of a log, as its messages tell them."""
+"""The ticks of a log, read from its messages."""
 
 import itertools
 from collections.abc import Iterator
@@ -10,90 +10,96 @@ from mcap.records import Channel, Message
 
 from fes.errors import FesError, MessageError
 from fes.protocol.report import Report, decode_report
-from fes.recording import protobuf
+from fes.recording import messages_pb2, protobuf
 from fes.recording.layout import MAX_JSON, TickPayloads
+from fes.recording.messages_pb2 import Beacons, Commands, Observations
 from fes.recording.records import Reader
 from fes.system import strict_json
 
-_EVIDENCE = ("/observations", "/beacons", "/commands")
-_TOPICS = (*_EVIDENCE, "/scenario", "/report", "/events")
-"""All topics that are read back."""
+_TeamMessage = Observations | Beacons | Commands
+
+_TEAM_TOPICS: dict[str, type[_TeamMessage]] = {
+    "/observations": Observations,
+    "/beacons": Beacons,
+    "/commands": Commands,
+}
+"""Topics with one message of all robots per tick."""
+
+_TOPICS = (*_TEAM_TOPICS, "/scenario", "/report", "/events")
+"""All topics that are read."""
 
 _MAX_EVENTS = 10_000  # per tick
 
 UNREADABLE = (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError, OverflowError)
+"""Errors of a message that its topic does not allow."""
 
 
 class LoggedTick(NamedTuple):
-    """All that was said at one tick."""
+    """The messages of one tick."""
 
     number: int
-    said: TickPayloads
+    payloads: TickPayloads
     changes: list[tuple[str, Any]]
-    """What persons set of the channel: path and value."""
+    """Changes of the channel by persons: path and value."""
     scheduled: list[tuple[str, Any]]
-    """What was set by the schedule."""
+    """Changes of the channel by the schedule: path and value."""
     attended: list[list[int]]
-    """The robots that are there from this tick on, each time that changed otherwise than by schedule, in order."""
+    """The robots that take part from this tick on, in order of the changes that were not scheduled."""
     report: Report | None
     """At one of several ticks."""
 
 
 def read(path: Path, robots: int) -> Iterator[LoggedTick]:
-    """The ticks of a file; raises FesError, or one of what is unreadable."""
-    for number, found in itertools.groupby(_numbered(path), key=itemgetter(0)):
-        said, set_ = dict[str, list[bytes]](), {"person": list[tuple[str, Any]](), "schedule": []}
+    """The ticks of a file; raises FesError, or an error of UNREADABLE."""
+    for number, contents in itertools.groupby(_numbered(path), key=itemgetter(0)):
+        payloads, changes = dict[str, list[bytes]](), {"person": list[tuple[str, Any]](), "schedule": []}
         attended: list[list[int]] = []
         report: Report | None = None
         events = 0
-        for _, topic, data in found:
-            if topic in _EVIDENCE:
-                said[topic] = _payloads(path, topic, data, number, robots)
+        for _, topic, content in contents:
+            if not isinstance(content, bytes):
+                payloads[topic] = _payloads(path, topic, content, number, robots)
             elif topic == "/report":
                 try:
-                    report = decode_report(next(iter(_contents(data)), b""))
+                    report = decode_report(protobuf.parse(messages_pb2.Report, content).payload)
                 except MessageError as error:
                     raise FesError(f"{path}: tick {number}: {error}") from None
-            elif (event := parsed(data))["tick"] == number:
+            elif (event := parsed(content))["tick"] == number:
                 if (events := events + 1) > _MAX_EVENTS:
                     raise FesError(f"{path}: tick {number} has more than {_MAX_EVENTS:,} events")
                 if event["what"] == "set":
-                    set_[event["by"]].append((str(event["path"]), event["value"]))
+                    changes[event["by"]].append((str(event["path"]), event["value"]))
                 elif event["what"] == "present":
                     attended.append([int(robot) for robot in event["robots"]])
                     if not all(0 <= robot < robots for robot in attended[-1]):
                         raise FesError(f"{path}: tick {number}: a robot takes part that is not one of {robots}")
-        for topic in _EVIDENCE:
-            if topic not in said:
+        for topic in _TEAM_TOPICS:
+            if topic not in payloads:
                 raise FesError(f"{path}: tick {number} has no message on {topic}")
-        all_ = TickPayloads(*(said[topic] for topic in _EVIDENCE))
-        yield LoggedTick(number, all_, set_["person"], set_["schedule"], attended, report)
+        ordered = TickPayloads(*(payloads[topic] for topic in _TEAM_TOPICS))
+        yield LoggedTick(number, ordered, changes["person"], changes["schedule"], attended, report)
 
 
-def _numbered(path: Path) -> Iterator[tuple[int, str, bytes]]:
-    """Tick, topic and content of each message that is read back; a tick begins with its Observations."""
+def _numbered(path: Path) -> Iterator[tuple[int, str, _TeamMessage | bytes]]:
+    """Tick, topic and content of each message that is read; a tick begins with its Observations."""
     number = -1
     for topic, message in messages(path):
-        if topic == _EVIDENCE[0]:
-            after = _tick(message.data)
-            if after < 0:
+        kind = _TEAM_TOPICS.get(topic)
+        content = message.data if kind is None else protobuf.parse(kind, message.data)
+        if isinstance(content, Observations):
+            next_number = _tick(content)
+            if next_number < 0:
                 raise FesError(f"{path}: a message on {topic} has no tick")
-            if after == number:
+            if next_number == number:
                 raise FesError(f"{path}: tick {number} has two messages on {topic}")
-            number = after
+            number = next_number
         if topic != "/scenario" and number >= 0:
-            yield number, topic, message.data
+            yield number, topic, content
 
 
-def _tick(data: bytes) -> int:
-    """The tick in a message of all robots; -1 if there is none."""
-    return next((int(value) for field, value in protobuf.fields(data) if field == 1), -1)
-
-
-def _contents(data: bytes, limit: int = 1) -> list[bytes]:
-    """The payloads in a message, at most one more than `limit`."""
-    found = (value for field, value in protobuf.fields(data) if field == 2 and isinstance(value, bytes))
-    return list(itertools.islice(found, limit + 1))
+def _tick(message: _TeamMessage) -> int:
+    """The tick of a message of all robots; -1 if it has none."""
+    return message.tick if message.HasField("tick") else -1
 
 
 def parsed(data: bytes) -> Any:
@@ -103,25 +109,25 @@ def parsed(data: bytes) -> Any:
     return strict_json.loads(data)
 
 
-def _payloads(path: Path, topic: str, data: bytes, number: int, robots: int) -> list[bytes]:
-    """The payloads of a message of all robots, which must be of this tick and one a robot."""
-    if _tick(data) != number:
-        raise FesError(f"{path}: tick {number}: the message on {topic} is of tick {_tick(data)}")
-    found = _contents(data, robots)
-    if len(found) != robots:
-        raise FesError(f"{path}: tick {number}: {topic} has {len(found)} payloads, there are {robots} robots")
-    return found
+def _payloads(path: Path, topic: str, message: _TeamMessage, number: int, robots: int) -> list[bytes]:
+    """The payloads of a message, which must be of this tick and have one payload per robot."""
+    if _tick(message) != number:
+        raise FesError(f"{path}: tick {number}: the message on {topic} is of tick {_tick(message)}")
+    payloads = list(message.payloads)
+    if len(payloads) != robots:
+        raise FesError(f"{path}: tick {number}: {topic} has {len(payloads)} payloads, there are {robots} robots")
+    return payloads
 
 
 def one_line(error: Exception) -> str:
-    """An error of whatever cannot be read, in a line."""
+    """An error of UNREADABLE in one line."""
     if isinstance(error, RecursionError):
         return "it is nested too deeply"
     return " ".join(f"{type(error).__name__}: {error}".split()) if isinstance(error, KeyError) else str(error)
 
 
 def messages(path: Path) -> Iterator[tuple[str, Message]]:
-    """Topic and message, in the order of the file; of a file that was cut, up to its last whole chunk."""
+    """Topic and message, in the order of the file; of a file that was cut, up to its last complete chunk."""
     topics: dict[int, str] = {}
     for block in Reader(path):
         for record in block:

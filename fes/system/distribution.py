@@ -69,7 +69,7 @@ def foreign() -> Iterator[str]:
 
 
 def _is_same(first: Path, second: Path) -> bool:
-    """True if both are one file, whatever links lead to it."""
+    """True if both paths lead to the same file, through any links."""
     try:
         return first.samefile(second)
     except OSError:

@@ -76,7 +76,7 @@ def check_depth(text: str) -> None:
 
 
 def argument(text: str) -> str:
-    """An argument or a name of a file as text in UTF-8, whatever the locale made of it.
+    """An argument or a name of a file as text in UTF-8, in any locale.
 
     Python turns bytes that its locale cannot read into lone surrogates, which cannot be written in UTF-8. Here bytes
     that are UTF-8 become characters; others become U+FFFD.

@@ -35,21 +35,21 @@ def read(path: Path, limit: int) -> bytes:
 
 def sha256(path: Path, size: int) -> str:
     """SHA-256 of the first `size` bytes of a file, in hexadecimal; raises OSError."""
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     with path.open("rb") as file:
         for start in range(0, size, _BLOCK):
-            found.update(file.read(min(_BLOCK, size - start)))
-    return found.hexdigest()
+            digest.update(file.read(min(_BLOCK, size - start)))
+    return digest.hexdigest()
 
 
 def read_table(path: Path, limit: int = MAX_TABLE) -> dict[str, Any]:
     """A file that holds one table as JSON; raises FesError."""
     try:
-        found = strict_json.loads(read(path, limit))
+        table = strict_json.loads(read(path, limit))
     except OSError as error:
         raise FesError(f"{path} cannot be read: {reason(error)}") from None
     except ValueError as error:
         raise FesError(f"{path} cannot be read: it is not JSON: {error}") from None
-    if not isinstance(found, dict):
+    if not isinstance(table, dict):
         raise FesError(f"{path} cannot be read: it holds no table")
-    return found
+    return table

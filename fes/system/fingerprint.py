@@ -50,10 +50,10 @@ def text(arithmetic: Arithmetic | None = None) -> str:
 
 @cache
 def _fingerprint() -> str:
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     for result in _results():
-        found.update(result.astype("<f8", order="C").tobytes())
-    return found.hexdigest()[:12]
+        digest.update(result.astype("<f8", order="C").tobytes())
+    return digest.hexdigest()[:12]
 
 
 def _results() -> Iterator[Floats]:

@@ -41,14 +41,14 @@ def check(endpoint: str, *, listening: bool) -> None:
 
     Port 0 is an endpoint only where something is `listening`: there the system chooses a port.
     """
-    found = _ENDPOINT.fullmatch(endpoint)
-    if found is None or not endpoint.isprintable() or " " in endpoint:
+    match = _ENDPOINT.fullmatch(endpoint)
+    if match is None or not endpoint.isprintable() or " " in endpoint:
         raise FesError(f"not an endpoint like {EXAMPLE}: {endpoint}")
-    if found["protocol"] in _OTHERS:
+    if match["protocol"] in _OTHERS:
         return
-    if found["protocol"] not in _OVER_IP:
+    if match["protocol"] not in _OVER_IP:
         raise FesError(f"the protocol of an endpoint is one of {', '.join(_OVER_IP + _OTHERS)}: {endpoint}")
-    parts = _ADDRESS.fullmatch(found["address"])
+    parts = _ADDRESS.fullmatch(match["address"])
     if parts is None or parts["port"] == "":
         raise FesError(f"an endpoint ends with its port, as {EXAMPLE} does: {endpoint}")
     port = parts["port"]
@@ -80,10 +80,10 @@ def place(endpoint: str) -> Place | None:
     >>> place("tcp/[::1]:7447"), place("tls/lab.example:1?rel=1"), place("unixpipe/run/fes")
     (Place(host='::1', port=7447), Place(host='lab.example', port=1), None)
     """
-    found = _ENDPOINT.fullmatch(endpoint)
-    if found is None or found["protocol"] not in _OVER_IP:
+    match = _ENDPOINT.fullmatch(endpoint)
+    if match is None or match["protocol"] not in _OVER_IP:
         return None
-    parts = _ADDRESS.fullmatch(found["address"])
+    parts = _ADDRESS.fullmatch(match["address"])
     return Place(parts["host"].strip("[]"), int(parts["port"])) if parts else None
 
 

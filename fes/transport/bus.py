@@ -30,7 +30,7 @@ ASKERS = 1024
 """Askers whose questions may wait for one handler at once."""
 
 REFUSED = b"refused: "
-"""How an answer begins that turns the asker away."""
+"""Prefix of a reply that rejects a query."""
 
 CROWDED = "too many questions at once"
 """Why it is, where it may ask again."""
@@ -60,7 +60,7 @@ class Query:
             query.reply(self.key, payload, encoding=_encoding(schema))
 
     def reply_err(self, reason: str) -> None:
-        """Turn it away, with one line that says why."""
+        """Reject the query, with a reason in one line."""
         with self._query as query:
             query.reply_err(REFUSED + reason.encode())
 
@@ -144,11 +144,11 @@ class Bus:
 
     async def liveliness_get(self, key: str, timeout: float) -> list[str]:
         """The liveliness tokens on `key` that stand now; Absent if the router does not say in `timeout` [s]."""
-        found: set[str] = set()  # one of our own comes twice: from here and from the router
+        tokens: set[str] = set()  # one of our own comes twice: from here and from the router
         failed: list[zenoh.Reply] = []
         done = asyncio.Event()
         callback: zenoh.handlers.Callback[zenoh.Reply] = zenoh.handlers.Callback(
-            lambda reply: found.add(str(reply.ok.key_expr)) if reply.ok is not None else failed.append(reply),
+            lambda reply: tokens.add(str(reply.ok.key_expr)) if reply.ok is not None else failed.append(reply),
             drop=lambda: self._loop.call_soon_threadsafe(done.set),
             indirect=False,
         )
@@ -156,7 +156,7 @@ class Bus:
         await done.wait()
         if failed:
             raise Unavailable(f"the router does not say within {timeout:g} s who is alive on {key}")
-        return sorted(found)
+        return sorted(tokens)
 
     def declare_queryable(self, key: str, handler: Callable[[Query], None]) -> None:
         """Call `handler` on the loop with each question asked on `key`.
@@ -222,7 +222,7 @@ class Bus:
 async def opened(endpoints: Endpoints) -> AsyncIterator[Bus]:
     """An open bus, closed at the end.
 
-    Raises TransportError in one line: port taken, nobody there, bad flag.
+    Raises TransportError in one line: port taken, no process listening, bad flag.
     """
     with await session.begin(endpoints) as begun:
         yield Bus(begun, asyncio.get_running_loop())

@@ -11,14 +11,14 @@ from fes.transport import addresses
 from fes.transport.endpoints import Endpoints
 
 PATIENCE = 2.0
-"""How long to wait for an answer [s]."""
+"""Longest wait for an answer [s]."""
 
 KEYLESS = "it asks for a certificate, and we have none: a world with --keys wants --keys"
-"""What is said for whatever goes wrong over TLS without certificates of our own."""
+"""Diagnosis of any error over TLS without certificates of our own."""
 
 MUTE = "somebody listens there, but opens no session"
 SLOW = "or it is suspended or overloaded"
-"""What is said where somebody listens and says nothing."""
+"""Diagnosis of a listener that does not answer."""
 
 
 def reason(endpoints: Endpoints, message: str) -> str:
@@ -52,13 +52,13 @@ def first_line(message: str) -> str:
 
 
 def complaint(endpoint: str, security: Mapping[str, object]) -> str | None:
-    """What is wrong between us and who listens at `endpoint`, in a few words; None if nothing is found, or nobody."""
-    protocol, found = endpoint.partition("/")[0], addresses.place(endpoint)
-    if found is None or protocol not in ("tcp", "tls"):
+    """Fault of the connection to `endpoint`, in a few words; None without a fault or a listener."""
+    protocol, address = endpoint.partition("/")[0], addresses.place(endpoint)
+    if address is None or protocol not in ("tcp", "tls"):
         return None
-    host = found.host
+    host = address.host
     try:
-        with socket.create_connection(found, PATIENCE) as connection:
+        with socket.create_connection(address, PATIENCE) as connection:
             if protocol == "tcp":
                 return (
                     f"somebody listens there, but opens no session: a world with --keys wants tls/ and --keys, {SLOW}"

@@ -1,4 +1,4 @@
-"""What came that should not have come, and what did not that should have: counted, and logged once a kind."""
+"""Dropped and missing messages: counted, and logged once per kind."""
 
 import logging
 from collections import Counter
@@ -7,7 +7,7 @@ from fes.errors import MessageError
 from fes.system.output import printable
 
 MAX_KINDS = 100
-"""Kinds that are told apart, unless told otherwise."""
+"""Default number of kinds that are counted separately."""
 
 LONGEST_LINE = 300
 """Longest line, and kind, [characters] of a message; its key may be 65,535 bytes of anything."""
@@ -16,19 +16,19 @@ LONGEST_LINE = 300
 class DropLog:
     """Messages that were dropped, by kind. Bad input is a line in the log, never the end of a tick loop."""
 
-    def __init__(self, logger: logging.Logger, most: int = MAX_KINDS, other: str = "other") -> None:
-        """At `most` so many kinds are told apart; further ones are counted as `other`."""
+    def __init__(self, logger: logging.Logger, most: int = MAX_KINDS, rest: str = "other") -> None:
+        """At most `most` kinds are counted separately; further kinds are counted as `rest`."""
         self._logger = logger
-        self._most, self._other = most, other
+        self._most, self._rest = most, rest
         self.counts: Counter[str] = Counter()
         self.missing: Counter[str] = Counter()
-        """What should have come and did not, by kind."""
+        """Number of missing messages by kind."""
 
     def reject(self, kind: str, line: str) -> None:
         """Count one; the first of its kind is logged with `line`. A sender may have a part in both."""
         kind, further = shown(kind), "further ones of this kind"
         if kind not in self.counts and len(self.counts) >= self._most:
-            kind, further = self._other, "further kinds"
+            kind, further = self._rest, "further kinds"
         self.counts[kind] += 1
         if self.counts[kind] == 1:
             self._logger.warning("dropped %s (%s are counted, not shown)", shown(line), further)

@@ -1,4 +1,4 @@
-"""How a process takes part in the network: endpoints, and the settings of its Zenoh session."""
+"""Endpoints of a process, and the settings of its Zenoh session."""
 
 import ipaddress
 import logging
@@ -27,7 +27,7 @@ Mode = Literal["router", "client", "peer"]
 
 @dataclass(frozen=True)
 class Endpoints:
-    """How a process takes part in the network; Zenoh's own flags."""
+    """Endpoints and mode of a process; Zenoh's own flags."""
 
     mode: Mode
     connect: tuple[str, ...] = ()
@@ -36,11 +36,11 @@ class Endpoints:
     settings: tuple[str, ...] = ()
     """KEY:VALUE pairs, the value in JSON5."""
     timeout: float = 10.0
-    """How long to try to connect [s]."""
+    """Timeout of the connection [s]."""
     by_default: frozenset[str] = frozenset()
-    """Settings that nobody asked for: where the configuration file has its own, that one holds."""
+    """Default settings: those of the configuration file override them."""
     security: Mapping[str, object] = field(default_factory=dict)
-    """Settings by Zenoh's key: the certificates of this process, and whom it lets in."""
+    """Settings by Zenoh's key: the certificates of this process, and the roles that it accepts."""
 
     @property
     def shown(self) -> str:
@@ -87,20 +87,20 @@ class Endpoints:
 
 
 def default_endpoint(*, secure: bool) -> str:
-    """Where a world is, unless told otherwise."""
+    """The default endpoint of a world."""
     return SECURE_ENDPOINT if secure else DEFAULT_ENDPOINT
 
 
 def exposed(endpoint: str) -> bool:
-    """Whether whoever reaches this machine over a network can talk to a process that listens there.
+    """True if another machine of the network can connect to a process that listens there.
 
     >>> exposed("tcp/127.0.0.1:7447"), exposed("tcp/0.0.0.0:7447"), exposed("tls/0.0.0.0:7447")
     (False, True, False)
     """
-    found = _OPEN.match(endpoint)
-    if found is None:
+    match = _OPEN.match(endpoint)
+    if match is None:
         return False
-    host = found["host"].strip("[]")
+    host = match["host"].strip("[]")
     try:
         return not ipaddress.ip_address(host.partition("%")[0]).is_loopback
     except ValueError:

@@ -1,4 +1,4 @@
-"""Whether a port is listened at, or a connection to one stands: a container's health check.
+"""Health check of a container: a port with a listener, or a connection to one.
 
 `python -m fes.transport.health listens 7447` and `python -m fes.transport.health connected 7447` end with 0 if so,
 else with 1. They read the kernel's table of sockets in their own network namespace, which is the container's, so that
@@ -34,22 +34,22 @@ def sockets(tables: Iterable[str]) -> Iterator[Socket]:
     """
     for table in tables:
         for line in table.splitlines()[1:]:
-            own, other, state = line.split()[1:4]
-            (address, port), (_, peer_port) = own.split(":"), other.split(":")
+            own, peer, state = line.split()[1:4]
+            (address, port), (_, peer_port) = own.split(":"), peer.split(":")
             yield Socket(address, int(port, 16), int(peer_port, 16), state)
 
 
-def here() -> Iterator[Socket]:
+def own_sockets() -> Iterator[Socket]:
     """The sockets of this network namespace; raises OSError on another system than Linux."""
     return sockets(table.read_text(encoding="ascii") for table in TABLES if table == TABLES[0] or table.exists())
 
 
 def healthy(how: str, port: int) -> bool:
-    """Whether somebody `listens` at a port, or is `connected` to one; raises ValueError for another `how`."""
+    """True if a process `listens` at a port, or is `connected` to one; raises ValueError for another `how`."""
     if how == "listens":
-        return any(one.port == port and one.state == LISTEN for one in here())
+        return any(socket.port == port and socket.state == LISTEN for socket in own_sockets())
     if how == "connected":
-        return any(one.peer_port == port and one.state == ESTABLISHED for one in here())
+        return any(socket.peer_port == port and socket.state == ESTABLISHED for socket in own_sockets())
     raise ValueError(f"expects listens or connected, got '{how}'")
 
 

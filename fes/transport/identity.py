@@ -1,4 +1,4 @@
-"""Who a process is: the certificate of its role in a directory of keys, and Zenoh's settings for it.
+"""Identity of a process: the certificate of its role in a directory of keys, and Zenoh's settings for it.
 
 | role        | who                                             | file beside ca.crt     |
 |-------------|-------------------------------------------------|------------------------|
@@ -46,11 +46,11 @@ def robots_of(role: str) -> range | None:
     >>> robots_of("robot-3"), robots_of("robot-0-2"), robots_of("observer")
     (range(3, 4), range(0, 3), None)
     """
-    found = _ROBOT.fullmatch(role)
-    if found is None:
+    match = _ROBOT.fullmatch(role)
+    if match is None:
         return None
-    first, last = int(found[1]), int(found[2] or found[1])
-    return range(first, last + 1) if found[2] is None or first < last else None
+    first, last = int(match[1]), int(match[2] or match[1])
+    return range(first, last + 1) if match[2] is None or first < last else None
 
 
 def check_role(role: str) -> str:
@@ -65,8 +65,8 @@ def check_role(role: str) -> str:
 
 def crews(directory: Path) -> list[range]:
     """The crews of several robots that have a certificate in `directory`."""
-    found = (robots_of(path.stem) for path in directory.glob("robot-*-*.crt"))
-    return sorted((crew for crew in found if crew is not None), key=lambda crew: (crew.start, crew.stop))
+    crews = (robots_of(path.stem) for path in directory.glob("robot-*-*.crt"))
+    return sorted((crew for crew in crews if crew is not None), key=lambda crew: (crew.start, crew.stop))
 
 
 @dataclass(frozen=True)

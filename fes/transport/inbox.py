@@ -71,7 +71,7 @@ class Inbox:
         finally:
             timer.cancel()
             self._wanted, self._nudged = 0, False
-        # What came before a failure is still to be read: a world says that the run is over, then leaves.
+        # Messages before a failure are still to be read: a world says that the run is over, then leaves.
         if len(self._items) >= count or (self._items and self._failure is not None):
             return True
         if self._failure is not None:

@@ -1,4 +1,4 @@
-"""How a session of Zenoh is opened: its threads, its configuration, and what is said when it does not open."""
+"""Sessions of Zenoh: their threads, their configuration, and the error when one does not open."""
 
 import asyncio
 import contextlib
@@ -31,7 +31,7 @@ LONGEST_SHOWN = 200
 
 
 async def begin(endpoints: Endpoints) -> zenoh.Session:
-    """An open session; raises TransportError in one line: port taken, nobody there, bad flag."""
+    """An open session; raises TransportError in one line: port taken, no process listening, bad flag."""
     config = _config(endpoints)
     endpoints = _effective(endpoints, config)
     addresses.warn_of_names(endpoints.connect, endpoints.timeout)
@@ -61,7 +61,7 @@ async def _open(config: zenoh.Config) -> zenoh.Session:
             outcome = zenoh.open(config), None
         except Exception as error:
             outcome = None, error
-        with contextlib.suppress(RuntimeError):  # the loop is closed: nobody waits any more
+        with contextlib.suppress(RuntimeError):  # the loop is closed, and no task waits
             loop.call_soon_threadsafe(settle, *outcome)
 
     threading.Thread(target=work, name="zenoh open", daemon=True).start()

@@ -27,7 +27,7 @@ def hardened(team: Team, agent: str) -> None:
 
 def closed(team: Team, network: Network, agent: str, port: int) -> None:
     """The world is reachable only from the machine's loopback interface, and agents have no route outside."""
-    addresses = "{socket.address for socket in health.here() if socket.state == health.LISTEN}"
+    addresses = "{socket.address for socket in health.own_sockets() if socket.state == health.LISTEN}"
     listing = f"from fes.transport import health; print(*{addresses})"
     claim(network.call(sys.executable, "-c", listing).split() == ["0100007F"], "sockets listen only on 127.0.0.1")
     reach = f"import socket; socket.create_connection(('127.0.0.1', {port}), 2)"

@@ -10,10 +10,9 @@ import pytest
 from console.connect import run_directory
 from console.replay import log
 from fes.errors import FesError
-from fes.recording import layout, mcap_file, records
+from fes.recording import layout, mcap_file, messages_pb2, records
 from fes.recording.mcap_file import McapFile
 from fes.recording.records import Reader
-from fes.recording.schemas import OWN
 from fes.system import files
 from fes.transport.endpoints import DEFAULT_ENDPOINT
 from tests.support import crafted, recordings
@@ -71,7 +70,7 @@ def test_nothing_is_written_that_a_reader_would_refuse(tmp_path: Path, monkeypat
     assert records.LIMIT * 63 // 64 >= mcap_file.LARGEST > 10 * mcap_file.CHUNK
     monkeypatch.setattr(mcap_file, "LARGEST", 1000)
     file = McapFile(tmp_path / "run.mcap")
-    file.put("/x", OWN["Report"], bytes(1001), 0, 0)
+    file.put("/x", messages_pb2.Report, bytes(1001), 0, 0)
     with pytest.raises(
         FesError, match=r"a tick takes 1,032 bytes, of at most 1,000: --no-record runs without a log$"
     ):
@@ -88,7 +87,7 @@ def test_no_log_is_written_that_unpacks_to_more_than_a_reader_takes(
     file = McapFile(path)
     with pytest.raises(FesError, match=r"it is so uniform that [\d,]+ bytes take [\d,]+: --no-record runs"):  # noqa: PT012
         for tick in range(1000):
-            file.put("/x", OWN["Report"], bytes(20_000), tick, tick)
+            file.put("/x", messages_pb2.Report, bytes(20_000), tick, tick)
             file.settle(at_once=True)
     file.finish("end", {})
     assert sum(1 for block in Reader(path) for _ in block) > 20  # the part that was written before is read

@@ -129,7 +129,7 @@ def test_a_log_of_faults_is_executed_again_and_is_the_same_from_one_loop_and_ove
 def test_a_damaged_beacon_is_an_empty_payload_in_the_log(tmp_path: Path) -> None:
     recordings.record(tmp_path / "run.mcap", faulty("measured.toml", "corrupt"))
     empty = [
-        [robot for robot, beacon in enumerate(tick.said.beacons) if not beacon]
+        [robot for robot, beacon in enumerate(tick.payloads.beacons) if not beacon]
         for tick in log.load(tmp_path / "run.mcap").ticks()
     ]
     assert empty == [[]] * 5 + [[5]] * 55 + [[]] * 60

@@ -64,7 +64,7 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
     assert summary["ticks"] == 300
     found = log.load(tmp_path / "run.mcap")
     again = replay_command.rerun(found, all_robots=True)
-    absent = sum(not tick.said.commands[4] for tick in found.ticks())
+    absent = sum(not tick.payloads.commands[4] for tick in found.ticks())
     assert summary["unscheduled_absences"] == again["unscheduled_absences"] == absent > 60
     assert again["digest"] == summary["digest"] != inprocess.run(scenario, "test")["digest"]
     assert replay_command.rerun_robot(found, 4) == 300

@@ -128,7 +128,7 @@ def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
 
 
 def test_a_change_is_named_with_tick_robot_field_and_both_values(recorded: Recorded, tampered: Path) -> None:
-    commands = [tick.said.commands for tick in log.load(recorded[0]).ticks()][40]
+    commands = [tick.payloads.commands for tick in log.load(recorded[0]).ticks()][40]
     true = messages.decode_command(commands[3]).twist[1]
     other = true + SHIFT
     expected = f"tick 40, Command of robot 3: twist.angular is {other!r} in the log and {true!r} executed again"

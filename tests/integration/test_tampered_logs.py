@@ -16,7 +16,7 @@ from console.replay.player import Player
 from fes.errors import FesError
 from fes.protocol import messages
 from fes.protocol.report import decode_report, encode_report
-from fes.recording.schemas import OWN
+from fes.recording import messages_pb2
 from tests.support import recordings
 from tests.support.loop import load
 from tests.support.recordings import Edit
@@ -41,8 +41,7 @@ def team(change: Callable[[list[bytes]], list[bytes]], tick: int | None = 10) ->
     """A change of the payloads in a message of all robots; `tick` replaces its tick, and None removes it."""
 
     def changed(data: bytes) -> bytes:
-        stamp = {} if tick is None else {"tick": tick}
-        return OWN["Commands"].encode({**stamp, "payloads": change(recordings.payloads(data))})
+        return bytes(messages_pb2.Commands(tick=tick, payloads=change(recordings.payloads(data))).SerializeToString())
 
     return changed
 
@@ -113,12 +112,13 @@ WRONG: dict[str, tuple[Edit, str, tuple[str, ...]]] = {
 
 def farther(data: bytes) -> bytes:
     """A Report with robot 0 elsewhere."""
-    [payload] = recordings.payloads(data)
+    payload = messages_pb2.Report.FromString(data).payload
     found = decode_report(payload)
     report = encode_report(found)
     at = report.index(found.poses.tobytes())
     moved = found.poses + 1.0
-    return OWN["Report"].encode({"payload": report.replace(report[at : at + moved.nbytes], moved.tobytes())})
+    payload = report.replace(report[at : at + moved.nbytes], moved.tobytes())
+    return bytes(messages_pb2.Report(payload=payload).SerializeToString())
 
 
 def shown(found: Log) -> None:

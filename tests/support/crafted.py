@@ -18,7 +18,7 @@ from mcap.records import Channel, Chunk, McapRecord, Message, Schema
 from mcap.writer import MCAP0_MAGIC
 
 from fes.recording import records, schemas
-from fes.recording.schemas import OWN
+from fes.recording.messages_pb2 import Observations
 from fes.system import fingerprint
 from tests.support.loop import load
 from world.execution import snapshot
@@ -92,7 +92,7 @@ def begun(*messages: bytes, told: bytes | None = None) -> bytes:
 
 def observations(tick: int, payloads: int) -> bytes:
     empty = b"\x12\x00"
-    return OWN["Observations"].encode({"tick": tick, "payloads": []}) + empty * payloads
+    return bytes(Observations(tick=tick).SerializeToString()) + empty * payloads
 
 
 def attended(robots: bytes) -> bytes:

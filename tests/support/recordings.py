@@ -9,8 +9,7 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 
 from console.backends import inprocess
-from fes.recording import protobuf
-from fes.recording.schemas import OWN
+from fes.recording.messages_pb2 import Commands
 from world.config.scenario import Scenario
 from world.execution.recorder import Recorder
 
@@ -57,7 +56,7 @@ def rewrite(path: Path, to: Path, edit: Edit, summary: dict[str, Any] | None = N
 
 def payloads(message: bytes) -> list[bytes]:
     """The payloads of all robots in a message of /observations, /beacons or /commands."""
-    return [bytes(value) for field, value in protobuf.fields(message) if field == 2]
+    return list(Commands.FromString(message).payloads)
 
 
 def edited(topic: str, tick: int, robot: int, change: Callable[[bytes], bytes]) -> Edit:
@@ -68,6 +67,6 @@ def edited(topic: str, tick: int, robot: int, change: Callable[[bytes], bytes]) 
             return message
         all_ = payloads(message)
         all_[robot] = change(all_[robot])
-        return OWN["Commands"].encode({"tick": tick, "payloads": all_})  # the three are encoded alike
+        return bytes(Commands(tick=tick, payloads=all_).SerializeToString())  # the three are encoded alike
 
     return edit

@@ -117,7 +117,7 @@ def test_no_table_of_a_checkpoint_changes_without_another_format(tmp_path: Path)
 
 
 def test_each_file_of_an_older_format_is_tried() -> None:
-    names = ["checkpoint-2", "checkpoint-3", LAYOUT.name, "log-1", "sweep-1"]
+    names = ["checkpoint-2", "checkpoint-3", LAYOUT.name, "log-1", "log-2", "sweep-1"]
     assert sorted(path.name for path in FORMATS.iterdir()) == names
     assert all(len(content) < 100_000 for content in contents(FORMATS).values())
 

@@ -14,16 +14,17 @@ from pathlib import Path
 from typing import Any, Self
 
 import tomli_w
+from foxglove_schemas_protobuf.Log_pb2 import Log
+from google.protobuf.message import Message
 
 from fes.arrays.types import Bytes, Floats
 from fes.errors import FesError
 from fes.model import counts
 from fes.protocol import world_info
 from fes.protocol.report import encode_report
-from fes.recording import schemas, viewer_topics
+from fes.recording import messages_pb2, schemas, viewer_topics
 from fes.recording.layout import AT_ITS_END, MAX_JSON, SUMMARY, TickPayloads
 from fes.recording.mcap_file import McapFile, Schema
-from fes.recording.schemas import FOXGLOVE, OWN
 from fes.system import fingerprint, strict_json
 from world.config.scenario import Scenario
 from world.metrics import report_builder
@@ -113,7 +114,7 @@ class Recorder:
         """
         tick = self._tick = metrics.state.tick
         for name, payloads in zip(("Observations", "Beacons", "Commands"), tick_payloads, strict=True):
-            self._put(f"/{name.lower()}", OWN[name], OWN[name].encode({"tick": tick, "payloads": payloads}))
+            self._put_message(f"/{name.lower()}", getattr(messages_pb2, name)(tick=tick, payloads=payloads))
         for path, value in self._changes.get(tick, {}).items():
             self._set(tick, "schedule", path, value)
         self._set_by_persons(tick)
@@ -183,7 +184,7 @@ class Recorder:
         seed, ticks = self._scenario.run.seed, self._scenario.ticks
         self._remark(viewer_topics.INFO, f"{self._name}: {robots} robots, seed {seed}, {ticks} ticks")
         if self._viewed:
-            self._put("/scene/robots", FOXGLOVE["SceneUpdate"], viewer_topics.bodies(robots, viewer_topics.time(0)))
+            self._put_message("/scene/robots", viewer_topics.bodies(robots, viewer_topics.timestamp(0)))
         self._file.settle(at_once=True)
 
     def _end(self, reason: str | None) -> None:
@@ -216,24 +217,27 @@ class Recorder:
         self._reported = ticks, elapsed
         rate = (ticks - ticks_before) / (elapsed - before) if elapsed > before else 0.0
         report = report_builder.build(metrics, self._name, alive, elapsed, rate)
-        self._put("/report", OWN["Report"], viewer_topics.team(report, encode_report(report)))
+        self._put_message("/report", viewer_topics.team(report, encode_report(report)))
         if not self._viewed:
             return
-        time = viewer_topics.time(self._now)
-        self._put("/tf", FOXGLOVE["FrameTransforms"], viewer_topics.transforms(report, time))
-        self._put("/scene/links", FOXGLOVE["SceneUpdate"], viewer_topics.links(report, time))
+        time = viewer_topics.timestamp(self._now)
+        self._put_message("/tf", viewer_topics.transforms(report, time))
+        self._put_message("/scene/links", viewer_topics.links(report, time))
         for robot, state in enumerate(viewer_topics.robots(report, twists, metrics.telemetry)):
-            self._put(f"/robot/{robot}/state", OWN["RobotState"], state)
+            self._put_message(f"/robot/{robot}/state", state)
         for a, b, state in viewer_topics.pairs(report):
-            self._put(f"/link/{a}-{b}/state", OWN["LinkState"], state)
+            self._put_message(f"/link/{a}-{b}/state", state)
 
-    def _remark(self, level: int, text: str) -> None:
-        self._put("/log", FOXGLOVE["Log"], viewer_topics.remark(viewer_topics.time(self._now), level, text))
+    def _remark(self, level: "Log.Level.ValueType", text: str) -> None:
+        self._put_message("/log", viewer_topics.remark(viewer_topics.timestamp(self._now), level, text))
 
     @property
     def _now(self) -> int:
         """Simulated time of the last tick [ns]."""
         return round(max(0, self._tick) * self._scenario.run.dt * 1e9)
+
+    def _put_message(self, topic: str, message: Message) -> None:
+        self._put(topic, type(message), message.SerializeToString())
 
     def _put(self, topic: str, schema: Schema, payload: bytes) -> None:
         self._file.put(topic, schema, payload, self._now, max(0, self._tick))

@@ -1,4 +1,4 @@
-"""Counts that come from two settings: whatever the settings are, a rule refuses them or the work is bounded."""
+"""Counts that come from two settings: for any settings, a rule refuses them or the work is bounded."""
 
 import ast
 import itertools

@@ -1,4 +1,4 @@
-"""What crosses the wire: every message comes back bit for bit, and bad bytes are one line, never a crash."""
+"""Messages between processes: every message is decoded bit for bit, and bad bytes are one line, never a crash."""
 
 import msgpack
 import numpy as np

@@ -1,4 +1,4 @@
-"""Files that are no whole log: each is one line, whatever is done with it."""
+"""Files that are not a complete log: each is one line, for every command."""
 
 import json
 import subprocess
@@ -25,7 +25,7 @@ Recorded = tuple[Path, dict[str, Any]]
 
 
 def bad(path: Path, good: Path, what: str) -> Path:
-    """Something that is no log, or not a whole one."""
+    """A file that is not a log, or not a complete one."""
     if what == "a text file":
         path.write_text("schema = 1\n")
     elif what == "cut before the first tick":

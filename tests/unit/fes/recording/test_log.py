@@ -2,25 +2,26 @@
 
 import json
 import math
-import struct
 from collections import Counter
 from pathlib import Path
 from typing import Any
 
 import pytest
+from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from mcap.reader import make_reader
 from mcap.records import Message
 from mcap.stream_reader import StreamReader
 
 from console.backends import inprocess
 from console.replay import log
+from console.replay.command import rerun
 from fes.errors import FesError
 from fes.protocol import messages
-from fes.recording import protobuf
+from fes.recording import messages_pb2
 from fes.recording.mcap_file import McapFile
-from fes.recording.schemas import OWN
 from tests.support import recordings
 from tests.support.loop import load
+from tests.support.paths import FORMATS
 from world.config.scenario import Scenario
 
 DURATION = 20.0  # s
@@ -128,24 +129,18 @@ def test_frames_turn_as_the_robots_do(recorded: Recorded) -> None:
     path, summary = recorded
     said = {(topic, tick): payload for topic, tick, payload in recordings.messages(path)}
     tick = summary["ticks"] - 1
-    transforms = [bytes(value) for _, value in protobuf.fields(said["/tf", tick])]
+    transforms = FrameTransforms.FromString(said["/tf", tick]).transforms
     sensed = [messages.decode_observation(one) for one in recordings.payloads(said["/observations", tick])]
     for transform, observation in zip(transforms, sensed, strict=True):
-        fields = dict(protobuf.fields(transform))
-        assert (fields[2], fields[3]) == (b"map", f"robot_{observation.robot}/base_link".encode())
-        translation, rotation = doubles(fields[4]), doubles(fields[5])
+        frames = (transform.parent_frame_id, transform.child_frame_id)
+        assert frames == ("map", f"robot_{observation.robot}/base_link")
+        translation, rotation = transform.translation, transform.rotation
         x, y, heading = observation.pose
-        assert translation == [x, y, 0.0]
-        assert rotation[:2] == [0.0, 0.0]
+        assert (translation.x, translation.y, translation.z) == (x, y, 0.0)
+        assert (rotation.x, rotation.y) == (0.0, 0.0)
         # the rotation by a unit quaternion (0, 0, z, w) takes x to (w^2 - z^2, 2 w z)
-        z, w = rotation[2:]
+        z, w = rotation.z, rotation.w
         assert (w * w - z * z, 2.0 * w * z) == pytest.approx((math.cos(heading), math.sin(heading)), abs=1e-12)
-
-
-def doubles(payload: int | bytes) -> list[float]:
-    """The numbers of a flat message."""
-    assert isinstance(payload, bytes)
-    return [struct.unpack("<d", bytes(value))[0] for _, value in protobuf.fields(payload) if isinstance(value, bytes)]
 
 
 def test_what_was_scheduled_is_told_as_an_event(tmp_path: Path) -> None:
@@ -161,11 +156,11 @@ def test_what_was_scheduled_is_told_as_an_event(tmp_path: Path) -> None:
 
 def test_a_file_that_cannot_be_written_is_said_once_and_closed() -> None:
     file = McapFile(Path("/dev/full"))
-    file.put("/x", OWN["Report"], b"payload", 0, 0)
+    file.put("/x", messages_pb2.Report, b"payload", 0, 0)
     with pytest.raises(FesError, match=r"^cannot write /dev/full: No space left on device$"):
         file.settle(at_once=True)
     for _ in range(3):
-        file.put("/x", OWN["Report"], bytes(1000), 0, 0)
+        file.put("/x", messages_pb2.Report, bytes(1000), 0, 0)
         file.settle(at_once=True)
     file.finish("end", {})
     assert file._waiting <= len(b"payload") + 31  # what cannot be written is not kept either
@@ -179,3 +174,14 @@ def test_a_log_is_read_back_with_its_run(recorded: Recorded) -> None:
     assert found.scenario == scenario(summary["scenario"])
     assert found.complaint is None
     assert found.summary == json.loads(json.dumps(summary))
+
+
+def test_a_log_of_the_previous_release_is_read_and_executed_again_with_its_digest() -> None:
+    # 0.2.0 wrote it with an encoder of its own, from pair.toml with 0.5 s
+    kept = log.load(FORMATS / "log-2")
+    assert kept.summary is not None
+    assert kept.summary["digest"] == "7e83a2babcafc094a1c4c0049df5408d2e538fb257dd350402d3037a41fc2ce5"
+    assert rerun(kept)["digest"] == kept.summary["digest"]
+    pair = load("pair.toml", run__duration=0.5)
+    assert kept.scenario == pair
+    assert inprocess.run(pair, "pair")["digest"] == kept.summary["digest"]

@@ -1,62 +1,64 @@
-"""The encoding of logs, against the library protobuf and against Foxglove's own schemas."""
+"""Message types of a log: described in the file, in line with their source, and read within bounds."""
 
-import importlib
+import re
 from pathlib import Path
 from typing import Any
 
 import pytest
+from google.protobuf.descriptor import FieldDescriptor
+from google.protobuf.descriptor_pb2 import FileDescriptorSet
+from google.protobuf.descriptor_pool import DescriptorPool
+from google.protobuf.message_factory import GetMessageClass
+from google.protobuf.unknown_fields import UnknownFieldSet
 from mcap.reader import make_reader
 
-from fes.recording import protobuf, schemas
-from fes.recording.descriptors import describe
-from fes.recording.protobuf import Message
+from fes.recording import messages_pb2, protobuf
 from tests.support import recordings
 from tests.support.loop import load
+from tests.support.paths import ROOT
 
-READ = [
-    *(schemas.FOXGLOVE[name] for name in ("FrameTransforms", "SceneUpdate", "Log")),
-    *schemas.OWN.values(),
-]
+SOURCE = ROOT / "fes/recording/messages.proto"
 
+TYPES = {
+    "uint64": FieldDescriptor.TYPE_UINT64,
+    "bytes": FieldDescriptor.TYPE_BYTES,
+    "double": FieldDescriptor.TYPE_DOUBLE,
+}
 
-def library(module: str) -> Any:
-    """A module of the library protobuf, or of Foxglove's schemas: witnesses, which nothing here needs to run."""
-    return pytest.importorskip(module)
+READ = {
+    "foxglove.FrameTransforms",
+    "foxglove.SceneUpdate",
+    "foxglove.Log",
+    *(f"fes.{name}" for name in messages_pb2.DESCRIPTOR.message_types_by_name),
+}
 
 
 def message_class(name: str, described: bytes) -> Any:
-    """What the library makes of a descriptor set."""
-    pool = library("google.protobuf.descriptor_pool").DescriptorPool()
-    for file in library("google.protobuf.descriptor_pb2").FileDescriptorSet.FromString(described).file:
+    """The class of a message type that is known from a descriptor set alone."""
+    pool = DescriptorPool()
+    for file in FileDescriptorSet.FromString(described).file:
         pool.Add(file)
-    return library("google.protobuf.message_factory").GetMessageClass(pool.FindMessageTypeByName(name))
+    return GetMessageClass(pool.FindMessageTypeByName(name))
 
 
-@pytest.mark.parametrize("kind", READ, ids=lambda kind: kind.name)
-def test_the_library_understands_the_schemas(kind: Message) -> None:
-    described = message_class(kind.name, describe(kind)).DESCRIPTOR
-    expected = [(field.name, field.number) for field in kind.fields.values()]
-    assert [(field.name, field.number) for field in described.fields] == expected
-    assert [enum.name for enum in described.enum_types] == list(kind.enums)
+def test_the_generated_module_has_exactly_the_fields_of_its_source() -> None:
+    source = re.sub(r"//.*", "", SOURCE.read_text(encoding="utf-8"))
+    expected = {
+        (name, field, int(number), TYPES[kind], label == "repeated", label == "optional")
+        for name, body in re.findall(r"message (\w+) \{(.*?)\}", source, re.DOTALL)
+        for label, kind, field, number in re.findall(r"(?:(repeated|optional) )?(\w+) (\w+) = (\d+);", body)
+    }
+    assert len(expected) == source.count(" = ") - 1  # beside the syntax
+    assert messages_pb2.DESCRIPTOR.package == re.findall(r"package (\w+);", source)[0]
+    generated = {
+        (name, field.name, field.number, field.type, field.is_repeated, field.containing_oneof is not None)
+        for name, described in messages_pb2.DESCRIPTOR.message_types_by_name.items()
+        for field in described.fields
+    }
+    assert generated == expected
 
 
-@pytest.mark.parametrize("name", schemas.FOXGLOVE)
-def test_fields_are_those_of_foxgloves_schemas(name: str) -> None:
-    library("foxglove_schemas_protobuf")
-    theirs = getattr(importlib.import_module(f"foxglove_schemas_protobuf.{name}_pb2"), name).DESCRIPTOR
-    kinds = {14: "enum", 11: "message", 1: "double", 8: "bool", 9: "string", 12: "bytes", 7: "fixed32"}
-    expected = [(field.name, field.number, kinds[field.type]) for field in theirs.fields]
-    ours = schemas.FOXGLOVE[name].fields.values()
-    assert [(field.name, field.number, kind_of(field)) for field in ours] == expected
-    enums = {enum.name: [(value.name, value.number) for value in enum.values] for enum in theirs.enum_types}
-    assert schemas.FOXGLOVE[name].enums == enums
-
-
-def kind_of(field: protobuf.Field) -> str:
-    return "message" if field.message else "enum" if field.enum else field.kind
-
-
-def test_the_library_reads_every_message_of_a_log_to_its_last_byte(tmp_path: Path) -> None:
+def test_every_message_of_a_log_is_read_to_its_last_byte_by_the_description_in_the_file(tmp_path: Path) -> None:
     recordings.record(tmp_path / "run.mcap", load("paper.toml", run__duration=1.0))
     classes: dict[str, Any] = {}
     with (tmp_path / "run.mcap").open("rb") as file:
@@ -64,16 +66,31 @@ def test_the_library_reads_every_message_of_a_log_to_its_last_byte(tmp_path: Pat
             assert schema is not None
             if channel.message_encoding == "protobuf":
                 kind = classes.setdefault(schema.name, message_class(schema.name, schema.data))
-                # Zeros are written here and left out there, so it is their second reading that must agree
-                read = kind.FromString(message.data)
-                assert kind.FromString(read.SerializeToString()) == read or "nan" in str(read)
-                assert len(library("google.protobuf.unknown_fields").UnknownFieldSet(read)) == 0
-    assert classes.keys() == {kind.name for kind in READ}
+                content = kind.FromString(message.data)
+                assert content.SerializeToString() == message.data
+                assert len(UnknownFieldSet(content)) == 0
+    assert classes.keys() == READ
+
+
+def test_a_tick_of_zero_is_written_and_a_missing_one_is_seen() -> None:
+    # Hand-made: field 1 as a number, field 2 as bytes
+    assert messages_pb2.Commands(tick=0, payloads=[b"a"]).SerializeToString() == bytes.fromhex("0800120161")
+    assert not messages_pb2.Commands(payloads=[b"a"]).HasField("tick")
 
 
 def test_a_payload_that_ends_too_soon_is_an_error() -> None:
-    whole = schemas.OWN["Commands"].encode({"tick": 300, "payloads": [b"abc"]})
-    assert list(protobuf.fields(whole)) == [(1, 300), (2, b"abc")]
-    for size in (1, 2, 4, 6, len(whole) - 1):
-        with pytest.raises(ValueError, match="goes on beyond the message"):
-            list(protobuf.fields(whole[:size]))
+    message = messages_pb2.Commands(tick=300, payloads=[b"abc"]).SerializeToString()
+    assert message == bytes.fromhex("08ac021203616263")
+    for size in (1, 2, 4, 6, len(message) - 1):
+        with pytest.raises(ValueError, match=rf"^{size} bytes that are not a message of type fes\.Commands$"):
+            protobuf.parse(messages_pb2.Commands, message[:size])
+
+
+def test_more_payloads_than_the_library_can_hold_in_little_memory_are_not_parsed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(protobuf, "MAX_PAYLOADS", 10)
+    message = messages_pb2.Commands(tick=0, payloads=[b""] * 10).SerializeToString()
+    assert len(protobuf.parse(messages_pb2.Commands, message).payloads) == 10
+    with pytest.raises(ValueError, match=r"^a message of 11 payloads, more than 10$"):
+        protobuf.parse(messages_pb2.Commands, message + b"\x12\x00")
