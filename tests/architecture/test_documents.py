@@ -12,6 +12,9 @@ from tests.support.paths import DOCS, ROOT
 
 LONGEST_README = 150
 LANGUAGES = {"sh", "console", "text", "toml", "python"}
+NAMING = ("bench", "compose.yaml", "deploy", "docs", "tests")
+"""Folders and files whose comments name pages."""
+
 LINKED = [*fences.PAGES, ROOT / "CHANGELOG.md", ROOT / "SECURITY.md"]
 
 
@@ -59,3 +62,13 @@ def test_the_navigation_of_the_site_has_every_page_once() -> None:
     navigation = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("\nnav:\n")[2]
     pages = re.findall(r": (\S+\.md)$", navigation, re.MULTILINE)
     assert sorted(pages) == sorted(str(page.relative_to(DOCS)) for page in DOCS.rglob("*.md"))
+
+
+@pytest.mark.parametrize("folder", NAMING)
+def test_every_page_that_a_comment_or_a_docstring_names_exists(folder: str) -> None:
+    top = ROOT / folder
+    for path in [top] if top.is_file() else sorted(top.rglob("*")):
+        if path.suffix in (".py", ".service", ".yaml", ".md"):
+            named = re.findall(r"\bdocs/[\w/-]+\.md\b", path.read_text(encoding="utf-8"))
+            missing = [name for name in named if not (ROOT / name).exists()]
+            assert not missing, path

@@ -1,4 +1,4 @@
-"""What a tick costs the router, as docs/deployment.md says it: counted, and beside it what the world knows."""
+"""What a tick costs the router, as docs/explanation/scaling.md says it: counted, and beside it what the world knows."""
 
 import shutil
 

@@ -1,4 +1,4 @@
-"""Two minutes of the soak; ten are `python -m tests.support.soak`. docs/reliability.md has their results."""
+"""Two minutes of the soak; ten are `python -m tests.support.soak`. docs/explanation/reliability.md has their results."""
 
 from pathlib import Path
 
