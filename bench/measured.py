@@ -1,4 +1,4 @@
-"""Counting beacons over seeds: the table of docs/explanation/counting-beacons.md. `python -m bench.measured` takes some minutes."""
+"""Counting beacons over seeds: the table of docs/measured.md. `python -m bench.measured` takes some minutes."""
 
 import argparse
 import math

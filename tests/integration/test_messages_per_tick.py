@@ -1,4 +1,4 @@
-"""What a tick costs the router, as docs/explanation/scaling.md says it: counted, and beside it what the world knows."""
+"""Messages per tick at the router, as in docs/explanation/scaling.md: counted, and compared with the world's."""
 
 import shutil
 
