@@ -12,8 +12,13 @@ from tests.support import fences
 from tests.support.paths import CONFIGS, ROOT
 from tests.support.processes import PATIENCE
 
-DURATION = 1.0
-"""Simulated time [s] of each run, unless its command sets another."""
+SHORT = """
+case "${1-}" in
+    run) set -- "$@" --set run.duration=0.6 --agents-per-process 5 ;;
+    sweep) set -- "$@" --set run.duration=0.6 ;;
+esac
+"""
+"""Cheaper runs: a shorter simulated time [s], unless the flag --duration sets another, and fewer processes."""
 
 PROGRAMS = {"fes": "console.cli", "fes-world": "world.process", "fes-agent": "agents.process"}
 RUN = [page for page in fences.PAGES if any(block.mark == fences.RUN for block in fences.shell(page))]
@@ -21,13 +26,13 @@ RUN = [page for page in fences.PAGES if any(block.mark == fences.RUN for block i
 
 @pytest.fixture
 def environment(tmp_path: Path) -> dict[str, str]:
-    """The commands under test first on the path, with short runs; built-in scenarios as in a clone."""
+    """The commands under test first on the path, with short runs."""
     programs = tmp_path / "bin"
     programs.mkdir()
     for name, module in PROGRAMS.items():
         start = f"exec {shlex.quote(sys.executable)} -c 'from {module} import main; main()'"
-        short = f'case "${{1-}}" in run | sweep) set -- "$@" --set run.duration={DURATION} ;; esac\n'
-        (programs / name).write_text(f'#!/bin/sh\n{short if name == "fes" else ""}{start} "$@"\n', encoding="utf-8")
+        short = SHORT if name == "fes" else ""
+        (programs / name).write_text(f'#!/bin/sh\n{short}{start} "$@"\n', encoding="utf-8")
         (programs / name).chmod(0o755)
     return {
         **os.environ,
@@ -39,7 +44,7 @@ def environment(tmp_path: Path) -> dict[str, str]:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A reader's folder, with the configurations of a clone."""
+    """A reader's folder, with the configurations of a clone, and built-in scenarios by their names."""
     folder = tmp_path / "folder"
     folder.mkdir()
     (folder / "configs").symlink_to(CONFIGS)
@@ -48,6 +53,7 @@ def folder(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", RUN, ids=lambda path: path.stem)
 def test_the_commands_of_a_page_work_in_its_order(page: Path, folder: Path, environment: dict[str, str]) -> None:
     for block in fences.shell(page):

@@ -1,4 +1,4 @@
-"""Two minutes of the soak; docs/explanation/reliability.md has ten-minute results (`python -m tests.support.soak`)."""
+"""Two minutes of the soak; docs/explanation/reliability.md has results of ten (`python -m tests.support.soak`)."""
 
 from pathlib import Path
 
