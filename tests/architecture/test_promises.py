@@ -1,4 +1,4 @@
-"""docs/reliability.md names tests that are there, and figures that are those of the code."""
+"""docs/explanation/reliability.md names tests that are there, and figures that are those of the code."""
 
 import ast
 from re import findall
@@ -15,7 +15,7 @@ from world.execution import checkpoint
 from world.metrics import deadlines
 from world.server import audit, live, lockstep, registry
 
-TEXT = " ".join((ROOT / "docs" / "reliability.md").read_text(encoding="utf-8").split())
+TEXT = " ".join((ROOT / "docs" / "explanation" / "reliability.md").read_text(encoding="utf-8").split())
 """On one line."""
 
 
@@ -32,24 +32,24 @@ def test_every_test_that_is_named_is_there() -> None:
 
 SESSION_LEASE = float(str(Endpoints("client", ()).house_rules()["transport/link/tx/lease"])) / 1000.0  # s
 FIGURES = [
-    f"after {lockstep.ANSWER_TIMEOUT:g} s without an answer it is left out",
+    f"after {lockstep.ANSWER_TIMEOUT:g} s without an answer it is excluded",
     f"the world waits up to {lockstep.RETURN_TIMEOUT:g} s for a robot that is due",
     f"in lockstep it waits {lockstep.RETURN_TIMEOUT:g} s, then ends with one line",
     f"the world asks again after {lockstep.RESEND_AFTER:g} s, {2 * lockstep.RESEND_AFTER:g} s, ...",
     f"is leased the lowest free robot, for {registry.LEASE:g} s",
-    f"a robot that died meanwhile is waited for {registry.RESUME_TIMEOUT:g} s",
+    f"A robot that died meanwhile is waited for {registry.RESUME_TIMEOUT:g} s",
     f"the next checkpoint, {checkpoint.PERIOD:g} s of wall clock later",
-    f"older than {deadlines.COMMAND_TIMEOUT:g} s, and the robot stops",
-    f"A robot that is silent for {live.HANG_TIMEOUT:g} s is left out",
-    f"the first {live.WARM_UP} ticks, and those after a world came back",
+    f"if the last command is older than {deadlines.COMMAND_TIMEOUT:g} s, the robot stops",
+    f"A robot that is silent for {live.HANG_TIMEOUT:g} s is excluded",
+    f"the first {live.WARM_UP} ticks, and those after a world resumed",
     f"its session is gone with its lease of {SESSION_LEASE:g} s",
-    f"its world has {process_group.CLOSING:g} s to write it down",
-    f"over TLS {audit.KINDS_PER_NAME} of each certificate",
-    f"{bus.QUESTIONS} of one asker wait for one handler",
+    f"its world has {process_group.CLOSING:g} s to write them",
+    f"over TLS {audit.KINDS_PER_NAME} per certificate",
+    f"{bus.QUESTIONS} of one client wait for one handler",
     f"(Zenoh's ring) | {bus.MAILBOX} samples",
-    f"`agents.runtime.outbox`, what was said | {outbox.REMEMBERED} ticks",
+    f"`agents.runtime.outbox`, published beacons | {outbox.REMEMBERED} ticks",
     f"cut to {drop_log.LONGEST_LINE} characters",
-    f"at most {drop_log.MAX_KINDS} kinds are told apart",
+    f"at most {drop_log.MAX_KINDS} kinds are distinguished",
     f"{inbox.LIMIT:,} messages, {inbox.LIMIT_BYTES >> 20} MiB",
     f"`console.connect.observer`, reports | {observer.MAX_WAITING} |",
 ]

@@ -1,4 +1,4 @@
-"""Cost of a tick at the router, as docs/deployment.md states it: counted, and compared with the world's state."""
+"""Messages per tick at the router, as in docs/explanation/scaling.md: counted, and compared with the world's."""
 
 import shutil
 

@@ -192,7 +192,7 @@ def test_compare_and_replay_return_1_where_something_differs(recorded: Recorded,
 
 
 def read_without_an_index(path: Path) -> list[int]:
-    """The ticks of the Commands in a log of a killed run, by the recipe of docs/log.md."""
+    """The ticks of the Commands in a log of a killed run, by the recipe of docs/reference/log.md."""
     found = []
     with path.open("rb") as file, suppress(McapError):
         for _, _, message in NonSeekingReader(file).iter_messages(topics="/commands", log_time_order=False):

@@ -1,4 +1,4 @@
-"""The numbers of docs/paper.md, as `fes claims` computes them."""
+"""The numbers of docs/explanation/paper.md, as `fes claims` computes them."""
 
 import importlib
 import math
@@ -14,7 +14,7 @@ from fes.model.config import ChannelConfig, ObjectiveConfig
 from tests.support.loop import load
 from tests.support.paths import DOCS, ROOT
 
-PAPER = (DOCS / "paper.md").read_text(encoding="utf-8")
+PAPER = (DOCS / "explanation" / "paper.md").read_text(encoding="utf-8")
 
 
 def test_the_printed_law_freezes_a_disagreement_at_one_third() -> None:

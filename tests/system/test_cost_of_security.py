@@ -1,4 +1,4 @@
-"""The cost of certificates in docs/security.md, measured again for the team that it names."""
+"""The cost of certificates in docs/explanation/security.md, measured again for the team that it names."""
 
 import json
 import re
@@ -10,7 +10,7 @@ import pytest
 from bench.speed import secure
 from tests.support.paths import CONFIGS, DOCS
 
-TEXT = (DOCS / "security.md").read_text(encoding="utf-8")
+TEXT = (DOCS / "explanation" / "security.md").read_text(encoding="utf-8")
 
 
 def test_the_bench_measures_the_team_that_is_asked_for(

@@ -1,4 +1,4 @@
-"""Two minutes of the soak; ten are `python -m tests.support.soak`. docs/reliability.md has their results."""
+"""Two minutes of the soak; docs/explanation/reliability.md has results of ten (`python -m tests.support.soak`)."""
 
 from pathlib import Path
 

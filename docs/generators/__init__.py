@@ -1,0 +1,8 @@
+"""Generators of the reference pages: each module makes the text of one page from the code.
+
+cli        commands, arguments and flags, from Typer and argparse.
+markdown   headings and tables.
+messages   key expressions and messages, from `fes.protocol`.
+scenario   fields of a scenario, from the pydantic models.
+summary    quantities of a summary.
+"""
