@@ -1,4 +1,4 @@
-"""Robots that count beacons, over seeds: the table of docs/measured.md, in some minutes."""
+"""Robots that count beacons, over seeds: the table of docs/explanation/counting-beacons.md, in some minutes."""
 
 import argparse
 import math

@@ -1,6 +1,6 @@
 """Errors in the paper's text: each claim as a computation that returns its numbers.
 
-`fes claims` lists and runs all, `fes claims NAME` runs one. `docs/paper.md` explains the numbers.
+`fes claims` lists and runs all, `fes claims NAME` runs one. `docs/explanation/paper.md` explains the numbers.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""The log of a run, run.mcap: its format, its writer and its reader. See docs/log.md.
+"""The log of a run, run.mcap: its format, its writer and its reader. See docs/reference/log.md.
 
 layout         names and bounds that writer and reader share
 schemas        version of the log, and schemas of its JSON

@@ -1,4 +1,4 @@
-"""Names and bounds of a log, on which its writer and its reader agree; docs/log.md describes the format."""
+"""Names and bounds of a log, on which its writer and its reader agree; docs/reference/log.md describes the format."""
 
 from typing import NamedTuple
 

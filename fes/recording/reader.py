@@ -1,4 +1,4 @@
-"""Logs of runs, read back; docs/log.md describes their format.
+"""Logs of runs, read back; docs/reference/log.md describes their format.
 
 What a scenario is remains the caller's: `load` is given the function that parses its tables.
 """

@@ -2,7 +2,7 @@
 
 Zenoh calls handlers in threads of its own. A handler given here must only hand over (append, wake), never
 decode or compute: an exception there would be lost, and time spent there holds up every other message.
-What happens when a queue is full, of ours and of Zenoh's, is in docs/reliability.md.
+What happens when a queue is full, of ours and of Zenoh's, is in docs/explanation/reliability.md.
 """
 
 import asyncio

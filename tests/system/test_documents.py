@@ -44,12 +44,10 @@ def environment(tmp_path: Path) -> dict[str, str]:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A reader's folder, with the configurations of a clone, and built-in scenarios by their names."""
+    """A reader's folder, with the configurations of a clone."""
     folder = tmp_path / "folder"
     folder.mkdir()
     (folder / "configs").symlink_to(CONFIGS)
-    for scenario in CONFIGS.glob("*.toml"):
-        (folder / scenario.stem).symlink_to(scenario)
     return folder
 
 

@@ -1,9 +1,9 @@
 """The log of a run, run.mcap: every message, tick by tick, and topics for viewers.
 
-The order is canonical (see docs/log.md). A tick begins with its Observations, Beacons and Commands, each with the
-payloads of all robots in id order. Events follow. Ten times per simulated second a Report and the topics for viewers
-end the tick. A chunk never divides a tick and is handed to the system when it is closed. So the file can be read up
-to its last chunk, however this process ends.
+The order is canonical (see docs/reference/log.md). A tick begins with its Observations, Beacons and Commands, each
+with the payloads of all robots in id order. Events follow. Ten times per simulated second a Report and the topics
+for viewers end the tick. A chunk never divides a tick and is handed to the system when it is closed. So the file
+can be read up to its last chunk, however this process ends.
 """
 
 import logging

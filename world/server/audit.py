@@ -2,7 +2,7 @@
 
 Zenoh drops a message that access control denies, and tells neither side. Only its log at the finest level shows it.
 That log goes to the standard output of the process, which the world does not use, so a pipe takes its place.
-The hot path is the search of a block of the log for marks; see docs/security.md for the cost.
+The hot path is the search of a block of the log for marks; see docs/explanation/security.md for the cost.
 """
 
 import contextlib
