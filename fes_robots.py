@@ -23,7 +23,7 @@ def trouble() -> str:
             importlib.import_module(name)
         except ImportError:
             return f"fes runs on Linux and macOS; Python on {sys.platform} has no module '{name}'"
-    path = Path(__file__).absolute().parent / "fes" / "distribution.py"
+    path = Path(__file__).absolute().parent / "fes" / "system" / "distribution.py"
     spec = importlib.util.spec_from_file_location("fes_robots_distribution", path)
     if spec is None or spec.loader is None or not path.is_file():
         return f"the package 'fes' is missing beside {__file__}: install fes-robots again"
