@@ -20,8 +20,9 @@ from fes.protocol import channel_change, wire
 from fes.protocol.channel_change import ParameterChange
 from fes.system import strict_json
 from tests.support import recordings
-from tests.support.commands import PAIR, call
+from tests.support.commands import call
 from tests.support.loop import load
+from tests.support.paths import PAIR
 from tests.support.source import PACKAGES, modules
 from world.metrics import summary
 

@@ -7,13 +7,10 @@ import sysconfig
 from pathlib import Path
 from typing import Any
 
-from tests.support.paths import CONFIGS
+from tests.support.paths import PAIR
 from tests.support.processes import LOOP
 
 PROGRAMS = Path(sysconfig.get_path("scripts"))
-
-
-PAIR = str(CONFIGS / "pair.toml")
 
 
 def call(where: Path, *words: str) -> subprocess.CompletedProcess[str]:

@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 from console.sweep import ledger
-from tests.support.commands import PAIR
+from tests.support.paths import PAIR
 
 LONG = ["sweep", PAIR, "--seeds", "0:120", "--set", "run.duration=4", "--jobs", "2", "--out", "out"]
 

@@ -13,7 +13,8 @@ from console.sweep import cluster, design, work
 from fes.errors import FesError
 from fes.system import fingerprint
 from tests.support.arithmetics import OTHER
-from tests.support.commands import PAIR, PROGRAMS, call, complaint, vacant
+from tests.support.commands import PROGRAMS, call, complaint, vacant
+from tests.support.paths import PAIR
 from tests.support.sweeps import RUNS, kept, until_some_are_done
 
 LONG = ["sweep", PAIR, "--seeds", "0:120", "--set", "run.duration=4"]

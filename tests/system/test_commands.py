@@ -12,9 +12,9 @@ from rich.console import Console
 from console import cli
 from console.backends import inprocess
 from console.dashboard import summary
-from tests.support.commands import PAIR, call, complaint, run_json, vacant
+from tests.support.commands import call, complaint, run_json, vacant
 from tests.support.loop import load
-from tests.support.paths import CONFIGS
+from tests.support.paths import CONFIGS, PAIR
 from tests.support.processes import LOOP
 
 

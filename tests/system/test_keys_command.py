@@ -15,9 +15,9 @@ from console.keys import certificates
 from fes import process
 from fes.transport.identity import Identity
 from tests.support import team_keys
-from tests.support.commands import PAIR, call, complaint
+from tests.support.commands import call, complaint
 from tests.support.loop import load
-from tests.support.paths import CONFIGS
+from tests.support.paths import CONFIGS, PAIR
 from tests.support.processes import PATIENCE, children, command, start, until
 
 

@@ -74,3 +74,23 @@ def test_no_text_file_is_read_or_written_in_the_encoding_of_the_locale() -> None
                 if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in texts:
                     given = {word.arg for word in node.keywords}
                     assert "encoding" in given, f"{path}: line {node.lineno}"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["fes-agent", "--id", "0", "--run"],
+        ["fes-world", str(CONFIGS / "pair.toml"), "--run"],
+        ["fes", "view", "--run"],
+        ["fes", "set", "channel.reference_snr=1", "--run"],
+        ["fes", "doctor", "--run"],
+        ["fes", "keys", "rules", "--robots", "1", "--run"],
+    ],
+    ids=lambda words: " ".join(words[:2]),
+)
+def test_every_program_refuses_a_run_name_that_would_make_keys_too_long(words: list[str], tmp_path: Path) -> None:
+    if "keys" in words:
+        assert call(tmp_path, "fes", "keys", "init").returncode == 0
+    done = call(tmp_path, *words, "r" * 70_000)
+    assert done.returncode == 1
+    assert "a run's name is 1 to 64 letters" in done.stdout + done.stderr

@@ -17,8 +17,8 @@ from console.terminal.screen import ERASE
 from fes import process
 from fes.system import signals
 from tests.support import recordings
-from tests.support.commands import PAIR
 from tests.support.loop import load
+from tests.support.paths import PAIR
 from tests.support.processes import PATIENCE, fes
 from tests.support.terminals import HIDE, Terminal, is_restored
 

@@ -18,8 +18,9 @@ from console.sweep import cluster, table, work
 from console.sweep.table import Format
 from fes.errors import FesError
 from fes.system.distribution import install
-from tests.support.commands import PAIR, PROGRAMS, call, complaint, vacant
+from tests.support.commands import PROGRAMS, call, complaint, vacant
 from tests.support.loop import load
+from tests.support.paths import PAIR
 from tests.support.processes import PATIENCE
 from tests.support.sweeps import LONG, RUNS, kept, until_some_are_done
 

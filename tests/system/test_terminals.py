@@ -13,9 +13,9 @@ import pytest
 
 from console import cli
 from tests.support import recordings
-from tests.support.commands import PAIR, PROGRAMS
+from tests.support.commands import PROGRAMS
 from tests.support.loop import load
-from tests.support.paths import CONFIGS
+from tests.support.paths import CONFIGS, PAIR, ROOT
 from tests.support.processes import PATIENCE, endless, fes, first_report, until
 from tests.support.terminals import ENTER, POSIX, Terminal, is_restored
 
@@ -192,3 +192,25 @@ def test_what_cannot_draw_gets_no_escapes_though_colors_are_forced(tmp_path: Pat
     assert dumb.end() == 0
     assert "\x1b" not in dumb.text
     assert dumb.text.endswith("run directory: dumb\n")
+
+
+def test_a_last_frame_that_nobody_reads_is_no_error() -> None:
+    code = """
+from console.dashboard import live as view
+from console.terminal import printing
+from fes.system import output
+from tests.support.frames import a_report
+output.configure()  # as every command does
+with view.Screen(printing.console()) as shown:
+    shown.show(a_report([(0.0, 0.0)]))
+print("on", file=__import__("sys").stderr)
+"""
+    reader, writer = os.pipe()
+    os.close(reader)
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", code], cwd=ROOT, stdout=writer, stderr=subprocess.PIPE, text=True
+        )
+    finally:
+        os.close(writer)
+    assert (done.returncode, done.stderr) == (0, "on\n")

@@ -14,8 +14,8 @@ from console.replay import command as replay_command
 from console.replay import log
 from fes.errors import FesError
 from fes.recording.layout import NAME
-from tests.support.commands import PAIR
 from tests.support.loop import load
+from tests.support.paths import PAIR
 from tests.support.processes import fes, start, until
 from tests.support.teams import Team
 from world.execution import resume

@@ -2,8 +2,6 @@
 
 import io
 import os
-import subprocess
-import sys
 from typing import Any
 
 import pytest
@@ -14,7 +12,6 @@ from console.dashboard.live import Screen
 from console.terminal import screen
 from fes.system import signals
 from tests.support.frames import a_report
-from tests.support.paths import ROOT
 from tests.support.terminals import ENTER, LEAVE, SHOW, is_restored
 
 
@@ -78,25 +75,3 @@ def test_a_second_signal_leaves_the_screen_too(monkeypatch: pytest.MonkeyPatch) 
     before = tty.text
     signals.force(130)
     assert tty.text == before  # once it is left, nobody leaves it again
-
-
-def test_a_last_frame_that_nobody_reads_is_no_error() -> None:
-    code = """
-from console.dashboard import live as view
-from console.terminal import printing
-from fes.system import output
-from tests.support.frames import a_report
-output.configure()  # as every command does
-with view.Screen(printing.console()) as shown:
-    shown.show(a_report([(0.0, 0.0)]))
-print("on", file=__import__("sys").stderr)
-"""
-    reader, writer = os.pipe()
-    os.close(reader)
-    try:
-        done = subprocess.run(
-            [sys.executable, "-c", code], cwd=ROOT, stdout=writer, stderr=subprocess.PIPE, text=True
-        )
-    finally:
-        os.close(writer)
-    assert (done.returncode, done.stderr) == (0, "on\n")

@@ -5,10 +5,8 @@ What it says of the machine: test_doctor_machine.py.
 
 import asyncio
 import io
-import json
 import socket
 import time
-from pathlib import Path
 from typing import Any
 
 import msgpack
@@ -24,14 +22,9 @@ from fes.protocol import keys, world_info
 from fes.protocol.world_info import WorldInfo
 from fes.transport.endpoints import DEFAULT_ENDPOINT, Endpoints, default_endpoint
 from tests.support import session
-from tests.support.commands import call, vacant
+from tests.support.commands import vacant
 from tests.support.loop import load
 from tests.support.session import RUN, client
-
-CHECKS = [
-    *("python", "our names", "packages", "clock", "open files", "run directory"),
-    *("loopback", "port", "loopback only", "endpoint"),
-]
 
 
 def client_of(endpoint: str) -> Endpoints:
@@ -179,23 +172,6 @@ def test_a_taken_port_is_a_warning_unless_a_world_has_it() -> None:
         assert network.port(endpoint, world=False).status == Status.WARNING
         assert network.port(endpoint, world=True).status == Status.OK
     assert network.port(endpoint, world=False).status == Status.OK
-
-
-def test_the_command_prints_json_or_a_table_and_its_exit_code_says_whether_anything_failed(tmp_path: Path) -> None:
-    endpoint = vacant()
-    done = call(tmp_path, "fes", "doctor", "-e", endpoint, "--json")
-    assert (done.returncode, done.stderr) == (1, "")
-    found = json.loads(done.stdout)
-    assert [one["check"] for one in found if one["check"] != "extras"] == CHECKS
-    assert all(set(one) == {"check", "status", "seen", "remedy"} for one in found)
-    assert [one["check"] for one in found if one["status"] == "failed"] == ["endpoint"]
-    assert all(bool(one["remedy"]) == (one["status"] != "ok") for one in found)
-    assert list(tmp_path.iterdir()) == []  # it leaves nothing behind
-
-    healthy = call(tmp_path, "fes", "doctor")
-    assert (healthy.returncode, healthy.stderr) == (0, "")
-    taken = network.port(DEFAULT_ENDPOINT, world=False).status == Status.WARNING  # a person's own run, perhaps
-    assert taken or "no run goes on" in " ".join(healthy.stdout.split())
 
 
 def test_the_table_fits_eighty_columns() -> None:

@@ -1,7 +1,6 @@
 """fes doctor in a folder whose runs go on, come or were killed: it advises nobody to harm one that goes well."""
 
 import asyncio
-import json
 import os
 import socket
 import subprocess
@@ -17,16 +16,7 @@ from console.doctor.finding import Status, failed
 from fes.protocol import keys
 from fes.transport import connection_diagnosis
 from fes.transport.endpoints import Endpoints
-from tests.support.commands import call, vacant
-
-
-def announce(name: str, pid: int) -> Address:
-    """A run of the present folder, announced by a process."""
-    directory = run_directory.ROOT / name
-    directory.mkdir(parents=True)
-    address = Address(vacant(), keys.DEFAULT_RUN, pid)
-    run_directory.announce(directory, address)
-    return address
+from tests.support.announced_runs import announce
 
 
 @pytest.fixture(autouse=True)
@@ -34,49 +24,9 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-def test_a_world_that_is_away_while_its_run_goes_on_is_a_warning_that_harms_nobody(tmp_path: Path) -> None:
-    here = announce("pair-1", os.getpid())
-    (run_directory.ROOT / "paper-1").mkdir()
-    (run_directory.ROOT / run_directory.LATEST).symlink_to(
-        "paper-1"
-    )  # in process, started later, and announced by nobody
-    done = call(tmp_path, "fes", "doctor", "--json")
-    [found] = [one for one in json.loads(done.stdout) if one["check"] == "endpoint"]
-    assert (found["status"], done.returncode) == ("warning", 0)
-    assert here.endpoint in found["seen"]
-    assert f"process {os.getpid()} goes on with that run, says runs/pair-1/endpoint.json" in found["seen"]
-    assert found["remedy"] == "its world is away, suspended or just starting: look again"
-
-
 def test_a_certificate_that_the_world_refuses_stays_a_failure_while_its_run_goes_on() -> None:
     refused = failed("endpoint", "cannot join: it refuses our certificate: expired", "another certificate")
     assert command.awaited(refused, Path("runs/pair-1/endpoint.json"), Address("tls/x:1", "main", 1)) == refused
-
-
-@pytest.mark.parametrize(
-    ("flags", "seen", "remedy"),
-    [
-        (["-e", "bogus"], "not an endpoint like tcp/127.0.0.1:7447: bogus", "fes doctor --help"),
-        (
-            ["--run", "a b"],
-            "a run's name is 1 to 64 letters, digits, '_', '.' or '-', got 'a b'",
-            "fes doctor --help",
-        ),
-        (["--keys", "none"], "--keys none: the observer needs ca.crt, and there is none", "fes doctor -e tls/"),
-        (["-e", "tcp/::1:1"], "an IPv6 address needs brackets, tcp/[::1]:1: tcp/::1:1", "fes doctor --help"),
-        (["--cfg", "nonsense"], "--cfg expects KEY:VALUE, got 'nonsense'", "fes doctor --help"),
-    ],
-    ids=lambda given: " ".join(given) if isinstance(given, list) else "",
-)
-def test_flags_with_which_no_run_can_be_looked_for_are_a_finding_beside_the_others(
-    flags: list[str], seen: str, remedy: str, tmp_path: Path
-) -> None:
-    done = call(tmp_path, "fes", "doctor", "--json", *flags)
-    assert (done.returncode, done.stderr) == (1, "")
-    found = {one["check"]: one for one in json.loads(done.stdout)}
-    assert {"python", "packages", "open files", "loopback", "port", "loopback only"} < set(found)
-    assert (found["endpoint"]["status"], found["endpoint"]["seen"]) == ("failed", seen)
-    assert found["endpoint"]["remedy"].startswith(remedy)
 
 
 def test_a_world_that_does_not_say_how_many_robots_it_has_is_no_run_that_is_well() -> None:
@@ -119,11 +69,3 @@ def test_a_run_is_announced_by_its_own_directory_and_not_by_the_latest() -> None
     found = run_directory.announced(keys.DEFAULT_RUN)
     assert found is not None
     assert found[0] == Path("runs/pair-1/endpoint.json")
-
-
-def test_a_name_that_does_not_resolve_is_a_finding_with_its_own_remedy(tmp_path: Path) -> None:
-    done = call(tmp_path, "fes", "doctor", "--json", "-e", "tcp/no.such.host.invalid:1")
-    [found] = [one for one in json.loads(done.stdout) if one["check"] == "endpoint"]
-    assert (done.returncode, found["status"]) == (1, "failed")
-    assert "the name 'no.such.host.invalid' does not resolve" in found["seen"]
-    assert found["remedy"].startswith("correct the name")
