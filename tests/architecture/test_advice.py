@@ -39,7 +39,7 @@ def offences(text: str) -> list[str]:
     return [rest for rest in found if BY_NAME.search(rest.replace("in a clone of fes", ""))]
 
 
-def test_no_text_of_the_project_installs_it_by_name() -> None:
+def test_no_file_of_the_project_installs_it_by_name() -> None:
     paths = [path for path in tracked() if path != Path(__file__).resolve()]
     assert len(paths) > 200
     assert {ROOT / "README.md", ROOT / "fes/transport/identity.py"} <= set(paths)
@@ -57,7 +57,7 @@ def test_no_text_of_the_project_installs_it_by_name() -> None:
         'install("pip install fes")', "pip3 install numpy fes", "uvx run fes", "pip install fes, then",
     ],
 )  # fmt: skip
-def test_the_search_finds_what_installs_by_name(text: str) -> None:
+def test_the_search_finds_installation_by_name(text: str) -> None:
     assert offences(text) != []
 
 
@@ -68,11 +68,11 @@ def test_the_search_finds_what_installs_by_name(text: str) -> None:
         "/opt/fes/bin/pip install .", "uv tool install ./fes_robots-0.2.0-py3-none-any.whl",
     ],
 )  # fmt: skip
-def test_the_search_lets_a_clone_and_a_wheel_file_pass(text: str) -> None:
+def test_the_search_accepts_installation_from_a_clone_and_from_a_wheel(text: str) -> None:
     assert offences(text) == []
 
 
-def test_a_missing_extra_is_told_with_the_command_that_installs_it(
+def test_an_error_about_a_missing_extra_contains_the_command_that_installs_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     for module in ("matplotlib", "pyarrow", "distributed", "cryptography"):
@@ -90,7 +90,7 @@ def test_a_missing_extra_is_told_with_the_command_that_installs_it(
         assert "\n" not in message
 
 
-def test_what_the_doctor_advises_to_install_comes_from_one_place() -> None:
+def test_install_advice_of_the_doctor_comes_from_one_function() -> None:
     missing, *_ = machine.packages(["no-such-package>=1"])
     assert missing.remedy == distribution.install()
     assert "pip install" not in network.remedy("nobody listens")

@@ -70,7 +70,7 @@ def test_a_package_imports_only_from_the_layers_below_its_own() -> None:
         below |= layer
 
 
-def test_neither_agents_nor_world_imports_the_other_and_no_package_its_tests() -> None:
+def test_agents_and_world_do_not_import_each_other_and_no_package_imports_tests() -> None:
     found = arrows()
     for first, second in (("agents.", "world."), ("world.", "agents.")):
         for name in found:
@@ -79,7 +79,7 @@ def test_neither_agents_nor_world_imports_the_other_and_no_package_its_tests() -
     assert not importers("tests")
 
 
-def test_the_laws_import_nothing_but_arrays_and_the_model() -> None:
+def test_the_laws_import_only_arrays_and_the_model() -> None:
     assert arrows()["agents.laws"] == LAWS
 
 
@@ -91,7 +91,7 @@ def test_only_the_shells_wait_or_communicate(library: str) -> None:
 
 
 @pytest.mark.parametrize("folder", MAPPED)
-def test_no_folder_holds_more_than_about_a_dozen_files(folder: str) -> None:
+def test_no_folder_holds_more_than_twelve_modules(folder: str) -> None:
     assert len([path for path in (ROOT / folder).glob("*.py") if path.stem != "__init__"]) <= LARGEST_FOLDER
 
 
@@ -105,7 +105,7 @@ def test_only_the_bus_and_its_session_import_zenoh() -> None:
     assert importers("fes.transport.session") == {"fes.transport.bus"}
 
 
-def test_only_the_logs_writer_and_its_readers_import_mcap_and_one_of_them_its_reader() -> None:
+def test_only_the_writer_and_readers_of_logs_import_mcap() -> None:
     assert importers("mcap") == {
         "fes.recording.mcap_file",
         "fes.recording.records",
@@ -121,7 +121,7 @@ def test_only_the_world_and_the_oracle_know_the_channels_formula() -> None:
     assert below_console(importers("fes.model.outage")) == FORMULA_READERS
 
 
-def test_only_a_crew_imports_the_oracle_and_only_when_it_assembles_one() -> None:
+def test_only_a_crew_imports_the_oracle_and_only_to_create_one() -> None:
     assert below_console(importers("agents.laws.oracle")) == {"agents.control.crew"}
     for statement in at_import(modules("agents")["agents.control.crew"]):
         if isinstance(statement, ast.Import | ast.ImportFrom):
@@ -129,7 +129,7 @@ def test_only_a_crew_imports_the_oracle_and_only_when_it_assembles_one() -> None
 
 
 @pytest.mark.parametrize("module", ["agents.control.crew", "agents.process"])
-def test_an_agent_starts_without_the_formula_and_without_what_it_has_no_use_for(module: str) -> None:
+def test_an_agent_starts_without_the_formula_and_without_unused_libraries(module: str) -> None:
     code = f"import sys, {module}; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     loaded = set(done.stdout.split())
@@ -138,7 +138,7 @@ def test_an_agent_starts_without_the_formula_and_without_what_it_has_no_use_for(
     assert not unwanted & loaded
 
 
-def test_a_crew_that_was_not_told_the_channel_never_loads_its_formula() -> None:
+def test_a_crew_without_channel_settings_never_loads_the_formula() -> None:
     code = """
 import sys
 import numpy as np
@@ -162,7 +162,7 @@ print(*(name for name in sys.modules if name in ("agents.laws.oracle", "fes.mode
 
 
 @pytest.mark.parametrize(("name", "path"), modules(*PACKAGES, "tests", "bench").items(), ids=lambda value: str(value))
-def test_no_file_is_longer_than_one_sitting(name: str, path: Path) -> None:
+def test_no_module_is_longer_than_the_limit(name: str, path: Path) -> None:
     assert len(path.read_text(encoding="utf-8").splitlines()) <= LONGEST_FILE, name
 
 
@@ -174,7 +174,7 @@ def test_a_packages_init_is_its_docstring_and_nothing_else(folder: str) -> None:
 
 
 @pytest.mark.parametrize("folder", MAPPED)
-def test_the_map_in_a_packages_docstring_names_every_module_of_it_and_no_other(folder: str) -> None:
+def test_the_map_in_a_packages_docstring_names_exactly_its_modules(folder: str) -> None:
     tree = ast.parse((ROOT / folder / "__init__.py").read_text(encoding="utf-8"))
     lines = (ast.get_docstring(tree) or "").splitlines()[2:]
     # a map's line: a name, two spaces or more, what it holds; a longer text goes on, indented

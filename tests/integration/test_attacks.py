@@ -29,7 +29,7 @@ from world.server.server import Server
 
 
 @pytest.mark.parametrize(("payload", "kind"), BAD_PAYLOADS.values(), ids=BAD_PAYLOADS.keys())
-def test_a_bad_payload_on_every_key_is_counted_with_one_line_a_kind_and_changes_no_digit(
+def test_a_bad_payload_on_every_key_is_counted_with_one_line_per_kind_and_changes_no_digit(
     payload: bytes, kind: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
@@ -49,7 +49,7 @@ def test_a_bad_payload_on_every_key_is_counted_with_one_line_a_kind_and_changes_
     assert all(agent.complaints.counts for agent in agents)
 
 
-def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -> None:
+def test_repeated_late_and_early_ticks_are_rejected_and_change_no_digit() -> None:
     """What an agent says is said again a little later, as a network that repeats and reorders would."""
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
@@ -81,7 +81,7 @@ def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -
     assert any(agent.complaints.counts["Beacon: from the future"] for agent in agents)
 
 
-def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_second_command_for_a_tick_is_counted_and_the_first_one_applies(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("world.server.lockstep.ASK_AGAIN", session.PATIENCE)  # who was asked twice may answer twice
     endless = load("pair.toml", run__duration=1000.0)
 
@@ -111,7 +111,7 @@ def nobody_hears_of(disturb: Any) -> None:
     assert not any(agent.complaints.counts for agent in agents)
 
 
-def test_another_run_on_the_same_router_is_not_heard_at_all() -> None:
+def test_messages_of_another_run_on_the_same_router_are_not_received() -> None:
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
             await ticks_go_by(vandal, 5, begin)  # all listen to their peers by now
@@ -124,7 +124,7 @@ def test_another_run_on_the_same_router_is_not_heard_at_all() -> None:
     nobody_hears_of(disturb)
 
 
-def test_a_payload_longer_than_the_limit_does_not_arrive_and_harms_nobody() -> None:
+def test_a_payload_longer_than_the_limit_does_not_arrive_and_does_no_harm() -> None:
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
             await ticks_go_by(vandal, 5, begin)
@@ -135,7 +135,7 @@ def test_a_payload_longer_than_the_limit_does_not_arrive_and_harms_nobody() -> N
     nobody_hears_of(disturb)
 
 
-def test_who_claims_a_taken_robot_and_leaves_ends_nothing() -> None:
+def test_an_agent_that_requests_a_taken_robot_and_leaves_does_not_end_the_run() -> None:
     """Neither by asking, which is refused, nor by declaring the token of a robot that has one."""
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:

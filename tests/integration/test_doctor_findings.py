@@ -31,7 +31,7 @@ def client_of(endpoint: str) -> Endpoints:
     return Endpoints("client", (endpoint,), timeout=network.PATIENCE)
 
 
-def test_looking_at_a_run_changes_no_digit_and_sees_all_of_it() -> None:
+def test_examining_a_run_changes_no_digit_and_sees_every_robot() -> None:
     paper = load("paper.toml", run__duration=2.0)
     seen: list[list[Finding]] = []
 
@@ -56,7 +56,7 @@ def test_looking_at_a_run_changes_no_digit_and_sees_all_of_it() -> None:
         assert "robots 0-9 of 10" in found[1].seen
 
 
-def test_a_robot_that_is_missing_is_named() -> None:
+def test_a_missing_robot_is_named() -> None:
     found = network.alive(RUN, [keys.world_alive(RUN), *(keys.robot_alive(RUN, i) for i in (0, 1, 4))], [], 6, True)
     assert found.status == Status.WARNING
     waits = "before its first tick a run waits for all, and later those without an agent stand still"
@@ -78,7 +78,7 @@ def test_a_robot_that_is_missing_is_named() -> None:
         ),
     ],
 )
-def test_a_run_without_one_world_has_failed(
+def test_no_world_or_several_worlds_are_a_failure(
     standing: list[str], others: list[str], status: Status, said: str
 ) -> None:
     found = network.alive(RUN, standing, others, None, True)
@@ -107,23 +107,21 @@ def test_a_world_of_another_version_is_a_finding_with_both_versions() -> None:
         (-0.2, 0.4, Status.OK),  # the answer may have come at once, and the question late
     ],
 )
-def test_the_skew_of_a_clock_is_measured_from_the_middle_of_the_question(
-    offset: float, took: float, status: Status
-) -> None:
+def test_clock_skew_is_measured_from_the_middle_of_the_query(offset: float, took: float, status: Status) -> None:
     own = world_info.of_this_process(1)
     *_, found = network.said_by(Answer(100.0, 100.0 + took, own._replace(clock=100.0 + took / 2 + offset)))
     assert found.status == status
     assert f"{1e3 * offset:+.1f} ms from ours, known to {500 * took:.1f} ms" in found.seen
 
 
-def test_nobody_at_the_endpoint_fails_only_where_somebody_is_expected() -> None:
+def test_an_unreachable_endpoint_fails_only_where_a_run_is_expected() -> None:
     for wanted, status in ((True, Status.FAILED), (False, Status.OK)):
         found, robots = asyncio.run(network.examine(client_of(vacant()), RUN, wanted))
         assert ([one.status for one in found], robots) == ([status], None)
 
 
 @pytest.mark.parametrize(("wanted", "status"), [(True, Status.FAILED), (False, Status.WARNING)])
-def test_a_listener_that_says_nothing_does_not_hold_it_up(wanted: bool, status: Status) -> None:
+def test_a_silent_listener_does_not_delay_the_doctor(wanted: bool, status: Status) -> None:
     with socket.create_server(("127.0.0.1", 0)) as mute:
         begun = time.monotonic()
         endpoints = Endpoints("client", (f"tcp/127.0.0.1:{mute.getsockname()[1]}",), timeout=600.0)
@@ -160,7 +158,7 @@ def test_a_listener_on_a_network_is_a_warning(endpoint: str, table: str, status:
     assert bool(found.remedy) == (status != Status.OK)
 
 
-def test_the_default_address_is_the_same_over_tls() -> None:
+def test_the_default_address_is_the_same_with_tls() -> None:
     assert network.is_default(DEFAULT_ENDPOINT)
     assert network.is_default(default_endpoint(secure=True))
     assert not network.is_default("tls/127.0.0.1:7448")

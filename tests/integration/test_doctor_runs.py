@@ -24,12 +24,12 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-def test_a_certificate_that_the_world_refuses_stays_a_failure_while_its_run_goes_on() -> None:
+def test_a_certificate_that_the_world_rejects_stays_a_failure_during_its_run() -> None:
     refused = failed("endpoint", "cannot join: it refuses our certificate: expired", "another certificate")
     assert command.awaited(refused, Path("runs/pair-1/endpoint.json"), Address("tls/x:1", "main", 1)) == refused
 
 
-def test_a_world_that_does_not_say_how_many_robots_it_has_is_no_run_that_is_well() -> None:
+def test_a_world_that_does_not_report_its_number_of_robots_is_a_finding() -> None:
     found = network.alive("main", [keys.world_alive("main"), keys.robot_alive("main", 0)], [], None, True)
     assert found.status is Status.WARNING
     assert "robots 0 of ?" in found.seen
@@ -37,7 +37,7 @@ def test_a_world_that_does_not_say_how_many_robots_it_has_is_no_run_that_is_well
 
 
 @pytest.mark.parametrize("protocol", ["tcp", "tls"])
-def test_nobody_is_told_to_start_another_world_where_one_may_be_suspended(protocol: str) -> None:
+def test_the_doctor_does_not_advise_a_second_world_where_one_may_be_suspended(protocol: str) -> None:
     """A socket that takes connections and says nothing is what is left of a process that is stopped."""
     with socket.create_server(("127.0.0.1", 0)) as mute:
         endpoint = f"{protocol}/127.0.0.1:{mute.getsockname()[1]}"

@@ -159,7 +159,7 @@ def test_a_command_holds_numbers_up_to_a_bound(field: str, most: float, sign: fl
         messages.decode_command(command(**{field: sign * most * BEYOND}))
 
 
-def test_bounded_keeps_what_is_within_to_the_bit() -> None:
+def test_bounded_keeps_values_within_the_bounds_to_the_bit() -> None:
     values = np.array([-0.0, 0.0, 1.5, -3e11, MAX_TOLD, 2e12, -2e12, np.inf, -np.inf, np.nan])
     found = bounded(values, MAX_TOLD)
     assert found[:5].tobytes() == values[:5].tobytes()

@@ -24,7 +24,7 @@ from world.server.server import Server
 DEADS: list[dict[str, Any]] = [{"at": 0.6, "kill": [4, 6]}, {"at": 1.2, "restart": [4]}, {"at": 1.6, "restart": [6]}]
 
 
-def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_it_can_be_executed_again(
+def test_a_dead_robot_stands_still_rejoins_as_a_new_process_and_its_run_can_be_reexecuted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for patience in ("ANSWER_TIMEOUT", "ASK_AGAIN"):  # its token alone tells the barrier
@@ -70,7 +70,7 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
     assert replay_command.alone(found, 4) == 300
 
 
-def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_when_it_speaks(
+def test_a_hung_robot_is_excluded_after_the_deadline_and_rejoins_when_it_answers(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asleep, say = asyncio.Event(), Outbox.publish
@@ -126,7 +126,7 @@ def test_scheduled_deaths_have_one_digest_in_one_loop_and_over_zenoh(name: str, 
     assert not server.complaints.counts
 
 
-def test_answers_of_a_robot_that_was_dead_by_schedule_may_come_when_it_takes_part_again(
+def test_late_answers_of_a_scheduled_dead_robot_are_accepted_after_it_rejoins(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     delayed, say = [], Outbox.publish
@@ -151,7 +151,7 @@ def test_answers_of_a_robot_that_was_dead_by_schedule_may_come_when_it_takes_par
     assert not server.complaints.counts
 
 
-def test_a_log_of_scheduled_deaths_in_one_loop_is_executed_again(tmp_path: Path) -> None:
+def test_a_log_of_scheduled_deaths_in_one_loop_can_be_reexecuted(tmp_path: Path) -> None:
     dying = load("measured.toml", run__duration=2.4, event=DEADS)
     with Recorder(tmp_path / "run.mcap", dying, "test", "inprocess") as recorder:
         summary = inprocess.run(dying, "test", recorder=recorder)
@@ -160,7 +160,7 @@ def test_a_log_of_scheduled_deaths_in_one_loop_is_executed_again(tmp_path: Path)
     assert [replay_command.alone(found, robot) for robot in (4, 5)] == [120, 120]
 
 
-def test_fes_run_kills_the_processes_that_its_scenario_has_die_and_the_digest_is_the_same(tmp_path: Path) -> None:
+def test_fes_run_kills_processes_as_scheduled_and_the_digest_is_the_same(tmp_path: Path) -> None:
     # Late and long: who may be back within a second, as the run catches up with its pace, keeps its process.
     dying = [{"at": 6.0, "kill": [4, 6]}, {"at": 18.0, "restart": [4]}]
     scenario = load("neighborhood.toml", run__duration=20.0, event=dying)
@@ -174,9 +174,7 @@ def test_fes_run_kills_the_processes_that_its_scenario_has_die_and_the_digest_is
     assert ["the run is over" in logs[robot] for robot in (4, 5, 6)] == [True, True, False]
 
 
-def test_a_team_that_hangs_as_one_is_taken_in_again_when_it_speaks(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_team_that_hangs_as_one_rejoins_when_it_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Nobody is there to wait for then but those who hang."""
     asleep, say, repeat = asyncio.Event(), Outbox.publish, Outbox.resend
     delayed: list[tuple[Outbox, int, Any]] = []

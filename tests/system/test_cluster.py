@@ -29,7 +29,7 @@ def dask() -> Iterator[LocalCluster]:
         yield opened
 
 
-def test_a_worker_that_is_killed_midway_costs_nothing_and_doubles_nothing(dask: LocalCluster, tmp_path: Path) -> None:
+def test_a_worker_killed_midway_loses_no_run_and_repeats_none(dask: LocalCluster, tmp_path: Path) -> None:
     words = [str(PROGRAMS / "fes"), *LONG, "--out", "out", "--scheduler", dask.scheduler_address]
     sweep = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     until_some_are_done(tmp_path / "out", sweep)

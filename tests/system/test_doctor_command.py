@@ -19,7 +19,7 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-def test_a_world_that_is_away_while_its_run_goes_on_is_a_warning_that_harms_nobody(tmp_path: Path) -> None:
+def test_an_absent_world_of_a_running_run_is_only_a_warning(tmp_path: Path) -> None:
     here = announce("pair-1", os.getpid())
     (run_directory.ROOT / "paper-1").mkdir()
     (run_directory.ROOT / run_directory.LATEST).symlink_to("paper-1")
@@ -47,7 +47,7 @@ def test_a_world_that_is_away_while_its_run_goes_on_is_a_warning_that_harms_nobo
     ],
     ids=lambda given: " ".join(given) if isinstance(given, list) else "",
 )
-def test_flags_with_which_no_run_can_be_looked_for_are_a_finding_beside_the_others(
+def test_flags_that_name_no_run_are_a_finding_beside_the_others(
     flags: list[str], seen: str, remedy: str, tmp_path: Path
 ) -> None:
     done = call(tmp_path, "fes", "doctor", "--json", *flags)
@@ -72,7 +72,7 @@ CHECKS = [
 ]
 
 
-def test_the_command_prints_json_or_a_table_and_its_exit_code_says_whether_anything_failed(tmp_path: Path) -> None:
+def test_fes_doctor_prints_json_or_a_table_and_exits_with_1_after_a_failure(tmp_path: Path) -> None:
     endpoint = vacant()
     done = call(tmp_path, "fes", "doctor", "-e", endpoint, "--json")
     assert (done.returncode, done.stderr) == (1, "")

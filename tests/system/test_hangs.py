@@ -89,7 +89,7 @@ def watch(tmp_path: Path) -> Iterator[Watch]:
 
 
 @pytest.mark.parametrize("wake", [14.0, 26.0], ids=["briefly", "longer than its lease"])
-def test_fes_run_stops_processes_that_hang_and_continues_them_and_the_digest_is_the_same(
+def test_fes_run_suspends_and_continues_processes_as_scheduled_and_the_digest_is_the_same(
     wake: float, watch: Watch
 ) -> None:
     events = [LATER, {"at": wake, "wake": [4]}, {"at": wake + 1.0, "wake": [6]}]
@@ -108,7 +108,7 @@ def test_fes_run_stops_processes_that_hang_and_continues_them_and_the_digest_is_
     assert not any(words in world for words in ("is not there", "does not answer", "dropped"))
 
 
-def test_robots_that_hang_to_the_end_do_not_hold_up_the_end(watch: Watch) -> None:
+def test_robots_that_hang_to_the_end_do_not_delay_it(watch: Watch) -> None:
     scenario = load("neighborhood.toml", run__duration=12.0, event=[HANG])
     watched = watch(scenario, 4.0)
     pids = [watched.agent(robot) for robot in (4, 6)]
@@ -119,7 +119,7 @@ def test_robots_that_hang_to_the_end_do_not_hold_up_the_end(watch: Watch) -> Non
         assert watched.log(robot).splitlines()[-1].endswith("ready")
 
 
-def test_a_world_in_which_all_robots_hang_goes_on_and_gets_them_back(watch: Watch) -> None:
+def test_a_world_whose_robots_all_hang_continues_and_they_rejoin(watch: Watch) -> None:
     events = [{"at": 1.0, "hang": [0, 1]}, {"at": 25.0, "wake": [0, 1]}]
     scenario = load("pair.toml", run__duration=26.0, event=events)
     watched = watch(scenario, 4.0)
@@ -129,7 +129,7 @@ def test_a_world_in_which_all_robots_hang_goes_on_and_gets_them_back(watch: Watc
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT], ids=lambda how: how.name)
-def test_nobody_outlives_a_launcher_that_ends_while_a_robot_hangs(how: signal.Signals, watch: Watch) -> None:
+def test_no_process_outlives_a_launcher_that_ends_while_a_robot_hangs(how: signal.Signals, watch: Watch) -> None:
     watched = watch(load("pair.toml", run__duration=1e5, event=[{"at": 0.5, "hang": [1]}]), 1.0)
     pids = [watched.agent(robot) for robot in (0, 1)]
     until(lambda: state(pids[1]) == "T")
@@ -150,7 +150,7 @@ def test_a_crew_of_several_robots_is_not_stopped(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("restart", "done"), [(2.4, []), (10.0, ["kill 4", "start 4"])], ids=["brief", "long"])
-def test_who_may_be_back_by_now_keeps_its_process(
+def test_a_robot_that_may_have_resumed_keeps_its_process(
     monkeypatch: pytest.MonkeyPatch, restart: float, done: list[str]
 ) -> None:
     """Reports come ten times a second, and tell of a tick that is over: a world at full speed is far ahead."""

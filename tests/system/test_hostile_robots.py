@@ -148,7 +148,7 @@ def resumed(outcome: Outcome) -> str:
 
 
 @pytest.mark.parametrize(("attack", "tick", "reason"), ATTACKS.values(), ids=ATTACKS.keys())
-def test_a_robot_at_fault_is_excluded_and_the_others_lose_no_digit(
+def test_a_faulty_robot_is_excluded_and_the_others_lose_no_digit(
     attack: Attack, tick: int, reason: str, keyed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("agents.runtime.tick_source.QUIET", 0.2)  # its agent asks when it hears nothing
@@ -200,7 +200,7 @@ async def crowd_the_world(second: Bus) -> None:
     await asyncio.wait(pending)
 
 
-def test_a_robot_that_crowds_the_world_with_questions_keeps_no_peer_from_its_answer(
+def test_a_robot_that_floods_the_world_with_queries_keeps_no_peer_from_its_answer(
     keyed: Path, tmp_path: Path
 ) -> None:
     outcome = hostile.run(tmp_path, keyed, push_out, crowd_the_world)
@@ -218,7 +218,7 @@ async def flood(second: Bus) -> None:
 
 
 @pytest.mark.parametrize("beside", [accuse, flood], ids=lambda beside: beside.__name__)
-def test_an_accusation_and_a_flood_of_own_commands_exclude_nobody_and_change_nothing(
+def test_an_accusation_and_a_flood_of_own_commands_exclude_no_robot_and_change_no_digit(
     beside: Any, keyed: Path, tmp_path: Path
 ) -> None:
     outcome = hostile.run(tmp_path, keyed, honest, beside)

@@ -105,7 +105,7 @@ def digest(scenario: str, seconds: float = SECONDS) -> Any:
     return inprocess.run(load(scenario, run__duration=seconds), "hosts")["digest"]
 
 
-def test_a_host_a_robot_with_the_world_as_their_router_has_the_digest_of_one_loop(team: Team, net: Internet) -> None:
+def test_one_host_per_robot_with_the_world_as_router_has_the_digest_of_one_loop(team: Team, net: Internet) -> None:
     robots = [f"robot-{robot}" for robot in range(10)]
     net.switch("world", *robots)
     for robot, host in enumerate(robots):
@@ -115,7 +115,7 @@ def test_a_host_a_robot_with_the_world_as_their_router_has_the_digest_of_one_loo
     assert "whoever reaches it can steer robots" in team.said()
 
 
-def test_a_router_that_is_nobodys_world_carries_the_run_to_the_same_digest(team: Team, net: Internet) -> None:
+def test_a_router_that_is_not_a_world_carries_a_run_to_the_same_digest(team: Team, net: Internet) -> None:
     net.switch("router", "world", "north", "south")
     net.router("router", team.where / "router.log")
     endpoint = net.hosts["router"].endpoint()
@@ -159,9 +159,7 @@ def test_two_sites_with_a_router_each_lose_no_beacon_and_come_to_the_same_digest
     assert "recalled" not in team.all_said()  # one path only: first-in first-out holds from end to end
 
 
-def test_beacons_that_go_another_and_slower_way_than_ticks_are_recalled_and_change_no_digit(
-    team: Team, net: Internet
-) -> None:
+def test_beacons_on_a_slower_route_than_ticks_are_recalled_and_change_no_digit(team: Team, net: Internet) -> None:
     """Three sites in a ring: beacons from one to the next have a way of their own, here a very slow one."""
     seconds = 0.5
     sites(net, team.where, ("east", "west"), ("east", "south"), ("south", "west"))
@@ -176,7 +174,7 @@ def test_beacons_that_go_another_and_slower_way_than_ticks_are_recalled_and_chan
     assert "recalled" in team.all_said()
 
 
-def test_a_robot_whose_cable_is_cut_is_left_out_until_it_is_plugged_in_again(team: Team, net: Internet) -> None:
+def test_a_disconnected_robot_is_excluded_until_it_reconnects(team: Team, net: Internet) -> None:
     net.switch("world", "robot-0", "robot-1", "robot-2")
     words = ["--set", "robots.count=3", "--duration", "100000", "--rtf", "1"]
     team.world("world", "hundred.toml", *LISTENING, *words)
@@ -190,7 +188,7 @@ def test_a_robot_whose_cable_is_cut_is_left_out_until_it_is_plugged_in_again(tea
     team.ends_well("world", net.hosts["world"].endpoint())
 
 
-def test_a_site_that_is_cut_off_is_left_out_until_it_can_be_reached_again(team: Team, net: Internet) -> None:
+def test_a_disconnected_site_is_excluded_until_it_reconnects(team: Team, net: Internet) -> None:
     sites(net, team.where, ("east", "west"))
     team.world(
         "east-world", "hundred.toml", "-m", "client", "-e", net.hosts["east-router"].endpoint(),
@@ -207,7 +205,7 @@ def test_a_site_that_is_cut_off_is_left_out_until_it_can_be_reached_again(team: 
     team.ends_well("east-world", net.hosts["east-router"].endpoint())
 
 
-def test_nothing_is_left_of_hosts_whose_maker_is_killed(tmp_path: Path) -> None:
+def test_hosts_are_removed_when_their_owner_is_killed(tmp_path: Path) -> None:
     def here() -> str:
         return subprocess.run(["ip", "-o", "link"], check=True, capture_output=True, text=True).stdout
 

@@ -110,7 +110,7 @@ def test_an_installed_wheel_runs_a_scenario_in_one_loop_and_in_processes(wheel: 
     assert len({json.loads(one.stdout)["digest"] for one in done}) == 1
 
 
-def test_a_wheel_says_on_which_systems_it_runs_and_that_it_is_typed(wheel: Path) -> None:
+def test_a_wheel_states_its_systems_and_that_it_is_typed(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         [world_info] = [name for name in archive.namelist() if name.endswith("/METADATA")]
         text = archive.read(world_info).decode()
@@ -195,7 +195,7 @@ fes_robots.{command.replace("-", "_")}()
 
 
 @pytest.mark.parametrize("path", ["fes_robots.py", "fes/system/distribution.py"])
-def test_what_runs_before_the_packages_are_known_needs_the_standard_library_only(path: str) -> None:
+def test_code_that_runs_before_the_package_check_needs_only_the_standard_library(path: str) -> None:
     wanted = set(imports(ast.parse((ROOT / path).read_text(encoding="utf-8"))))
     assert {name.partition(".")[0] for name in wanted} <= sys.stdlib_module_names
 

@@ -19,7 +19,7 @@ from world.metrics.collector import MetricsCollector
 TICKS, WARM_UP = 40_000, 10_000
 
 
-def test_world_robots_account_and_dashboard_of_a_long_run_keep_their_size() -> None:
+def test_world_robots_metrics_and_dashboard_of_a_long_run_do_not_grow() -> None:
     scenario = load("pair.toml", run__duration=TICKS * 0.02)
     metrics, shown = MetricsCollector(scenario), frame.ReportHistory()
     paper, alive, before = Console(file=io.StringIO(), width=80, height=24), np.ones(2, dtype=np.uint8), 0.0
@@ -43,7 +43,7 @@ def test_world_robots_account_and_dashboard_of_a_long_run_keep_their_size() -> N
         "from fes import process\nasync def main(): fail()\nprocess.run('fes', main)",
     ],
 )
-def test_memory_that_cannot_be_had_is_one_line(program: str) -> None:
+def test_a_failed_allocation_is_reported_in_one_line(program: str) -> None:
     fail = "import numpy\ndef fail(*given): numpy.zeros(2**59)\n"
     ended = subprocess.run([sys.executable, "-c", fail + program], capture_output=True, text=True, check=False)
     assert ended.returncode == 1

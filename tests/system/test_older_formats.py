@@ -39,7 +39,7 @@ def contents(where: Path) -> dict[Path, bytes]:
     return {path: path.read_bytes() for path in where.rglob("*") if path.is_file()}
 
 
-def test_a_checkpoint_of_format_2(kept: Path) -> None:
+def test_a_checkpoint_of_format_2_is_rejected_in_one_line(kept: Path) -> None:
     run, before = kept / "checkpoint-2", contents(kept)
     with pytest.raises(FesError) as caught:
         resume.load(run)
@@ -50,7 +50,7 @@ def test_a_checkpoint_of_format_2(kept: Path) -> None:
     assert snapshot.FORMAT == 3
 
 
-def test_a_log_of_version_1(kept: Path) -> None:
+def test_a_log_of_version_1_is_rejected_in_one_line(kept: Path) -> None:
     for run in (kept / "log-1", kept / "checkpoint-2"):
         with pytest.raises(FesError) as caught:
             log.load(run)
@@ -58,7 +58,7 @@ def test_a_log_of_version_1(kept: Path) -> None:
     assert schemas.VERSION == 2
 
 
-def test_a_sweep_without_a_format(kept: Path) -> None:
+def test_a_sweep_without_a_format_is_rejected_in_one_line(kept: Path) -> None:
     before = contents(kept)
     planned = design.plan(Path(PAIR), [], "0:2", ["run.duration=1"])
     with pytest.raises(FesError) as caught, ledger.opened(kept / "sweep-1", planned):
@@ -109,14 +109,14 @@ def layout(where: Path) -> str:
 LAYOUT = KEPT / f"checkpoint-{snapshot.FORMAT}.txt"
 
 
-def test_no_table_of_a_checkpoint_changes_without_another_format(tmp_path: Path) -> None:
+def test_no_table_of_a_checkpoint_changes_without_a_new_format_number(tmp_path: Path) -> None:
     # A checkpoint names its format and not the version of the package: with other tables it would end amid the run.
     advice = "raise world.execution.snapshot.FORMAT, then python -m tests.system.test_older_formats"
     wanted = f"other tables in a checkpoint: {advice}"
     assert layout(tmp_path) == LAYOUT.read_text(encoding="utf-8"), wanted
 
 
-def test_all_that_is_kept_is_tried() -> None:
+def test_every_stored_format_is_tested() -> None:
     assert sorted(path.name for path in KEPT.iterdir()) == ["checkpoint-2", LAYOUT.name, "log-1", "sweep-1"]
     assert all(len(content) < 100_000 for content in contents(KEPT).values())
 

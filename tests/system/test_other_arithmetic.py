@@ -19,7 +19,9 @@ PAPER = str(CONFIGS / "paper.toml")
 HERE, THERE = fingerprint.text(), fingerprint.text(OTHER)
 
 
-def test_real_programs_with_another_arithmetic(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_programs_with_another_arithmetic_reject_resumed_runs_and_sweeps(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     words = ["sweep", PAIR, "--set", "run.duration=0.2", "--jobs", "1", "--out", "out"]
     begun(tmp_path / "run")
     recorded = call(tmp_path, "fes", "run", PAPER, "--duration", "1", "--backend", "inprocess", "--out", "log")
@@ -44,7 +46,7 @@ def test_real_programs_with_another_arithmetic(tmp_path: Path, monkeypatch: pyte
         assert again.stderr.splitlines()[1:] == [f"fes: recorded with {HERE}; executed with {there}"]
 
 
-def test_figures_of_a_run_that_comes_out_otherwise_name_both(tmp_path: Path) -> None:
+def test_figures_of_a_run_with_another_arithmetic_name_both(tmp_path: Path) -> None:
     run = tmp_path / "run"
     done = call(
         tmp_path, "fes", "run", PAIR, "--duration", "0.2", "--backend", "inprocess", "--no-record", "--out", "run"
@@ -57,7 +59,7 @@ def test_figures_of_a_run_that_comes_out_otherwise_name_both(tmp_path: Path) -> 
     shutil.rmtree(run)
 
 
-def test_it_is_the_same_in_every_process_of_one_machine() -> None:
+def test_the_fingerprint_is_the_same_in_every_process_of_one_machine() -> None:
     for environment in ({"OPENBLAS_NUM_THREADS": "1", "PYTHONHASHSEED": "1"}, {"OPENBLAS_NUM_THREADS": "4"}):
         assert arithmetics.of(environment) == HERE
     assert f"numpy {np.__version__}, arithmetic {fingerprint.table()['fingerprint']}" == HERE

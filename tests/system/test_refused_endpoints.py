@@ -30,7 +30,7 @@ BAD = {
     ],
     ids=lambda words: " ".join(words[:2]),
 )
-def test_every_command_refuses_it_without_waiting(words: list[str], tmp_path: Path) -> None:
+def test_every_command_rejects_an_impossible_endpoint_without_waiting(words: list[str], tmp_path: Path) -> None:
     for endpoint, line in BAD.items():
         assert complaint(call(tmp_path, *words, endpoint), words[0]) == line
 
@@ -43,14 +43,14 @@ def test_endpoints_of_a_configuration_file_and_of_settings_are_checked_too(key: 
         assert complaint(call(tmp_path, *words, *given), "fes-agent") == BAD["tcp/127.0.0.1:99999"]
 
 
-def test_what_nobody_listens_at_is_the_endpoint_of_the_configuration_file(tmp_path: Path) -> None:
+def test_an_unreachable_endpoint_of_a_configuration_file_is_named(tmp_path: Path) -> None:
     endpoint = vacant()
     (tmp_path / "zenoh.json5").write_text(json.dumps({"connect": {"endpoints": [endpoint]}}))
     done = call(tmp_path, "fes", "set", "channel.reference_snr=1", "--timeout", "0.3", "-c", "zenoh.json5")
     assert complaint(done, "fes") == f"nobody listens on {endpoint} (tried for 0.3 s)"
 
 
-def test_a_name_that_does_not_resolve_is_said_at_once_and_at_the_end(tmp_path: Path) -> None:
+def test_a_name_that_does_not_resolve_is_reported_at_once_and_at_the_end(tmp_path: Path) -> None:
     endpoint = f"tcp/{NAME}:7447"
     words = [str(PROGRAMS / "fes-agent"), "--id", "0", "--timeout", "4", "-e", endpoint]
     with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as agent:
@@ -65,12 +65,12 @@ def test_a_name_that_does_not_resolve_is_said_at_once_and_at_the_end(tmp_path: P
     assert agent.returncode == 1
 
 
-def test_a_name_where_a_world_would_listen_is_said(tmp_path: Path) -> None:
+def test_a_listening_address_that_does_not_resolve_is_reported(tmp_path: Path) -> None:
     done = call(tmp_path, "fes-world", str(CONFIGS / "pair.toml"), "-l", f"tcp/{NAME}:7447")
     assert f"fes-world: error: cannot listen on tcp/{NAME}:7447: the name '{NAME}' does not resolve" in done.stderr
 
 
-def test_an_address_that_is_not_of_this_machine_is_said(tmp_path: Path) -> None:
+def test_a_listening_address_of_another_machine_is_reported(tmp_path: Path) -> None:
     done = call(tmp_path, "fes-world", str(CONFIGS / "pair.toml"), "-l", "tcp/192.0.2.1:7447")
     assert done.stderr.endswith("cannot listen on tcp/192.0.2.1:7447: Cannot assign requested address\n")
 
@@ -87,7 +87,7 @@ def hosts(tmp_path: Path) -> list[str]:
     return within
 
 
-def test_a_name_that_comes_to_resolve_is_joined(hosts: list[str], tmp_path: Path) -> None:
+def test_an_agent_joins_once_a_name_resolves(hosts: list[str], tmp_path: Path) -> None:
     """A container may start before the one that it connects to by name: it waits, as for a world."""
     endpoint = vacant()
     late = endpoint.replace("127.0.0.1", "late-world.invalid")
@@ -106,7 +106,7 @@ def test_a_name_that_comes_to_resolve_is_joined(hosts: list[str], tmp_path: Path
 
 
 @pytest.mark.parametrize("nesting", ["[", "{a:"])
-def test_brackets_that_would_end_zenoh_are_refused(nesting: str, tmp_path: Path) -> None:
+def test_brackets_that_would_crash_zenoh_are_rejected(nesting: str, tmp_path: Path) -> None:
     """Zenoh's parser would overflow the stack, which is a signal and not an error."""
     close = {"[": "]", "{a:": "1}"}[nesting]
     deep = nesting * 50_000 + close[:-1] + close[-1] * 50_000

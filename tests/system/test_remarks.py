@@ -8,7 +8,7 @@ from tests.support.paths import CONFIGS
 from tests.support.processes import LOOP, PATIENCE, STARTING, fes
 
 
-def test_fes_run_says_them_with_both_backends_and_fes_world_in_its_log(tmp_path: Path) -> None:
+def test_fes_run_prints_remarks_with_both_backends_and_fes_world_logs_them(tmp_path: Path) -> None:
     words = [str(CONFIGS / "pair.toml"), "--duration", "0.05", "--set", "event=[{at = 9.0, kill = [0]}]"]
     said = [
         "run.duration 0.05 s is not a multiple of run.dt 0.02 s: 2 ticks are run, 0.04 s",
@@ -24,7 +24,7 @@ def test_fes_run_says_them_with_both_backends_and_fes_world_in_its_log(tmp_path:
     assert [line.partition(" world: ")[2] for line in logged[:2]] == said
 
 
-def test_fes_sweep_says_them_once_for_all_of_its_cells(tmp_path: Path) -> None:
+def test_fes_sweep_prints_remarks_once_for_all_cells(tmp_path: Path) -> None:
     words = ["--seeds", "0:3", "--set", "run.duration=0.05", "--axis", "formation.rule=disk,two_nearest"]
     call = fes("sweep", str(CONFIGS / "pair.toml"), *words, "--out", "/dev/null")  # it cannot go further there
     done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)

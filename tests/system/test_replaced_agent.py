@@ -54,7 +54,7 @@ def hosted(tmp_path: Path) -> Iterator[Hosted]:
         going.world.wait()
 
 
-def test_an_agent_that_wakes_when_its_robot_has_another_one_ends_and_the_robot_is_not_lost_with_the_other(
+def test_a_replaced_agent_that_wakes_ends_without_its_robot(
     hosted: Hosted,
 ) -> None:
     """Equal tokens are one: the death of the other one would not be seen, and nobody could host the robot again."""
@@ -97,7 +97,7 @@ class Crowded:
     def declare_queryable(self, key: str, handler: Any) -> None: ...
 
 
-def test_where_all_ask_at_once_whether_they_are_welcome_still_nobody_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_agent_ends_where_all_ask_at_once_if_they_still_host_their_robots(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("agents.runtime.membership.PATIENCE", 0.0)
 
     async def main() -> Crowded:
@@ -113,7 +113,7 @@ def test_where_all_ask_at_once_whether_they_are_welcome_still_nobody_ends(monkey
 
 
 @pytest.mark.parametrize("another", [False, True])
-def test_an_agent_does_not_take_part_in_another_run_that_has_taken_the_place_of_its_own(another: bool) -> None:
+def test_an_agent_does_not_join_another_run_in_place_of_its_own(another: bool) -> None:
     """A world that does not know its token yet takes it for a new one, and would have it live by other rules."""
     welcomes = [
         messages.encode_welcome(Welcome((0,), agent_config(load("pair.toml", run__seed=seed)))) for seed in (1, 2)

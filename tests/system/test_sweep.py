@@ -80,7 +80,7 @@ def assert_all_gone(processes: set[int]) -> None:
         time.sleep(0.02)
 
 
-def test_a_row_is_what_the_run_says_alone_and_the_same_command_only_looks_it_up(tmp_path: Path) -> None:
+def test_a_row_equals_the_summary_of_a_single_run_and_is_not_computed_twice(tmp_path: Path) -> None:
     words = ["fes", "sweep", PAIR, "--seeds", "4,2", *RULES, "--set", "run.duration=2", "--plot"]
     done = call(tmp_path, *words)
     assert (done.returncode, done.stderr) == (0, "")
@@ -121,7 +121,7 @@ def test_parquet_holds_what_csv_holds_with_its_types(tmp_path: Path) -> None:
     assert (tmp_path / "again.csv").read_bytes() == (tmp_path / "out" / "table.csv").read_bytes()
 
 
-def test_a_killed_sweep_goes_on_where_it_was_and_runs_nothing_twice_that_was_done(tmp_path: Path) -> None:
+def test_a_killed_sweep_resumes_and_repeats_no_finished_run(tmp_path: Path) -> None:
     killed = start(tmp_path, "first")
     until_some_are_done(tmp_path / "out", killed)
     killed.kill()
@@ -144,7 +144,7 @@ def test_a_killed_sweep_goes_on_where_it_was_and_runs_nothing_twice_that_was_don
     assert (tmp_path / "at-once" / "table.csv").read_bytes() == (tmp_path / "out" / "table.csv").read_bytes()
 
 
-def test_an_interrupted_sweep_says_what_is_done_and_leaves_no_process(tmp_path: Path) -> None:
+def test_an_interrupted_sweep_reports_its_progress_and_leaves_no_process(tmp_path: Path) -> None:
     sweep = start(tmp_path, "log")
     until_some_are_done(tmp_path / "out", sweep)
     os.killpg(sweep.pid, signal.SIGINT)  # as a terminal does: the sweep and its workers
@@ -201,7 +201,7 @@ def test_a_missing_extra_is_named_before_anything_runs(monkeypatch: pytest.Monke
         pass
 
 
-def test_a_number_that_no_run_has_is_a_number_in_parquet(tmp_path: Path) -> None:
+def test_a_column_without_values_is_numeric_in_parquet(tmp_path: Path) -> None:
     paths = [
         table.write(tmp_path, name, [{"time": time, "digest": None, "error": None}], Format.PARQUET)
         for name, time in (("never", None), ("reached", 1.5))
@@ -211,7 +211,9 @@ def test_a_number_that_no_run_has_is_a_number_in_parquet(tmp_path: Path) -> None
     assert never.schema == reached.schema
 
 
-def test_a_sweep_whose_runs_all_failed_draws_nothing_and_says_how_to_repeat_them(tmp_path: Path) -> None:
+def test_a_sweep_whose_runs_all_failed_draws_no_figure_and_names_the_command_that_repeats_them(
+    tmp_path: Path,
+) -> None:
     words = ["sweep", PAIR, "--seeds", "0:2", "--set", "seeking.index_gain=1e308", "--set", "run.duration=1"]
     done = call(tmp_path, "fes", *words, "--out", "out", "--plot")
     assert done.returncode == 1

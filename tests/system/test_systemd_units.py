@@ -44,7 +44,7 @@ def drop_in(name: str) -> str:
 
 @pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="units: skipped, because there is no systemd")
 @pytest.mark.parametrize("secure", [False, True])
-def test_systemd_finds_nothing_wrong_with_the_units(tmp_path: Path, secure: bool) -> None:
+def test_systemd_accepts_the_units(tmp_path: Path, secure: bool) -> None:
     names = {"fes-world.service": "fes-world.service", "fes-agent@3.service": "fes-agent@.service"}
     for installed, name in names.items():
         (tmp_path / installed).write_text(text(name))
@@ -87,7 +87,7 @@ async def reached(endpoint: str, tick: int) -> None:
                 return
 
 
-def test_a_world_that_is_stopped_and_started_goes_on_and_its_robots_have_waited(tmp_path: Path) -> None:
+def test_a_stopped_and_started_world_resumes_and_its_robots_have_waited(tmp_path: Path) -> None:
     what = (CONFIGS / "pair.toml").read_text(encoding="utf-8")
     (tmp_path / "scenario.toml").write_text(re.sub(r"(?m)^duration = \S+", f"duration = {SECONDS}", what))
     endpoint = f"tcp/127.0.0.1:{free_port()}"
@@ -132,7 +132,7 @@ def handed(unit: str, issued: Path, where: Path) -> None:
         (where / name).chmod(0o440)
 
 
-def test_with_the_drop_ins_a_run_goes_over_tls_each_with_its_own_files(tmp_path: Path) -> None:
+def test_with_the_drop_ins_a_run_uses_tls_and_each_unit_its_own_files(tmp_path: Path) -> None:
     what = (CONFIGS / "pair.toml").read_text(encoding="utf-8")
     (tmp_path / "scenario.toml").write_text(re.sub(r"(?m)^duration = \S+", f"duration = {SECONDS}", what))
     issued = team_keys.directory(tmp_path / "issued", certificates.found(1.0), ["world", "observer", "robot-0-1"])

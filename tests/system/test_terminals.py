@@ -113,7 +113,7 @@ def test_a_terminal_without_utf_8_shows_frames_and_is_restored(env: dict[str, st
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
-def test_a_signal_leaves_the_terminal_as_it_was_and_the_last_frame_on_it(
+def test_a_signal_restores_the_terminal_and_leaves_the_last_frame_on_it(
     number: signal.Signals, tmp_path: Path
 ) -> None:
     shown = Terminal(fes(*LOOP, "--duration", "100000", "--rtf", "50", "--out", "out"), tmp_path)
@@ -156,7 +156,7 @@ def test_the_summary_of_a_large_run_has_20_lines_at_most_and_what_failed_is_amon
     assert [line for line in lines if "robots equal to 3.0: 100, does not hold" in " ".join(line.split())]
 
 
-def test_ctrl_c_of_a_view_leaves_its_last_frame_and_its_picture(
+def test_ctrl_c_leaves_the_last_frame_of_a_view_and_its_figure(
     tmp_path: Path, endless: "subprocess.Popen[str]"
 ) -> None:
     until(lambda: (tmp_path / "out" / "endpoint.json").exists())
@@ -173,7 +173,7 @@ def test_ctrl_c_of_a_view_leaves_its_last_frame_and_its_picture(
     assert "pair" in (tmp_path / "last.svg").read_text("utf-8")
 
 
-def test_a_replay_that_is_quit_leaves_its_last_frame(logs: Path, tmp_path: Path) -> None:
+def test_quitting_a_replay_leaves_its_last_frame(logs: Path, tmp_path: Path) -> None:
     shown = Terminal(fes("replay", str(logs / "run.mcap")), tmp_path, env=POSIX)
     shown.wait_for("q: quit")
     shown.type("q")
@@ -182,7 +182,7 @@ def test_a_replay_that_is_quit_leaves_its_last_frame(logs: Path, tmp_path: Path)
     assert "q: quit" in shown.left.rstrip("\n").split("\n")[-1]
 
 
-def test_what_cannot_draw_gets_no_escapes_though_colors_are_forced(tmp_path: Path) -> None:
+def test_output_that_cannot_draw_has_no_escapes_even_with_forced_colors(tmp_path: Path) -> None:
     words = fes(*LOOP, "--duration", "0.2", "--out", "out")
     env = {**os.environ, "FORCE_COLOR": "1"}
     done = subprocess.run(words, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=PATIENCE)
@@ -194,7 +194,7 @@ def test_what_cannot_draw_gets_no_escapes_though_colors_are_forced(tmp_path: Pat
     assert dumb.text.endswith("run directory: dumb\n")
 
 
-def test_a_last_frame_that_nobody_reads_is_no_error() -> None:
+def test_a_closed_reader_of_the_last_frame_is_not_an_error() -> None:
     code = """
 from console.dashboard import live as view
 from console.terminal import printing

@@ -11,7 +11,7 @@ from tests.support.processes import LOOP, PATIENCE, STARTING, fes
 
 
 @pytest.mark.parametrize("backend", ["inprocess", "processes"])
-def test_a_run_that_is_not_as_expected_exits_with_two_and_shows_what_was_seen(backend: str, tmp_path: Path) -> None:
+def test_a_run_with_unmet_expectations_exits_with_2_and_shows_the_values(backend: str, tmp_path: Path) -> None:
     words = ["run", str(CONFIGS / "pair.toml"), "--duration", "1", "--headless", "--backend", backend]
     objective = 'expect=[{of="ticks", equals=50}, {of="estimate_error_max", below=1e-9}]'
     done = subprocess.run(

@@ -39,7 +39,7 @@ HOW: dict[str, tuple[Callable[[Path], object], str]] = {
 
 @pytest.mark.parametrize("how", HOW)
 @pytest.mark.parametrize("chunks", [True, False], ids=["chunks follow", "at the end"])
-def test_a_log_that_somebody_changes_is_told_of_when_the_run_is_over(tmp_path: Path, how: str, chunks: bool) -> None:
+def test_a_log_changed_during_its_run_is_reported_at_the_end(tmp_path: Path, how: str, chunks: bool) -> None:
     scenario, path = load("pair.toml", run__duration=0.4), tmp_path / NAME
     change, told = HOW[how]
     with contextlib.ExitStack() as stack:
@@ -57,7 +57,7 @@ def test_a_log_that_somebody_changes_is_told_of_when_the_run_is_over(tmp_path: P
     assert run.metrics.link_errors.digest.text() == inprocess.run(scenario, "pair")["digest"]
 
 
-def test_the_error_of_a_run_is_not_hidden_by_that_of_its_log(
+def test_the_error_of_a_log_does_not_hide_the_error_of_its_run(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     recorder = Recorder(tmp_path / NAME, load("pair.toml"), "pair", "inprocess")
@@ -67,7 +67,7 @@ def test_the_error_of_a_run_is_not_hidden_by_that_of_its_log(
     assert "run.mcap was removed during the run" in caplog.text
 
 
-def test_a_real_run_whose_log_vanishes_says_so_returns_1_and_keeps_its_summary(tmp_path: Path) -> None:
+def test_a_run_whose_log_vanishes_exits_with_1_and_keeps_its_summary(tmp_path: Path) -> None:
     running = start(fes("run", PAIR, "--duration", "2", "--rtf", "1", "--headless", "--out", "out"), tmp_path)
     path = tmp_path / "out" / NAME
     until(lambda: path.exists() and path.stat().st_size)
@@ -83,7 +83,7 @@ KINDS = ["the trail", "the journal", "the state", "the folder"]
 
 
 @pytest.mark.parametrize("what", KINDS)
-def test_a_checkpoint_that_somebody_changes_is_told_of_at_the_end(
+def test_a_checkpoint_changed_during_its_run_is_reported_at_the_end(
     tmp_path: Path, what: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     scenario = load("pair.toml", run__duration=0.4)
@@ -106,7 +106,7 @@ def test_a_checkpoint_that_somebody_changes_is_told_of_at_the_end(
     assert run.metrics.link_errors.digest.text() == inprocess.run(scenario, "pair")["digest"]
 
 
-def test_no_checkpoint_is_made_of_a_trail_that_is_gone(tmp_path: Path) -> None:
+def test_no_checkpoint_is_written_without_its_digest_input(tmp_path: Path) -> None:
     run, checkpoints = Run(load("pair.toml")), CheckpointWriter(tmp_path, 1e9, "pair", "main")
     checkpoints.begin(run)
     team = Team(run.scenario)
