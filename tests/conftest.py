@@ -1,6 +1,6 @@
 """Settings of hypothesis: the same examples in every run, and no wall-clock deadline for an example.
 
-Tests send stop signals, which the background job of a script ignores and its children inherit: here they are not.
+A background job of a script ignores stop signals, and children inherit that: tests restore the defaults.
 """
 
 import signal
@@ -33,7 +33,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(autouse=True)
 def _stop_signals_are_left_alone() -> Iterator[None]:
-    """No test leaves other handlers of stop signals behind: the next one's processes would inherit ignored ones."""
+    """Fail a test that leaves other handlers of stop signals: processes of later tests would inherit them."""
     before = {number: signal.getsignal(number) for number in STOP_SIGNALS}
     yield
     after = {number: signal.getsignal(number) for number in STOP_SIGNALS}

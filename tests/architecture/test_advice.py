@@ -1,4 +1,4 @@
-"""Advice about installing: it names a clone or a wheel file, and is never the name of somebody else's project."""
+"""Installation advice: it names a clone or a wheel file, never a name that belongs to another project."""
 
 import re
 import subprocess
@@ -21,7 +21,7 @@ INSTALLERS = re.compile(
     r"\b(?:install|add|run|download|tool)\b(?P<rest>[^\n|;&#]*)"
 )
 BY_NAME = re.compile(r"""(?<![\w./*-])(?:fes|fes[-_]robots)(?:\[[\w,-]*\])?(?=$|[\s'"`),:=<>~!])""")
-"""The distribution, or the stranger's, as an installer takes it from an index: not in a path, and not of a file."""
+"""A distribution name that an installer would look up in an index: not part of a path or a file."""
 
 
 def tracked() -> list[Path]:
@@ -34,7 +34,7 @@ def tracked() -> list[Path]:
 
 
 def offences(text: str) -> list[str]:
-    """Each piece of a text that would install the project, or a stranger's, by its name."""
+    """Each command in a text that would install a distribution by name."""
     found = (match["rest"] for match in INSTALLERS.finditer(text))
     return [rest for rest in found if BY_NAME.search(rest.replace("in a clone of fes", ""))]
 

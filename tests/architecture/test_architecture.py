@@ -37,10 +37,10 @@ LAYERS = (
     {"console.cli"},
     {"console.__main__"},
 )
-"""Sub-packages from the bottom up: each imports only from layers below its own, never from its own layer.
-Of the tops, neither agents nor world imports the other."""
+"""Sub-packages from the bottom up: each imports only from lower layers, never from its own.
+In addition, agents and world do not import each other."""
 LAWS = {"fes.arrays", "fes.model"}
-"""All that the laws import of the project."""
+"""Packages of the project that the laws import."""
 SHELLS = ("agents.runtime", "agents.process", "world.server", "world.process")
 """The only packages of an agent or a world that import asyncio, or the transport."""
 LARGEST_FOLDER = 12
@@ -48,7 +48,7 @@ LONGEST_FILE = 260
 
 
 def at_import(path: Path) -> Iterator[ast.stmt]:
-    """The statements that run when a module is imported: not the bodies of functions."""
+    """Statements that run when a module is imported, without the bodies of functions."""
     waiting: list[ast.AST] = list(ast.parse(path.read_text(encoding="utf-8")).body)
     while waiting:
         node = waiting.pop()
@@ -96,7 +96,7 @@ def test_no_folder_holds_more_than_twelve_modules(folder: str) -> None:
 
 
 def below_console(names: set[str]) -> set[str]:
-    """The modules that can be part of a running agent or world."""
+    """Modules that can be part of a running agent or world."""
     return {name for name in names if not name.startswith("console.")}
 
 
@@ -113,7 +113,7 @@ def test_only_the_writer_and_readers_of_logs_import_mcap() -> None:
         "fes.recording.ticks",
     }
     assert importers("mcap.data_stream") == {"fes.recording.records"}
-    assert not importers("mcap.stream_reader") | importers("mcap.reader")  # which take a length for granted
+    assert not importers("mcap.stream_reader") | importers("mcap.reader")  # their readers trust stated lengths
 
 
 def test_only_the_world_and_the_oracle_know_the_channels_formula() -> None:
@@ -177,7 +177,7 @@ def test_a_packages_init_is_its_docstring_and_nothing_else(folder: str) -> None:
 def test_the_map_in_a_packages_docstring_names_exactly_its_modules(folder: str) -> None:
     tree = ast.parse((ROOT / folder / "__init__.py").read_text(encoding="utf-8"))
     lines = (ast.get_docstring(tree) or "").splitlines()[2:]
-    # a map's line: a name, two spaces or more, what it holds; a longer text goes on, indented
+    # a line of the map: name, two spaces or more, contents; continuation lines are indented
     mapped = {line.split()[0] for line in lines if line and not line.startswith(" ")}
     packages_within = {path.parent.name for path in (ROOT / folder).glob("*/__init__.py")}
     assert mapped == {path.stem for path in (ROOT / folder).glob("*.py")} - {"__init__"} | packages_within

@@ -1,4 +1,4 @@
-"""Attacks on a run that goes on, over real Zenoh sessions: each is refused and counted, and no digit changes."""
+"""Attacks on a running run, over real Zenoh sessions: each is rejected and counted, and no digit changes."""
 
 import asyncio
 import logging
@@ -34,7 +34,7 @@ def test_a_bad_payload_on_every_key_is_counted_with_one_line_per_kind_and_change
 ) -> None:
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
-            await ticks_go_by(vandal, 2, begin)  # at tick 0 a command for tick 0 would be one like any other
+            await ticks_go_by(vandal, 2, begin)  # at tick 0 a command for tick 0 would be valid
             for _ in range(5):
                 for key, sent in everywhere(payload):
                     put(vandal, key, sent)
@@ -43,14 +43,14 @@ def test_a_bad_payload_on_every_key_is_counted_with_one_line_per_kind_and_change
 
     with caplog.at_level(logging.WARNING):
         server, agents = attacked(disturb)
-    assert server.drops.counts[kind] >= ROBOTS - 1  # robot 3 may hear of itself what another would not
+    assert server.drops.counts[kind] >= ROBOTS - 1  # robot 3 may receive its own beacon, other robots would not
     said = [record for record in caplog.records if record.name == "world" and kind in record.getMessage()]
     assert len(said) == 1
     assert all(agent.complaints.counts for agent in agents)
 
 
 def test_repeated_late_and_early_ticks_are_rejected_and_change_no_digit() -> None:
-    """What an agent says is said again a little later, as a network that repeats and reorders would."""
+    """Repeat an agent's messages a little later, like a network that duplicates and reorders."""
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as echo:
@@ -82,7 +82,8 @@ def test_repeated_late_and_early_ticks_are_rejected_and_change_no_digit() -> Non
 
 
 def test_a_second_command_for_a_tick_is_counted_and_the_first_one_applies(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("world.server.lockstep.ASK_AGAIN", session.PATIENCE)  # who was asked twice may answer twice
+    # A robot that was asked twice may answer twice.
+    monkeypatch.setattr("world.server.lockstep.ASK_AGAIN", session.PATIENCE)
     endless = load("pair.toml", run__duration=1000.0)
 
     async def main() -> None:
@@ -92,7 +93,7 @@ def test_a_second_command_for_a_tick_is_counted_and_the_first_one_applies(monkey
                 await session.appear(puppet, robot)
             await server.gather()
             running = asyncio.ensure_future(server.main_loop())
-            for linear in (0.0, 50.0, 60.0):  # the last robot is answered for last, so all are of tick 0
+            for linear in (0.0, 50.0, 60.0):  # the last robot's command comes last, so all are of tick 0
                 puppet._session.put(keys.command(RUN, 0), command(0, 0, linear), attachment=Join((0,), 0).mark)
             puppet._session.put(keys.command(RUN, 1), command(0, 1, 0.0), attachment=Join((1,), 1).mark)
             async with asyncio.timeout(PATIENCE):
@@ -100,7 +101,10 @@ def test_a_second_command_for_a_tick_is_counted_and_the_first_one_applies(monkey
                     await asyncio.sleep(0.01)
             running.cancel()
             assert server.drops.counts["Command: came twice"] == 2
-            assert server.run.state.poses[0, :2].tolist() == [0.0, 0.0]  # the pose of pair.toml: it did not move
+            assert server.run.state.poses[0, :2].tolist() == [
+                0.0,
+                0.0,
+            ]  # the pose of pair.toml: the robot did not move
 
     asyncio.run(main())
 
@@ -114,7 +118,7 @@ def nobody_hears_of(disturb: Any) -> None:
 def test_messages_of_another_run_on_the_same_router_are_not_received() -> None:
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
-            await ticks_go_by(vandal, 5, begin)  # all listen to their peers by now
+            await ticks_go_by(vandal, 5, begin)  # all have subscribed to their peers by now
             for _ in range(20):
                 for key, sent in everywhere(b"\xc1 junk", "other"):
                     put(vandal, key, sent)
@@ -136,7 +140,7 @@ def test_a_payload_longer_than_the_limit_does_not_arrive_and_does_no_harm() -> N
 
 
 def test_an_agent_that_requests_a_taken_robot_and_leaves_does_not_end_the_run() -> None:
-    """Neither by asking, which is refused, nor by declaring the token of a robot that has one."""
+    """Neither a request, which is rejected, nor a second token of the same robot ends the run."""
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         begin.set()

@@ -14,7 +14,7 @@ from tests.support.session import PATIENCE, client, router
 
 
 async def until(holds: Callable[[], bool]) -> None:
-    """Wait until something holds that another thread brings about."""
+    """Wait for an effect of another thread."""
     async with asyncio.timeout(PATIENCE):
         while not holds():
             await asyncio.sleep(0.005)
@@ -44,7 +44,7 @@ def test_a_payload_arrives_with_its_key_and_a_deletion_as_none() -> None:
 
 
 def test_a_subscription_declared_before_a_command_receives_every_beacon_after_the_next_tick() -> None:
-    """The order that makes the lockstep exact: declare, answer; what is put after the next tick is heard."""
+    """The order that makes the lockstep exact: declare, then answer; beacons after the next tick then arrive."""
 
     async def main() -> None:
         async with router() as (world, endpoint), client(endpoint) as one, client(endpoint) as two:
@@ -70,7 +70,7 @@ def test_a_subscription_declared_before_a_command_receives_every_beacon_after_th
                     put(b"%d" % round_)
                 await ticks["two"].get()
                 await ticks["one"].get()
-                # One declares a new subscription every tick, and two speaks from the next tick on.
+                # Client one declares a new subscription every tick; client two publishes from the next tick on.
                 box = one.mailbox(f"beacon/{round_ % 2}")
                 answer["one"](b"done")
                 answer["two"](b"done")
@@ -94,7 +94,7 @@ def test_a_subscription_declared_before_a_command_receives_every_beacon_after_th
 
 
 def _settled(puts: dict[str, Callable[[bytes], None]], queues: dict[str, "asyncio.Queue[bytes | None]"]) -> bool:
-    """Whether both subscriptions are in place: each put has arrived; leaves the queues empty."""
+    """True if both subscriptions are in place: each put has arrived; leaves the queues empty."""
     if all(not queue.empty() for queue in queues.values()):
         for queue in queues.values():
             while not queue.empty():

@@ -1,4 +1,4 @@
-"""Two worlds on one run: at most one starts, in whatever order they look."""
+"""Two worlds on one run: at most one starts, in any order of their queries."""
 
 import asyncio
 import contextlib
@@ -36,7 +36,7 @@ def test_a_second_world_on_the_same_network_refuses_to_start_with_one_line(tmp_p
         second = start(command("world.process", pair, *words), tmp_path)
         _, err = second.communicate(timeout=PATIENCE)
         assert (second.returncode, err) == (1, f"fes-world: error: {REFUSAL.replace('test', 'main')}\n")
-    assert first.poll() is None  # the first one goes on waiting
+    assert first.poll() is None  # the first one still waits
     third = start(command("world.process", pair, "-m", "client", "-e", endpoint, "--run", "other"), tmp_path)
     assert third.stderr is not None
     assert "waiting for 2 robots" in third.stderr.readline()
@@ -54,13 +54,13 @@ def test_at_most_one_of_several_simultaneous_worlds_starts() -> None:
                 started = True
             except Rejected:
                 started = False
-            await decided.wait()  # it stays, so that who comes later sees it
+            await decided.wait()  # it stays, so that later worlds see it
             return started
 
     async def main() -> list[list[bool]]:
         outcomes = []
         async with router() as (_, endpoint):
-            for round_ in range(12):  # from together to 2 ms apart
+            for round_ in range(12):  # from simultaneous to 2 ms apart
                 decided = asyncio.Barrier(3)
                 attempts = [attempt(endpoint, round_, 2e-4 * round_ * number, decided) for number in range(3)]
                 outcomes.append(list(await asyncio.gather(*attempts)))
@@ -128,7 +128,7 @@ def test_a_world_without_a_claim_is_detected_by_its_token() -> None:
 
 
 def test_a_world_that_cannot_look_for_other_worlds_does_not_start(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It sees its own claim only: that is no sign of being alone."""
+    """A world that sees only its own claim cannot conclude that it is alone."""
     monkeypatch.setattr(claim, "TIMEOUT", 0.5)
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     between = subprocess.Popen([sys.executable, "-c", SOURCE, endpoint], stdin=subprocess.PIPE)

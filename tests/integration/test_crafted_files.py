@@ -1,4 +1,4 @@
-"""Files crafted to cost much are refused in one line, in bounded time and memory."""
+"""Files crafted to exhaust time or memory are rejected in one line, in bounded time and memory."""
 
 import json
 import os
@@ -23,7 +23,7 @@ from world.execution import recorder, snapshot
 from world.execution.recorder import Recorder
 
 MOST = 512.0
-"""Memory that a reader of any of them may take [MiB]; a chunk unpacks to 64, and the interpreter takes 80."""
+"""Largest memory of a reader [MiB]; a chunk unpacks to 64, and the interpreter takes 80."""
 
 
 def test_crafted_files_are_rejected_in_one_line_each_and_with_little_memory(tmp_path: Path) -> None:
@@ -59,7 +59,7 @@ def test_endless_files_are_rejected_without_waiting(tmp_path: Path, monkeypatch:
 
 def test_a_file_that_is_too_large_is_not_read(tmp_path: Path) -> None:
     with (tmp_path / "state").open("wb") as file:
-        file.truncate(snapshot.LARGEST + 1)  # takes no room on the disk
+        file.truncate(snapshot.LARGEST + 1)  # a sparse file takes no space on the disk
     with pytest.raises(FesError, match=r"state: is larger than 1,073,741,824 bytes$"):
         snapshot.read(tmp_path / "state")
     (tmp_path / "table").write_bytes(b"x" * (files.MAX_TABLE + 1))
@@ -91,7 +91,7 @@ def test_no_log_is_written_that_unpacks_to_more_than_a_reader_accepts(
             file.put("/x", OWN["Report"], bytes(20_000), tick, tick)
             file.settle(at_once=True)
     file.finish("end", {})
-    assert sum(1 for block in Reader(path) for _ in block) > 20  # what was written until then is read
+    assert sum(1 for block in Reader(path) for _ in block) > 20  # earlier content is read
 
 
 def test_a_summary_too_large_for_a_reader_is_written_to_the_run_directory_only(

@@ -1,4 +1,4 @@
-"""Robots that share a process come and go together, whichever of them it is that comes or goes."""
+"""All robots of a process join and leave together."""
 
 import asyncio
 from collections import defaultdict
@@ -20,7 +20,7 @@ from world.config.scenario import Scenario
 from world.server.server import Server
 
 GROUPS = [[0, 1], [2]]
-"""A crew of two, and somebody who goes on."""
+"""A crew of two, and a robot that continues."""
 
 
 def three() -> Scenario:
@@ -29,7 +29,7 @@ def three() -> Scenario:
 
 
 def attendances(path: Path) -> list[tuple[int, list[list[int]]]]:
-    """Each tick at which somebody came or went, and who was there then, one after the other."""
+    """Each tick at which participation changed, and the participating robots."""
     return [(tick.number, tick.attended) for tick in log.load(path).ticks() if tick.attended]
 
 
@@ -117,9 +117,12 @@ def test_a_crew_with_a_silent_robot_is_excluded_until_that_robot_answers(
     summary = live_through(three(), path, story, groups=GROUPS)
     assert len(unsaid) == 1
     told = [line for line in caplog.messages if "does not answer" in line]
-    assert told == ["robot 1 does not answer"]  # nobody waited for robot 0, which could not answer without it
+    assert told == [
+        "robot 1 does not answer"
+    ]  # the world did not wait for robot 0, which could not answer without robot 1
     assert summary["ticks"] == 200
     (silent, first), (left, then), (_, back) = attendances(path)
-    assert (first, then, back) == ([[0, 2]], [[2]], [[0, 1, 2]])  # robot 0 answered the tick that was waited for
+    # Robot 0 answered the tick for which the world waited.
+    assert (first, then, back) == ([[0, 2]], [[2]], [[0, 1, 2]])
     assert left == silent + 1
     assert replay_command.again(log.load(path), everybody=True)["digest"] == summary["digest"]

@@ -1,4 +1,4 @@
-"""No stored file of a run can be damaged silently."""
+"""Damage to any stored file of a run is detected."""
 
 import shutil
 from pathlib import Path

@@ -1,6 +1,6 @@
-"""fes doctor: what it says of a machine and of a run, with what remedy; it neither hangs nor disturbs.
+"""fes doctor: findings about a run and their remedies; it neither hangs nor disturbs the run.
 
-What it says of the machine: test_doctor_machine.py.
+Findings about the machine: tests/unit/console/doctor/test_machine.py.
 """
 
 import asyncio
@@ -104,7 +104,7 @@ def test_a_world_of_another_version_is_a_finding_with_both_versions() -> None:
         (0.05, 0.02, Status.OK),
         (-0.2, 0.02, Status.WARNING),
         (3600.0, 0.02, Status.WARNING),
-        (-0.2, 0.4, Status.OK),  # the answer may have come at once, and the question late
+        (-0.2, 0.4, Status.OK),  # the reply may have been immediate and the query late
     ],
 )
 def test_clock_skew_is_measured_from_the_middle_of_the_query(offset: float, took: float, status: Status) -> None:
@@ -126,7 +126,7 @@ def test_a_silent_listener_does_not_delay_the_doctor(wanted: bool, status: Statu
         begun = time.monotonic()
         endpoints = Endpoints("client", (f"tcp/127.0.0.1:{mute.getsockname()[1]}",), timeout=600.0)
         found, _ = asyncio.run(network.examine(endpoints, RUN, wanted))
-        assert time.monotonic() - begun < endpoints.timeout / 2.0  # what Zenoh itself would wait
+        assert time.monotonic() - begun < endpoints.timeout / 2.0  # Zenoh's own timeout
     assert [(one.status, bool(one.remedy)) for one in found] == [(status, True)]
 
 

@@ -1,4 +1,4 @@
-"""Who looks at a run asks its world once, and says nothing on any key."""
+"""The doctor queries the world of a run once, and publishes nothing."""
 
 import asyncio
 from collections import Counter
@@ -39,8 +39,8 @@ def test_the_doctor_queries_only_the_world_and_only_once(monkeypatch: pytest.Mon
                 watcher.declare_subscriber("**", lambda key, payload: said.append(key))
                 _, robots = await network.examine(Endpoints("client", (endpoint,)), RUN, True)
                 assert robots == 2
-                await watcher.get(keys.about(RUN), b"", PATIENCE)  # what was said came before this answer
+                await watcher.get(keys.about(RUN), b"", PATIENCE)  # earlier messages arrive before this reply
 
     asyncio.run(main())
-    assert asked == {keys.about(RUN): 2}  # the other one is our own
+    assert asked == {keys.about(RUN): 2}  # the other session is our own
     assert not said

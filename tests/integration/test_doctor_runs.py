@@ -1,4 +1,4 @@
-"""fes doctor in a folder whose runs go on, come or were killed: it advises nobody to harm one that goes well."""
+"""fes doctor in a folder with running, starting and killed runs: no advice harms a healthy run."""
 
 import asyncio
 import os
@@ -38,7 +38,7 @@ def test_a_world_that_does_not_report_its_number_of_robots_is_a_finding() -> Non
 
 @pytest.mark.parametrize("protocol", ["tcp", "tls"])
 def test_the_doctor_does_not_advise_a_second_world_where_one_may_be_suspended(protocol: str) -> None:
-    """A socket that takes connections and says nothing is what is left of a process that is stopped."""
+    """A suspended process still accepts connections, and does not answer."""
     with socket.create_server(("127.0.0.1", 0)) as mute:
         endpoint = f"{protocol}/127.0.0.1:{mute.getsockname()[1]}"
         said = connection_diagnosis.complaint(endpoint, {})

@@ -1,4 +1,4 @@
-"""What was dropped: a line a kind, however many kinds a sender makes up, and the totals at the end."""
+"""Dropped messages: one line per kind, bounded for invented kinds, and the totals at the end."""
 
 import asyncio
 import logging
@@ -24,7 +24,7 @@ def test_a_sender_that_invents_kinds_fills_neither_memory_nor_log(caplog: pytest
     assert len(drops.counts) == MAX_KINDS + 1
     assert drops.counts["other"] == 9 * MAX_KINDS
     assert len(caplog.messages) == MAX_KINDS + 1
-    drops.reject("kind 3", "line 3")  # one that was there before
+    drops.reject("kind 3", "line 3")  # a kind counted before
     assert drops.counts["kind 3"] == 2
 
 
@@ -44,7 +44,7 @@ def test_world_and_agent_log_their_totals_in_one_line_at_their_end(tmp_path: Pat
         async with session.client(endpoint) as vandal:
             for _ in range(3):
                 vandal._session.put(keys.observation(keys.DEFAULT_RUN, 0), b"\xc1 junk")
-                with pytest.raises(Rejected):  # the answer takes no other way than what was put before
+                with pytest.raises(Rejected):  # the reply takes the same route as earlier puts
                     await vandal.get(keys.welcome(keys.DEFAULT_RUN, "1"), b"\xc1 junk", PATIENCE)
 
     try:
@@ -61,5 +61,5 @@ def test_world_and_agent_log_their_totals_in_one_line_at_their_end(tmp_path: Pat
             process.kill()
             process.wait()
     for who, kind in (("world", "Join: is not msgpack"), ("agent", "Observation: is not msgpack")):
-        _, total = said(who, kind)  # the first of its kind, and how many there were
+        _, total = said(who, kind)  # the first of its kind, and the total
         assert total.endswith(" x3")

@@ -1,4 +1,4 @@
-"""What changes while a run goes on: scheduled in the scenario, or asked for from another terminal."""
+"""Changes during a run: scheduled in the scenario, or requested from another terminal."""
 
 import asyncio
 import datetime
@@ -47,7 +47,7 @@ def test_the_later_of_two_events_of_one_tick_wins_and_other_events_act_in_order_
     assert events.schedule([event(1.0, snr, 1.0), event(1.0, snr, 2.0)], 0.02) == {50: {snr: 2.0}}
     table, part = "channel.shadowing", "channel.shadowing.deviation"
     [again] = events.schedule([event(1.0, part, 6.0), event(1.0, table, {}), event(1.0, part, 6.0)], 0.02).values()
-    assert list(again) == [table, part]  # as it was set at last, not at first
+    assert list(again) == [table, part]  # the last setting, not the first
 
 
 @pytest.mark.parametrize(
@@ -137,7 +137,7 @@ def test_a_change_that_would_invalidate_a_scheduled_event_is_rejected_and_the_ru
     later = {"at": 3.0, "set": {"channel.bursts.bad_share": 0.9}}
     scenario = load("pair.toml", run__duration=4.0, channel__bursts=bursts, event=[later])
     short = ParameterChange("channel.bursts.mean_length", 0.1)
-    events.changed(scenario.channel, {short.path: short.value}, scenario.run.dt)  # now it is possible
+    events.changed(scenario.channel, {short.path: short.value}, scenario.run.dt)  # now the change is possible
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with session.client(endpoint) as terminal:

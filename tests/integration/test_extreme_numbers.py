@@ -1,4 +1,4 @@
-"""Numbers that a robot may say, however large, break no peer, no world and no viewer."""
+"""Extreme numbers in a robot's messages break no peer, no world and no viewer."""
 
 from dataclasses import replace
 from typing import Any
@@ -37,7 +37,7 @@ EXTREMES = [MAX_TOLD, -MAX_TOLD, 1e6, 0.0, -5.0, 5e-324]
 
 
 def falsified(said: Beacons, field: str, value: float) -> Beacons:
-    """The beacons of a tick, one field of the hostile robot's beacon being another."""
+    """The beacons of a tick, with one changed field in the hostile robot's beacon."""
     poses, estimates, statistics = said.poses.copy(), said.estimates.copy(), said.statistics.copy()
     if field == "poses":
         poses[HOSTILE] = value
@@ -54,7 +54,7 @@ CASES = [(law, field) for law in LAWS for field in ("poses", "estimates")] + [("
 @pytest.mark.parametrize("value", EXTREMES)
 @pytest.mark.parametrize(("law", "field"), CASES)
 def test_no_number_in_a_beacon_leaves_a_peer_without_a_twist(law: str, field: str, value: float) -> None:
-    """crew.step raises where a twist is not finite, and numpy's warnings are errors here."""
+    """crew.step raises for a twist that is not finite; numpy's warnings are errors in tests."""
     name, settings = LAWS[law]
     what = load(name, **settings)
     world = truth.create(what)
@@ -73,7 +73,7 @@ def some(choose: np.random.Generator, count: int) -> Floats:
 
 
 def any_beacon(choose: np.random.Generator, tick: int, statistics: int) -> bytes:
-    """A beacon of the hostile robot that is valid in every field, also with links to itself and to unknown robots."""
+    """A valid beacon of the hostile robot, possibly with links to itself and to unknown robots."""
     links = np.sort(choose.choice(20, size=choose.integers(10), replace=False))
     named = choose.integers(0, 2, len(links)).astype(np.uint8)
     numbers = some(choose, len(links)), named, some(choose, int(choose.choice([0, statistics, 7])))
@@ -81,7 +81,7 @@ def any_beacon(choose: np.random.Generator, tick: int, statistics: int) -> bytes
 
 
 def any_command(choose: np.random.Generator, tick: int) -> bytes:
-    """A command of the hostile robot that is valid in every field."""
+    """A valid command of the hostile robot."""
     links = np.sort(choose.choice(10, size=choose.integers(10), replace=False))
     numbers = some(choose, len(links)), some(choose, int(choose.choice([0, 2 * len(links)])))
     return messages.encode_command(Command(tick, HOSTILE, (1.0, 0.5), links, *numbers))
@@ -90,7 +90,7 @@ def any_command(choose: np.random.Generator, tick: int) -> bytes:
 @pytest.mark.parametrize("law", ["corrected", "log index", "measured"])
 @pytest.mark.parametrize("seed", range(8))
 def test_no_beacon_and_no_command_that_is_valid_stops_a_peer_or_the_world(law: str, seed: int) -> None:
-    """25 ticks of such messages, encoded and decoded, with everything that the world makes of them."""
+    """25 ticks of such messages, encoded and decoded, with all outputs of the world."""
     choose, (name, settings) = np.random.default_rng(seed), LAWS[law]
     what = load(name, run__duration=0.9, run__seed=seed, **settings)
     run, stack = Run(what), MessageAssembler(np.arange(10))

@@ -1,4 +1,4 @@
-"""A robot whose link is down when its run ends learns of the end, and its agent ends well."""
+"""A robot that is disconnected when its run ends learns of the end, and its agent exits with 0."""
 
 import asyncio
 import time
@@ -18,7 +18,7 @@ LAST = 40
 
 
 async def end_with(fault: str, seconds: float) -> tuple[float, object]:
-    """A run whose robot 1 has a faulty link at the farewell: the time of the world's lingering, and robot 1's end.
+    """Run with a faulty link of robot 1 at the farewell; returns how long the world lingers, and robot 1's end.
 
     The link heals after `seconds`.
     """

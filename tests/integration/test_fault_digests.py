@@ -1,4 +1,4 @@
-"""Faults have one digest: in one loop, stacked, over Zenoh in any crews, and executed again from a log."""
+"""Faults have one digest: in one loop, stacked, over Zenoh in any crews, and reexecuted from a log."""
 
 import asyncio
 from pathlib import Path
@@ -73,13 +73,13 @@ def test_each_fault_has_a_digest_of_its_own_equal_in_one_loop_and_over_zenoh(
     assert summary["digest"] == inprocess.run(what, "test")["digest"]
     assert summary["digest"] != inprocess.run(load(name, run__duration=2.4), "calm")["digest"]
     if fault == "all hang" and crew == "many":
-        return  # nobody holds the world up, so it runs ahead of crews, which drop what they have missed
+        return  # no robot delays the world, so it runs ahead of crews, which drop missed ticks
     assert not server.complaints.counts
     counts = {robot: agent.complaints.counts for agent in agents for robot in agent._robots}
     if FAULTS["corrupt"][0] not in FAULTS[fault]:
         assert not any(counts.values())
         return
-    # from tick 5 to 59 the peers of robot 5 in range get 55 damaged beacons each, but while they are away
+    # from tick 5 to 59 the peers of robot 5 in range get 55 damaged beacons each, except while they are absent
     for robot in (2, 7, 8, 9):
         assert all(kind.startswith("Beacon: ") for kind in counts[robot])
         assert 30 <= sum(counts[robot].values()) <= 55 * (1 if crew == "one" else 10)

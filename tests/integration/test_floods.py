@@ -1,4 +1,4 @@
-"""Floods of messages on a run that goes on: what is too much is dropped, and no digit changes."""
+"""Floods of messages on a running run: excess messages are dropped, and no digit changes."""
 
 import asyncio
 import threading
@@ -35,15 +35,15 @@ def test_a_flood_of_junk_on_all_keys_at_once_changes_no_digit() -> None:
 
         async with client(endpoint) as vandal:
             begin.set()
-            await asyncio.to_thread(flood)  # as fast as the network takes it
+            await asyncio.to_thread(flood)  # as fast as the network accepts messages
 
     server, _ = attacked(disturb)
-    # a third of the keys are commands; what came when the run was over is not counted
+    # a third of the keys are commands; messages after the end of the run are not counted
     assert 0 < server.drops.counts["Command: is not msgpack (FormatError)"] <= FLOOD
 
 
 def test_the_lockstep_has_a_priority_of_its_own_and_no_message_of_it_is_dropped() -> None:
-    """What Zenoh's tools and a flood put goes by another queue of each link, and reports do, too."""
+    """Zenoh's tools, floods and reports use another queue of each link than the lockstep."""
     seen: set[tuple[str, str, str]] = set()
 
     def note(sample: zenoh.Sample) -> None:
@@ -73,7 +73,7 @@ def test_the_lockstep_has_a_priority_of_its_own_and_no_message_of_it_is_dropped(
 
 @pytest.mark.parametrize("size", [1_000, 60_000])
 def test_a_flood_that_waits_for_room_closes_no_link_of_a_robot(size: int) -> None:
-    """Messages sent with congestion control BLOCK: with two threads for all, two of them stopped the router."""
+    """With congestion control BLOCK and two threads for all links, two messages stopped the router."""
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         targets = everywhere(bytes(size))[: 3 * ROBOTS]
@@ -91,7 +91,7 @@ def test_a_flood_that_waits_for_room_closes_no_link_of_a_robot(size: int) -> Non
 
 
 def test_a_flood_that_pushes_beacons_out_of_full_mailboxes_changes_no_digit(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With room for two samples nearly every beacon is lost to junk; each is asked for again."""
+    """With room for two samples nearly every beacon is lost to junk; each is recalled."""
     monkeypatch.setattr(bus, "MAILBOX", 2)
     flooding = asyncio.Event()
 
@@ -156,8 +156,8 @@ def test_more_queries_than_the_queue_holds_are_rejected_at_once(monkeypatch: pyt
         async with session.router() as (world, endpoint), client(endpoint) as asker:
             world.declare_queryable("desk", lambda query: query.reply(b"yes", "x"))
             asked = [asyncio.ensure_future(asker.get("desk", b"", PATIENCE)) for _ in range(5 * bus.QUESTIONS)]
-            await asyncio.sleep(0)  # all are asked
-            for _ in range(4 * bus.QUESTIONS):  # the loop is busy: none can be answered
+            await asyncio.sleep(0)  # all queries have arrived
+            for _ in range(4 * bus.QUESTIONS):  # the loop is busy: no query can be answered
                 assert refused.acquire(timeout=PATIENCE)
             outcomes = await asyncio.gather(*asked, return_exceptions=True)
             return [str(outcome) for outcome in outcomes]

@@ -1,4 +1,4 @@
-"""Nothing grows while peers come in and out of range ten thousand times."""
+"""Constant memory and threads while peers enter and leave the range ten thousand times."""
 
 import asyncio
 import logging
@@ -31,7 +31,7 @@ def files() -> int:
 
 
 def test_ten_thousand_encounters_leave_no_thread_no_subscription_and_no_memory() -> None:
-    """Router and agent are in one process, so what either of them kept would show."""
+    """Router and agent share a process, so a leak of either would show."""
 
     async def main() -> None:
         async with router() as (world, endpoint), client(endpoint) as agent:
@@ -42,7 +42,7 @@ def test_ten_thousand_encounters_leave_no_thread_no_subscription_and_no_memory()
                 if turn == WARM_UP:
                     before = threads(), threading.active_count(), files(), memory()
                 radio.update({1, 2 + turn % 7} if turn % 2 else {2 + turn % 5})
-                put(b"\xc1")  # heard in every other turn
+                put(b"\xc1")  # received in every other turn
                 if turn % 50 == 0:
                     radio.heard(0)
                     await asyncio.sleep(0)

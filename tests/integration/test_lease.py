@@ -1,4 +1,4 @@
-"""Agents that take whatever robot is free."""
+"""Agents with `--id auto`: each takes the lowest free robot."""
 
 import asyncio
 import logging
@@ -26,7 +26,7 @@ from world.server.server import Server
 
 @pytest.fixture
 def at_length(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have a question wait for its answer as long as that may take; an agent then asks once."""
+    """Remove the timeout of queries, so that an agent asks once."""
     monkeypatch.setattr("agents.process.PATIENCE", session.PATIENCE)
 
 

@@ -1,4 +1,4 @@
-"""The live clock: nobody is waited for, and what comes late is counted and held."""
+"""The live clock: the world waits for no robot, and counts and holds late messages."""
 
 import asyncio
 import json
@@ -62,7 +62,7 @@ def test_an_agent_that_is_suspended_past_its_lease_rejoins(tmp_path: Path) -> No
 
 
 def live_through(scenario: Scenario, path: Path, story: Any) -> dict[str, Any]:
-    """A recorded run on the live clock, while `story(server)` happens."""
+    """Record a run on the live clock while `story(server)` happens."""
 
     async def main() -> dict[str, Any]:
         async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
@@ -125,7 +125,7 @@ def test_a_silent_robot_stops_and_delays_no_tick(tmp_path: Path, monkeypatch: py
         await until(lambda: run.state.tick >= seen["gone"] + 20)
         seen["stood"] = run.state.poses[1].tolist() == pose
         mute.clear()
-        say(*unsaid[-1])  # as one does that goes on where it hung
+        say(*unsaid[-1])  # like a process that resumes after a hang
         await until(lambda: run.state.present[1] or run.is_over)
         seen["back"] = run.state.since[1]
 
@@ -171,7 +171,7 @@ def test_ten_processes_keep_the_formation_on_the_live_clock(tmp_path: Path) -> N
     assert summary["deadlines"]["due"] == [700] * 10
     assert summary["wall_s"] >= 14.0 - WARM_UP * TICK - 0.05
     assert summary["estimate_error_max"] < 0.5
-    assert summary["separation_error_rms"] < 5.0  # m; it is on its way, as in lockstep
+    assert summary["separation_error_rms"] < 5.0  # m; it converges, as in lockstep
 
 
 @pytest.mark.parametrize(

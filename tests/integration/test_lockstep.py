@@ -81,7 +81,7 @@ def test_a_measured_run_has_the_same_digest_over_zenoh(changes: dict[str, Any]) 
 
 
 def test_an_agent_subscribes_to_the_peers_in_range_only() -> None:
-    # Three in a row, 100 m apart, range 150 m: the ends must not hear each other, until they come together.
+    # Three robots in a row, 100 m apart, range 150 m: the outer ones first receive nothing from each other.
     apart = load("pair.toml", robots__poses=[[0.0, 0.0, 0.0], [100.0, 0.0, 0.0], [200.0, 0.0, 0.0]])
     still = apart.model_copy(update={"run": apart.run.model_copy(update={"duration": 0.1})})
     _, _, agents = run(still, [[0], [1], [2]])
@@ -89,7 +89,7 @@ def test_an_agent_subscribes_to_the_peers_in_range_only() -> None:
 
 
 def test_an_agent_drops_its_subscription_when_a_peer_leaves() -> None:
-    # 149.9 m apart and told to be farther apart than the radio reaches: they part for ever.
+    # 149.9 m apart, with a desired separation beyond the range: they separate permanently.
     parting = load(
         "pair.toml",
         robots__poses=[[0.0, 0.0, np.pi], [149.0, 0.0, 0.0]],
@@ -173,7 +173,7 @@ def test_a_world_without_agents_ends_with_one_line(monkeypatch: pytest.MonkeyPat
 
 
 def test_junk_does_not_keep_a_hung_robot_alive(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The barrier's deadline holds although messages keep coming."""
+    """The barrier times out although messages keep arriving."""
     monkeypatch.setattr("world.server.lockstep.ANSWER_TIMEOUT", 1.0)
     monkeypatch.setattr("world.server.lockstep.RETURN_TIMEOUT", 1.0)
     endless = load("pair.toml", run__duration=1000.0)

@@ -1,4 +1,4 @@
-"""What a tick costs the router, as docs/deployment.md says it: counted, and beside it what the world knows."""
+"""Messages per tick at the router, as docs/deployment.md states: counted, and compared with the world's contacts."""
 
 import shutil
 
@@ -12,14 +12,14 @@ from tests.support.loop import load
 def test_a_tick_is_an_observation_a_beacon_and_a_command_for_each_robot_and_a_delivery_for_each_contact(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    # A robot that pauses would be asked, and counted, twice.
+    # A robot that pauses would be asked twice, and so counted twice.
     monkeypatch.setattr("world.server.lockstep.ASK_AGAIN", 60.0)
     robots, ticks = 6, growth.FIRST + growth.TICKS
     found = growth.measure(load("hundred.toml", robots__count=robots, run__duration=(ticks + 5) * 0.02))
-    # The window is not cut at the same moment for everybody: each may be a tick off, at both ends.
+    # Robots start and end the window at slightly different moments: each count may be a tick off at both ends.
     share = 2.0 / growth.TICKS
     assert found.incoming == pytest.approx(2 * robots, rel=share)
     assert found.outgoing == pytest.approx(robots * (1.0 + found.contacts), rel=share)
-    assert found.contacts > 2.0  # or few beacons would be counted
+    assert found.contacts > 2.0  # otherwise few beacons would be counted
     payload = sum(found.counts[f"{kind}, bytes"] for kind in ("beacon taken", "observation taken"))
     assert payload < found.sent < payload + 200.0 * found.outgoing

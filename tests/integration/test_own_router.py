@@ -1,4 +1,4 @@
-"""A Zenoh router of one's own, configured by `fes keys rules`: it carries a run, and no forgery."""
+"""A separate Zenoh router, configured by `fes keys rules`: it forwards a run, and rejects forgeries."""
 
 import asyncio
 import json
@@ -35,7 +35,7 @@ def keyed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def configuration(keyed: Path, endpoint: str, *words: str) -> str:
-    """What the command prints, for a run of two robots."""
+    """Rules that the command prints for a run of two robots."""
     done = call(keyed.parent, "fes", "keys", "rules", "--robots", "2", "--run", RUN, "--listen", endpoint, *words)
     assert (done.returncode, done.stderr) == (0, "")
     return done.stdout
@@ -55,7 +55,7 @@ async def live(keyed: Path, robot: int, endpoint: str) -> None:
 
 
 async def carried(keyed: Path, near: str, far: str) -> str:
-    """The digest of a run with the world at one router and its robots at another, or the same."""
+    """The digest of a run with the world at one router and its robots at the same or another one."""
     async with client(keyed, "world", near) as opened, asyncio.timeout(PATIENCE):
         server = Server(opened, Run(load("pair.toml", run__duration=2.0)), "pair", RUN)
         agents = [asyncio.ensure_future(live(keyed, robot, far)) for robot in range(2)]
@@ -88,7 +88,7 @@ def test_two_routers_with_the_printed_rules_are_linked_and_carry_a_run(keyed: Pa
 
 
 def forged(keyed: Path, text: str, endpoint: str) -> set[str]:
-    """The keys on which a world behind a router hears what robot 1 has no right to say."""
+    """Keys on which a world behind a router receives forged messages of robot 1."""
     heard: list[tuple[str, bytes | None]] = []
 
     async def main() -> None:
@@ -97,8 +97,8 @@ def forged(keyed: Path, text: str, endpoint: str) -> set[str]:
             said = [(forger.declare_publisher(key, "x"), b"forged") for key in FORGED]
             said.append((forger.declare_publisher(keys.command(RUN, 1), "x"), b"own"))
             async with asyncio.timeout(PATIENCE):
-                # What was put before it has come, or never will. Before the subscription is known nothing comes, and
-                # that may be amid the first round of which something does.
+                # Earlier puts have arrived by then, or never will. The router may learn of the subscription amid a
+                # round, so the first round may be incomplete.
                 while heard.count((keys.command(RUN, 1), b"own")) < 2:
                     for put, payload in said:
                         put(payload)

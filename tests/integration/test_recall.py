@@ -70,7 +70,7 @@ def test_the_world_resends_a_beacon_as_its_peers_received_it_even_without_a_log(
                     await asyncio.sleep(0)
                     continue
                 query = messages.encode_recall(messages.decode_beacon(sample[1]).tick)
-                with contextlib.suppress(Rejected):  # not judged yet, or forgotten already
+                with contextlib.suppress(Rejected):  # not checked yet, or dropped already
                     repeated.append(await robot.get(keys.held_beacon(RUN, 1, "0"), query, PATIENCE) == sample[1])
 
     asyncio.run(session.run(load("pair.toml", run__duration=20.0), [[0], [1]], disturb))

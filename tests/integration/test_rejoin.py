@@ -1,4 +1,4 @@
-"""Agents that die, hang and come back while a run goes on, over Zenoh; the log can do it again."""
+"""Agents that die, hang and rejoin during a run, over Zenoh; the log can be reexecuted."""
 
 import asyncio
 import json
@@ -27,7 +27,7 @@ DEADS: list[dict[str, Any]] = [{"at": 0.6, "kill": [4, 6]}, {"at": 1.2, "restart
 def test_a_dead_robot_stands_still_rejoins_as_a_new_process_and_its_run_can_be_reexecuted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for patience in ("ANSWER_TIMEOUT", "ASK_AGAIN"):  # its token alone tells the barrier
+    for patience in ("ANSWER_TIMEOUT", "ASK_AGAIN"):  # the barrier learns of it only by its token
         monkeypatch.setattr(f"world.server.lockstep.{patience}", 1e6)
     dying, say, unsaid = asyncio.Event(), Outbox.publish, list[int]()
     monkeypatch.setattr(
@@ -39,7 +39,7 @@ def test_a_dead_robot_stands_still_rejoins_as_a_new_process_and_its_run_can_be_r
 
     async def story(server: Server, agents: list["asyncio.Task[Agent]"], endpoint: str) -> None:
         await until(server, lambda state: state.tick >= 40)
-        dying.set()  # with an answer on its tongue, for which all wait
+        dying.set()  # before its answer, for which all wait
         await until(server, lambda state: unsaid)
         dying.clear()
         agents[4].cancel()
@@ -132,7 +132,8 @@ def test_late_answers_of_a_scheduled_dead_robot_are_accepted_after_it_rejoins(
     delayed, say = [], Outbox.publish
 
     def slow(outbox: Outbox, tick: int, said: Any) -> None:
-        if said[0][0] == 6 and 70 <= tick < 80:  # nobody waits for these; it is back from tick 80 on
+        # The world does not wait for these answers; the robot takes part from tick 80 on.
+        if said[0][0] == 6 and 70 <= tick < 80:
             delayed.append((outbox, tick, said))
             return
         while said[0][0] == 6 and delayed:
@@ -161,7 +162,7 @@ def test_a_log_of_scheduled_deaths_in_one_loop_can_be_reexecuted(tmp_path: Path)
 
 
 def test_fes_run_kills_processes_as_scheduled_and_the_digest_is_the_same(tmp_path: Path) -> None:
-    # Late and long: who may be back within a second, as the run catches up with its pace, keeps its process.
+    # Late and long: a robot that may rejoin within a second, while the run catches up, keeps its process.
     dying = [{"at": 6.0, "kill": [4, 6]}, {"at": 18.0, "restart": [4]}]
     scenario = load("neighborhood.toml", run__duration=20.0, event=dying)
     write_scenario(tmp_path, scenario)
@@ -175,7 +176,7 @@ def test_fes_run_kills_processes_as_scheduled_and_the_digest_is_the_same(tmp_pat
 
 
 def test_a_team_that_hangs_as_one_rejoins_when_it_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nobody is there to wait for then but those who hang."""
+    """All participating robots hang then, so the world waits for them."""
     asleep, say, repeat = asyncio.Event(), Outbox.publish, Outbox.resend
     delayed: list[tuple[Outbox, int, Any]] = []
     monkeypatch.setattr(Outbox, "publish", lambda *what: delayed.append(what) if asleep.is_set() else say(*what))

@@ -1,4 +1,4 @@
-"""A recorded run executed again: the same to the bit, and whatever is not is named."""
+"""Reexecution of a recorded run: equal to the bit, or the first difference is named."""
 
 import asyncio
 import json
@@ -117,7 +117,7 @@ def test_changes_by_fes_set_are_replayed(tmp_path: Path) -> None:
     assert summary["digest"] != inprocess.run(pair, "test")["digest"]
     assert replay_command.again(found, everybody=True) == as_json(summary)
 
-    recordings.record(tmp_path / "again.mcap", server.run.scenario, "scenario")  # what scenario.toml then holds
+    recordings.record(tmp_path / "again.mcap", server.run.scenario, "scenario")  # the content of scenario.toml then
     again = log.load(tmp_path / "again.mcap")
     assert list(compare.of_scenarios(found, again)) == []
     assert compare.first_difference(found, again) is None
@@ -141,7 +141,7 @@ def test_a_change_is_named_with_tick_robot_field_and_both_values(recorded: Recor
         assert str(caught.value) == expected
     assert replay_command.alone(log.load(tampered), 4) == recorded[1]["ticks"]  # robot 4 cannot know
     with pytest.raises(Mismatch, match=r"^tick 41, Observation of robot 3: pose\.x is "):
-        replay_command.again(log.load(tampered))  # the world does not ask why a robot moves
+        replay_command.again(log.load(tampered))  # the world applies commands without their reasons
 
 
 def test_a_summary_that_the_log_does_not_yield_is_named(recorded: Recorded, tmp_path: Path) -> None:
@@ -248,7 +248,7 @@ def test_a_stopped_run_is_reported_as_stopped(tmp_path: Path, capfd: pytest.Capt
 
     with pytest.raises(FesError, match="fault"):
         run()
-    [summary] = kept  # whatever ends a run, what was reached is kept
+    [summary] = kept  # any end of a run keeps its log so far
     replay_command.replay(tmp_path / "run.mcap", json_=True)
     out, err = capfd.readouterr()
     assert json.loads(out) == as_json(summary)

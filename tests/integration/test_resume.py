@@ -1,4 +1,4 @@
-"""Runs that are gone on with from a checkpoint: after every tick of one loop, and not from a damaged one."""
+"""Runs resumed from a checkpoint: after every tick of one loop, and not from a damaged file."""
 
 import shutil
 from contextlib import suppress
@@ -48,7 +48,7 @@ def test_a_run_can_be_resumed_after_every_tick(tmp_path: Path, name: str, record
         for tick in range(scenario.ticks):
             if tick == 13:
                 run.change("channel.reference_snr", 2e6)
-            if tick == 20:  # a robot goes and comes back within a tick
+            if tick == 20:  # a robot leaves and rejoins within a tick
                 everybody = run.state.present
                 run.attend(everybody & (run.world.ids != 2))
                 run.attend(everybody)
@@ -63,7 +63,7 @@ def test_a_run_can_be_resumed_after_every_tick(tmp_path: Path, name: str, record
             assert (again is not None) == recorded
             other, kept, elapsed = resume.run(second, snapshot, again, 1e9)
             assert other.state.tick == tick + 1
-            assert elapsed == 0.1  # as every tick was told
+            assert elapsed == 0.1  # like every reported tick
             assert other.state.poses.tobytes() == run.state.poses.tobytes()
             assert other.state.radio.burst.tobytes() == run.state.radio.burst.tobytes()
             assert other.state.channel == run.state.channel

@@ -1,4 +1,4 @@
-"""Before a world starts or goes on: who counts as here, and what ends the wait."""
+"""Before a world starts or resumes: which robots count as joined, and what ends the wait."""
 
 import asyncio
 from dataclasses import replace
@@ -20,7 +20,7 @@ from world.server.server import Server
 
 
 def test_a_world_does_not_start_with_robots_whose_agents_it_has_not_accepted() -> None:
-    """As those of a world before, which have not noticed yet that this one is another."""
+    """Agents of a previous world that have not noticed its successor yet."""
 
     async def main() -> None:
         async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
@@ -64,7 +64,7 @@ def test_a_world_that_cannot_record_joins_ends_instead_of_waiting_forever(tmp_pa
 
 
 def test_a_robot_that_rejoins_a_resumed_world_takes_part_from_its_second_tick() -> None:
-    """What the world before published of the first one is sensed already, and must stay true."""
+    """Observations that the previous world published of the first robot are in use, and must stay true."""
 
     async def main() -> tuple[Server, list[Bools]]:
         async with session.router() as (opened, endpoint), asyncio.timeout(100.0):

@@ -1,4 +1,4 @@
-"""JSON has no NaN and no Infinity, wherever it is written, and none is taken where it is read."""
+"""JSON without NaN and Infinity: none is written, and none is accepted."""
 
 import ast
 import csv

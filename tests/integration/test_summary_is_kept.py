@@ -1,4 +1,4 @@
-"""The summary of a world is kept, whatever goes wrong when it takes its leave."""
+"""The summary of a world survives any failure of its farewell."""
 
 import argparse
 import asyncio

@@ -1,4 +1,4 @@
-"""Logs that somebody changed: whatever is executed, shown or drawn from them, one line says what is wrong."""
+"""Tampered logs: reexecution, dashboard and figures report the error in one line."""
 
 import json
 from collections.abc import Callable
@@ -38,7 +38,7 @@ def on(topic: str, tick: int, change: Callable[[bytes], bytes | None]) -> Edit:
 
 
 def team(change: Callable[[list[bytes]], list[bytes]], tick: int | None = 10) -> Callable[[bytes], bytes]:
-    """A change of the payloads in a message of all robots; `tick` is what it says then, None: nothing."""
+    """A change of the payloads in a message of all robots; `tick` is its new tick, None to omit it."""
 
     def changed(data: bytes) -> bytes:
         stamp = {} if tick is None else {"tick": tick}
@@ -100,7 +100,7 @@ WRONG: dict[str, tuple[Edit, str, tuple[str, ...]]] = {
         WORLD,
     ),
     "an end too early": (lambda topic, tick, data: data if tick <= 30 else None, "31 ticks are there, and its", ALL),
-    "a scenario that is no text": (
+    "a scenario that is not text": (
         on("/scenario", 0, told(scenario=7)),
         "what it says of its run cannot be read",
         ALL,

@@ -1,4 +1,4 @@
-"""Whom a world waits for, and for how long: robots that are due, and its own when it comes back; on either clock."""
+"""Robots that a world waits for, and how long: due robots, and its own after a resume; on either clock."""
 
 import asyncio
 from dataclasses import replace
@@ -29,7 +29,7 @@ DYING = [{"at": 0.2, "kill": [1]}, {"at": 0.6, "restart": [1]}]
 
 
 async def due(scenario: Scenario, comes: bool) -> tuple[str, dict[str, Any]]:
-    """A run whose robot 1 dies by schedule and in truth; at the tick at which it is due it has no agent.
+    """A run whose robot 1 dies by schedule together with its agent; it has no agent when it is due.
 
     Returns the robots that the world then waited for, and the summary; robot 1 `comes` when it is waited for.
     """
@@ -80,7 +80,7 @@ def test_the_world_waits_for_a_robot_that_is_due() -> None:
 def test_a_due_robot_that_does_not_join_is_reported_and_the_run_continues(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """One robot does not end the run of the others; the summary counts its absence, here from tick 30 to 50."""
+    """A missing robot does not end the run; the summary counts its absence, here from tick 30 to 50."""
     monkeypatch.setattr("world.server.lockstep.RETURN_TIMEOUT", 0.5)
     scenario = load("pair.toml", run__duration=1.0, event=DYING)
     _, summary = asyncio.run(due(scenario, comes=False))
@@ -90,7 +90,7 @@ def test_a_due_robot_that_does_not_join_is_reported_and_the_run_continues(
 
 
 def gone_on_with(scenario: Scenario, tick: int) -> Run:
-    """A run in which all took part, as a world finds it that goes on at a tick."""
+    """A run in which all robots took part, as resumed by a world at a tick."""
     run = Run(scenario)
     run.state = replace(run.state, tick=tick)
     return run
@@ -107,7 +107,7 @@ def test_a_resumed_world_waits_for_a_robot_that_died_meanwhile_and_then_excludes
             agent = asyncio.ensure_future(session.live(endpoint, [0]))
             while not server._registry.whole[0]:
                 await asyncio.sleep(0.01)
-            await server.gather()  # nobody comes for robot 1
+            await server.gather()  # no agent joins as robot 1
             assert server._registry.alive.tolist() == [1, 0]
             await server.main_loop()
             server.dismiss()
@@ -155,7 +155,7 @@ def test_a_live_run_whose_world_dies_resumes_in_lockstep_at_an_answered_tick(
     monkeypatch.setattr(Lockstep, "collect", collected)
 
     async def first(agents: list["asyncio.Task[None]"], robots: list[Agent]) -> int:
-        """A world that dies when its robots have answered a tick that it has no note of; returns that tick."""
+        """Run a world that dies after its robots answered a tick without a note; returns that tick."""
         dies, for_ever = asyncio.Event(), asyncio.Event()
         async with bus.opened(Endpoints("router", (), (endpoint,))) as opened:
             run, checkpoints = Run(scenario), CheckpointWriter(tmp_path, 1e9, "test", RUN)
@@ -187,7 +187,7 @@ def test_a_live_run_whose_world_dies_resumes_in_lockstep_at_an_answered_tick(
             await agent.live(await agent.join(PATIENCE))
 
     async def second() -> tuple[int, Run]:
-        """Its successor; returns from which tick on."""
+        """Run its successor; returns its first tick."""
         async with bus.opened(Endpoints("router", (), (endpoint,))) as opened:
             run, checkpoints, elapsed = resume.run(tmp_path, resume.load(tmp_path), None, 1e9)
             begun = run.state.tick
@@ -212,6 +212,6 @@ def test_a_live_run_whose_world_dies_resumes_in_lockstep_at_an_answered_tick(
     died, begun, run = asyncio.run(main())
     assert begun == died - torn
     ticks = [*range(WARM_UP), *range(begun, begun + WARM_UP)]
-    assert barrier == [(tick, [True, True]) for tick in ticks]  # none of which was without an answer
+    assert barrier == [(tick, [True, True]) for tick in ticks]  # each of which was answered
     assert run.state.tick == scenario.ticks > begun + WARM_UP
-    assert run.state.since.tolist() == [0, 0]  # nobody was left out
+    assert run.state.since.tolist() == [0, 0]  # no robot was excluded

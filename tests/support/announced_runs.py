@@ -7,7 +7,7 @@ from tests.support.commands import vacant
 
 
 def announce(name: str, pid: int) -> Address:
-    """A run of the present folder, announced by a process."""
+    """Announce a run of the current folder, by the process `pid`."""
     directory = run_directory.ROOT / name
     directory.mkdir(parents=True)
     address = Address(vacant(), keys.DEFAULT_RUN, pid)

@@ -1,4 +1,4 @@
-"""The installed commands, called as a person or a script calls them."""
+"""The installed commands, called like a person or a script calls them."""
 
 import json
 import socket
@@ -39,7 +39,7 @@ def complaint(done: subprocess.CompletedProcess[str], program: str) -> str:
 
 
 def vacant() -> str:
-    """An endpoint on the loopback interface where nobody listens."""
+    """An endpoint on the loopback interface without a listener."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return f"tcp/127.0.0.1:{probe.getsockname()[1]}"

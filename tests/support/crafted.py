@@ -1,4 +1,4 @@
-"""Small files that are made to cost much: logs, checkpoints, sweeps and announcements of a run."""
+"""Small files crafted to exhaust time or memory: logs, checkpoints, sweeps and announcements of a run."""
 
 import hashlib
 import json
@@ -43,14 +43,14 @@ def written(*content: McapRecord) -> bytes:
 
 
 def chunk(data: bytes, size: int | None = None, packed: bytes | None = None, how: str = "zstd") -> bytes:
-    """A chunk that holds records, or says that it does."""
+    """A chunk that holds, or claims to hold, records."""
     packed = zstandard.compress(data) if packed is None else packed
     return written(Chunk(how, packed, 0, 0, zlib.crc32(data), len(data) if size is None else size))
 
 
 @cache
 def zeros(size: int, told: bool) -> bytes:
-    """This many zeros, compressed; the frame states their number or not."""
+    """Compressed zeros; the frame may state their number."""
     out = BytesIO()
     with zstandard.ZstdCompressor().stream_writer(out, size=size if told else -1, closefd=False) as into:
         for _ in range(size // MIB):
@@ -81,7 +81,7 @@ def header(scenario: str | None = None, **changes: Any) -> bytes:
 
 
 def torn(*parts: bytes) -> bytes:
-    """A log that was cut after these records."""
+    """A log that ends after these records."""
     return MCAP0_MAGIC + framed(1, bytes(8)) + b"".join(parts)
 
 
@@ -112,7 +112,7 @@ def ticks(count: int) -> bytes:
 
 @cache
 def entries() -> bytes:
-    """The most entries of a table that one record may have."""
+    """Largest number of table entries in one record."""
     return b"".join(b"\x07\0\0\0%07d\0\0\0\0" % number for number in range(records.SMALL // 15 - 10))
 
 
@@ -165,11 +165,11 @@ LOGS: dict[str, Callable[[], bytes]] = {
     "a deep event": lambda: begun(ticks(1), message(EVENTS, nested("[").encode())),
     "ticks without end": lambda: begun(ticks(10_000)),
 }
-"""Each is small, and none is a log that this program wrote."""
+"""Small files, none of which this program wrote."""
 
 
 def state(pickled: bytes, **head: Any) -> bytes:
-    """A checkpoint with a right checksum."""
+    """A checkpoint with a correct checksum."""
     told = json.dumps({"arithmetic": fingerprint.table(), **head}).encode() + b"\n" + pickled
     return b"fes checkpoint %d\n%s\n%s" % (snapshot.FORMAT, hashlib.sha256(told).hexdigest().encode(), told)
 
@@ -206,7 +206,7 @@ FILES = {"logs": LOGS, "states": STATES, "lines": LINES, "tables": TABLES}
 
 
 def write(where: Path) -> None:
-    """Write all of them below a folder, each kind in one of its own."""
+    """Write all files, each kind in its own subfolder."""
     for kind, made in FILES.items():
         (where / kind).mkdir()
         for what, make in made.items():

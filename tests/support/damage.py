@@ -1,7 +1,7 @@
-"""Random damage to all that is stored of a run: `python -m tests.support.damage --changes 2000`.
+"""Random damage to every stored file of a run: `python -m tests.support.damage --changes 2000`.
 
 A checkpoint of a killed run is resumed with one of its files changed, a log is executed again, a sweep is continued.
-Each must end in one line, or as if nothing had been changed: in the same digest, summary, log and rows.
+Each must end in one line, or with the digest, summary, log and rows of the unchanged files.
 """
 
 import argparse
@@ -39,7 +39,7 @@ KEPT, FLUSHED, KILLED = 0.4, 0.6, 0.7
 LINE, SAME, BEHIND, SILENT, TRACEBACK = "one line", "as undisturbed", "behind its robots", "silent", "traceback"
 
 Outcome = tuple[str, str]
-"""Kind, and what was said."""
+"""Kind of outcome, and its message."""
 
 
 def flip(random: Random, whole: bytes) -> bytes:
@@ -62,7 +62,7 @@ HOW: list[Callable[[Random, bytes], bytes]] = [flip, cut, zero]
 
 
 def change(random: Random, whole: bytes, how: Callable[[Random, bytes], bytes]) -> bytes:
-    """Other bytes than before."""
+    """Bytes that differ from the original."""
     while (changed := how(random, whole)) == whole:
         pass
     return changed
@@ -74,7 +74,7 @@ def comparable(found: dict[str, Any]) -> str:
 
 
 class StoredRun:
-    """A run that was killed, and its results if it is not killed."""
+    """A killed run, and its results without the kill."""
 
     def __init__(self, where: Path, scenario: Scenario) -> None:
         self.where, self.scenario = where, scenario
@@ -104,7 +104,7 @@ class StoredRun:
 
     @property
     def files(self) -> list[Path]:
-        """Of the run that was killed."""
+        """Number of ticks of the killed run."""
         return sorted(path for path in self.killed.rglob("*") if path.is_file())
 
     def resumed(self, name: str, changed: bytes) -> Outcome:
@@ -133,7 +133,7 @@ class StoredRun:
         return (SAME, "") if first >= self.answered else (BEHIND, f"tick {first}")
 
     def _ticks_of(self, path: Path) -> int:
-        """Number of ticks in a log, all of which must be as undisturbed."""
+        """Number of ticks in a log, which must all equal those of an undisturbed run."""
         ticks = list(log.load(path).ticks())
         assert all(one.said == other.said for one, other in zip(ticks, self.ticks, strict=False)), "other messages"
         return len(ticks)
@@ -151,7 +151,7 @@ class StoredRun:
 
 
 class Sweep:
-    """A sweep of three runs that are done."""
+    """A finished sweep of three runs."""
 
     def __init__(self, where: Path) -> None:
         self.where = where
@@ -163,7 +163,7 @@ class Sweep:
         self.whole = {path.name: path.read_bytes() for path in where.iterdir()}
 
     def resumed(self, name: str, changed: bytes) -> Outcome:
-        """Outcome of continuing the sweep; missing runs are run again."""
+        """Outcome of continuing the sweep; missing runs are repeated."""
         for path, whole in self.whole.items():
             (self.where / path).write_bytes(changed if path == name else whole)
         with ledger.opened(self.where, self.planned) as book:
@@ -172,7 +172,7 @@ class Sweep:
 
 
 def outcome(what: Callable[[str, bytes], Outcome], name: str, changed: bytes) -> Outcome:
-    """Outcome of a call, whatever it raises."""
+    """Outcome of a call, errors of any kind included."""
     try:
         return what(name, changed)
     except FesError as error:
@@ -193,7 +193,7 @@ def trials(where: Path, scenario: Scenario) -> dict[str, tuple[bytes, str, Calla
 
 
 def damage(where: Path, scenario: Scenario, changes: int, seed: int) -> dict[str, Counter[tuple[str, str]]]:
-    """For each file, the number of each change and outcome; forbidden outcomes are printed."""
+    """Counts of each change and outcome per file; forbidden outcomes are printed."""
     found = dict[str, Counter[tuple[str, str]]]()
     for title, (whole, name, what) in trials(where, scenario).items():
         random, found[title] = Random(f"{seed} {title}"), Counter()
@@ -208,7 +208,7 @@ def damage(where: Path, scenario: Scenario, changes: int, seed: int) -> dict[str
 
 
 def main() -> int:
-    """Print a table; 1 if anything was silent or a traceback."""
+    """Print a table; returns 1 if damage was silent or caused a traceback."""
     parser = argparse.ArgumentParser(prog="python -m tests.support.damage", description=__doc__)
     parser.add_argument("--changes", type=int, default=2000, help="of each file")
     parser.add_argument("--seed", type=int, default=1)

@@ -1,4 +1,4 @@
-"""Reports to draw, and what a frame of the dashboard shows of them."""
+"""Reports to draw, and readers of the frames that the dashboard draws."""
 
 import io
 import math
@@ -82,7 +82,7 @@ def a_swarm(n: int) -> Report:
 
 
 def measured(report: Report, level: float, exponent: float) -> Report:
-    """The report, of robots that believe reception to be p = exp(-exp(level) (r / 75 m)^exponent) on all links."""
+    """The report with the learnt law p = exp(-exp(level) (r / 75 m)^exponent) on all links."""
     links = np.ones(len(report.a))
     learnt = np.exp(-math.exp(level) * (report.separation / 75.0) ** exponent)
     return replace(report, learnt_reception=learnt, learnt_level=level * links, learnt_exponent=exponent * links)
@@ -101,7 +101,7 @@ def pieces(history: ReportHistory, width: int, height: int) -> list[list[Segment
 
 
 def frame(history: ReportHistory, width: int = 100, height: int = 30) -> list[str]:
-    """What is printed, line by line."""
+    """Lines of a printed object."""
     console = Console(width=width, height=height, file=io.StringIO())
     console.print(render(history, width, height))
     assert isinstance(console.file, io.StringIO)

@@ -1,4 +1,4 @@
-"""World and crews in one loop, in process, with everything that happened kept."""
+"""World and crews in one loop, in one process, with a history of every tick."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -19,7 +19,7 @@ Pair = tuple[int, int]
 
 @dataclass(frozen=True)
 class History:
-    """What happened, tick by tick."""
+    """History of a run, tick by tick."""
 
     dt: float
     poses: list[Floats]
@@ -78,7 +78,7 @@ def _estimates(said: Beacons) -> list[tuple[Pair, float]]:
 
 
 def _own(sensed: Observations, ids: Ints) -> Observations:
-    """What the robots `ids` sense of it all."""
+    """Observations of the robots `ids` only."""
     near = sensed.in_range
     mine = np.isin(near.ids[near.rows], ids)
     rows = np.searchsorted(ids, near.ids[near.rows[mine]])

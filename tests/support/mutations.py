@@ -1,4 +1,4 @@
-"""What a hostile or broken sender makes of a valid payload."""
+"""Mutations of a valid payload, as from a hostile or broken sender."""
 
 from collections.abc import Callable
 from random import Random
@@ -11,7 +11,7 @@ ODD: list[Any] = [
     *(float("nan"), float("inf"), float("-inf"), "", "NaN", "\x00", "é" * 50, b"", b"\xff" * 7, b"\0" * 64),
     *([], [[]], [1] * 100, {}, {"a": 1}, [None] * 13, "[" * 2000, msgpack.ExtType(5, b"x"), msgpack.Timestamp(1, 5)),
 ]
-"""Values that no field expects, and some that one does."""
+"""Values that few fields or none expect."""
 
 LENGTHS = [
     *(b"\xdc\xff\xff", b"\xdd\xff\xff\xff\xff", b"\xdd\x7f\xff\xff\xff", b"\xde\xff\xff", b"\xdf\xff\xff\xff\xff"),
@@ -98,6 +98,6 @@ def mutate(random: Random, payload: bytes, others: list[bytes]) -> bytes:
 def _fields(payload: bytearray) -> list[Any]:
     try:
         fields = msgpack.unpackb(bytes(payload))
-    except Exception:  # it was mutated before
+    except Exception:  # already mutated
         return []
     return fields if isinstance(fields, list) else [fields]

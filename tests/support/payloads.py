@@ -1,4 +1,4 @@
-"""Messages of every kind with any fields they may have, and msgpack values of any kind."""
+"""Strategies for messages of every kind with any valid fields, and for any msgpack values."""
 
 import dataclasses
 import struct
@@ -22,7 +22,7 @@ from fes.protocol.world_info import WorldInfo
 
 
 class Codec(NamedTuple):
-    """How a message is packed and read, any such message, and how many fields it has."""
+    """Encoder, decoder and strategy of a message, and its number of fields."""
 
     encode: Callable[[Any], bytes]
     decode: Callable[[bytes], Any]
@@ -152,7 +152,7 @@ values = st.recursive(
 
 
 def refusal(name: str, payload: bytes) -> str | None:
-    """Why a payload is refused, in one line, or None if it is a message; any other error gets through."""
+    """Reason why a payload is rejected, in one line; None if it is a message. Other errors pass."""
     try:
         CODECS[name].decode(payload)
     except MessageError as error:
@@ -165,7 +165,7 @@ def refusal(name: str, payload: bytes) -> str | None:
 
 
 def bits(value: Any) -> Any:
-    """A message as what can be compared bit for bit, NaN included."""
+    """A message as a value that can be compared bit for bit, NaN included."""
     if isinstance(value, np.ndarray):
         return value.dtype.str, value.shape, value.tobytes()
     if isinstance(value, float):
@@ -178,7 +178,7 @@ def bits(value: Any) -> Any:
 
 
 def assert_refused_or_a_message(name: str, payload: bytes) -> None:
-    """Either a MessageError, or a message that comes back bit for bit."""
+    """Check that a payload is a MessageError, or a message that is encoded to the same bits again."""
     codec = CODECS[name]
     if refusal(name, payload) is None:
         message = codec.decode(payload)

@@ -1,4 +1,4 @@
-"""Processes in place of those of `fes run`, each in a family that ends them."""
+"""Stand-ins for the processes of `fes run`, in a group that ends them."""
 
 import asyncio
 import contextlib
@@ -33,7 +33,7 @@ async def main():
 
 process.run("slow", main, exit_with_stdin=True)
 """
-"""A world that writes its results once it may."""
+"""Code of a world that writes its results when permitted."""
 
 
 @contextlib.asynccontextmanager
@@ -44,7 +44,7 @@ async def family(where: Path) -> AsyncIterator[ProcessGroup]:
 
 
 async def child(where: Path, name: str, code: str, said: str = "", robots: str = "") -> ManagedProcess:
-    """A process in place of a program; `said` is in its log."""
+    """A stand-in for a program; `said` is in its log."""
     log = where / f"{name}.log"
     log.write_text(said)
     started = await asyncio.create_subprocess_exec(sys.executable, "-c", code, stdin=subprocess.PIPE, cwd=where)
@@ -79,14 +79,14 @@ async def finished(processes: ProcessGroup, respawn: RestartLimit | None = None)
 
 
 class Impatient(RestartLimit):
-    """At once, twice."""
+    """Two immediate restarts."""
 
     def delay(self, robots: str, lived: float) -> float | None:
         return 0.01 if super().delay(robots, 0.0) in (0.5, 1.0) else None
 
 
 class Tireless(RestartLimit):
-    """At once, for ever."""
+    """Immediate restarts without end."""
 
     def delay(self, robots: str, lived: float) -> float | None:
         return 0.01

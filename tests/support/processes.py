@@ -1,4 +1,4 @@
-"""Real processes of a run: started, awaited, and looked at."""
+"""Real processes of a run: started, awaited and inspected."""
 
 import contextlib
 import json
@@ -17,7 +17,7 @@ from fes.transport import bus
 from fes.transport.endpoints import Endpoints
 from tests.support.paths import CONFIGS
 
-PATIENCE = 60.0  # s; how long a test waits for what must come, on a machine of any speed
+PATIENCE = 60.0  # s; longest wait for an expected event, on a machine of any speed
 
 
 STARTING = "starting a world and {} robots ...\n"
@@ -25,7 +25,7 @@ STARTING = "starting a world and {} robots ...\n"
 
 
 LOOP = "running a world and {} robots in one loop ...\n"
-"""The same with one loop."""
+"""The first line of fes run with one loop."""
 
 
 def command(module: str, *words: str) -> list[str]:
@@ -43,7 +43,7 @@ def start(words: list[str], where: Path) -> "subprocess.Popen[str]":
 
 
 def children(pid: int) -> dict[int, str]:
-    """Pid and command line of every child of a process; one that ends meanwhile may be left out."""
+    """Pid and command line of every child of a process; one that ends meanwhile may be missing."""
     found = {}
     for task in Path(f"/proc/{pid}/task").glob("*/children"):
         with contextlib.suppress(OSError):  # the thread has ended
@@ -55,7 +55,7 @@ def children(pid: int) -> dict[int, str]:
 
 
 def alive(pid: int) -> bool:
-    """Whether a process runs (a zombie does not)."""
+    """True if a process runs (a zombie does not)."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] not in "ZX"
     except OSError:
@@ -63,7 +63,7 @@ def alive(pid: int) -> bool:
 
 
 def until(holds: Callable[[], Any]) -> Any:
-    """Wait for something that another process brings about."""
+    """Wait for an effect of another process."""
     end = time.monotonic() + PATIENCE
     while time.monotonic() < end:
         value = holds()
@@ -74,7 +74,7 @@ def until(holds: Callable[[], Any]) -> Any:
 
 
 def started(where: Path, running: "subprocess.Popen[str]", robots: int) -> dict[int, str]:
-    """Wait until all robots are here and the run goes on; returns the children."""
+    """Wait until all robots have joined and the run has begun; returns the children."""
     log = where / "out" / "world.log"
     until(lambda: log.exists() and "all robots are here" in log.read_text())
     found = children(running.pid)
@@ -83,7 +83,7 @@ def started(where: Path, running: "subprocess.Popen[str]", robots: int) -> dict[
 
 
 async def first_report(directory: Path) -> None:
-    """Wait until a run has run some ticks, as an observer sees it."""
+    """Wait until a run has executed some ticks, as seen by an observer."""
     address = Address(**json.loads((directory / "endpoint.json").read_text()))
     async with bus.opened(Endpoints("client", (address.endpoint,), timeout=PATIENCE)) as opened:
         async for report in observer.reports(opened, address.run, PATIENCE, PATIENCE):
@@ -93,7 +93,7 @@ async def first_report(directory: Path) -> None:
 
 @pytest.fixture
 def endless(tmp_path: Path) -> Iterator["subprocess.Popen[str]"]:
-    """A run of two robots that goes on for a very long time."""
+    """A run of two robots with a very long duration."""
     running = start(
         fes("run", str(CONFIGS / "pair.toml"), "--duration", "100000", "--out", "out", "--json"), tmp_path
     )

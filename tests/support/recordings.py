@@ -1,4 +1,4 @@
-"""Logs for tests: recorded in one loop, read with the mcap library alone, and written anew with a change."""
+"""Logs for tests: recorded in one loop, read with the mcap library alone, and rewritten with a change."""
 
 import json
 from collections.abc import Callable
@@ -15,7 +15,7 @@ from world.config.scenario import Scenario
 from world.execution.recorder import Recorder
 
 Edit = Callable[[str, int, bytes], bytes | None]
-"""Topic, tick and payload of a message -> its new payload, or None to leave it out."""
+"""Topic, tick and payload of a message -> its new payload, or None to omit it."""
 
 
 def record(path: Path, scenario: Scenario, name: str = "test") -> dict[str, Any]:
@@ -34,7 +34,7 @@ def messages(path: Path) -> list[tuple[str, int, bytes]]:
 
 
 def rewrite(path: Path, to: Path, edit: Edit, summary: dict[str, Any] | None = None, ended: bool = True) -> None:
-    """A copy of a log with messages edited, with another summary, or as if its run had been killed."""
+    """Copy a log with edited messages, with another summary, or as if its run had been killed."""
     with path.open("rb") as file, to.open("wb") as out:
         reader, writer = make_reader(file), Writer(out, enable_data_crcs=True)
         writer.start("fes")

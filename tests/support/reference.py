@@ -55,7 +55,7 @@ def exponential(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def maximizer(f: Callable[[float], float], low: float, high: float) -> float:
-    """Where f is largest in [low, high], by Brent's method without derivatives."""
+    """Argument of the maximum of f in [low, high], by Brent's method without derivatives."""
     result = optimize.minimize_scalar(
         lambda x: -f(x), bounds=(low, high), method="bounded", options={"xatol": 1e-11 * high}
     )
@@ -64,7 +64,7 @@ def maximizer(f: Callable[[float], float], low: float, high: float) -> float:
 
 
 def root(f: Callable[[float], float], low: float, high: float) -> float:
-    """Where f crosses zero in [low, high]."""
+    """Zero of f in [low, high]."""
     return float(optimize.brentq(f, low, high, xtol=1e-13, rtol=1e-14))
 
 

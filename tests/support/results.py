@@ -15,7 +15,7 @@ from world.metrics import summary
 
 
 def written(directory: Path, result: dict[str, Any]) -> Any:
-    """What a strict reader of JSON finds in the run directory."""
+    """The summary in the run directory, by a strict JSON reader."""
     summary.write(directory, result)
 
     def refuse(word: str) -> None:

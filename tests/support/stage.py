@@ -45,7 +45,7 @@ class Stage:
         self.running.append(start(words, self.where))
 
     async def over(self) -> bool:
-        """Whether the world and its agents ended well; waits for their end."""
+        """True if the world and its agents ended with 0; waits for their end."""
         codes = [await asyncio.to_thread(process.wait, PATIENCE) for process in self.running]
         return codes == [0] * len(codes)
 
@@ -62,7 +62,7 @@ class Stage:
             yield opened
 
     def digest(self) -> str:
-        """Of what was reached; empty if that is nothing."""
+        """Digest in the summary; empty without one."""
         summary = self.where / "out" / "summary.json"
         return str(json.loads(summary.read_text())["digest"]) if summary.exists() else ""
 

@@ -1,4 +1,4 @@
-"""Sweeps of many runs, stopped in the middle."""
+"""Sweeps of many runs, stopped midway."""
 
 import json
 import subprocess
@@ -15,7 +15,7 @@ RUNS = 120
 
 
 def kept(directory: Path) -> list[str]:
-    """The keys of the ledger's whole lines."""
+    """Keys of the complete lines of the ledger."""
     path = directory / ledger.LINES
     lines = path.read_bytes().split(b"\n")[:-1] if path.exists() else []
     return [json.loads(line)["key"] for line in lines]

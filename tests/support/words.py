@@ -26,7 +26,7 @@ IDENTIFIERS = {
     "stretch": "segment", "sums": "metrics", "tally": "link_errors", "there": "the noun", "told": "the noun",
     "turns": "ticks", "untold": "no_telemetry", "whole": "the noun", "wish": "objective", "wording": "marshalling",
 }  # fmt: skip
-"""Replaced names, and what took their place."""
+"""Replaced names, and their replacements."""
 
 PARTNERS = {"whole": "part", "other": "own", "named": "unnamed"}
 """Replaced names that are the right word beside another: whole and part, own and other. `other` may follow `self`."""
@@ -61,7 +61,7 @@ HEADLESS = re.compile(r"(?:^|(?<=[.!;:] ))(Who|What|Whoever|Whatever|Whom|Whose)
 """A sentence whose subject is a relative pronoun; questions aside."""
 
 SENTENCE_NAME = re.compile(r"test_(who|what|whom|whose|whoever|whatever)_")
-"""A test's name is a sentence, and so has a noun for its subject."""
+"""A test's name is a sentence whose subject is a noun."""
 
 LONGEST_SENTENCE = 25
 """Words. Numbers, symbols and formulas are not counted."""
@@ -72,7 +72,7 @@ CODE = re.compile(r"`[^`]*`|\[([^]]*)\]\([^)]*\)|https?://\S+")
 
 
 class Offence(NamedTuple):
-    """A piece of prose, or an identifier, against a rule."""
+    """A piece of prose, or an identifier, that breaks a rule."""
 
     path: Path
     line: int
@@ -97,7 +97,7 @@ def offences(path: Path) -> Iterator[Offence]:
 
 
 def offences_of(piece: Prose) -> Iterator[tuple[str, str]]:
-    """The rules that a piece of prose breaks, each with where it does."""
+    """The rules that a piece of prose breaks, each with an excerpt."""
     plain = " ".join(CODE.sub(lambda match: match[1] or "x", piece.text).replace("**", "").split())
     if opener := OPENERS.match(plain) if piece.opens else None:
         yield f"a docstring starts with {opener[1]!r}", plain[:80]
@@ -124,7 +124,7 @@ def identifiers(path: Path) -> Iterator[Offence]:
 
 
 def _bound(node: ast.AST) -> list[str]:
-    """Names that a statement binds together: a function's own and its arguments', or those of an assignment."""
+    """Names that a statement binds together: those of a function and its arguments, or of an assignment."""
     if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
         return [node.name, *_arguments(node.args)]
     if isinstance(node, ast.Lambda):
@@ -145,7 +145,7 @@ def _arguments(arguments: ast.arguments) -> list[str]:
 
 
 def files_of(*names: str) -> list[Path]:
-    """The files with prose, modules and pages, of folders and files that are named from the root."""
+    """Modules and pages in the given folders and files, named relative to the root."""
     roots = [ROOT / name for name in names]
     paths = [file for root in roots for file in ([root] if root.is_file() else root.rglob("*"))]
     return [path for path in sorted(paths) if path.suffix in (".py", ".md") and path.is_file()]

@@ -1,4 +1,4 @@
-"""Logs that cannot be read: each command says so in one line."""
+"""Unreadable logs: each command reports them in one line."""
 
 import subprocess
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The same sweep on a Dask cluster of real worker processes, one of which is killed."""
+"""A sweep on a Dask cluster of real worker processes, one of which is killed."""
 
 import os
 import signal
@@ -57,7 +57,7 @@ def test_a_worker_with_another_version_of_fes_is_refused(dask: LocalCluster, mon
 
 def test_a_worker_with_another_arithmetic_is_refused(dask: LocalCluster, monkeypatch: pytest.MonkeyPatch) -> None:
     here = fingerprint.text()
-    monkeypatch.setattr(fingerprint, "table", lambda: dict(OTHER))  # of this end only
+    monkeypatch.setattr(fingerprint, "table", lambda: dict(OTHER))  # of this side only
     planned = design.plan(Path(PAIR), [], "0:1", ["run.duration=1"])
     wanted = rf"^a Dask worker has {here}, and the sweep is of {fingerprint.text()}$"
     with cluster.connected(dask.scheduler_address) as workers, pytest.raises(FesError, match=wanted):

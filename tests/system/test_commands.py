@@ -1,4 +1,4 @@
-"""The installed commands, as a person or a script calls them: what they print, leave and return."""
+"""The installed commands, as a person or a script calls them: output, files and exit codes."""
 
 import io
 import json
@@ -41,7 +41,7 @@ def test_the_directory_asked_for_is_made_and_never_overwritten(tmp_path: Path) -
     out = tmp_path / "a" / "b"
     found = run_json(tmp_path, "--duration", "1", "--out", str(out), "--rtf", "5")
     assert json.loads((out / "summary.json").read_text()) == found
-    assert found["wall_s"] >= 0.199  # one simulated second, five a second
+    assert found["wall_s"] >= 0.199  # one simulated second, five reports per second
     assert not (tmp_path / "runs").exists()
     done = call(tmp_path, "fes", "run", PAIR, "--backend", "inprocess", "--out", str(out))
     assert complaint(done, "fes") == f"--out {out}: the directory is not empty"

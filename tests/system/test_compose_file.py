@@ -1,4 +1,4 @@
-"""What compose.yaml runs, and what its log says: the parts of a deployment that need no container engine."""
+"""compose.yaml and its log: the parts of a deployment that need no container engine."""
 
 import re
 import shutil
@@ -64,7 +64,7 @@ def test_keys_whose_creation_was_interrupted_are_created_again_once(tmp_path: Pa
     for role in ("authority", *roles):
         (tmp_path / role).mkdir(mode=0o700)
     script = (ROOT / "deploy/issue-keys").read_text(encoding="utf-8").replace("cd /keys", f"cd {tmp_path}")
-    short = f"#!/bin/sh\n{PROGRAMS}/fes keys init --keys $8 && kill -9 $PPID\n"  # the robots' are not there yet
+    short = f"#!/bin/sh\n{PROGRAMS}/fes keys init --keys $8 && kill -9 $PPID\n"  # the robots' are still missing
     programs = tmp_path / "programs"
     programs.mkdir()
     (programs / "fes").write_text(short)

@@ -1,4 +1,4 @@
-"""What docs/security.md says that certificates cost can be measured anew, for the team that it names."""
+"""The cost of certificates in docs/security.md can be measured again, for the team that it names."""
 
 import json
 import re
@@ -31,7 +31,7 @@ def test_the_bench_measures_the_requested_team(
     assert len({found["digest"] for *_, found in seen}) == 1
     title, figures, *medians = capsys.readouterr().out.splitlines()
     assert title == "secure: hundred.toml, 0.2 s, robots: 100, their processes: 2"
-    # Of a slow machine a rate has one digit, and more spaces stand before it.
+    # On a slow machine a rate may have one digit, and more spaces before it.
     assert [kind.strip() for kind in re.findall(r"([a-z, ]+?) +\d+ ticks/s", figures)] == list(secure.KINDS)
     assert [line.split("/")[0].strip() for line in medians] == ["median secure", "median secure, no audit"]
 

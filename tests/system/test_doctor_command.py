@@ -1,4 +1,4 @@
-"""fes doctor as a command: exit code, table and JSON, with runs that it cannot find."""
+"""fes doctor as a command: exit code, table and JSON, for runs that it cannot reach."""
 
 import json
 import os
@@ -85,5 +85,6 @@ def test_fes_doctor_prints_json_or_a_table_and_exits_with_1_after_a_failure(tmp_
 
     healthy = call(tmp_path, "fes", "doctor")
     assert (healthy.returncode, healthy.stderr) == (0, "")
-    taken = network.port(DEFAULT_ENDPOINT, world=False).status == Status.WARNING  # a person's own run, perhaps
+    # A run of the person who tests may have the port.
+    taken = network.port(DEFAULT_ENDPOINT, world=False).status == Status.WARNING
     assert taken or "no run goes on" in " ".join(healthy.stdout.split())

@@ -1,4 +1,4 @@
-"""Processes that the system refuses to start again: each refusal is said, and ends no more than it must."""
+"""Processes that the system cannot restart: each failure is reported, and ends no more than necessary."""
 
 import asyncio
 import signal

@@ -1,4 +1,4 @@
-"""Stop signals in the first moments of a program: it ends quietly and soon, with a true message, and leaves nothing.
+"""Stop signals in the first moments of a program: it ends quietly and soon, with a true message, and leaves no files.
 
 Each moment is awaited by its visible sign: a library that is being loaded, a line, a child, a file.
 """

@@ -1,4 +1,4 @@
-"""Robots that hang by schedule: their processes stop, hold nobody up, go on in time, and are not left behind."""
+"""Robots that hang by schedule: their processes stop, delay no robot, resume in time, and end with the run."""
 
 import asyncio
 import json
@@ -21,11 +21,11 @@ from world.metrics.summary import write_scenario
 
 HANG = {"at": 2.0, "hang": [4, 6]}
 LATER = {"at": 6.0, "hang": [4, 6]}
-"""When a run that began slowly has caught up: while it does, it may be at the end of a hang within a second."""
+"""Time at which a slow start is caught up: until then a hang may end within a second."""
 
 
 def state(pid: int) -> str:
-    """R, S, T (stopped), Z, ...; X once it is gone."""
+    """State of a process: R, S, T (stopped), Z, ...; X after its end."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
     except OSError:
@@ -33,7 +33,7 @@ def state(pid: int) -> str:
 
 
 class Watched:
-    """A run of a scenario in processes, and its agents' pids."""
+    """A run in processes, and the pids of its agents."""
 
     def __init__(self, where: Path, scenario: Scenario, pace: float) -> None:
         write_scenario(where, scenario)
@@ -43,7 +43,7 @@ class Watched:
         self.robots = scenario.robots.number
 
     def agent(self, robot: int) -> int:
-        """The pid of a robot's agent, once there is one."""
+        """Pid of a robot's agent, as soon as it runs."""
 
         def found() -> list[int]:
             words = f"-m agents --id {robot} "
@@ -63,7 +63,7 @@ class Watched:
         return (self.where / f"out/agent-{robot}.log").read_text()
 
     def end(self) -> None:
-        """Leave nobody behind, where a test has failed."""
+        """Kill all processes, also after a failed test."""
         if self.running.poll() is None:
             self.running.kill()
         self.running.communicate()
@@ -100,7 +100,7 @@ def test_fes_run_suspends_and_continues_processes_as_scheduled_and_the_digest_is
     assert state(pids[5]) != "T"
     until(lambda: state(pids[4]) != "T" and state(pids[6]) != "T")
     assert watched.outcome()["digest"] == inprocess.run(scenario, "scenario")["digest"]
-    for robot in (4, 5, 6):  # it is the same process that goes on
+    for robot in (4, 5, 6):  # the same process resumes
         assert watched.log(robot).count("ready") == watched.log(robot).count("the run is over") == 1
         assert "dropped" not in watched.log(robot)
     world = (watched.where / "out/world.log").read_text()
@@ -115,7 +115,7 @@ def test_robots_that_hang_to_the_end_do_not_delay_it(watch: Watch) -> None:
     until(lambda: all(state(pid) == "T" for pid in pids))
     assert watched.outcome()["digest"] == inprocess.run(scenario, "scenario")["digest"]
     assert not any(alive(pid) for pid in pids)
-    for robot in (4, 6):  # killed where it stood, and not told to go on and find its world gone
+    for robot in (4, 6):  # killed while suspended, and not resumed without its world
         assert watched.log(robot).splitlines()[-1].endswith("ready")
 
 
@@ -153,7 +153,7 @@ def test_a_crew_of_several_robots_is_not_stopped(tmp_path: Path) -> None:
 def test_a_robot_that_may_have_resumed_keeps_its_process(
     monkeypatch: pytest.MonkeyPatch, restart: float, done: list[str]
 ) -> None:
-    """Reports come ten times a second, and tell of a tick that is over: a world at full speed is far ahead."""
+    """Ten reports per second are of past ticks: a world at full speed is far ahead."""
     scenario = load("paper.toml", event=[{"at": 2.0, "kill": [4]}, {"at": restart, "restart": [4]}])
     did: list[str] = []
 

@@ -32,7 +32,7 @@ def test_a_connection_lasts_until_it_is_closed_and_only_its_client_counts() -> N
             assert not health.healthy("listens", own)
             with server.accept()[0]:
                 pass
-            assert client.recv(1) == b""  # the other end is gone: half a connection is none
+            assert client.recv(1) == b""  # the other end is closed: half a connection does not count
             assert not health.healthy("connected", port)
 
 

@@ -1,4 +1,4 @@
-"""A run over several machines, each a network namespace: routers, sites, a slow way, a cable that is cut."""
+"""A run over several machines, each a network namespace: routers, sites, a slow route, a cut cable."""
 
 import json
 import os
@@ -42,11 +42,11 @@ async def main(endpoint, tick):
 
 asyncio.run(main(sys.argv[1], int(sys.argv[2])))
 """
-"""Ends when a run has reached a tick."""
+"""Command of an observer that ends when a run has reached a tick."""
 
 
 class Team:
-    """A world, and agents for robots that share a process or not, on machines of a network."""
+    """A world, and agents of one or several robots, on machines of a network."""
 
     def __init__(self, where: Path, net: Internet) -> None:
         self.where, self.net = where, net
@@ -66,7 +66,7 @@ class Team:
         assert watching.wait(PATIENCE) == 0, self.all_said()
 
     def ends_well(self, host: str, endpoint: str) -> None:
-        """End the run once all are heard, or who was taken in last would miss it; its log comes out the same."""
+        """End the run after all robots answered, so that none misses the end; reexecute its log."""
         back = max(map(int, re.findall(r"is back from tick (\d+)", self.said())))
         self.reaches(back + 10, host, endpoint)
         self.processes[0].send_signal(signal.SIGINT)
@@ -82,7 +82,7 @@ class Team:
         return "".join(path.read_text() for path in sorted(self.where.glob("*.log")))
 
     def summary(self) -> dict[str, Any]:
-        """What came of it, when all have ended well."""
+        """The summary, after every process exited with 0."""
         codes = [process.wait(PATIENCE) for process in self.processes]
         assert not any(codes), self.all_said()
         found: dict[str, Any] = json.loads((self.where / "out/summary.json").read_text())
@@ -101,7 +101,7 @@ def team(tmp_path: Path, net: Internet) -> Team:
 
 
 def digest(scenario: str, seconds: float = SECONDS) -> Any:
-    """Of the same run in one loop."""
+    """Digest of the same run in one loop."""
     return inprocess.run(load(scenario, run__duration=seconds), "hosts")["digest"]
 
 
@@ -160,7 +160,7 @@ def test_two_sites_with_a_router_each_lose_no_beacon_and_come_to_the_same_digest
 
 
 def test_beacons_on_a_slower_route_than_ticks_are_recalled_and_change_no_digit(team: Team, net: Internet) -> None:
-    """Three sites in a ring: beacons from one to the next have a way of their own, here a very slow one."""
+    """Three sites in a ring: beacons between neighbors take a direct route, here a very slow one."""
     seconds = 0.5
     sites(net, team.where, ("east", "west"), ("east", "south"), ("south", "west"))
     slow = ["tc", "qdisc", "add", "dev", "lan5", "root", "tbf", "rate", "60kbit", "burst", "2kb", "latency", "9s"]

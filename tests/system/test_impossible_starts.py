@@ -1,4 +1,4 @@
-"""A `fes run` that cannot start, or cannot write, says so in one line at once, and leaves nothing half done."""
+"""A `fes run` that cannot start or write fails at once, in one line, and leaves no partial files."""
 
 import json
 import resource
@@ -46,7 +46,7 @@ for write, what in ((summary.write, {"a": "b" * 100}), (summary.write_scenario, 
     except Exception as error:
         print(type(error).__name__, error)
 """
-"""A file may have 64 bytes: the system refuses the rest, as on a full disk."""
+"""The system rejects more than 64 bytes per file, as on a full disk."""
 
 
 def test_a_file_that_cannot_be_written_is_named_and_not_left_half_written(tmp_path: Path) -> None:

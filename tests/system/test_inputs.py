@@ -1,4 +1,4 @@
-"""Text from outside: any content of a file, an argument or a name is read, or refused in one line."""
+"""Text from outside: any file content, argument or name is accepted, or rejected in one line."""
 
 import json
 import os
@@ -28,11 +28,11 @@ IN = ["--backend", "inprocess", "--headless", "--json", "--duration", "0.2"]
 
 DEEP = {"lists": "[" * 20_000, "tables": "{a = " * 20_000, "closed": "[" * 300 + "]" * 300}
 LONG = {"decimal": "1" * 5000, "hexadecimal": "0x" + "f" * 5000, "binary": "0b" + "1" * 20_000, "bits": str(2**64)}
-"""Whole numbers too long to be converted, or to be printed, or for TOML."""
+"""Integers with too many digits for int(), for print() or for TOML."""
 
 
 def line(run: Callable[[], object]) -> str:
-    """The one line of an error that a person can cause, empty if there is none; raises any other error."""
+    """Message of an error that a person can cause; empty without an error; raises any other error."""
     said = ""
     try:
         run()

@@ -1,4 +1,4 @@
-"""Installations: a wheel in an environment of its own, and other projects' packages that have our names."""
+"""Installations: a wheel in an environment of its own, and packages of other projects with our names."""
 
 import ast
 import base64
@@ -54,7 +54,7 @@ def _digest(text: str) -> str:
 
 
 class Environment:
-    """A virtual environment with nothing of ours, in which the libraries of this one can be imported."""
+    """A virtual environment without fes, with the libraries of this one."""
 
     def __init__(self, folder: Path) -> None:
         venv.create(folder)
@@ -63,14 +63,14 @@ class Environment:
         (self.packages / "libraries.pth").write_text(sysconfig.get_path("purelib") + "\n")
 
     def install(self, wheel: Path) -> None:
-        """Install a wheel, and nothing else."""
+        """Install a wheel without its dependencies."""
         python = str(self.programs / "python")
         words = ["--python", python, "install", "-q", "--no-deps", "--no-index", "--disable-pip-version-check"]
         subprocess.run([sys.executable, "-m", "pip", *words, str(wheel)], check=True, timeout=120)
 
     def call(self, where: Path, *words: str) -> "subprocess.CompletedProcess[str]":
-        """The outcome of one of its commands in the folder `where`."""
-        locale = "PYTHONUTF8", "PYTHONCOERCECLOCALE"  # as for the tests, which decode what it prints
+        """Outcome of one of its commands in the folder `where`."""
+        locale = "PYTHONUTF8", "PYTHONCOERCECLOCALE"  # as for the tests, which decode its output
         kept = {key: value for key, value in os.environ.items() if key in locale or not key.startswith("PYTHON")}
         return subprocess.run(
             [str(self.programs / words[0]), *words[1:]],
@@ -78,7 +78,7 @@ class Environment:
         )  # fmt: skip
 
     def names(self, where: Path) -> dict[str, str]:
-        """The finding of its doctor on our names."""
+        """Finding of its doctor about our package names."""
         [found] = [
             one
             for one in json.loads(self.call(where, "fes", "doctor", "--json").stdout)
@@ -151,7 +151,7 @@ def test_a_distribution_called_fes_is_a_warning(tmp_path: Path) -> None:
 
 
 def with_path(folder: Path, where: Path, *words: str) -> "subprocess.CompletedProcess[str]":
-    """The outcome of an installed command for which Python looks for packages in `folder` first."""
+    """Outcome of an installed command with `folder` first on Python's path."""
     return subprocess.run(
         [str(PROGRAMS / words[0]), *words[1:]],
         cwd=where, env={**os.environ, "PYTHONPATH": str(folder)}, stdin=subprocess.DEVNULL, capture_output=True,
@@ -206,7 +206,7 @@ def test_the_readme_names_the_systems() -> None:
 
 @pytest.fixture
 def not_installed(monkeypatch: pytest.MonkeyPatch) -> str:
-    """As in a clone that was updated and not installed again; the complaint."""
+    """Error of a clone that was updated and not installed again."""
     true = metadata.distribution
 
     def found(name: str) -> metadata.Distribution:

@@ -1,4 +1,4 @@
-"""fes keys and fes run --secure, as a person calls them: who may read what is left, and what is not left."""
+"""fes keys and fes run --secure, as a person calls them: permissions of the files, and files that must vanish."""
 
 import argparse
 import json
@@ -71,7 +71,7 @@ def test_the_list_shows_role_serial_expiry_and_fingerprint_but_no_key(tmp_path: 
 
 
 def test_an_invalid_host_is_rejected_before_anything_is_written(tmp_path: Path) -> None:
-    umlaut = os.fsdecode("ü.example".encode())  # an ASCII locale has no other way to pass it
+    umlaut = os.fsdecode("ü.example".encode())  # the only way to pass it in an ASCII locale
     for host in (umlaut, "lab.example:7447"):
         line = complaint(call(tmp_path, "fes", "keys", "init", "--host", "lab.example", "--host", host), "fes")
         assert line.endswith(f"without scheme and port, got {host!r}")

@@ -33,7 +33,7 @@ def test_world_robots_metrics_and_dashboard_of_a_long_run_do_not_grow() -> None:
             gc.collect()
             before = resident()
     gc.collect()
-    assert resident() - before < 1.5  # MB; 50 bytes a tick that were kept would be as much
+    assert resident() - before < 1.5  # MB; a leak of 50 bytes per tick would be as much
 
 
 @pytest.mark.parametrize(

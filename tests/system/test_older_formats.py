@@ -1,4 +1,4 @@
-"""Files of older formats: each is refused in one line that names both formats, and stays as it was.
+"""Files of older formats: each is rejected in one line that names both formats, and stays unchanged.
 
 `python -m tests.system.test_older_formats` records which tables a checkpoint of the present format holds.
 """
@@ -31,7 +31,7 @@ KEPT = FORMATS
 
 @pytest.fixture
 def kept(tmp_path: Path) -> Path:
-    """A copy of all of them, as version 0.2.0 wrote them."""
+    """A copy of all stored files, as version 0.2.0 wrote them."""
     return Path(shutil.copytree(KEPT, tmp_path / "formats"))
 
 
@@ -87,7 +87,7 @@ def tables(value: object) -> Iterator[tuple[str, str]]:
 
 
 def layout(where: Path) -> str:
-    """All tables that a checkpoint holds, a line each."""
+    """All tables in a checkpoint, one line per table."""
     scenario = load("measured.toml", run__duration=0.2, channel__bursts={"bad_share": 0.2, "mean_length": 0.1})
     (where / "run").mkdir()
     with Recorder(where / "run" / NAME, scenario, "x", "processes") as recorder:
@@ -110,7 +110,7 @@ LAYOUT = KEPT / f"checkpoint-{snapshot.FORMAT}.txt"
 
 
 def test_no_table_of_a_checkpoint_changes_without_a_new_format_number(tmp_path: Path) -> None:
-    # A checkpoint names its format and not the version of the package: with other tables it would end amid the run.
+    # A checkpoint names its format, not the package's version: changed tables would fail during the run.
     advice = "raise world.execution.snapshot.FORMAT, then python -m tests.system.test_older_formats"
     wanted = f"other tables in a checkpoint: {advice}"
     assert layout(tmp_path) == LAYOUT.read_text(encoding="utf-8"), wanted

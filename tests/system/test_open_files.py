@@ -1,4 +1,4 @@
-"""Runs where few files may be open: what the doctor says no run can do without, and what is said without it."""
+"""Runs with a low limit of open files: the doctor's limits, and the errors below them."""
 
 import resource
 import subprocess
@@ -16,7 +16,7 @@ PAIR = ["run", str(CONFIGS / "pair.toml"), "--duration", "1", "--headless"]
 
 
 def limited(files: int, where: Path) -> subprocess.CompletedProcess[str]:
-    """The outcome of a pair, a process each, where every process may have so many files open."""
+    """Outcome of a run of two processes with a limit of open files per process."""
     words = ["bash", "-c", f'ulimit -n {files} && exec "$@"', "bash", *fes(*PAIR)]
     return subprocess.run(words, cwd=where, capture_output=True, text=True, timeout=PATIENCE)
 
@@ -25,8 +25,8 @@ def limited(files: int, where: Path) -> subprocess.CompletedProcess[str]:
     "files", [machine.LEAST_FILES + 2 * machine.FILES_PER_CHILD + 8, machine.FILES_OF_A_PROCESS + 2 * 2]
 )
 def test_a_pair_runs_with_few_files(tmp_path: Path, files: int) -> None:
-    """With what the doctor takes for enough, and with what it only warns of: some to spare, as a busy machine has
-    robots lose their connection and open another."""
+    """Runs with the doctor's limit and with its warning limit. Both have a reserve, as on a busy machine
+    robots reconnect."""
     done = limited(files, tmp_path)
     assert (done.returncode, done.stderr) == (0, STARTING.format(2))
 
@@ -42,7 +42,7 @@ def test_a_run_with_too_few_open_files_fails_with_the_command_that_raises_the_li
 
 
 def allow(files: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have the system allow a process so many open files, and up to 4,096 if it asks."""
+    """Set the soft limit of open files; the hard limit is 4,096."""
     monkeypatch.setattr("resource.getrlimit", lambda _: (files, 4096))
 
 

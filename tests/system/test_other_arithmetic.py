@@ -1,4 +1,4 @@
-"""Programs on a processor with another arithmetic: each that would mix digits refuses, in one line."""
+"""Programs with another arithmetic: a resume, sweep or figure that would mix digits fails in one line."""
 
 import json
 import shutil
@@ -39,7 +39,7 @@ def test_programs_with_another_arithmetic_reject_resumed_runs_and_sweeps(
     assert line.endswith(f'sweep.json has arithmetic = "{there}", and this is {HERE}')
     assert (tmp_path / "out" / ledger.LINES).read_bytes() == before
     assert complaint(resumed, "fes-world").endswith(f"was kept with {HERE}; this is {there}: the digits would differ")
-    # The switch decides if a second of ten robots comes out otherwise; the line that follows is the same.
+    # The switch decides if a second of ten robots has other digits; the next line is the same.
     if again.returncode == 0:
         assert again.stderr == ""
     else:

@@ -1,4 +1,4 @@
-"""Children of `fes run`: a world has the time that it needs to close, and an agent that dies does not end the run."""
+"""Children of `fes run`: a world has time to close, and a dead agent does not end the run."""
 
 import asyncio
 import signal
@@ -96,11 +96,11 @@ def test_an_agent_that_ends_before_the_run_begins_is_reported_as_the_cause_of_fa
     async def main() -> tuple[str, list[str]]:
         async with family(tmp_path) as processes:
             await world(processes, ENDLESS, "waiting for 2 robots\n")
-            await agent(processes, "1", FAILURE, "fes-agent: error: gave up\n")
+            await agent(processes, "1", FAILURE, "fes-agent: error: timed out\n")
             return await finished(processes)
 
     monkeypatch.setattr(supervisor, "SETTLING", 0.1)
-    assert asyncio.run(main()) == ("fes-agent --id 1: gave up; the run cannot begin without it", [])
+    assert asyncio.run(main()) == ("fes-agent --id 1: timed out; the run cannot begin without it", [])
 
 
 def test_a_restarted_agent_may_end_before_the_run_begins(tmp_path: Path) -> None:
@@ -126,10 +126,10 @@ def test_a_world_that_fails_is_named_before_the_agents_that_fail_with_it(tmp_pat
         async with family(tmp_path) as processes:
             fails_last = "import sys; sys.stdin.readline(); raise SystemExit(1)"
             await world(processes, fails_last, "fes-world: error: the address is taken\n")
-            failed = await agent(processes, "1", FAILURE, "fes-agent: error: gave up\n")
+            failed = await agent(processes, "1", FAILURE, "fes-agent: error: timed out\n")
             following = asyncio.ensure_future(finished(processes))
             await failed.process.wait()
-            await until(processes.ends.empty)  # the end of the agent has been taken up
+            await until(processes.ends.empty)  # the end of the agent was handled
             assert processes.world is not None
             assert processes.world.process.stdin is not None
             processes.world.process.stdin.write(b"\n")
@@ -174,7 +174,7 @@ def test_no_agent_is_restarted_while_the_run_ends(tmp_path: Path) -> None:
 
 
 def test_an_agent_that_is_suspended_at_the_end_is_terminated_and_not_killed(tmp_path: Path) -> None:
-    """It would wait for a world that is over; once continued, it ends as it was told to."""
+    """A suspended agent would wait for its ended world; once continued, it obeys SIGTERM."""
 
     async def main() -> ManagedProcess:
         async with family(tmp_path) as processes:

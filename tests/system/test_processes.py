@@ -1,4 +1,4 @@
-"""Real processes: `fes run`, worlds and agents by hand; nothing is left behind, whoever dies."""
+"""Real processes: `fes run`, worlds and agents by hand; none survives a death of any other."""
 
 import asyncio
 import json
@@ -148,7 +148,7 @@ def test_a_taken_port_is_one_line(tmp_path: Path) -> None:
 
 
 def test_an_agent_loads_no_more_than_it_needs(tmp_path: Path) -> None:
-    """No plotting, no command-line framework, no terminal library, no scenario; and not the channel's formula."""
+    """No plotting, command-line framework, terminal library or scenario, and no channel formula."""
     code = "import sys, agents.process, agents.control.crew; print(*sorted(sys.modules))"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=PATIENCE)
     modules = set(loaded.stdout.split())

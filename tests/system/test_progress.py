@@ -1,4 +1,4 @@
-"""A command that takes longer than a second shows its progress: on a terminal, and nowhere else."""
+"""A command that takes longer than a second shows its progress on a terminal only."""
 
 import io
 import re
@@ -86,7 +86,7 @@ def test_a_long_command_shows_a_bar_on_a_terminal_and_nothing_in_a_pipe(
     assert HIDE in shown.text
     assert ":00:0" in shown.text
     assert is_restored(shown.text)
-    if words[0] == "claims":  # the others' own tests look at their standard error
+    if words[0] == "claims":  # tests of the other commands check their standard error
         piped = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
         assert (piped.returncode, piped.stderr) == (0, "")
         assert piped.stdout == (tmp_path / "out").read_text()

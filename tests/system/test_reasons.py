@@ -1,4 +1,4 @@
-"""Reasons: the system's text for an error, and the text of errors for which it has none."""
+"""Reasons of errors: the system's text, or our own where it has none."""
 
 import ast
 import subprocess

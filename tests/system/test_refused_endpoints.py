@@ -1,4 +1,4 @@
-"""Endpoints that no command can use: each is refused in one line, without waiting."""
+"""Impossible endpoints: each command rejects them in one line, without waiting."""
 
 import json
 import os
@@ -77,7 +77,7 @@ def test_a_listening_address_of_another_machine_is_reported(tmp_path: Path) -> N
 
 @pytest.fixture
 def hosts(tmp_path: Path) -> list[str]:
-    """Before a command: run it where /etc/hosts is the file `hosts` here."""
+    """Prefix of a command: run it with the file `hosts` as /etc/hosts."""
     (tmp_path / "hosts").write_text("127.0.0.1 localhost\n")
     within = ["unshare", "--mount", "sh", "-c", f'mount --bind {tmp_path}/hosts /etc/hosts && exec "$@"', "sh"]
     if os.geteuid() != 0 or shutil.which("unshare") is None:
@@ -88,7 +88,7 @@ def hosts(tmp_path: Path) -> list[str]:
 
 
 def test_an_agent_joins_once_a_name_resolves(hosts: list[str], tmp_path: Path) -> None:
-    """A container may start before the one that it connects to by name: it waits, as for a world."""
+    """A container may start before the one that it connects to by name: it waits for the name to resolve."""
     endpoint = vacant()
     late = endpoint.replace("127.0.0.1", "late-world.invalid")
     words = [*hosts, str(PROGRAMS / "fes-agent"), "--id", "0", "--timeout", "60", "-e", late]
@@ -107,7 +107,7 @@ def test_an_agent_joins_once_a_name_resolves(hosts: list[str], tmp_path: Path) -
 
 @pytest.mark.parametrize("nesting", ["[", "{a:"])
 def test_brackets_that_would_crash_zenoh_are_rejected(nesting: str, tmp_path: Path) -> None:
-    """Zenoh's parser would overflow the stack, which is a signal and not an error."""
+    """Zenoh's parser would overflow the stack, which ends the process with a signal."""
     close = {"[": "]", "{a:": "1}"}[nesting]
     deep = nesting * 50_000 + close[:-1] + close[-1] * 50_000
     (tmp_path / "deep.json5").write_text(f'{{"metadata": {deep}}}')

@@ -26,7 +26,7 @@ def test_fes_run_prints_remarks_with_both_backends_and_fes_world_logs_them(tmp_p
 
 def test_fes_sweep_prints_remarks_once_for_all_cells(tmp_path: Path) -> None:
     words = ["--seeds", "0:3", "--set", "run.duration=0.05", "--axis", "formation.rule=disk,two_nearest"]
-    call = fes("sweep", str(CONFIGS / "pair.toml"), *words, "--out", "/dev/null")  # it cannot go further there
+    call = fes("sweep", str(CONFIGS / "pair.toml"), *words, "--out", "/dev/null")  # it can do no more there
     done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 1
     line = "fes: warning: run.duration 0.05 s is not a multiple of run.dt 0.02 s: 2 ticks are run, 0.04 s\n"

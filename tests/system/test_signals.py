@@ -1,4 +1,4 @@
-"""Stop signals: those that a program was started to ignore, and those that meet a command without a result."""
+"""Stop signals: ignored ones of a background program, and those before a command has a result."""
 
 import asyncio
 import signal
@@ -92,7 +92,7 @@ def test_a_background_run_of_a_script_ignores_ctrl_c_and_still_ends_its_world_in
 
 @pytest.mark.parametrize("words", [["set", "channel.reference_snr=5e6"], ["doctor"]], ids=lambda words: words[0])
 def test_a_command_interrupted_before_it_has_a_result_fails_with_one_line(words: list[str], tmp_path: Path) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as silent:  # it accepts, and never answers
+    with socket.create_server(("127.0.0.1", 0)) as silent:  # it accepts connections, and never answers
         silent.settimeout(PATIENCE)
         running = start(fes(*words, "-e", f"tcp/127.0.0.1:{silent.getsockname()[1]}"), tmp_path)
         asked, _ = silent.accept()

@@ -1,4 +1,4 @@
-"""Private keys of a run that was killed: named by the doctor, and removed by the next run."""
+"""Private keys of a killed run: named by the doctor, and removed by the next run."""
 
 import json
 import subprocess

@@ -1,4 +1,4 @@
-"""The command fes sweep, as a person calls it, stops it, kills it and calls it again."""
+"""The command fes sweep: called, stopped, killed and called again."""
 
 import csv
 import os
@@ -40,11 +40,11 @@ def witnessed(batch, *watch):
 
 work.carry_out = witnessed
 """
-"""Loaded by every Python that starts in the test: workers write down what they begin."""
+"""Code that every Python of the test loads: workers record the runs that they begin."""
 
 
 def start(where: Path, log: str) -> "subprocess.Popen[str]":
-    """The long sweep, its workers watched."""
+    """The long sweep, with recorded workers."""
     (where / "sitecustomize.py").write_text(WITNESS)
     path = os.pathsep.join(filter(None, (str(where), os.environ.get("PYTHONPATH"))))
     return subprocess.Popen(
@@ -65,7 +65,7 @@ def begun(log: Path) -> list[tuple[int, str]]:
 
 
 def gone(process: int) -> bool:
-    """Whether a process has ended; one that nobody has collected yet has."""
+    """True if a process has ended; a zombie has."""
     try:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
     except OSError:
@@ -95,9 +95,9 @@ def test_a_row_equals_the_summary_of_a_single_run_and_is_not_computed_twice(tmp_
     ]
     alone = inprocess.run(load("pair.toml", run__duration=2.0, run__seed=2, formation__rule="two_nearest"), "pair")
     assert (rows[3]["digest"], rows[3]["beacons_decoded"]) == (alone["digest"], str(alone["beacons_decoded"]))
-    assert rows[3]["time_to.separation_0_1m"] == ""  # never: two seconds are not enough
+    assert rows[3]["time_to.separation_0_1m"] == ""  # not reached: two seconds are not enough
     assert not work.WALL_CLOCK & rows[0].keys()
-    # Two robots are each other's nearest, and both rules meet the same radio: not a digit differs.
+    # Two robots are each other's nearest, so both rules have the same radio: no digit differs.
     assert [row["digest"] for row in rows[:2]] == [row["digest"] for row in rows[2:]]
     with (directory / "differences.csv").open(newline="") as file:
         assert {row["mean"] for row in csv.DictReader(file) if row["pairs"] == "2"} == {"0.0"}
@@ -147,7 +147,7 @@ def test_a_killed_sweep_resumes_and_repeats_no_finished_run(tmp_path: Path) -> N
 def test_an_interrupted_sweep_reports_its_progress_and_leaves_no_process(tmp_path: Path) -> None:
     sweep = start(tmp_path, "log")
     until_some_are_done(tmp_path / "out", sweep)
-    os.killpg(sweep.pid, signal.SIGINT)  # as a terminal does: the sweep and its workers
+    os.killpg(sweep.pid, signal.SIGINT)  # like a terminal: the sweep and its workers
     said, complained = sweep.communicate(timeout=PATIENCE)
     done = len(kept(tmp_path / "out"))
     assert (sweep.returncode, said) == (1, "")

@@ -1,4 +1,4 @@
-"""The systemd units of deploy/: systemd can read them, and what they start is a run that survives a stop."""
+"""The systemd units of deploy/: systemd can read them, and they start a run that survives a stop."""
 
 import asyncio
 import json
@@ -33,12 +33,12 @@ Process = subprocess.Popen[Any]
 
 
 def text(name: str) -> str:
-    """A unit, with the programs where they are here."""
+    """A unit, with the paths of the programs under test."""
     return (UNITS / name).read_text(encoding="utf-8").replace("/opt/fes/bin/", f"{PROGRAMS}/")
 
 
 def drop_in(name: str) -> str:
-    """What a unit gets beside its own text for a run with certificates."""
+    """Drop-in of a unit for a run with certificates."""
     return text(f"{name}.d/keys.conf")
 
 
@@ -59,7 +59,7 @@ def test_systemd_accepts_the_units(tmp_path: Path, secure: bool) -> None:
 
 
 def command(unit: str, environment: dict[str, str], instance: str = "") -> list[str]:
-    """What a unit starts, its variables and its instance put in as systemd does; the last line of its kind holds."""
+    """Command of a unit, with variables and instance as systemd expands them; the last ExecStart applies."""
     *_, found = re.findall(r"^ExecStart=((?:.*\\\n)*.*)", unit, re.MULTILINE)
     words = []
     for word in shlex.split(found.replace("\\\n", " ")):
@@ -80,7 +80,7 @@ def start(unit: str, environment: dict[str, str], log: Path, instance: str = "")
 
 
 async def reached(endpoint: str, tick: int) -> None:
-    """Wait until a run has come so far."""
+    """Wait until a run has reached a tick."""
     async with bus.opened(Endpoints("client", (endpoint,))) as opened:
         async for report in observer.reports(opened, keys.DEFAULT_RUN, PATIENCE, PATIENCE):
             if report is not None and report.tick >= tick:
@@ -118,14 +118,14 @@ def test_a_stopped_and_started_world_resumes_and_its_robots_have_waited(tmp_path
 
 
 def variables(unit: str) -> dict[str, str]:
-    """What a unit sets; of two lines with one variable the last holds."""
+    """Environment of a unit; the last line of a variable applies."""
     lines = re.findall(r"^Environment=(.*)$", unit, re.MULTILINE)
     pairs = (pair.partition("=") for line in lines for pair in shlex.split(line))
     return {name: value for name, _, value in pairs}
 
 
 def handed(unit: str, issued: Path, where: Path) -> None:
-    """The files that a unit is to have, as systemd hands them over: in a directory of their own."""
+    """Credentials of a unit, in a directory of their own, as systemd provides them."""
     where.mkdir()
     for name, path in re.findall(r"^LoadCredential=(.*):/etc/fes/keys/(.*)$", unit, re.MULTILINE):
         shutil.copy(issued / path, where / name)

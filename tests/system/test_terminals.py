@@ -1,4 +1,4 @@
-"""Any terminal and any locale: the same exit codes, the terminal as it was, and the result on it."""
+"""Any terminal and any locale: the same exit codes, a restored terminal, and the result on it."""
 
 import asyncio
 import io
@@ -23,7 +23,7 @@ __all__ = ["endless"]
 
 LOOP = ["run", PAIR, "--backend", "inprocess"]
 ARROW = os.fsdecode("→".encode())
-"""A character that ASCII does not have, as the bytes of an argument in any locale."""
+"""A character outside ASCII, as the bytes of an argument in any locale."""
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def logs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def written_by(stream: str, monkeypatch: pytest.MonkeyPatch, encoding: str) -> io.BytesIO:
-    """The bytes written from now on to a standard stream of this encoding, which rejects characters that it lacks."""
+    """Bytes written to a standard stream of this encoding, which rejects characters that it lacks."""
     kept = io.BytesIO()
     monkeypatch.setattr(sys, stream, io.TextIOWrapper(kept, encoding=encoding, errors="strict", write_through=True))
     return kept
@@ -65,7 +65,8 @@ def test_every_command_prints_in_any_encoding_and_ends_as_under_utf_8(
         (0, ["--help"]),
         (1, ["walk→"]),
     ]
-    for expected, words in commands if encoding == "ascii" else commands[:6]:  # what ASCII has, all have
+    # Every encoding has the characters of ASCII.
+    for expected, words in commands if encoding == "ascii" else commands[:6]:
         for stream in ("stdout", "stderr"):
             written_by(stream, monkeypatch, encoding)
         monkeypatch.setattr(sys, "argv", ["fes", *words])

@@ -1,4 +1,4 @@
-"""What is said to who takes part over TLS in vain: the certificate is named, where it is at fault."""
+"""Errors of agents that cannot join over TLS: each names the certificate at fault."""
 
 import asyncio
 from pathlib import Path
@@ -20,7 +20,7 @@ def issuer() -> certificates.Authority:
 
 
 async def said(world: Stage, robots: str, timeout: float, *flags: str) -> str:
-    """The last line of an agent that does not get to its robots."""
+    """Last line of an agent that cannot join."""
     words = ("--id", robots, "-e", world.endpoint, "--timeout", str(timeout), *flags)
     agent = start(command("agents.process", *words), world.where)
     world.running.append(agent)
@@ -33,7 +33,7 @@ async def said(world: Stage, robots: str, timeout: float, *flags: str) -> str:
 def test_an_agent_without_a_role_in_the_run_names_the_log_to_read(
     tmp_path: Path, issuer: certificates.Authority, robots: str
 ) -> None:
-    """Robot 7 of a run of two; and a crew that got its certificate after the world had read those that there were."""
+    """Robot 7 of a run of two, and a crew whose certificate was issued after the world had read the roles."""
     keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
 
     async def main() -> tuple[str, Stage]:

@@ -1,4 +1,4 @@
-"""A run that does not meet its expectations: exit code 2, and what was seen."""
+"""A run that does not meet its expectations: exit code 2, and the observed values."""
 
 import json
 import subprocess

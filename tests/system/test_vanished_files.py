@@ -51,7 +51,7 @@ def test_a_log_changed_during_its_run_is_reported_at_the_end(tmp_path: Path, how
                 change(path)
             team.step(run)
             if run.state.tick == 15 and chunks:
-                recorder.pause()  # a chunk written at the old end of the file would make the cut a hole
+                recorder.pause()  # a chunk written at the old end would turn the cut into a hole
         with pytest.raises(FesError, match=rf"^{path} {told} during the run: the log is incomplete$"):
             stack.close()
     assert run.metrics.link_errors.digest.text() == inprocess.run(scenario, "pair")["digest"]
@@ -112,7 +112,7 @@ def test_no_checkpoint_is_written_without_its_digest_input(tmp_path: Path) -> No
     team = Team(run.scenario)
     for _ in range(5):
         team.step(run)
-    assert checkpoints.losses(run) == []  # hands to the system what waits
+    assert checkpoints.losses(run) == []  # flushes pending data
     os.truncate(tmp_path / FOLDER / DIGEST_INPUT, 0)
     team.step(run)
     with pytest.raises(FesError, match=r"^cannot keep a checkpoint: .*trail was cut by \d+ bytes$"):
@@ -138,7 +138,7 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
     kept = resume.load(run)
     aside = run / FOLDER / f"log-{kept.number}"
 
-    # A copy that does not hold what was copied: it is refused, and the original is where it was.
+    # A copy with other content is rejected, and the original stays in its place.
     with pytest.MonkeyPatch.context() as broken:
         broken.setattr(Recorder, "add", lambda *words: None)
         broken.setattr("fes.recording.mcap_file.Container._again", lambda *words: None)
@@ -147,7 +147,7 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
     assert (run / NAME).read_bytes() == original
     assert not aside.exists()
 
-    # A world that dies before its first checkpoint leaves it aside, and the next one finds it.
+    # A world that dies before its first checkpoint leaves the log set aside for its successor.
     for _ in range(2):
         again = resume.recorder(run, resume.load(run))
         assert again is not None

@@ -1,4 +1,4 @@
-"""Worlds of real processes that die, or are told to stop, and are gone on with."""
+"""World processes that die or are stopped, and whose runs are resumed."""
 
 import json
 import shutil
@@ -24,7 +24,7 @@ from world.execution.run import ATTEND, TICK
 from world.metrics.summary import write_scenario
 
 MACHINE = ("backend", "wall_s", "ticks_per_s", "real_time_factor")
-"""What of a summary is of the machine."""
+"""Summary keys that depend on the machine."""
 
 
 @pytest.fixture
@@ -50,7 +50,7 @@ def test_a_run_whose_world_is_killed_and_stopped_has_the_same_digest(run: Run) -
 
 def test_fes_run_kills_the_world_as_scheduled_and_the_digest_is_the_same(tmp_path: Path) -> None:
     deaths = [{"at": 2.0, "world_away": 0.5}, {"at": 6.0, "world_away": 0.1}]
-    deaths.append({"at": 11.96, "world_away": 0.1})  # perhaps when it is just over
+    deaths.append({"at": 11.96, "world_away": 0.1})  # perhaps just after its end
     scenario = load("neighborhood.toml", run__duration=12.0, event=deaths)
     write_scenario(tmp_path, scenario)
     words = ["run", "scenario.toml", "--rtf", "4", "--headless", "--json", "--out", "out"]
@@ -66,7 +66,7 @@ def test_fes_run_kills_the_world_as_scheduled_and_the_digest_is_the_same(tmp_pat
 def test_a_permanently_ended_run_cannot_be_resumed(run: Run) -> None:
     for robot in range(load("neighborhood.toml").robots.number):
         run.join(robot)
-    until(lambda: (run.out / NAME).exists() and (run.out / NAME).stat().st_size > 20_000)  # it is under way
+    until(lambda: (run.out / NAME).exists() and (run.out / NAME).stat().st_size > 20_000)  # the run has begun
     run.world.send_signal(signal.SIGINT)
     for process in (run.world, *run.agents.values()):
         process.communicate(timeout=PATIENCE)
@@ -83,13 +83,13 @@ def test_a_resumed_world_remembers_changes_and_deaths_since_the_checkpoint(run: 
         fes("set", "channel.reference_snr=2e6", "-e", run.endpoint), capture_output=True, text=True, check=False
     )
     assert told.returncode == 0, told.stderr
-    run.come_to_rest(1)  # so that no beacon of robot 1 is on its way, which would be lost with it
+    run.come_to_rest(1)  # so that no beacon of robot 1 is in transit, which would be lost with it
     run.world.kill()
     run.world.communicate()
     run.agents[1].kill()
     run.agents[1].communicate()
     run.start("--resume", str(run.out))
-    run.join(1)  # a new process, which knows nothing
+    run.join(1)  # a new process without state
     summary = run.finish()
     assert summary["ticks"] == 2000
     assert "2000000.0" in (run.out / "scenario.toml").read_text()
@@ -137,18 +137,18 @@ def test_a_world_behind_its_robots_reports_it_and_they_end(run: Run, tmp_path: P
     run.next_checkpoint()
 
     def copied() -> bool:
-        with suppress(OSError):  # a journal may be replaced just now
+        with suppress(OSError):  # a journal may be replaced concurrently
             shutil.copytree(run.out / FOLDER, tmp_path / "old", dirs_exist_ok=True)
             return True
         return False
 
     until(copied)
-    seen = until(lambda: max(0, run.reached()))  # a checkpoint that is on its way may come before the next tick
+    seen = until(lambda: max(0, run.reached()))  # a pending checkpoint may come before the next tick
     until(lambda: run.reached() > seen + 3)
     run.world.kill()
     run.world.communicate()
     shutil.rmtree(run.out / FOLDER)
-    shutil.copytree(tmp_path / "old", run.out / FOLDER)  # as after a loss of power that took what was not on disk yet
+    shutil.copytree(tmp_path / "old", run.out / FOLDER)  # as after a power loss that removed unsynced data
     run.start("--resume", str(run.out))
     for agent in run.agents.values():
         _, err = agent.communicate(timeout=PATIENCE)

@@ -1,4 +1,4 @@
-"""How the end of a world comes about, and whether its run can be gone on with."""
+"""Ends of a world, and which of them allow the run to be resumed."""
 
 import resource
 import signal
@@ -20,7 +20,7 @@ from world.metrics.summary import write_scenario
 
 @pytest.fixture
 def pair(tmp_path: Path) -> Iterator[Run]:
-    """Two robots at the fourfold pace of the wall clock."""
+    """Two robots at four times the pace of the wall clock."""
     with under_way(tmp_path, "pair.toml") as going:
         for robot in (0, 1):
             going.join(robot)
@@ -45,7 +45,7 @@ def test_ctrl_c_ends_a_run_permanently_except_while_a_resumed_world_waits_for_it
     until(lambda: pair.reached() > 20)
     pair.world.kill()
     pair.world.communicate()
-    endpoint, pair.endpoint = pair.endpoint, "tcp/127.0.0.1:0"  # where nobody looks for it
+    endpoint, pair.endpoint = pair.endpoint, "tcp/127.0.0.1:0"  # where no process looks for it
     pair.start("--resume", str(pair.out))
     log: list[str] = []
     assert pair.world.stderr is not None
@@ -94,7 +94,7 @@ def test_a_resumed_run_keeps_its_name(pair: Run) -> None:
 
 
 def test_a_reused_run_directory_keeps_no_file_of_the_previous_run(tmp_path: Path) -> None:
-    """Not even where the new run comes to nothing."""
+    """This holds even if the new run fails."""
     (tmp_path / "summary.json").write_text("{}")
     (tmp_path / "run.mcap").write_text("a log")
     words = ["--out", str(tmp_path), "--no-record", "-l", f"tcp/127.0.0.1:{free_port()}"]
