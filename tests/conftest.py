@@ -24,10 +24,10 @@ KINDS = ("unit", "integration", "system", "science", "architecture")
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark every test with the name of its folder."""
-    here = Path(__file__).parent
+    folder = Path(__file__).parent
     for item in items:
         for kind in KINDS:
-            if here / kind in item.path.parents:
+            if folder / kind in item.path.parents:
                 item.add_marker(kind)
 
 

@@ -35,18 +35,20 @@ def tracked() -> list[Path]:
 
 def offences(text: str) -> list[str]:
     """Each command in a text that would install a distribution by name."""
-    found = (match["rest"] for match in INSTALLERS.finditer(text))
-    return [rest for rest in found if BY_NAME.search(rest.replace("in a clone of fes", ""))]
+    commands = (match["rest"] for match in INSTALLERS.finditer(text))
+    return [rest for rest in commands if BY_NAME.search(rest.replace("in a clone of fes", ""))]
 
 
 def test_no_file_of_the_project_installs_it_by_name() -> None:
     paths = [path for path in tracked() if path != Path(__file__).resolve()]
     assert len(paths) > 200
     assert {ROOT / "README.md", ROOT / "fes/transport/identity.py"} <= set(paths)
-    found = {
-        path.name: said for path in paths if (said := offences(path.read_text(encoding="utf-8", errors="replace")))
+    by_name = {
+        path.name: commands
+        for path in paths
+        if (commands := offences(path.read_text(encoding="utf-8", errors="replace")))
     }
-    assert found == {}
+    assert by_name == {}
 
 
 @pytest.mark.parametrize(
@@ -77,15 +79,15 @@ def test_an_error_about_a_missing_extra_contains_the_command_that_installs_it(
 ) -> None:
     for module in ("matplotlib", "pyarrow", "distributed", "cryptography"):
         monkeypatch.setitem(sys.modules, module, None)
-    told: dict[str, str] = {"security": str(identity.missing_extra())}
+    messages: dict[str, str] = {"security": str(identity.missing_extra())}
     with pytest.raises(FesError) as plot:
         figures.require()
     with pytest.raises(FesError) as parquet:
         table.require(Format.PARQUET)
     with pytest.raises(FesError) as cluster_, cluster.connected("tcp://127.0.0.1:1"):
         pass
-    told |= {"plot": str(plot.value), "parquet": str(parquet.value), "cluster": str(cluster_.value)}
-    for extra, message in told.items():
+    messages |= {"plot": str(plot.value), "parquet": str(parquet.value), "cluster": str(cluster_.value)}
+    for extra, message in messages.items():
         assert distribution.install(extra) in message
         assert "\n" not in message
 

@@ -61,21 +61,21 @@ def at_import(path: Path) -> Iterator[ast.stmt]:
 
 def test_a_package_imports_only_from_the_layers_below_its_own() -> None:
     assert sum(len(layer) for layer in LAYERS) == len(set().union(*LAYERS))
-    found = arrows()
-    assert set(found) == set().union(*LAYERS)
+    imported = arrows()
+    assert set(imported) == set().union(*LAYERS)
     below: set[str] = set()
     for layer in LAYERS:
         for name in layer:
-            assert found[name] <= below, f"{name} imports {found[name] - below}"
+            assert imported[name] <= below, f"{name} imports {imported[name] - below}"
         below |= layer
 
 
 def test_agents_and_world_do_not_import_each_other_and_no_package_imports_tests() -> None:
-    found = arrows()
+    imported = arrows()
     for first, second in (("agents.", "world."), ("world.", "agents.")):
-        for name in found:
+        for name in imported:
             if name.startswith(first):
-                assert not [imported for imported in found[name] if imported.startswith(second)], name
+                assert not [word for word in imported[name] if word.startswith(second)], name
     assert not importers("tests")
 
 
@@ -85,9 +85,9 @@ def test_the_laws_import_only_arrays_and_the_model() -> None:
 
 @pytest.mark.parametrize("library", ["asyncio", "fes.transport"])
 def test_only_the_shells_wait_or_communicate(library: str) -> None:
-    found = {package(name) for name in below_console(importers(library)) if not name.startswith("fes.")}
-    assert found <= set(SHELLS)
-    assert {"agents.runtime", "world.server"} <= found
+    imported = {package(name) for name in below_console(importers(library)) if not name.startswith("fes.")}
+    assert imported <= set(SHELLS)
+    assert {"agents.runtime", "world.server"} <= imported
 
 
 @pytest.mark.parametrize("folder", MAPPED)
@@ -156,9 +156,9 @@ except FesError as error:
 print(*(name for name in sys.modules if name in ("agents.laws.oracle", "fes.model.outage")))
 """
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
-    said = done.stdout.splitlines()
-    assert said[0].startswith("refused: seeking.index = 'oracle' needs the channel")
-    assert said[1:] in ([], [""])
+    lines = done.stdout.splitlines()
+    assert lines[0].startswith("refused: seeking.index = 'oracle' needs the channel")
+    assert lines[1:] in ([], [""])
 
 
 @pytest.mark.parametrize(("name", "path"), modules(*PACKAGES, "tests", "bench").items(), ids=lambda value: str(value))

@@ -24,7 +24,7 @@ from world.server.server import Server
 
 ROBOTS = 10
 FLOOD = 10_000
-NOBODY = np.zeros(0, dtype=np.int64)
+NO_PEERS = np.zeros(0, dtype=np.int64)
 NOTHING = np.zeros(0)
 
 AGENT = 4711
@@ -91,19 +91,19 @@ def everywhere(payload: bytes, run: str = RUN) -> list[tuple[str, bytes]]:
 
 
 def command(tick: int, robot: int, linear: float = 1.0) -> bytes:
-    return messages.encode_command(Command(tick, robot, (linear, 1.0), NOBODY, NOTHING, NOTHING))
+    return messages.encode_command(Command(tick, robot, (linear, 1.0), NO_PEERS, NOTHING, NOTHING))
 
 
 def beacon(tick: int, robot: int) -> bytes:
     return messages.encode_beacon(
-        Beacon(tick, robot, (1.0, 2.0, 3.0), NOBODY, NOTHING, NOBODY.astype(np.uint8), NOTHING)
+        Beacon(tick, robot, (1.0, 2.0, 3.0), NO_PEERS, NOTHING, NO_PEERS.astype(np.uint8), NOTHING)
     )
 
 
 def observation(tick: int, robot: int) -> bytes:
-    nothing = NOBODY.astype(np.uint8)
+    nothing = NO_PEERS.astype(np.uint8)
     return messages.encode_observation(
-        Observation(tick, robot, (9.0, 9.0, 9.0), NOBODY, nothing, over=False, since=0)
+        Observation(tick, robot, (9.0, 9.0, 9.0), NO_PEERS, nothing, over=False, since=0)
     )
 
 

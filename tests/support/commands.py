@@ -23,8 +23,8 @@ def run_json(where: Path, *words: str) -> dict[str, Any]:
     """The summary that `fes run --json` prints, and nothing else."""
     done = call(where, "fes", "run", PAIR, "--backend", "inprocess", "--json", *words)
     assert (done.returncode, done.stderr) == (0, LOOP.format(2))
-    found: dict[str, Any] = json.loads(done.stdout)  # more than one document would not parse
-    return found
+    summary: dict[str, Any] = json.loads(done.stdout)  # more than one document would not parse
+    return summary
 
 
 def complaint(done: subprocess.CompletedProcess[str], program: str) -> str:

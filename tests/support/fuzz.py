@@ -25,28 +25,28 @@ SLOWEST = 2.0
 
 def corpus(count: int) -> dict[str, list[bytes]]:
     """Valid payloads of every kind."""
-    found: dict[str, list[bytes]] = {name: [] for name in CODECS}
+    payloads: dict[str, list[bytes]] = {name: [] for name in CODECS}
 
     @settings(max_examples=count, database=None, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
     @given(st.data())
     def collect(data: st.DataObject) -> None:
         for name, codec in CODECS.items():
-            found[name].append(codec.encode(data.draw(codec.messages)))
+            payloads[name].append(codec.encode(data.draw(codec.messages)))
 
     collect()
-    return found
+    return payloads
 
 
 def attack(name: str, payload: bytes) -> str | None:
     """Reason why a payload is rejected, or None if it is a message; raises for a broken decoder."""
     begun = time.perf_counter()
     if len(payload) > wire.MAX_PAYLOAD // 16:  # long ones are only decoded, not compared field by field
-        said = refusal(name, payload)
+        reason = refusal(name, payload)
     else:
         assert_refused_or_a_message(name, payload)
-        said = refusal(name, payload)
+        reason = refusal(name, payload)
     assert time.perf_counter() - begun < SLOWEST
-    return said
+    return reason
 
 
 def run(minutes: float, seed: int) -> int:
@@ -61,15 +61,15 @@ def run(minutes: float, seed: int) -> int:
         for name, payloads in seeds.items():
             payload = mutate(random, random.choice(payloads), everything)
             try:
-                said = attack(name, payload)
+                reason = attack(name, payload)
             except BaseException:
                 print(f"BROKEN: seed {seed}, {name}, payload {payload[:2000].hex()} ({len(payload)} bytes)")
                 raise
             tried[name] += 1
-            if said is None:
+            if reason is None:
                 accepted[name] += 1
             else:
-                rules.add(":".join(said.split(":")[:2]))
+                rules.add(":".join(reason.split(":")[:2]))
     for name in seeds:
         print(f"{name:12} {tried[name]:9,} payloads, {accepted[name]:8,} of them messages")
     print(f"{tried.total():,} payloads, {len(rules)} different refusals, nothing broken; seed {seed}")

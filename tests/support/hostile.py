@@ -57,11 +57,11 @@ class Turncoat(Outbox):
 
     attack: Attack
 
-    def publish(self, tick: int, said: TickPayloads) -> None:
+    def publish(self, tick: int, payloads: TickPayloads) -> None:
         if tick >= FIRST:
-            self.attack(self, tick, said)
+            self.attack(self, tick, payloads)
         else:
-            super().publish(tick, said)
+            super().publish(tick, payloads)
 
 
 def _member(where: Path, endpoint: str, robot: int) -> Endpoints:
@@ -97,9 +97,9 @@ async def _run(where: Path, keyed: Path, attack: Attack, beside: Beside | None) 
                 await server.main_loop()
             else:
                 async with bus.opened(_member(keyed, endpoint, HOSTILE)) as second:
-                    other = asyncio.ensure_future(beside(second))
+                    disturbance = asyncio.ensure_future(beside(second))
                     await server.main_loop()
-                    await other
+                    await disturbance
             server.dismiss()
             summary = server.summarize()
             assert summary is not None

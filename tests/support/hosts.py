@@ -90,10 +90,10 @@ class Internet:
             middle.ip("link", "set", "dev", name, "master", "lan", "up")
             self._address(host, f"lan{network}", f"10.77.{network}.{number}")
 
-    def cable(self, one: str, other: str) -> None:
+    def cable(self, first: str, second: str) -> None:
         """Join two machines by a network of their own, `lan<number>` at both ends."""
         network = next(self._networks)
-        ends = self.hosts[one], self.hosts[other]
+        ends = self.hosts[first], self.hosts[second]
         self._plug(ends[0], f"lan{network}", ends[1], f"lan{network}")
         for number, host in enumerate(ends, start=1):
             self._address(host, f"lan{network}", f"10.77.{network}.{number}")
@@ -129,9 +129,9 @@ class Internet:
         for host in self.hosts.values():
             host.holder.communicate(timeout=10)
 
-    def _plug(self, one: Host, at_one: str, other: Host, at_other: str) -> None:
-        ends = [at_one, "netns", str(one.holder.pid)], [at_other, "netns", str(other.holder.pid)]
-        one.ip("link", "add", *ends[0], "type", "veth", "peer", "name", *ends[1])
+    def _plug(self, first: Host, first_end: str, second: Host, second_end: str) -> None:
+        ends = [first_end, "netns", str(first.holder.pid)], [second_end, "netns", str(second.holder.pid)]
+        first.ip("link", "add", *ends[0], "type", "veth", "peer", "name", *ends[1])
 
     def _address(self, host: Host, interface: str, address: str) -> None:
         host.ip("addr", "add", f"{address}/24", "dev", interface)

@@ -51,12 +51,12 @@ def hear(where: Floats, robots: Iterable[int], reach: float = REACH, decoded: Bo
     crew = sorted(robots)
     near = in_range(where, crew, reach)
     everybody = np.arange(len(where))
-    said = silent_beacons(0, everybody, where)
+    beacons = silent_beacons(0, everybody, where)
     codes = np.full(len(near), DECODED, dtype=np.uint8)
     if decoded is not None:
         codes[~decoded] = LOST
     own = where[np.array(crew)]
-    return contacts.update(contacts.no_contacts(near.ids), Observations(1, own, near, codes), own, said, 50)
+    return contacts.update(contacts.no_contacts(near.ids), Observations(1, own, near, codes), own, beacons, 50)
 
 
 def silent_beacons(tick: int, ids: Ints, where: Floats) -> Beacons:

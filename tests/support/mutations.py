@@ -30,20 +30,20 @@ def truncate(random: Random, payload: bytearray, others: list[bytes]) -> None:
 
 
 def splice(random: Random, payload: bytearray, others: list[bytes]) -> None:
-    other = random.choice(others)
-    payload[random.randrange(len(payload)) :] = other[random.randrange(len(other)) :]
+    donor = random.choice(others)
+    payload[random.randrange(len(payload)) :] = donor[random.randrange(len(donor)) :]
 
 
 def duplicate(random: Random, payload: bytearray, others: list[bytes]) -> None:
     begin = random.randrange(len(payload))
     part = payload[begin : begin + random.randrange(1, 40)]
-    at = random.randrange(len(payload))
-    payload[at:at] = part * random.choice((1, 2, 500))
+    index = random.randrange(len(payload))
+    payload[index:index] = part * random.choice((1, 2, 500))
 
 
 def promise(random: Random, payload: bytearray, others: list[bytes]) -> None:
-    at = random.randrange(len(payload))
-    payload[at : at + random.randrange(6)] = random.choice(LENGTHS)
+    index = random.randrange(len(payload))
+    payload[index : index + random.randrange(6)] = random.choice(LENGTHS)
 
 
 def swap_types(random: Random, payload: bytearray, others: list[bytes]) -> None:
@@ -66,18 +66,18 @@ def swap_fields(random: Random, payload: bytearray, others: list[bytes]) -> None
 def damage_blob(random: Random, payload: bytearray, others: list[bytes]) -> None:
     """Keep the layout, and change the bytes of ids or numbers."""
     fields = _fields(payload)
-    blobs = [at for at, value in enumerate(fields) if type(value) is bytes and value]
+    blobs = [index for index, value in enumerate(fields) if type(value) is bytes and value]
     if blobs:
-        at = random.choice(blobs)
-        blob = bytearray(fields[at])
+        index = random.choice(blobs)
+        blob = bytearray(fields[index])
         random.choice((flip, truncate, duplicate))(random, blob, others)
-        fields[at] = bytes(blob)
+        fields[index] = bytes(blob)
         payload[:] = msgpack.packb(fields)
 
 
 def nest(random: Random, payload: bytearray, others: list[bytes]) -> None:
-    at = random.randrange(len(payload))
-    payload[at:at] = random.choice((b"\x91", b"\x81\xa1a", b"\xdc\x00\x01")) * random.choice((3, 600, 5000))
+    index = random.randrange(len(payload))
+    payload[index:index] = random.choice((b"\x91", b"\x81\xa1a", b"\xdc\x00\x01")) * random.choice((3, 600, 5000))
 
 
 MUTATIONS: list[Callable[[Random, bytearray, list[bytes]], None]] = [

@@ -44,14 +44,14 @@ def start(words: list[str], where: Path) -> "subprocess.Popen[str]":
 
 def children(pid: int) -> dict[int, str]:
     """Pid and command line of every child of a process; one that ends meanwhile may be missing."""
-    found = {}
+    processes = {}
     for task in Path(f"/proc/{pid}/task").glob("*/children"):
         with contextlib.suppress(OSError):  # the thread has ended
             for child in task.read_text().split():
                 with contextlib.suppress(OSError):  # its parent has reaped it
                     line = Path(f"/proc/{child}/cmdline").read_bytes().replace(b"\0", b" ").decode()
-                    found[int(child)] = line
-    return found
+                    processes[int(child)] = line
+    return processes
 
 
 def alive(pid: int) -> bool:
@@ -77,9 +77,9 @@ def started(where: Path, running: "subprocess.Popen[str]", robots: int) -> dict[
     """Wait until all robots have joined and the run has begun; returns the children."""
     log = where / "out" / "world.log"
     until(lambda: log.exists() and "all robots are here" in log.read_text())
-    found = children(running.pid)
-    assert len(found) == robots + 1
-    return found
+    processes = children(running.pid)
+    assert len(processes) == robots + 1
+    return processes
 
 
 async def first_report(directory: Path) -> None:

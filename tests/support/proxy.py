@@ -44,9 +44,9 @@ class Link:
             with contextlib.suppress(asyncio.CancelledError):  # the test is over
                 await asyncio.gather(self._pass(reader, ours), self._pass(theirs, writer))
         finally:
-            for one in (writer, ours):
-                self._writers.discard(one)
-                one.close()
+            for stream in (writer, ours):
+                self._writers.discard(stream)
+                stream.close()
 
     async def _pass(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         with contextlib.suppress(OSError):

@@ -34,10 +34,10 @@ def paper_index(r: float, minimum: float = 50.0) -> float:
     return spread * math.exp(-((r / 150.0) ** 4)) * math.exp(-3e-7 * r**3)
 
 
-def complex_step(f: Callable[[complex], complex], at: float) -> float:
+def complex_step(f: Callable[[complex], complex], argument: float) -> float:
     """f'(at) without subtraction, so to rounding error."""
     step = 1e-30
-    return f(complex(at, step)).imag / step
+    return f(complex(argument, step)).imag / step
 
 
 def flow(rate: Rate, state: Sequence[float], begin: float, end: float, rtol: float = 1e-11) -> NDArray[np.float64]:

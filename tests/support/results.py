@@ -29,7 +29,7 @@ def without_wall_clock(summary: dict[str, Any]) -> dict[str, Any]:
 
 
 def alone(scenarios: list[Scenario]) -> list[dict[str, Any]]:
-    return [without_wall_clock(inprocess.run(one, "x")) for one in scenarios]
+    return [without_wall_clock(inprocess.run(scenario, "x")) for scenario in scenarios]
 
 
 Tick = tuple[Floats, Floats]

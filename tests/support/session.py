@@ -76,9 +76,9 @@ async def run(
         await server.gather()
         if disturb is not None:
             begin = asyncio.Event()
-            other = asyncio.ensure_future(disturb(endpoint, begin))
-            other.add_done_callback(lambda done: begin.set())
-            _wait_for(other, server)
+            disturbance = asyncio.ensure_future(disturb(endpoint, begin))
+            disturbance.add_done_callback(lambda done: begin.set())
+            _wait_for(disturbance, server)
             await begin.wait()
         await server.main_loop()
         server.dismiss()
@@ -88,13 +88,13 @@ async def run(
         return summary, server, ended
 
 
-def _wait_for(other: "asyncio.Future[None]", server: Server) -> None:
-    """Make a world pause before its last ticks until `other` is done; it fails as `other` does."""
+def _wait_for(disturbance: "asyncio.Future[None]", server: Server) -> None:
+    """Make a world pause before its last ticks until `disturbance` is done; it fails as `disturbance` does."""
     present, last = server._clock.present, server.run.scenario.ticks - LAST
 
     async def held(state: State) -> Bools:
         if state.tick >= last:
-            await other
+            await disturbance
         return await present(state)
 
     server._clock.present = held  # type: ignore[method-assign]

@@ -3,8 +3,8 @@
     python -m tests.support.soak --minutes 10
 
 Ten agents and a world, each a process, are killed (SIGKILL) and suspended (SIGSTOP, SIGCONT) at random times. The
-world is also stopped (SIGTERM), and suspended for less than the lease of a session. Every process that dies is restarted,
-the world with --resume. Then the faults end, and the run continues to its end.
+world is also stopped (SIGTERM), and suspended for less than the lease of a session. Every process that dies is
+restarted, the world with --resume. Then the faults end, and the run continues to its end.
 
 Pass criteria: every tick is in the log and reexecution has the same digits; every process exits with 0 by itself, and
 none remains; the formation is kept.
@@ -109,7 +109,7 @@ class Trouble:
     """Faults at random times, one or several at once, reproducible from a seed."""
 
     def __init__(self, team: Team, seed: int) -> None:
-        self._team, self._chance = team, random.Random(seed)
+        self._team, self._random = team, random.Random(seed)
         self._later: list[tuple[float, str, int]] = []
         """Times, actions and processes that undo a fault."""
         self.counts: Counter[str] = Counter()
@@ -120,11 +120,11 @@ class Trouble:
             self._look()
             time.sleep(0.02)
         end = time.monotonic() + seconds
-        at = time.monotonic() + self._chance.uniform(*CALM)
+        due = time.monotonic() + self._random.uniform(*CALM)
         while time.monotonic() < end:
-            if time.monotonic() >= at:
+            if time.monotonic() >= due:
                 self._fault()
-                at = time.monotonic() + self._chance.uniform(*CALM)
+                due = time.monotonic() + self._random.uniform(*CALM)
             self._undo(time.monotonic())
             self._look()
             time.sleep(0.02)
@@ -135,29 +135,29 @@ class Trouble:
 
     def _fault(self) -> None:
         busy = {robot for _, _, robot in self._later}
-        robot = self._chance.choice([-1, -1, -1, *range(self._team.robots)])
+        robot = self._random.choice([-1, -1, -1, *range(self._team.robots)])
         if robot in busy:
             return
-        soon = time.monotonic() + self._chance.uniform(*AWAY)
+        soon = time.monotonic() + self._random.uniform(*AWAY)
         if robot < 0:
-            how = self._chance.choice([signal.SIGKILL, signal.SIGTERM, signal.SIGSTOP])
+            how = self._random.choice([signal.SIGKILL, signal.SIGTERM, signal.SIGSTOP])
             self._team.world.send_signal(how)
             if how is signal.SIGSTOP:
-                self._later.append((time.monotonic() + self._chance.uniform(*DOZE), "continue", robot))
+                self._later.append((time.monotonic() + self._random.uniform(*DOZE), "continue", robot))
                 self.counts["worlds suspended"] += 1
                 return
             code = self._team.world.wait(PATIENCE)
             self._expect(code in (0, -how), f"the world ended with {code}")  # -how: a process that has just started
             self._later.append((soon, "resume", robot))
             self.counts["worlds killed" if how is signal.SIGKILL else "worlds told to stop"] += 1
-        elif self._chance.random() < 0.5:
+        elif self._random.random() < 0.5:
             self._team.agents[robot].kill()
             self._team.agents[robot].wait()
             self._later.append((soon, "rejoin", robot))
             self.counts["agents killed"] += 1
         else:
             self._team.agents[robot].send_signal(signal.SIGSTOP)
-            self._later.append((time.monotonic() + self._chance.uniform(*ASLEEP), "continue", robot))
+            self._later.append((time.monotonic() + self._random.uniform(*ASLEEP), "continue", robot))
             self.counts["agents suspended"] += 1
 
     def _undo(self, now: float) -> None:
@@ -225,10 +225,10 @@ def soak(out: Path, minutes: float, seed: int) -> dict[str, Any]:
     finally:
         team.end()
     summary = json.loads((out / "summary.json").read_text())
-    whole = log.load(out / NAME)
-    changes = sum(bool(tick.attended) for tick in whole.ticks())
-    assert summary["ticks"] == whole.scenario.ticks == sum(1 for _ in whole.ticks())
-    assert replay_command.again(whole, everybody=True)["digest"] == summary["digest"]
+    recorded = log.load(out / NAME)
+    changes = sum(bool(tick.attended) for tick in recorded.ticks())
+    assert summary["ticks"] == recorded.scenario.ticks == sum(1 for _ in recorded.ticks())
+    assert replay_command.again(recorded, everybody=True)["digest"] == summary["digest"]
     assert summary["separation_error_rms"] < 0.5, summary["separation_error_rms"]
     assert summary["algebraic_connectivity"] > 0.0
     assert not (out / "checkpoint").exists()

@@ -30,12 +30,12 @@ def imports(tree: ast.AST) -> Iterator[str]:
 
 def importers(of: str) -> set[str]:
     """The modules of the project that import `of` or something in it."""
-    found = set()
+    names = set()
     for name, path in modules(*PACKAGES).items():
         wanted = imports(ast.parse(path.read_text(encoding="utf-8")))
         if any(imported == of or imported.startswith(f"{of}.") for imported in wanted):
-            found.add(name)
-    return found
+            names.add(name)
+    return names
 
 
 def package(module: str) -> str:
@@ -47,9 +47,9 @@ def arrows() -> dict[str, set[str]]:
     """Each sub-package -> the other sub-packages that it imports from."""
     known = {name: path for name, path in modules(*PACKAGES).items() if "." in name}
     packages = {package(name) for name in known}
-    found: dict[str, set[str]] = {one: set() for one in packages}
+    names: dict[str, set[str]] = {name: set() for name in packages}
     for name, path in known.items():
         for imported in imports(ast.parse(path.read_text(encoding="utf-8"))):
             if package(imported) in packages:
-                found[package(name)].add(package(imported))
-    return {name: wanted - {name} for name, wanted in found.items()}
+                names[package(name)].add(package(imported))
+    return {name: wanted - {name} for name, wanted in names.items()}

@@ -29,8 +29,8 @@ class Stage:
         self.endpoint = f"{'tls' if keyed else 'tcp'}/127.0.0.1:{free_port()}"
         self.flags = ["--keys", str(keyed)] if keyed else []
         self.running: list[subprocess.Popen[str]] = []
-        self.said = where / "said.log"
-        with self.said.open("w") as stream:
+        self.path = where / "said.log"
+        with self.path.open("w") as stream:
             world = command("world.process", *HEAD, "-l", self.endpoint, *self.flags)
             self.running.append(
                 subprocess.Popen(world, cwd=where, stdin=subprocess.DEVNULL, stderr=stream, text=True)
@@ -38,7 +38,7 @@ class Stage:
         until(lambda: "waiting for 2 robots" in self.log())
 
     def log(self) -> str:
-        return self.said.read_text()
+        return self.path.read_text()
 
     def agent(self, robot: int) -> None:
         words = command("agents.process", "--id", str(robot), "-e", self.endpoint, *self.flags)

@@ -14,7 +14,7 @@ LONG = ["sweep", PAIR, "--seeds", "0:120", "--set", "run.duration=4", "--jobs", 
 RUNS = 120
 
 
-def kept(directory: Path) -> list[str]:
+def finished(directory: Path) -> list[str]:
     """Keys of the complete lines of the ledger."""
     path = directory / ledger.LINES
     lines = path.read_bytes().split(b"\n")[:-1] if path.exists() else []
@@ -22,6 +22,6 @@ def kept(directory: Path) -> list[str]:
 
 
 def until_some_are_done(directory: Path, sweep: "subprocess.Popen[str]") -> None:
-    while not kept(directory):
+    while not finished(directory):
         assert sweep.poll() is None, sweep.communicate()
         time.sleep(0.005)

@@ -120,7 +120,8 @@ def identifiers(path: Path) -> Iterator[Offence]:
             plain = name.strip("_").lower()
             is_paired = PARTNERS.get(plain) in names or (plain == "other" and "self" in names)
             if plain in IDENTIFIERS and not is_paired:
-                yield Offence(path, getattr(node, "lineno", 0), f"name {name!r}: {IDENTIFIERS[plain]}", "")
+                line = getattr(getattr(node, "target", node), "lineno", 0)
+                yield Offence(path, line, f"name {name!r}: {IDENTIFIERS[plain]}", "")
 
 
 def _bound(node: ast.AST) -> list[str]:

@@ -69,12 +69,12 @@ class Run:
 
         async def main() -> None:
             async with session.client(self.endpoint) as observer, asyncio.timeout(PATIENCE):
-                said, seen = observer.mailbox(keys.observation(keys.DEFAULT_RUN, robot)), set[bytes | None]()
-                while (sample := said.take()) is None or not seen:
+                mailbox, seen = observer.mailbox(keys.observation(keys.DEFAULT_RUN, robot)), set[bytes | None]()
+                while (sample := mailbox.take()) is None or not seen:
                     seen.update(sample[1:] if sample else ())
                     await asyncio.sleep(0.001)
                 self.agents[robot].send_signal(signal.SIGSTOP)
-                while (sample := said.take()) is None or sample[1] not in seen:
+                while (sample := mailbox.take()) is None or sample[1] not in seen:
                     seen.update(sample[1:] if sample else ())
                     await asyncio.sleep(0.001)
 
@@ -86,8 +86,8 @@ class Run:
             _, err = process.communicate(timeout=PATIENCE)
             assert process.returncode == 0, err
         assert not (self.out / FOLDER).exists()
-        found: dict[str, Any] = json.loads((self.out / "summary.json").read_text())
-        return found
+        summary: dict[str, Any] = json.loads((self.out / "summary.json").read_text())
+        return summary
 
 
 @contextmanager

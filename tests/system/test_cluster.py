@@ -15,7 +15,7 @@ from fes.system import fingerprint
 from tests.support.arithmetics import OTHER
 from tests.support.commands import PROGRAMS, call, complaint, vacant
 from tests.support.paths import PAIR
-from tests.support.sweeps import RUNS, kept, until_some_are_done
+from tests.support.sweeps import RUNS, finished, until_some_are_done
 
 LONG = ["sweep", PAIR, "--seeds", "0:120", "--set", "run.duration=4"]
 
@@ -33,12 +33,12 @@ def test_a_worker_killed_midway_loses_no_run_and_repeats_none(dask: LocalCluster
     words = [str(PROGRAMS / "fes"), *LONG, "--out", "out", "--scheduler", dask.scheduler_address]
     sweep = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     until_some_are_done(tmp_path / "out", sweep)
-    assert len(kept(tmp_path / "out")) < RUNS
+    assert len(finished(tmp_path / "out")) < RUNS
     os.kill(dask.workers[0].pid, signal.SIGKILL)
     said, complained = sweep.communicate(timeout=60)
     assert (sweep.returncode, complained) == (0, "")
     assert "out/table.csv" in said
-    assert len(kept(tmp_path / "out")) == len(set(kept(tmp_path / "out"))) == RUNS
+    assert len(finished(tmp_path / "out")) == len(set(finished(tmp_path / "out"))) == RUNS
 
     here = call(tmp_path, "fes", *LONG, "--out", "here")
     assert here.returncode == 0

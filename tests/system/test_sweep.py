@@ -22,7 +22,7 @@ from tests.support.commands import PROGRAMS, call, complaint, vacant
 from tests.support.loop import load
 from tests.support.paths import PAIR
 from tests.support.processes import PATIENCE
-from tests.support.sweeps import LONG, RUNS, kept, until_some_are_done
+from tests.support.sweeps import LONG, RUNS, finished, until_some_are_done
 
 RULES = ["--axis", "formation.rule=disk,two_nearest"]
 
@@ -127,7 +127,7 @@ def test_a_killed_sweep_resumes_and_repeats_no_finished_run(tmp_path: Path) -> N
     killed.kill()
     killed.communicate()
     assert_all_gone({process for process, _ in begun(tmp_path / "first")})
-    done = kept(tmp_path / "out")
+    done = finished(tmp_path / "out")
     assert 0 < len(done) < RUNS
 
     resumed = start(tmp_path, "second")
@@ -136,8 +136,8 @@ def test_a_killed_sweep_resumes_and_repeats_no_finished_run(tmp_path: Path) -> N
     assert "out/table.csv" in said
     executed = [key for _, key in begun(tmp_path / "second")]
     assert not set(executed) & set(done)
-    assert sorted(executed + done) == sorted(kept(tmp_path / "out"))
-    assert len(set(kept(tmp_path / "out"))) == len(kept(tmp_path / "out")) == RUNS
+    assert sorted(executed + done) == sorted(finished(tmp_path / "out"))
+    assert len(set(finished(tmp_path / "out"))) == len(finished(tmp_path / "out")) == RUNS
 
     at_once = call(tmp_path, "fes", *LONG[:-1], "at-once", "--jobs", "1")
     assert at_once.returncode == 0
@@ -149,7 +149,7 @@ def test_an_interrupted_sweep_reports_its_progress_and_leaves_no_process(tmp_pat
     until_some_are_done(tmp_path / "out", sweep)
     os.killpg(sweep.pid, signal.SIGINT)  # like a terminal: the sweep and its workers
     said, complained = sweep.communicate(timeout=PATIENCE)
-    done = len(kept(tmp_path / "out"))
+    done = len(finished(tmp_path / "out"))
     assert (sweep.returncode, said) == (1, "")
     assert complained == (
         f"fes: error: stopped by SIGINT: {done} of {RUNS} runs are done, and the same command does the rest\n"
