@@ -1,8 +1,8 @@
-"""compose.yaml on a real container engine: `tests/compose/run` starts the engine, then this package tries the claims.
+"""compose.yaml on a real container engine: `tests/compose/run` starts the engine, then this package checks the claims.
 
 __main__    the claims, in turn
 walls       claims of what a container may do
 engine      Docker's command line, and the engine's network namespace
 
-They need nothing but Python's own library, for the machine's Python has no other.
+They need only the standard library, as the machine's Python may have no other.
 """

@@ -16,11 +16,11 @@ from tests.compose.engine import Beside, Broken, Network, Team, call, claim, out
 
 ROBOTS = 10
 SOON = 0.1
-"""Errors of a formation that stands are below this [m], as configs/compose.toml expects."""
+"""Largest error of a converged formation [m], as configs/compose.toml expects."""
 
 
 def static(network: Network) -> None:
-    """The file is one that Compose takes, with every profile, and the image is built."""
+    """Compose accepts the file with every profile, and builds the image."""
     for profile in ("plain", "secure", "*"):
         claim(
             call("docker", "compose", "--profile", profile, "config", "-q").returncode == 0, f"config -q: {profile}"
@@ -34,12 +34,12 @@ def static(network: Network) -> None:
 
 
 def services(*flags: str) -> list[str]:
-    """The services of a profile; without one, of that which `.env` names."""
+    """The services of a profile; by default of the one in `.env`."""
     return output("docker", "compose", *flags, "config", "--services").split()
 
 
 def formation(network: Network) -> None:
-    """`docker compose up --build`: the formation, through a crash, a partition and somebody watching."""
+    """`docker compose up --build`: the formation, with a crash, a partition and an observer."""
     team = Team("plain", "world", FES_RTF="3", FES_FLAGS="--duration 150")
     up = team.beside("up", "--build", "--no-color")
     all_here(team)
@@ -66,13 +66,13 @@ def all_here(team: Team) -> None:
 
 
 def health(container: dict[str, Any]) -> str:
-    """What the health check says; healthy for those that are over and have none."""
+    """Result of the health check; healthy for ended containers without one."""
     found: str = container["State"].get("Health", {"Status": "healthy"})["Status"]
     return found
 
 
 def crash(team: Team) -> None:
-    """An agent that is killed comes back by itself, and the run waits for nobody."""
+    """A killed agent restarts by itself, and the run waits for no robot."""
     container, robot = victim(team, 0)
     output("kill", "-9", str(container["State"]["Pid"]))
     away_and_back(team, robot, "its agent was killed")
@@ -81,13 +81,13 @@ def crash(team: Team) -> None:
 
 
 def partition(team: Team, network: Network) -> None:
-    """A container that is cut off is left out, and is back when the cut heals."""
+    """A disconnected container is excluded, and rejoins when it is connected again."""
     container, robot = victim(team, 1)
     addresses = [one["IPAddress"] for one in container["NetworkSettings"]["Networks"].values()]
     rules = [("DOCKER-USER", way, address, "-j", "DROP") for address in addresses for way in ("-s", "-d")]
     for rule in rules:
         network.call("iptables", "-I", *rule)
-    wait(f"robot {robot} is cut off, and left out", lambda: news(team, robot)[-1:] == ["not there"])
+    wait(f"robot {robot} is disconnected and excluded", lambda: news(team, robot)[-1:] == ["not there"])
     dropped = re.findall(r"^ *([1-9]\d*) +\d+ DROP", network.call("iptables", "-vnL", "DOCKER-USER"), re.MULTILINE)
     claim(len(dropped) > 0, "the cut has dropped packets")
     for rule in rules:
@@ -103,22 +103,22 @@ def victim(team: Team, which: int) -> tuple[dict[str, Any], int]:
 
 
 def hosted(log: str) -> list[int]:
-    """The robots that agents took, by their logs."""
+    """Robots that the agents host, by their logs."""
     return [int(robot) for robot in re.findall(r"agent\.(\d+): ready", log)]
 
 
 def news(team: Team, robot: int) -> list[str]:
-    """What the world said of a robot's going and coming back."""
+    """Exclusions and rejoins of a robot in the world's log."""
     return re.findall(rf"robot {robot} is (not there|back) from tick", team.log(team.world))
 
 
 def away_and_back(team: Team, robot: int, why: str) -> None:
-    """A robot is left out, then taken in again."""
-    wait(f"robot {robot} is left out and back: {why}", lambda: news(team, robot) == ["not there", "back"])
+    """Wait until a robot is excluded, then rejoins."""
+    wait(f"robot {robot} is excluded and rejoins: {why}", lambda: news(team, robot) == ["not there", "back"])
 
 
 def reached(team: Team, run: str, simulated: float) -> dict[str, Any]:
-    """Everybody ended well, and the summary on the volume is that of a formation that stands."""
+    """Every container exited with 0, and the summary on the volume is of a converged formation."""
     ends = {one["Name"]: one["State"]["ExitCode"] for one in team.containers()}
     claim(set(ends.values()) == {0}, f"all {len(ends)} containers: exit code 0")
     found = team.summary(run)
@@ -142,7 +142,7 @@ def watched(dashboard: Beside) -> None:
 
 
 def verdict(network: Network) -> None:
-    """A formation that is not reached is exit code 2, and a world that is slow to start is waited for."""
+    """A formation that does not converge has exit code 2, and agents wait for a slow world."""
     late = {"COMPOSE_FILE": "compose.yaml:tests/compose/late.yaml"}
     team = Team("plain", "world", FES_RTF="max", FES_FLAGS="--duration 5", FES_OUT="short", **late)
     team.compose("up", "-d")
@@ -157,14 +157,14 @@ def verdict(network: Network) -> None:
 
 
 def scale(network: Network) -> None:
-    """`--scale agent=N`: another team, a smaller one under way, the whole one again; then a stop."""
+    """`--scale agent=N`: another team, fewer agents during the run, the full team again; then a stop."""
     flags = "--set robots.count=12 --duration 3600"
     team = Team("plain", "world", FES_SCENARIO="hundred", FES_FLAGS=flags, FES_OUT="scaled")
     team.compose("up", "-d", "--wait", "--scale", "agent=12")
     all_here(team)
     claim(sorted(hosted(team.log("agent"))) == list(range(12)), "twelve agents lease robots 0 to 11, one each")
     team.compose("up", "-d", "--no-recreate", "--scale", "agent=9")
-    wait("three robots are left out", lambda: tally(team) == (3, 0))
+    wait("three robots are excluded", lambda: tally(team) == (3, 0))
     team.compose("up", "-d", "--no-recreate", "--scale", "agent=12")
     wait("three agents lease them, and they are back", lambda: tally(team) == (3, 3))
     team.compose("stop")
@@ -176,13 +176,13 @@ def scale(network: Network) -> None:
 
 
 def tally(team: Team) -> tuple[int, int]:
-    """How many robots the world left out, and took in again."""
+    """Numbers of robots that the world excluded, and that rejoined."""
     said = team.log(team.world)
     return said.count("is not there from tick"), said.count("is back from tick")
 
 
 def secure(network: Network) -> None:
-    """The profile `secure`: TLS, a certificate a role, the same formation."""
+    """The profile `secure`: TLS, a certificate per role, the same formation."""
     length = ("--duration", "150")
     team = Team("secure", "secure-world", FES_RTF="3", FES_FLAGS=" ".join(length))
     up = team.beside("up", "--no-color")
@@ -217,7 +217,7 @@ PARTS = (static, formation, verdict, scale, secure)
 
 
 def main() -> None:
-    """The claims; ends with 1 at the first that does not hold, and shows what the containers had to say."""
+    """Check the claims; exits with 1 at the first that does not hold, and shows the containers' logs."""
     network, parts, begun = Network(sys.argv[1]), {part.__name__: part for part in PARTS}, time.monotonic()
     for part in [parts[name] for name in sys.argv[2:]] or PARTS:
         print(f"compose: [{time.monotonic() - begun:.0f} s] {(part.__doc__ or '').splitlines()[0]}", flush=True)
@@ -229,7 +229,7 @@ def main() -> None:
             print(call("docker", "compose", "--profile", "*", "logs", "--no-color", "--tail", "40").stdout)
             print(call("docker", "ps", "-a").stdout)
             print(f"compose: FAILED: {error}", flush=True)
-            os._exit(1)  # an ordinary exit would wait for the commands that go on beside; tests/compose/run ends them
+            os._exit(1)  # an ordinary exit would wait for background commands, which tests/compose/run ends
     print(f"compose: [{time.monotonic() - begun:.0f} s] done", flush=True)
 
 

@@ -1,4 +1,4 @@
-"""The engine as the claims see it: Docker's command line, and the engine's network namespace."""
+"""The engine, as used by the claims: Docker's command line, and the engine's network namespace."""
 
 import json
 import os
@@ -13,18 +13,18 @@ from typing import Any
 ROOT = Path(__file__).parents[2]
 
 DEADLINE = 90.0
-"""What has not come after this long [s] will not come."""
+"""Longest wait for an expected event [s]."""
 
 LONGEST = 300.0
-"""No command takes longer [s]."""
+"""Timeout of a command [s]."""
 
 
 class Broken(Exception):
-    """A claim does not hold."""
+    """A claim that does not hold."""
 
 
 def claim(holds: bool, what: str) -> None:
-    """Say that a claim holds; raises Broken if it does not."""
+    """Print a claim that holds; raises Broken if it does not."""
     if not holds:
         raise Broken(what)
     print(f"compose:   {what}", flush=True)
@@ -64,7 +64,7 @@ def wait(what: str, holds: Callable[[], bool]) -> None:
 
 
 class Beside:
-    """A command that goes on beside the claims while a thread gathers what it says."""
+    """A background command whose output a thread collects."""
 
     def __init__(self, *words: str, **environment: str) -> None:
         self._words = words
@@ -72,7 +72,7 @@ class Beside:
         self._done = self._gatherer.submit(lambda: call(*words, **environment))
 
     def end(self) -> tuple[int, str]:
-        """Exit code and output, when it has ended; raises Broken if it does not."""
+        """Exit code and output after its end; raises Broken if it does not end."""
         try:
             done = self._done.result(LONGEST)
         except (TimeoutError, subprocess.TimeoutExpired):
@@ -100,15 +100,15 @@ class Team:
         return call(*self.words(*words), **self._settings)
 
     def beside(self, *words: str) -> Beside:
-        """A Compose command that goes on."""
+        """A Compose command in the background."""
         return Beside(*self.words(*words), **self._settings)
 
     def log(self, service: str) -> str:
-        """What a service has said."""
+        """The log of a service."""
         return self.compose("logs", "--no-color", "--no-log-prefix", service)
 
     def containers(self) -> list[dict[str, Any]]:
-        """What the engine knows of each container of the team."""
+        """The engine's description of each container of the team."""
         found: list[dict[str, Any]] = json.loads(output("docker", "inspect", *self.compose("ps", "-aq").split()))
         return found
 
@@ -120,7 +120,7 @@ class Team:
         return found
 
     def end(self) -> None:
-        """Down, and nothing is left."""
+        """Remove the team with all of its volumes and networks."""
         self.compose("--profile", "*", "down", "-v")
         for what in ("container ls -a", "volume ls"):
             claim(output("docker", *what.split(), "-q").split() == [], f"after down: `docker {what}` is empty")

@@ -1,4 +1,4 @@
-"""What a container may do: claims for the containers of either profile."""
+"""Permissions of a container: claims for the containers of either profile."""
 
 import sys
 
@@ -14,7 +14,7 @@ def hardened(team: Team, agent: str) -> None:
         if not (safe and "no-new-privileges:true" in host["SecurityOpt"]):
             raise Broken(f"{one['Name']} is not hardened: {host}")
     users = {one["Config"]["User"] for one in containers}
-    claim(users == {"10001:10001"}, f"nobody is root in any of {len(containers)} containers")
+    claim(users == {"10001:10001"}, f"no process is root in any of {len(containers)} containers")
     claim(team.compose("exec", "-T", team.world, "id", "-u") == "10001\n", "nor is the world, once it runs")
     refused = team.attempt("exec", "-T", team.world, "touch", "/srv/configs/new")
     claim("Read-only file system" in refused.stdout, "the file system is read-only")
@@ -26,7 +26,7 @@ def hardened(team: Team, agent: str) -> None:
 
 
 def closed(team: Team, network: Network, agent: str, port: int) -> None:
-    """The world can be reached from the machine's loopback interface alone, and no agent can leave."""
+    """The world is reachable only from the machine's loopback interface, and no agent reaches other networks."""
     addresses = "{socket.address for socket in health.here() if socket.state == health.LISTEN}"
     listing = f"from fes.transport import health; print(*{addresses})"
     claim(network.call(sys.executable, "-c", listing).split() == ["0100007F"], "nothing listens but on 127.0.0.1")

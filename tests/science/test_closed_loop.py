@@ -14,7 +14,7 @@ from world.config import scenario
 
 @cache
 def history(name: str) -> History:
-    """A whole run of a shipped scenario, once for all tests that look at it."""
+    """A complete run of a supplied scenario, once for all tests that use it."""
     return loop.run(loop.load(name))
 
 
@@ -44,7 +44,7 @@ def test_robots_agree_within_three_seconds_and_are_right_within_six(name: str) -
     late = [estimate_error(run, tick, witness.OPTIMUM_50) for tick in ticks if tick * run.dt >= 6.0]
     assert max(late) < 1.0
     assert max(late[200:]) < 0.01  # 10 s on: only the dither's bias of 4.5e-4 m and its ripple
-    # and it was not so from the beginning
+    # and it was larger at the beginning
     assert run.disagreement(5) > 20.0
     assert estimate_error(run, 5, witness.OPTIMUM_50) > 10.0
 
@@ -136,7 +136,7 @@ def test_another_seed_is_another_run() -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_spreading_changes_no_bit_where_links_come_and_go(seed: int) -> None:
-    """A poor channel and short memory: peers are forgotten and found again, and drop all their links meanwhile."""
+    """A poor channel and a short timeout: contacts close and reopen, and peers drop all their links meanwhile."""
     changes = {"formation__contact_timeout": 0.04, "channel__reference_snr": 2e6, "run__duration": 4.0}
     poor = loop.load("paper.toml", run__seed=seed, **changes)
     whole, parts = loop.run(poor), loop.run(poor, split=[[robot] for robot in range(10)])
@@ -145,7 +145,7 @@ def test_spreading_changes_no_bit_where_links_come_and_go(seed: int) -> None:
 
 
 def test_a_robot_forgets_a_link_that_its_only_peer_has_dropped_whoever_shares_its_process() -> None:
-    """Alone, a robot hears beacons of which none has a link; together with its peer there is its own."""
+    """In a crew of its own, a robot receives only beacons without links; beside its peer it also has its own link."""
     changes = {"formation__contact_timeout": 0.04, "channel__reference_snr": 2e6, "run__duration": 4.0}
     for seed in range(12):
         pair = loop.load("pair.toml", run__seed=seed, **changes)

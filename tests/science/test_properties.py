@@ -1,4 +1,4 @@
-"""Properties that the paper's argument rests on, over whatever hypothesis finds."""
+"""Properties that the paper's argument relies on, for examples that hypothesis generates."""
 
 import math
 
@@ -37,7 +37,7 @@ def edges_of(where: Floats) -> set[tuple[int, int]]:
 
 
 def joined(n: int, edges: set[tuple[int, int]]) -> bool:
-    """Whether a graph is connected, by walking it."""
+    """True if a graph is connected, by a search."""
     reached, waiting = {0}, [0]
     while waiting:
         at = waiting.pop()
@@ -85,7 +85,7 @@ def test_the_relative_neighborhood_graph_is_symmetric_and_connected_whenever_the
 def test_the_relative_neighborhood_graph_does_not_depend_on_the_robots_ids(
     team: list[tuple[int, int]], shuffle: object
 ) -> None:
-    """Not even with ties: its definition compares strictly."""
+    """This holds even with ties, as its definition compares strictly."""
     where = layouts.poses([(float(x), float(y)) for x, y in team])
     order = list(range(len(team)))
     shuffle.shuffle(order)  # type: ignore[attr-defined]
