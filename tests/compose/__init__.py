@@ -1,4 +1,4 @@
-"""compose.yaml on a real container engine: `tests/compose/run` starts the engine, then this package checks the claims.
+"""compose.yaml on a real container engine: `tests/compose/run` starts the engine, then this package checks claims.
 
 __main__    the claims, in turn
 walls       claims of what a container may do
