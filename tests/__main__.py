@@ -1,7 +1,7 @@
 """The one check command, `python -m tests`: style, types, then every test. Further arguments go to pytest.
 
-`python -m tests --quick` runs the unit and architecture tests that need no more than ten seconds.
-All tests run in two processes, as most of their time is waiting; tests that are chosen by arguments run in one.
+`python -m tests --quick` runs style, types, and the unit and architecture tests that are not slow.
+All tests run in two processes, as most of their time is waiting; tests chosen by arguments run in one.
 """
 
 import subprocess
@@ -11,7 +11,7 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 
 PARALLEL = ["-n", "2", "--dist", "loadfile", "--no-loadscope-reorder"]
-"""Two processes, each with whole files. Files keep their order: xdist would put the longest, of one test, last."""
+"""Two processes, each with complete files, in their order: xdist would start the longest file last."""
 
 QUICK = [*PARALLEL, "-q", "-m", "not slow", "tests/unit", "tests/architecture", "fes", "agents", "world", "console"]
 """The folders of quick tests, and the doctests."""

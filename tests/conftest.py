@@ -1,6 +1,6 @@
 """Settings of hypothesis: the same examples in every run, and no wall-clock deadline for an example.
 
-Tests send stop signals, which the background job of a script ignores and its children inherit: here they are not.
+A background job of a script ignores stop signals, and children inherit that: tests restore the defaults.
 """
 
 import signal
@@ -24,16 +24,16 @@ KINDS = ("unit", "integration", "system", "science", "architecture")
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark every test with the name of its folder."""
-    here = Path(__file__).parent
+    folder = Path(__file__).parent
     for item in items:
         for kind in KINDS:
-            if here / kind in item.path.parents:
+            if folder / kind in item.path.parents:
                 item.add_marker(kind)
 
 
 @pytest.fixture(autouse=True)
 def _stop_signals_are_left_alone() -> Iterator[None]:
-    """No test leaves other handlers of stop signals behind: the next one's processes would inherit ignored ones."""
+    """Fail a test that leaves other handlers of stop signals: processes of later tests would inherit them."""
     before = {number: signal.getsignal(number) for number in STOP_SIGNALS}
     yield
     after = {number: signal.getsignal(number) for number in STOP_SIGNALS}

@@ -1,4 +1,4 @@
-"""Advice about installing: it names a clone or a wheel file, and is never the name of somebody else's project."""
+"""Installation advice: it names a clone or a wheel file, never a name that belongs to another project."""
 
 import re
 import subprocess
@@ -21,7 +21,7 @@ INSTALLERS = re.compile(
     r"\b(?:install|add|run|download|tool)\b(?P<rest>[^\n|;&#]*)"
 )
 BY_NAME = re.compile(r"""(?<![\w./*-])(?:fes|fes[-_]robots)(?:\[[\w,-]*\])?(?=$|[\s'"`),:=<>~!])""")
-"""The distribution, or the stranger's, as an installer takes it from an index: not in a path, and not of a file."""
+"""A distribution name that an installer would look up in an index: not part of a path or a file."""
 
 
 def tracked() -> list[Path]:
@@ -34,19 +34,21 @@ def tracked() -> list[Path]:
 
 
 def offences(text: str) -> list[str]:
-    """Each piece of a text that would install the project, or a stranger's, by its name."""
-    found = (match["rest"] for match in INSTALLERS.finditer(text))
-    return [rest for rest in found if BY_NAME.search(rest.replace("in a clone of fes", ""))]
+    """Each command in a text that would install a distribution by name."""
+    commands = (match["rest"] for match in INSTALLERS.finditer(text))
+    return [rest for rest in commands if BY_NAME.search(rest.replace("in a clone of fes", ""))]
 
 
-def test_no_text_of_the_project_installs_it_by_name() -> None:
+def test_no_file_of_the_project_installs_it_by_name() -> None:
     paths = [path for path in tracked() if path != Path(__file__).resolve()]
     assert len(paths) > 200
     assert {ROOT / "README.md", ROOT / "fes/transport/identity.py"} <= set(paths)
-    found = {
-        path.name: said for path in paths if (said := offences(path.read_text(encoding="utf-8", errors="replace")))
+    by_name = {
+        path.name: commands
+        for path in paths
+        if (commands := offences(path.read_text(encoding="utf-8", errors="replace")))
     }
-    assert found == {}
+    assert by_name == {}
 
 
 @pytest.mark.parametrize(
@@ -57,7 +59,7 @@ def test_no_text_of_the_project_installs_it_by_name() -> None:
         'install("pip install fes")', "pip3 install numpy fes", "uvx run fes", "pip install fes, then",
     ],
 )  # fmt: skip
-def test_the_search_finds_what_installs_by_name(text: str) -> None:
+def test_the_search_finds_installation_by_name(text: str) -> None:
     assert offences(text) != []
 
 
@@ -68,29 +70,29 @@ def test_the_search_finds_what_installs_by_name(text: str) -> None:
         "/opt/fes/bin/pip install .", "uv tool install ./fes_robots-0.2.0-py3-none-any.whl",
     ],
 )  # fmt: skip
-def test_the_search_lets_a_clone_and_a_wheel_file_pass(text: str) -> None:
+def test_the_search_accepts_installation_from_a_clone_and_from_a_wheel(text: str) -> None:
     assert offences(text) == []
 
 
-def test_a_missing_extra_is_told_with_the_command_that_installs_it(
+def test_an_error_about_a_missing_extra_contains_the_command_that_installs_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     for module in ("matplotlib", "pyarrow", "distributed", "cryptography"):
         monkeypatch.setitem(sys.modules, module, None)
-    told: dict[str, str] = {"security": str(identity.missing_extra())}
+    messages: dict[str, str] = {"security": str(identity.missing_extra())}
     with pytest.raises(FesError) as plot:
         figures.require()
     with pytest.raises(FesError) as parquet:
         table.require(Format.PARQUET)
     with pytest.raises(FesError) as cluster_, cluster.connected("tcp://127.0.0.1:1"):
         pass
-    told |= {"plot": str(plot.value), "parquet": str(parquet.value), "cluster": str(cluster_.value)}
-    for extra, message in told.items():
+    messages |= {"plot": str(plot.value), "parquet": str(parquet.value), "cluster": str(cluster_.value)}
+    for extra, message in messages.items():
         assert distribution.install(extra) in message
         assert "\n" not in message
 
 
-def test_what_the_doctor_advises_to_install_comes_from_one_place() -> None:
+def test_install_advice_of_the_doctor_comes_from_one_function() -> None:
     missing, *_ = machine.packages(["no-such-package>=1"])
     assert missing.remedy == distribution.install()
     assert "pip install" not in network.remedy("nobody listens")

@@ -37,10 +37,10 @@ LAYERS = (
     {"console.cli"},
     {"console.__main__"},
 )
-"""Sub-packages from the bottom up: each imports only from layers below its own, never from its own layer.
-Of the tops, neither agents nor world imports the other."""
+"""Sub-packages from the bottom up: each imports only from lower layers, never from its own.
+In addition, agents and world do not import each other."""
 LAWS = {"fes.arrays", "fes.model"}
-"""All that the laws import of the project."""
+"""Packages of the project that the laws import."""
 SHELLS = ("agents.runtime", "agents.process", "world.server", "world.process")
 """The only packages of an agent or a world that import asyncio, or the transport."""
 LARGEST_FOLDER = 12
@@ -48,7 +48,7 @@ LONGEST_FILE = 260
 
 
 def at_import(path: Path) -> Iterator[ast.stmt]:
-    """The statements that run when a module is imported: not the bodies of functions."""
+    """Statements that run when a module is imported, without the bodies of functions."""
     waiting: list[ast.AST] = list(ast.parse(path.read_text(encoding="utf-8")).body)
     while waiting:
         node = waiting.pop()
@@ -61,42 +61,42 @@ def at_import(path: Path) -> Iterator[ast.stmt]:
 
 def test_a_package_imports_only_from_the_layers_below_its_own() -> None:
     assert sum(len(layer) for layer in LAYERS) == len(set().union(*LAYERS))
-    found = arrows()
-    assert set(found) == set().union(*LAYERS)
+    imported = arrows()
+    assert set(imported) == set().union(*LAYERS)
     below: set[str] = set()
     for layer in LAYERS:
         for name in layer:
-            assert found[name] <= below, f"{name} imports {found[name] - below}"
+            assert imported[name] <= below, f"{name} imports {imported[name] - below}"
         below |= layer
 
 
-def test_neither_agents_nor_world_imports_the_other_and_no_package_its_tests() -> None:
-    found = arrows()
+def test_agents_and_world_do_not_import_each_other_and_no_package_imports_tests() -> None:
+    imported = arrows()
     for first, second in (("agents.", "world."), ("world.", "agents.")):
-        for name in found:
+        for name in imported:
             if name.startswith(first):
-                assert not [imported for imported in found[name] if imported.startswith(second)], name
+                assert not [word for word in imported[name] if word.startswith(second)], name
     assert not importers("tests")
 
 
-def test_the_laws_import_nothing_but_arrays_and_the_model() -> None:
+def test_the_laws_import_only_arrays_and_the_model() -> None:
     assert arrows()["agents.laws"] == LAWS
 
 
 @pytest.mark.parametrize("library", ["asyncio", "fes.transport"])
 def test_only_the_shells_wait_or_communicate(library: str) -> None:
-    found = {package(name) for name in below_console(importers(library)) if not name.startswith("fes.")}
-    assert found <= set(SHELLS)
-    assert {"agents.runtime", "world.server"} <= found
+    imported = {package(name) for name in below_console(importers(library)) if not name.startswith("fes.")}
+    assert imported <= set(SHELLS)
+    assert {"agents.runtime", "world.server"} <= imported
 
 
 @pytest.mark.parametrize("folder", MAPPED)
-def test_no_folder_holds_more_than_about_a_dozen_files(folder: str) -> None:
+def test_no_folder_holds_more_than_twelve_modules(folder: str) -> None:
     assert len([path for path in (ROOT / folder).glob("*.py") if path.stem != "__init__"]) <= LARGEST_FOLDER
 
 
 def below_console(names: set[str]) -> set[str]:
-    """The modules that can be part of a running agent or world."""
+    """Modules that can be part of a running agent or world."""
     return {name for name in names if not name.startswith("console.")}
 
 
@@ -105,7 +105,7 @@ def test_only_the_bus_and_its_session_import_zenoh() -> None:
     assert importers("fes.transport.session") == {"fes.transport.bus"}
 
 
-def test_only_the_logs_writer_and_its_readers_import_mcap_and_one_of_them_its_reader() -> None:
+def test_only_the_writer_and_readers_of_logs_import_mcap() -> None:
     assert importers("mcap") == {
         "fes.recording.mcap_file",
         "fes.recording.records",
@@ -113,7 +113,7 @@ def test_only_the_logs_writer_and_its_readers_import_mcap_and_one_of_them_its_re
         "fes.recording.ticks",
     }
     assert importers("mcap.data_stream") == {"fes.recording.records"}
-    assert not importers("mcap.stream_reader") | importers("mcap.reader")  # which take a length for granted
+    assert not importers("mcap.stream_reader") | importers("mcap.reader")  # their readers trust stated lengths
 
 
 def test_only_the_world_and_the_oracle_know_the_channels_formula() -> None:
@@ -121,7 +121,7 @@ def test_only_the_world_and_the_oracle_know_the_channels_formula() -> None:
     assert below_console(importers("fes.model.outage")) == FORMULA_READERS
 
 
-def test_only_a_crew_imports_the_oracle_and_only_when_it_assembles_one() -> None:
+def test_only_a_crew_imports_the_oracle_and_only_to_create_one() -> None:
     assert below_console(importers("agents.laws.oracle")) == {"agents.control.crew"}
     for statement in at_import(modules("agents")["agents.control.crew"]):
         if isinstance(statement, ast.Import | ast.ImportFrom):
@@ -129,7 +129,7 @@ def test_only_a_crew_imports_the_oracle_and_only_when_it_assembles_one() -> None
 
 
 @pytest.mark.parametrize("module", ["agents.control.crew", "agents.process"])
-def test_an_agent_starts_without_the_formula_and_without_what_it_has_no_use_for(module: str) -> None:
+def test_an_agent_starts_without_the_formula_and_without_unused_libraries(module: str) -> None:
     code = f"import sys, {module}; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     loaded = set(done.stdout.split())
@@ -138,7 +138,7 @@ def test_an_agent_starts_without_the_formula_and_without_what_it_has_no_use_for(
     assert not unwanted & loaded
 
 
-def test_a_crew_that_was_not_told_the_channel_never_loads_its_formula() -> None:
+def test_a_crew_without_channel_settings_never_loads_the_formula() -> None:
     code = """
 import sys
 import numpy as np
@@ -156,13 +156,13 @@ except FesError as error:
 print(*(name for name in sys.modules if name in ("agents.laws.oracle", "fes.model.outage")))
 """
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
-    said = done.stdout.splitlines()
-    assert said[0].startswith("refused: seeking.index = 'oracle' needs the channel")
-    assert said[1:] in ([], [""])
+    lines = done.stdout.splitlines()
+    assert lines[0].startswith("refused: seeking.index = 'oracle' needs the channel")
+    assert lines[1:] in ([], [""])
 
 
 @pytest.mark.parametrize(("name", "path"), modules(*PACKAGES, "tests", "bench").items(), ids=lambda value: str(value))
-def test_no_file_is_longer_than_one_sitting(name: str, path: Path) -> None:
+def test_no_module_is_longer_than_the_limit(name: str, path: Path) -> None:
     assert len(path.read_text(encoding="utf-8").splitlines()) <= LONGEST_FILE, name
 
 
@@ -174,10 +174,10 @@ def test_a_packages_init_is_its_docstring_and_nothing_else(folder: str) -> None:
 
 
 @pytest.mark.parametrize("folder", MAPPED)
-def test_the_map_in_a_packages_docstring_names_every_module_of_it_and_no_other(folder: str) -> None:
+def test_the_map_in_a_packages_docstring_names_exactly_its_modules(folder: str) -> None:
     tree = ast.parse((ROOT / folder / "__init__.py").read_text(encoding="utf-8"))
     lines = (ast.get_docstring(tree) or "").splitlines()[2:]
-    # a map's line: a name, two spaces or more, what it holds; a longer text goes on, indented
+    # a line of the map: name, two spaces or more, contents; continuation lines are indented
     mapped = {line.split()[0] for line in lines if line and not line.startswith(" ")}
     packages_within = {path.parent.name for path in (ROOT / folder).glob("*/__init__.py")}
     assert mapped == {path.stem for path in (ROOT / folder).glob("*.py")} - {"__init__"} | packages_within

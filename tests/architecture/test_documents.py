@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from docs import generate
-from docs.generators import messages, summary
+from docs.generators import messages
 from tests.support import fences
 from tests.support.paths import DOCS, ROOT
 
@@ -21,10 +21,6 @@ LINKED = [*fences.PAGES, ROOT / "CHANGELOG.md", ROOT / "SECURITY.md"]
 @pytest.mark.parametrize("page", generate.pages(), ids=lambda path: path.stem)
 def test_a_generated_page_is_current(page: Path) -> None:
     assert page.read_text(encoding="utf-8") == generate.pages()[page], "run python -m docs.generate"
-
-
-def test_the_page_of_the_summary_explains_every_quantity() -> None:
-    assert {path for path, _ in summary.quantities()} == set(summary.MEANINGS)
 
 
 def test_the_page_of_the_messages_has_every_payload_of_the_table_of_keys() -> None:

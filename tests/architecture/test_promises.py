@@ -19,7 +19,7 @@ TEXT = " ".join((ROOT / "docs" / "explanation" / "reliability.md").read_text(enc
 """On one line."""
 
 
-def test_every_test_that_is_named_is_there() -> None:
+def test_every_test_that_the_docs_name_exists() -> None:
     paths = list((ROOT / "tests").rglob("test_*.py"))
     files = {path.stem for path in paths}
     trees = [ast.parse(path.read_text(encoding="utf-8")) for path in paths]

@@ -20,7 +20,7 @@ LONGEST = 300.0
 
 
 class Broken(Exception):
-    """A claim does not hold."""
+    """A claim that does not hold."""
 
 
 def claim(holds: bool, claimed: str) -> None:

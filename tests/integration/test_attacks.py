@@ -101,7 +101,10 @@ def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds(monkeypa
                     await asyncio.sleep(0.01)
             running.cancel()
             assert server.drops.counts["Command: came twice"] == 2
-            assert server.run.state.poses[0, :2].tolist() == [0.0, 0.0]  # the pose of pair.toml: it did not move
+            assert server.run.state.poses[0, :2].tolist() == [
+                0.0,
+                0.0,
+            ]  # the pose of pair.toml: the robot did not move
 
     asyncio.run(main())
 
@@ -112,10 +115,10 @@ def nobody_hears_of(disturb: Any) -> None:
     assert not any(agent.drops.counts for agent in agents)
 
 
-def test_another_run_on_the_same_router_is_not_heard_at_all() -> None:
+def test_messages_of_another_run_on_the_same_router_are_not_received() -> None:
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
-            await ticks_go_by(vandal, 5, begin)  # all listen to their peers by now
+            await ticks_go_by(vandal, 5, begin)  # all have subscribed to their peers by now
             for _ in range(20):
                 for key, sent in everywhere(b"\xc1 junk", "other"):
                     put(vandal, key, sent)
@@ -125,7 +128,7 @@ def test_another_run_on_the_same_router_is_not_heard_at_all() -> None:
     nobody_hears_of(disturb)
 
 
-def test_a_payload_longer_than_the_limit_does_not_arrive_and_harms_nobody() -> None:
+def test_a_payload_longer_than_the_limit_does_not_arrive_and_does_no_harm() -> None:
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with client(endpoint) as vandal:
             await ticks_go_by(vandal, 5, begin)
@@ -136,8 +139,8 @@ def test_a_payload_longer_than_the_limit_does_not_arrive_and_harms_nobody() -> N
     nobody_hears_of(disturb)
 
 
-def test_who_claims_a_taken_robot_and_leaves_ends_nothing() -> None:
-    """Neither by asking, which is refused, nor by declaring the token of a robot that has one."""
+def test_an_agent_that_requests_a_taken_robot_and_leaves_does_not_end_the_run() -> None:
+    """Neither a request, which is rejected, nor a second token of the same robot ends the run."""
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         begin.set()

@@ -105,7 +105,7 @@ def _settled(puts: dict[str, Callable[[bytes], None]], queues: dict[str, "asynci
     return False
 
 
-def test_tokens_are_seen_when_they_come_when_they_stood_before_and_when_they_go() -> None:
+def test_liveliness_tokens_are_seen_before_during_and_after_a_subscription() -> None:
     async def main() -> None:
         seen: list[tuple[str, bool]] = []
         async with router() as (world, endpoint):
@@ -144,7 +144,7 @@ def test_a_query_is_answered_rejected_or_ignored() -> None:
     run(main)
 
 
-def test_a_taken_port_nobody_there_and_bad_settings_are_one_clear_line_each() -> None:
+def test_a_taken_port_an_unreachable_endpoint_and_bad_settings_are_one_clear_line_each() -> None:
     async def main() -> None:
         async with router() as (_, endpoint):
             with pytest.raises(TransportError, match=f"^cannot listen on {endpoint}: .*in use$"):
@@ -179,7 +179,7 @@ def test_connecting_can_be_stopped_at_once() -> None:
     run(main)
 
 
-def test_a_full_mailbox_forgets_the_oldest_and_never_stops_its_sender() -> None:
+def test_a_full_mailbox_drops_the_oldest_message_and_never_blocks_its_sender() -> None:
     async def main() -> None:
         async with router() as (world, endpoint), client(endpoint) as agent:
             box, done = agent.mailbox("box"), asyncio.Event()

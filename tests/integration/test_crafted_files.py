@@ -25,7 +25,7 @@ MOST = 512.0
 """Memory that the reader of one of them may use [MiB]; a chunk unpacks to 64, and the interpreter uses 80."""
 
 
-def test_each_ends_in_one_line_and_all_of_them_in_little_memory(tmp_path: Path) -> None:
+def test_crafted_files_are_rejected_in_one_line_each_and_with_little_memory(tmp_path: Path) -> None:
     crafted.write(tmp_path)
     done = subprocess.run(
         command("tests.support.untrusted", str(tmp_path)),
@@ -44,7 +44,7 @@ def test_each_ends_in_one_line_and_all_of_them_in_little_memory(tmp_path: Path) 
     assert found["peak"] < MOST
 
 
-def test_what_has_no_end_is_not_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_endless_files_are_rejected_without_waiting(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     place = Path("runs/x") / run_directory.ENDPOINT
     place.parent.mkdir(parents=True)
@@ -66,7 +66,7 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path: Path) -> None:
         files.read_table(tmp_path / "table")
 
 
-def test_nothing_is_written_that_a_reader_would_refuse(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_file_is_written_that_a_reader_would_reject(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert records.LIMIT * 63 // 64 >= mcap_file.LARGEST > 10 * mcap_file.CHUNK
     monkeypatch.setattr(mcap_file, "LARGEST", 1000)
     file = McapFile(tmp_path / "run.mcap")
@@ -78,7 +78,7 @@ def test_nothing_is_written_that_a_reader_would_refuse(tmp_path: Path, monkeypat
     file.finish("end", {})
 
 
-def test_no_log_is_written_that_unpacks_to_more_than_a_reader_takes(
+def test_no_log_is_written_that_unpacks_to_more_than_a_reader_accepts(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(records, "FREE", 1 << 20)
@@ -93,7 +93,7 @@ def test_no_log_is_written_that_unpacks_to_more_than_a_reader_takes(
     assert sum(1 for block in Reader(path) for _ in block) > 20  # the part that was written before is read
 
 
-def test_a_summary_that_a_reader_would_refuse_stands_in_the_run_directory_only(
+def test_a_summary_too_large_for_a_reader_is_written_to_the_run_directory_only(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path, pair = tmp_path / "run.mcap", load("pair.toml", run__duration=0.2)

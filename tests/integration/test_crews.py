@@ -33,7 +33,7 @@ def attendances(path: Path) -> list[tuple[int, list[list[int]]]]:
     return [(tick.number, tick.attended) for tick in log.load(path).ticks() if tick.attended]
 
 
-def test_a_crew_goes_with_the_first_of_its_tokens_and_is_taken_in_with_the_last(
+def test_a_crew_leaves_with_its_first_token_and_rejoins_with_its_last(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tokens, declare = defaultdict[int, list[Any]](list), Bus.declare_token
@@ -81,7 +81,7 @@ def test_a_crew_goes_with_the_first_of_its_tokens_and_is_taken_in_with_the_last(
     assert replay_command.rerun(log.load(path), all_robots=True)["digest"] == summary["digest"]
 
 
-def test_a_crew_of_which_one_robot_is_mute_is_left_out_and_taken_in_when_that_one_speaks(
+def test_a_crew_with_a_silent_robot_is_excluded_until_that_robot_answers(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     mute, say, repeat = asyncio.Event(), Outbox.publish, Outbox.resend

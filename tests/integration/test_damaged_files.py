@@ -1,4 +1,4 @@
-"""No stored file of a run can be damaged silently."""
+"""Damage to any stored file of a run is detected."""
 
 import shutil
 from pathlib import Path
@@ -12,7 +12,7 @@ from tests.support.loop import load
 CHANGES = 200
 
 
-def test_no_damage_to_a_checkpoint_a_log_or_a_sweep_is_silent_or_a_traceback(tmp_path: Path) -> None:
+def test_every_damage_to_a_checkpoint_a_log_or_a_sweep_is_reported_without_a_traceback(tmp_path: Path) -> None:
     found = damage.damage(tmp_path, load("pair.toml", run__duration=1.0), CHANGES, seed=12)
     ends = {title: {kind for _, kind in counts} for title, counts in found.items()}
     assert {title: counts.total() for title, counts in found.items()} == dict.fromkeys(found, CHANGES)
@@ -25,7 +25,7 @@ def test_no_damage_to_a_checkpoint_a_log_or_a_sweep_is_silent_or_a_traceback(tmp
     assert set().union(*ends.values()) == {LINE, SAME}
 
 
-def test_a_real_world_does_not_resume_a_damaged_run_and_changes_nothing(tmp_path: Path) -> None:
+def test_a_world_process_does_not_resume_a_damaged_run_and_leaves_its_files_alone(tmp_path: Path) -> None:
     run = damage.StoredRun(tmp_path, load("pair.toml", run__duration=0.4))
     for name in ("checkpoint/state", "checkpoint/trail", "checkpoint/journal-2", "run.mcap"):
         shutil.rmtree(run.work, ignore_errors=True)

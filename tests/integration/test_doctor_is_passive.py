@@ -16,7 +16,7 @@ from world.execution.run import Run
 from world.server.server import Server
 
 
-def test_the_doctor_asks_a_world_once_and_nobody_else(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_doctor_queries_only_the_world_and_only_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(network, "PATIENCE", PATIENCE)
     asked, said = Counter[str](), list[str]()
     answer, refuse = Query.reply, Query.reply_err

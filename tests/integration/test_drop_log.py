@@ -17,7 +17,7 @@ from tests.support.paths import CONFIGS
 from tests.support.processes import PATIENCE, command, until
 
 
-def test_a_sender_that_makes_up_kinds_fills_neither_memory_nor_log(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_sender_that_invents_kinds_fills_neither_memory_nor_log(caplog: pytest.LogCaptureFixture) -> None:
     drops = DropLog(logging.getLogger("test"))
     for number in range(10 * MAX_KINDS):
         drops.reject(f"kind {number}", f"line {number}")
@@ -28,7 +28,7 @@ def test_a_sender_that_makes_up_kinds_fills_neither_memory_nor_log(caplog: pytes
     assert drops.counts["kind 3"] == 2
 
 
-def test_the_totals_of_a_world_and_of_an_agent_are_one_line_at_their_end(tmp_path: Path) -> None:
+def test_world_and_agent_log_their_totals_in_one_line_at_their_end(tmp_path: Path) -> None:
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     words = {
         "world": command("world.process", str(CONFIGS / "pair.toml"), "-l", endpoint),

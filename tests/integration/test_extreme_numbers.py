@@ -73,7 +73,7 @@ def some(choose: np.random.Generator, count: int) -> Floats:
 
 
 def any_beacon(choose: np.random.Generator, tick: int, statistics: int) -> bytes:
-    """A beacon of the hostile robot that is valid in every field, also with links to itself and to unknown robots."""
+    """A valid beacon of the hostile robot, possibly with links to itself and to unknown robots."""
     links = np.sort(choose.choice(20, size=choose.integers(10), replace=False))
     named = choose.integers(0, 2, len(links)).astype(np.uint8)
     numbers = some(choose, len(links)), named, some(choose, int(choose.choice([0, statistics, 7])))
@@ -81,7 +81,7 @@ def any_beacon(choose: np.random.Generator, tick: int, statistics: int) -> bytes
 
 
 def any_command(choose: np.random.Generator, tick: int) -> bytes:
-    """A command of the hostile robot that is valid in every field."""
+    """A valid command of the hostile robot."""
     links = np.sort(choose.choice(10, size=choose.integers(10), replace=False))
     numbers = some(choose, len(links)), some(choose, int(choose.choice([0, 2 * len(links)])))
     return messages.encode_command(Command(tick, HOSTILE, (1.0, 0.5), links, *numbers))
@@ -159,7 +159,7 @@ def test_a_command_holds_numbers_up_to_a_bound(field: str, most: float, sign: fl
         messages.decode_command(command(**{field: sign * most * BEYOND}))
 
 
-def test_bounded_keeps_what_is_within_to_the_bit() -> None:
+def test_bounded_keeps_values_within_the_bounds_to_the_bit() -> None:
     values = np.array([-0.0, 0.0, 1.5, -3e11, MAX_TOLD, 2e12, -2e12, np.inf, -np.inf, np.nan])
     found = bounded(values, MAX_TOLD)
     assert found[:5].tobytes() == values[:5].tobytes()

@@ -43,12 +43,12 @@ async def end_with(fault: str, seconds: float) -> tuple[float, object]:
 
 
 @pytest.mark.parametrize(("fault", "seconds"), [("hold", 0.3), ("hold", 3.0), ("cut", 0.3), ("cut", 2.0)])
-def test_an_agent_whose_link_is_down_at_the_end_ends_well(fault: str, seconds: float) -> None:
+def test_an_agent_that_is_disconnected_at_the_end_exits_with_0(fault: str, seconds: float) -> None:
     _, outcome = asyncio.run(end_with(fault, seconds))
     assert not isinstance(outcome, BaseException), outcome
 
 
-def test_a_world_does_not_linger_where_every_robot_has_heard() -> None:
+def test_a_world_does_not_linger_after_every_robot_has_confirmed() -> None:
     lingered, outcome = asyncio.run(end_with("hold", 0.0))
     assert not isinstance(outcome, BaseException)
     assert lingered < farewell.LINGER

@@ -1,4 +1,4 @@
-"""Faults have one digest: in one loop, stacked, over Zenoh in any crews, and executed again from a log."""
+"""Faults have one digest: in one loop, stacked, over Zenoh in any crews, and reexecuted from a log."""
 
 import asyncio
 from pathlib import Path
@@ -65,7 +65,7 @@ def over_zenoh(what: Scenario, groups: list[list[int]], recorder: Recorder | Non
     ("name", "fault"),
     [*(("measured.toml", fault) for fault in FAULTS), ("paper.toml", "together")],
 )
-def test_a_fault_has_one_digest_in_one_loop_and_over_zenoh_and_is_no_other_fault(
+def test_each_fault_has_a_digest_of_its_own_equal_in_one_loop_and_over_zenoh(
     name: str, fault: str, crew: str
 ) -> None:
     what = faulty(name, fault)
@@ -96,7 +96,7 @@ def test_stacked_runs_with_faults_have_the_summaries_that_they_have_alone(name: 
     assert found == alone(scenarios)
 
 
-def test_runs_whose_robots_are_told_of_other_faults_are_not_stacked_and_teams_of_other_sizes_are() -> None:
+def test_runs_with_different_faults_are_not_stacked_and_teams_of_different_sizes_are() -> None:
     late = {"at": 0.2, "transmitter": {"robot": 2, "delay": 0.1}, "clock": {"robot": 1, "skew": 0.05}}
     lossy = {"at": 0.2, "transmitter": {"robot": 2, "loss": 0.5}}
     small = {"seeking__index": "measured", "run__duration": 2.0, "robots__jitter": 5.0}

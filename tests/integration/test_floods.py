@@ -110,7 +110,7 @@ def test_a_flood_that_pushes_beacons_out_of_full_mailboxes_changes_no_digit(monk
     assert sum(agent.drops.counts["Beacon: recalled"] for agent in agents) > 0
 
 
-def test_a_flood_of_questions_is_refused_and_changes_no_digit() -> None:
+def test_a_flood_of_queries_is_rejected_and_changes_no_digit() -> None:
     refused: list[str] = []
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
@@ -143,7 +143,7 @@ def test_a_flood_of_questions_is_refused_and_changes_no_digit() -> None:
     assert {"Join: refused", "Change: refused"} <= set(server.drops.counts)
 
 
-def test_more_questions_than_may_wait_are_refused_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_more_queries_than_the_queue_holds_are_rejected_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     refused, refuse = threading.Semaphore(0), bus.Query.reply_err
 
     def counted(query: bus.Query, reason: str) -> None:
@@ -167,7 +167,7 @@ def test_more_questions_than_may_wait_are_refused_at_once(monkeypatch: pytest.Mo
     assert said.count("too many questions at once") == 4 * bus.QUESTIONS
 
 
-def test_agents_that_all_ask_at_once_when_their_world_comes_ask_again(
+def test_agents_that_query_a_new_world_all_at_once_retry(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     busy = 0

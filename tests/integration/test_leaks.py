@@ -1,4 +1,4 @@
-"""Nothing grows while peers come in and out of range ten thousand times."""
+"""Constant memory and threads while peers enter and leave the range ten thousand times."""
 
 import asyncio
 import logging

@@ -33,7 +33,7 @@ from world.server.server import Server
 TICK = 0.02  # s
 
 
-def test_an_agent_that_is_suspended_for_longer_than_its_lease_is_taken_in_again(tmp_path: Path) -> None:
+def test_an_agent_that_is_suspended_past_its_lease_rejoins(tmp_path: Path) -> None:
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     words = [str(CONFIGS / "pair.toml"), "--set", "run.clock=live", "--duration", "14", "--out", "out"]
     world = start(command_line("world.process", *words, "-l", endpoint), tmp_path)
@@ -62,7 +62,7 @@ def test_an_agent_that_is_suspended_for_longer_than_its_lease_is_taken_in_again(
 
 
 def live_through(scenario: Scenario, path: Path, story: Any) -> dict[str, Any]:
-    """A recorded run on the live clock, while `story(server)` happens."""
+    """Record a run on the live clock while `story(server)` happens."""
 
     async def main() -> dict[str, Any]:
         async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
@@ -104,9 +104,7 @@ def test_a_run_takes_as_long_as_it_simulates_and_its_world_can_be_executed_again
         replay_command.rerun(found, all_robots=True)
 
 
-def test_nobody_waits_for_a_robot_that_says_nothing_and_it_stops(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_silent_robot_stops_and_delays_no_tick(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("world.server.live.HANG_TIMEOUT", 1.0)
     mute, say = asyncio.Event(), Outbox.publish
     unsaid: list[tuple[Outbox, int, Any]] = []
@@ -145,7 +143,7 @@ def test_nobody_waits_for_a_robot_that_says_nothing_and_it_stops(
     assert replay_command.rerun(log.load(tmp_path / "run.mcap"))["digest"] == summary["digest"]
 
 
-def test_a_beacon_that_comes_too_late_is_lost_and_counted_and_nobody_asks_for_it(
+def test_a_late_beacon_is_counted_as_lost_and_not_recalled(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     heard = BeaconSubscriptions.heard
@@ -185,7 +183,9 @@ def test_ten_processes_keep_the_formation_on_the_live_clock(tmp_path: Path) -> N
         (["--rtf", "2"], "--rtf does not go with the live clock"),
     ],
 )
-def test_what_does_not_go_with_the_live_clock_is_one_line(words: list[str], complaint: str, tmp_path: Path) -> None:
+def test_a_setting_that_excludes_the_live_clock_is_rejected_in_one_line(
+    words: list[str], complaint: str, tmp_path: Path
+) -> None:
     ended = subprocess.run(
         fes("run", "configs/pair.toml", "--clock", "live", "--out", str(tmp_path / "out"), *words),
         capture_output=True,

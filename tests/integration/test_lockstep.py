@@ -50,7 +50,7 @@ GROUPS = {
 
 
 @pytest.mark.parametrize("groups", GROUPS.values(), ids=GROUPS.keys())
-def test_the_digest_does_not_depend_on_zenoh_placement_or_start_order(
+def test_the_digest_depends_on_neither_zenoh_nor_placement_nor_start_order(
     paper: Scenario, expected: dict[str, Any], groups: list[list[int]]
 ) -> None:
     summary, server, _ = run(paper, groups)
@@ -101,7 +101,7 @@ def test_an_agent_drops_its_subscription_when_a_peer_leaves() -> None:
     assert [agent.radio.peers for agent in agents] == [[], []]
 
 
-def test_garbage_on_any_key_is_counted_and_changes_nothing(
+def test_garbage_on_any_key_is_counted_and_changes_no_digit(
     paper: Scenario, expected: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("agents.runtime.membership.secrets.randbelow", lambda most: attackers.AGENT)
@@ -131,7 +131,7 @@ def test_garbage_on_any_key_is_counted_and_changes_nothing(
     assert all(agent.drops.counts for agent in agents)
 
 
-def test_who_asks_for_a_taken_or_unknown_robot_is_refused_and_the_run_goes_on(
+def test_a_request_for_a_taken_or_unknown_robot_is_rejected_and_the_run_continues(
     paper: Scenario, expected: dict[str, Any]
 ) -> None:
     refusals: list[str] = []
@@ -152,7 +152,7 @@ def test_who_asks_for_a_taken_or_unknown_robot_is_refused_and_the_run_goes_on(
     assert summary["digest"] == expected["digest"]
 
 
-def test_a_world_that_everybody_left_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_world_without_agents_ends_with_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("world.server.lockstep.RETURN_TIMEOUT", 1.0)
     endless = load("pair.toml", run__duration=1000.0)
 
@@ -196,7 +196,7 @@ def test_junk_does_not_keep_a_hung_robot_alive(monkeypatch: pytest.MonkeyPatch) 
     asyncio.run(main())
 
 
-def test_an_agent_whose_world_leaves_says_so() -> None:
+def test_an_agent_whose_world_leaves_ends_with_one_line() -> None:
     endless = load("pair.toml", run__duration=1000.0)
 
     async def main() -> None:
@@ -215,7 +215,7 @@ def test_an_agent_whose_world_leaves_says_so() -> None:
     asyncio.run(main())
 
 
-def test_without_a_world_an_agent_gives_up_and_says_what_it_waited_for() -> None:
+def test_an_agent_without_a_world_times_out_and_names_what_it_waited_for() -> None:
     async def main() -> None:
         async with session.router() as (_, endpoint):
             with pytest.raises(Unavailable, match=r"^no world of run 'test' appeared within 0.2 s$"):

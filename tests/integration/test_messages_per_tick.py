@@ -20,6 +20,6 @@ def test_a_tick_is_an_observation_a_beacon_and_a_command_for_each_robot_and_a_de
     share = 2.0 / growth.TICKS
     assert found.incoming == pytest.approx(2 * robots, rel=share)
     assert found.outgoing == pytest.approx(robots * (1.0 + found.contacts), rel=share)
-    assert found.contacts > 2.0  # or few beacons would be counted
+    assert found.contacts > 2.0  # otherwise few beacons would be counted
     payload = sum(found.counts[f"{kind}, bytes"] for kind in ("beacon taken", "observation taken"))
     assert payload < found.sent < payload + 200.0 * found.outgoing

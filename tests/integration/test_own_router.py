@@ -114,7 +114,7 @@ def test_forged_messages_do_not_pass_a_router_with_the_printed_rules(keyed: Path
     assert forged(keyed, configuration(keyed, endpoint), endpoint) == set()
 
 
-def test_without_the_rules_they_would(keyed: Path) -> None:
+def test_without_the_rules_forged_messages_pass_a_router(keyed: Path) -> None:
     endpoint = f"tls/127.0.0.1:{free_port()}"
     text = json.loads(configuration(keyed, endpoint))
     text["access_control"]["enabled"] = False

@@ -24,7 +24,7 @@ from world.server.server import Server
 DEADS: list[dict[str, Any]] = [{"at": 0.6, "kill": [4, 6]}, {"at": 1.2, "restart": [4]}, {"at": 1.6, "restart": [6]}]
 
 
-def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_it_can_be_executed_again(
+def test_a_dead_robot_stands_still_rejoins_as_a_new_process_and_its_run_can_be_reexecuted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for patience in ("ANSWER_TIMEOUT", "RESEND_AFTER"):  # only its token informs the barrier
@@ -70,7 +70,7 @@ def test_a_robot_that_dies_stands_still_comes_back_as_a_new_process_and_all_of_i
     assert replay_command.rerun_robot(found, 4) == 300
 
 
-def test_a_robot_that_hangs_is_left_out_after_the_deadline_and_taken_in_again_when_it_speaks(
+def test_a_hung_robot_is_excluded_after_the_deadline_and_rejoins_when_it_answers(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asleep, say = asyncio.Event(), Outbox.publish
@@ -126,7 +126,7 @@ def test_scheduled_deaths_have_one_digest_in_one_loop_and_over_zenoh(name: str, 
     assert not server.drops.counts
 
 
-def test_answers_of_a_robot_that_was_dead_by_schedule_may_come_when_it_takes_part_again(
+def test_late_answers_of_a_scheduled_dead_robot_are_accepted_after_it_rejoins(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     delayed, say = [], Outbox.publish
@@ -153,7 +153,7 @@ def test_answers_of_a_robot_that_was_dead_by_schedule_may_come_when_it_takes_par
     assert not server.drops.counts
 
 
-def test_a_log_of_scheduled_deaths_in_one_loop_is_executed_again(tmp_path: Path) -> None:
+def test_a_log_of_scheduled_deaths_in_one_loop_can_be_reexecuted(tmp_path: Path) -> None:
     dying = load("measured.toml", run__duration=2.4, event=DEADS)
     with Recorder(tmp_path / "run.mcap", dying, "test", "inprocess") as recorder:
         summary = inprocess.run(dying, "test", recorder=recorder)

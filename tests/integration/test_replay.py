@@ -75,7 +75,7 @@ def test_summary_digest_and_figures_are_those_of_the_live_run(recorded: Recorded
         np.testing.assert_array_equal(getattr(drawn, field), getattr(live, field))
 
 
-def test_ten_processes_over_zenoh_are_executed_again_in_one_loop(tmp_path: Path) -> None:
+def test_a_run_of_ten_processes_can_be_reexecuted_in_one_loop(tmp_path: Path) -> None:
     words = ["run", str(CONFIGS / "measured.toml"), "--duration", "2", "--headless", "--json", "--out", "out"]
     done = subprocess.run(fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 0, done.stderr
@@ -93,7 +93,7 @@ def test_a_robot_alone_says_and_does_what_it_did(recorded: Recorded, robot: int)
     assert replay_command.rerun_robot(log.load(recorded[0]), robot) == recorded[1]["ticks"]
 
 
-def test_what_a_person_set_meanwhile_is_set_again(tmp_path: Path) -> None:
+def test_changes_by_fes_set_are_replayed(tmp_path: Path) -> None:
     pair = load("pair.toml", run__duration=4.0)
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
@@ -144,7 +144,7 @@ def test_a_change_is_named_with_tick_robot_field_and_both_values(recorded: Recor
         replay_command.rerun(log.load(tampered))  # the world does not ask why a robot moves
 
 
-def test_a_summary_that_was_not_reached_is_named(recorded: Recorded, tmp_path: Path) -> None:
+def test_a_summary_that_the_log_does_not_yield_is_named(recorded: Recorded, tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     pair = load("pair.toml", run__duration=0.5)
     with Recorder(path, pair, "test", "inprocess") as recorder:
@@ -201,7 +201,7 @@ def read_without_an_index(path: Path) -> list[int]:
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
-def test_a_log_of_a_world_that_was_ended_holds_what_was_reached(tmp_path: Path, how: signal.Signals) -> None:
+def test_a_log_of_a_stopped_world_holds_all_ticks_until_then(tmp_path: Path, how: signal.Signals) -> None:
     words = ["run", str(CONFIGS / "pair.toml"), "--duration", "100000", "--out", "out", "--headless"]
     running = start(fes(*words), tmp_path)
     path = tmp_path / "out" / "run.mcap"
@@ -233,7 +233,7 @@ def test_robot_and_all_at_once_are_refused(recorded: Recorded) -> None:
         replay_command.replay(recorded[0], robot=3, all_=True)
 
 
-def test_a_run_that_was_stopped_is_said_to_be(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_stopped_run_is_reported_as_stopped(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     pair, kept = load("pair.toml", run__duration=1.0), list[dict[str, Any]]()
 
     def fail(report: object) -> None:

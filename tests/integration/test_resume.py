@@ -31,7 +31,7 @@ def messages_of(path: Path) -> list[tuple[str, int, bytes]]:
 
 @pytest.mark.parametrize("name", ["paper.toml", "measured.toml"])
 @pytest.mark.parametrize("recorded", [True, False], ids=["recorded", "not recorded"])
-def test_a_run_can_be_gone_on_with_after_every_tick(tmp_path: Path, name: str, recorded: bool) -> None:
+def test_a_run_can_be_resumed_after_every_tick(tmp_path: Path, name: str, recorded: bool) -> None:
     bursts = {"bad_share": 0.2, "mean_length": 0.1}
     faults = [
         {"at": 0.3, "transmitter": {"robot": 2, "loss": 0.5}},

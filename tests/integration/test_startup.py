@@ -45,7 +45,7 @@ def test_a_world_does_not_start_with_robots_whose_agents_it_has_not_accepted() -
     asyncio.run(main())
 
 
-def test_a_world_that_cannot_keep_who_joins_ends_instead_of_waiting_for_ever(tmp_path: Path) -> None:
+def test_a_world_that_cannot_record_joins_ends_instead_of_waiting_forever(tmp_path: Path) -> None:
     async def main() -> None:
         async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
             checkpoints = CheckpointWriter(tmp_path, 1e9, "test", RUN)

@@ -20,8 +20,9 @@ from fes.protocol import channel_change, wire
 from fes.protocol.channel_change import ParameterChange
 from fes.system import strict_json
 from tests.support import recordings
-from tests.support.commands import PAIR, call
+from tests.support.commands import call
 from tests.support.loop import load
+from tests.support.paths import PAIR
 from tests.support.source import PACKAGES, modules
 from world.metrics import summary
 
@@ -59,7 +60,7 @@ def test_only_one_module_of_the_product_touches_the_json_library() -> None:
 
 
 @pytest.mark.parametrize("bad", BAD)
-def test_what_is_not_finite_is_null_however_deep_it_lies(bad: float) -> None:
+def test_numbers_that_are_not_finite_become_null_at_any_depth(bad: float) -> None:
     value = {"a": bad, "b": [1.5, (bad, {"c": bad})], "d": True, "e": "NaN"}
     assert strictly(strict_json.dumps(value)) == {"a": None, "b": [1.5, [None, {"c": None}]], "d": True, "e": "NaN"}
     with pytest.raises(ValueError, match="JSON"):
@@ -67,7 +68,7 @@ def test_what_is_not_finite_is_null_however_deep_it_lies(bad: float) -> None:
 
 
 @pytest.mark.parametrize("word", WORDS)
-def test_no_reader_takes_a_number_that_is_not_finite(word: str, tmp_path: Path) -> None:
+def test_no_reader_accepts_a_number_that_is_not_finite(word: str, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="is not a number of JSON"):
         strict_json.loads(f'{{"a": [{word}]}}')
     (tmp_path / "summary.json").write_text(f'{{"ticks": {word}}}')
@@ -80,7 +81,7 @@ def test_no_reader_takes_a_number_that_is_not_finite(word: str, tmp_path: Path) 
         ledger._read(file, tmp_path / ledger.LINES)
 
 
-def test_a_log_whose_summary_is_no_json_is_refused_in_one_line(tmp_path: Path) -> None:
+def test_a_log_whose_summary_is_not_json_is_rejected_in_one_line(tmp_path: Path) -> None:
     found = recordings.record(tmp_path / "run.mcap", load("pair.toml", run__duration=0.2))
     bad = {**found, "separation_error_max": math.inf}
     recordings.rewrite(tmp_path / "run.mcap", tmp_path / "bad.mcap", lambda topic, tick, data: data, bad)
@@ -90,13 +91,15 @@ def test_a_log_whose_summary_is_no_json_is_refused_in_one_line(tmp_path: Path) -
 
 
 @pytest.mark.parametrize("bad", BAD)
-def test_a_value_that_is_not_finite_cannot_be_asked_for(bad: float) -> None:
+def test_a_value_that_is_not_finite_cannot_be_set(bad: float) -> None:
     with pytest.raises(MessageError, match="expects finite numbers"):
         channel_change.encode_change(ParameterChange("channel.reference_snr", bad))
 
 
 @pytest.mark.parametrize("bad", BAD)
-def test_a_summary_of_nothing_but_such_numbers_is_strict_and_can_be_printed(bad: float, tmp_path: Path) -> None:
+def test_a_summary_of_numbers_that_are_not_finite_is_strict_json_and_can_be_printed(
+    bad: float, tmp_path: Path
+) -> None:
     expected = [{"of": "separation_error_max", "below": 1.0}]
     true = inprocess.run(load("pair.toml", run__duration=1.0, expect=expected), "pair")
     found = {**filled(true, bad), "simulated_s": true["simulated_s"], "wall_s": true["wall_s"]}  # bounded, measured
@@ -109,7 +112,7 @@ def test_a_summary_of_nothing_but_such_numbers_is_strict_and_can_be_printed(bad:
     assert strictly(strict_json.dumps(work.scalars(found)))["separation_error_max"] is None
 
 
-def test_a_run_says_null_of_an_error_that_is_not_finite(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_reports_an_error_that_is_not_finite_as_null(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(summary, "_rms", lambda errors: math.inf)
     found = recordings.record(tmp_path / "run.mcap", load("pair.toml", run__duration=0.2))
     assert found["separation_error_rms"] is None
@@ -117,7 +120,7 @@ def test_a_run_says_null_of_an_error_that_is_not_finite(tmp_path: Path, monkeypa
 
 
 @pytest.mark.parametrize("form", list(Format))
-def test_a_table_says_of_a_number_that_is_not_finite_what_it_says_of_none(form: Format, tmp_path: Path) -> None:
+def test_a_table_shows_a_number_that_is_not_finite_as_missing(form: Format, tmp_path: Path) -> None:
     rows: list[table.Row] = [{"time": value, "error": None} for value in (1.5, *BAD, None)]
     path = table.write(tmp_path, "table", rows, form)
     if form is Format.PARQUET:
@@ -127,7 +130,7 @@ def test_a_table_says_of_a_number_that_is_not_finite_what_it_says_of_none(form: 
             assert [row["time"] for row in csv.DictReader(file)] == ["1.5", "", "", "", ""]
 
 
-def test_all_that_a_sweep_writes_is_strict_though_an_outcome_never_came(tmp_path: Path) -> None:
+def test_files_of_a_sweep_are_strict_json_even_without_an_outcome(tmp_path: Path) -> None:
     short = ["--set", "run.duration=0.2", "--axis", "formation.rule=disk,two_nearest", "--jobs", "1", "--out", "out"]
     done = call(tmp_path, "fes", "sweep", PAIR, "--seeds", "0:2", *short)
     assert done.returncode == 0, done.stderr

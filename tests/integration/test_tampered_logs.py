@@ -140,7 +140,7 @@ def execute(how: str, path: Path, out: Path) -> None:
 
 
 @pytest.mark.parametrize("what", WRONG)
-def test_what_is_wrong_is_one_line(recorded: Path, tmp_path: Path, what: str) -> None:
+def test_a_tampered_log_is_rejected_in_one_line(recorded: Path, tmp_path: Path, what: str) -> None:
     edit, rule, noticed = WRONG[what]
     path = tmp_path / "run.mcap"
     recordings.rewrite(recorded, path, edit)
@@ -152,7 +152,7 @@ def test_what_is_wrong_is_one_line(recorded: Path, tmp_path: Path, what: str) ->
 
 @pytest.mark.parametrize("how", WORLD)
 @pytest.mark.parametrize("key", ["digest", "beacons_sent", "extra"])
-def test_a_summary_that_was_not_reached_is_named_wherever_the_world_is_executed(
+def test_every_reexecution_names_a_summary_that_the_log_does_not_yield(
     recorded: Path, tmp_path: Path, how: str, key: str
 ) -> None:
     summary = log.load(recorded).summary
@@ -173,7 +173,7 @@ def test_a_summary_that_was_not_reached_is_named_wherever_the_world_is_executed(
         (on("/scenario", 0, told()), {"digest": "0"}, (49, "summary", "digest")),
     ],
 )
-def test_compare_sees_reports_what_was_set_and_the_summary(
+def test_compare_checks_reports_changes_and_the_summary(
     recorded: Path, tmp_path: Path, edit: Edit, summary: dict[str, Any] | None, expected: Any
 ) -> None:
     one = log.load(recorded)
@@ -182,7 +182,7 @@ def test_compare_sees_reports_what_was_set_and_the_summary(
     assert (found and (found.tick, found.message, found.field)) == expected
 
 
-def test_compare_sees_an_end_that_is_not_there_and_messages_before_all_else(recorded: Path, tmp_path: Path) -> None:
+def test_compare_checks_messages_first_and_finds_a_missing_end(recorded: Path, tmp_path: Path) -> None:
     one = log.load(recorded)
     recordings.rewrite(recorded, tmp_path / "killed.mcap", lambda topic, tick, data: data, ended=False)
     found = compare.first_difference(one, log.load(tmp_path / "killed.mcap"))
@@ -199,13 +199,13 @@ def test_compare_sees_an_end_that_is_not_there_and_messages_before_all_else(reco
     assert (found.tick, found.message, found.robot) == (40, "Command", 1)
 
 
-def test_a_log_as_it_was_is_what_it_says(recorded: Path, tmp_path: Path) -> None:
+def test_an_untouched_log_passes_every_check(recorded: Path, tmp_path: Path) -> None:
     recordings.rewrite(recorded, tmp_path / "run.mcap", lambda topic, tick, data: data)
     for how in ALL:
         execute(how, tmp_path / "run.mcap", tmp_path)
 
 
-def test_the_world_goes_no_further_than_the_log(tmp_path: Path) -> None:
+def test_reexecution_of_the_world_ends_with_the_log(tmp_path: Path) -> None:
     recordings.record(tmp_path / "run.mcap", load("pair.toml", run__duration=1.0, event=[HALVED]))
     found = log.load(tmp_path / "run.mcap")
     late = found.scenario.event[0].model_copy(update={"at": 1.0, "settings": {"channel.reference_snr": -1.0}})

@@ -85,7 +85,7 @@ def test_the_relative_neighborhood_graph_is_symmetric_and_connected_whenever_the
 def test_the_relative_neighborhood_graph_does_not_depend_on_the_robots_ids(
     team: list[tuple[int, int]], shuffle: object
 ) -> None:
-    """Not even with ties: its definition compares strictly."""
+    """This holds even with ties, as its definition compares strictly."""
     where = layouts.poses([(float(x), float(y)) for x, y in team])
     order = list(range(len(team)))
     shuffle.shuffle(order)  # type: ignore[attr-defined]

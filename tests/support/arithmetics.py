@@ -1,4 +1,4 @@
-"""Another arithmetic on this machine: an environment in which the same program rounds otherwise."""
+"""Another arithmetic on this machine: an environment in which the same program rounds differently."""
 
 import os
 import subprocess
@@ -18,11 +18,11 @@ SWITCHES = [
 """Each changes something on some machines only."""
 
 OTHER = {"fingerprint": "0123456789ab", "numpy": "1.0.0", "core": "numpy"}
-"""An arithmetic that no machine has."""
+"""Fingerprint table of an arithmetic that no machine has."""
 
 
 def of(environment: dict[str, str]) -> str:
-    """The arithmetic of a process in an environment; that of this process if none can run there."""
+    """The arithmetic of a process in an environment; this process's own if none can run there."""
     code = "from fes.system import fingerprint; print(fingerprint.text())"
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", code], env=os.environ | environment, capture_output=True, text=True
@@ -37,7 +37,7 @@ def _switch() -> dict[str, str] | None:
 
 
 def another(where: Path) -> dict[str, str]:
-    """An environment in which programs have another arithmetic, or say so where this machine has no switch for it."""
+    """An environment in which programs have, or on a machine without a switch claim, another arithmetic."""
     if (switch := _switch()) is not None:
         return switch
     (where / "sitecustomize.py").write_text(

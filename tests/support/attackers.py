@@ -1,4 +1,4 @@
-"""What attackers of a run put on its keys, and a run that is attacked."""
+"""Attackers of a run, and the run under attack."""
 
 import asyncio
 import contextlib
@@ -24,11 +24,11 @@ from world.server.server import Server
 
 ROBOTS = 10
 FLOOD = 10_000
-NOBODY = np.zeros(0, dtype=np.int64)
+NO_PEERS = np.zeros(0, dtype=np.int64)
 NOTHING = np.zeros(0)
 
 AGENT = 4711
-"""The number of every agent of a run that is attacked, so that attackers know the mark of its commands."""
+"""Number of every agent of an attacked run, so that attackers know the mark of its commands."""
 MARK = Join((0,), AGENT).mark
 
 Attack = Callable[[Bus], Iterator[tuple[str, bytes]]]
@@ -36,12 +36,12 @@ Attack = Callable[[Bus], Iterator[tuple[str, bytes]]]
 
 @functools.cache
 def undisturbed() -> str:
-    """The digest of the run that is attacked when nobody does."""
+    """Digest of the attacked run without an attack."""
     return str(inprocess.run(load("paper.toml", run__duration=2.0), "test")["digest"])
 
 
 def attacked(disturb: Any) -> tuple[Server, list[Agent]]:
-    """World and agents of a run that was disturbed, and has the digest of one that was not."""
+    """World and agents of a disturbed run; it must have the digest of an undisturbed one."""
 
     async def bounded() -> Any:
         async with asyncio.timeout(60.0):
@@ -60,12 +60,12 @@ def put(attacker: Bus, key: str, payload: bytes) -> None:
 
 
 async def ticks_go_by(opened: Bus, count: int, begin: asyncio.Event | None = None) -> None:
-    """Wait until robot 0 has answered `count` ticks more; the run may `begin` when they can be seen."""
+    """Wait until robot 0 has answered `count` more ticks; set `begin` once its answers can be seen."""
     loop, done, seen = asyncio.get_running_loop(), asyncio.Event(), set[bytes]()
 
     def on_command(key: str, payload: bytes | None) -> None:
         seen.add(payload or b"")
-        if len(seen) > count:  # the first may have been on its way before we listened
+        if len(seen) > count:  # the first may have been sent before we subscribed
             loop.call_soon_threadsafe(done.set)
 
     undeclare = opened.declare_subscriber(keys.command(RUN, 0), on_command)
@@ -77,7 +77,7 @@ async def ticks_go_by(opened: Bus, count: int, begin: asyncio.Event | None = Non
 
 
 async def arrived(opened: Bus) -> None:
-    """Wait until what was declared and put is with world and robots: these questions take no other way."""
+    """Wait until earlier declarations and puts have reached world and robots: queries take the same route."""
     await opened.get(keys.about(RUN), b"", session.PATIENCE)
     for robot in range(ROBOTS):
         with contextlib.suppress(Rejected):
@@ -85,25 +85,25 @@ async def arrived(opened: Bus) -> None:
 
 
 def everywhere(payload: bytes, run: str = RUN) -> list[tuple[str, bytes]]:
-    """A payload for every key that somebody listens to."""
+    """A payload for every key that has a subscriber."""
     robots = [key(run, robot) for robot in range(ROBOTS) for key in (keys.beacon, keys.command, keys.observation)]
     return [(key, payload) for key in [*robots, keys.report(run), keys.welcome(run, "2-3"), keys.change(run)]]
 
 
 def command(tick: int, robot: int, linear: float = 1.0) -> bytes:
-    return messages.encode_command(Command(tick, robot, (linear, 1.0), NOBODY, NOTHING, NOTHING))
+    return messages.encode_command(Command(tick, robot, (linear, 1.0), NO_PEERS, NOTHING, NOTHING))
 
 
 def beacon(tick: int, robot: int) -> bytes:
     return messages.encode_beacon(
-        Beacon(tick, robot, (1.0, 2.0, 3.0), NOBODY, NOTHING, NOBODY.astype(np.uint8), NOTHING)
+        Beacon(tick, robot, (1.0, 2.0, 3.0), NO_PEERS, NOTHING, NO_PEERS.astype(np.uint8), NOTHING)
     )
 
 
 def observation(tick: int, robot: int) -> bytes:
-    nothing = NOBODY.astype(np.uint8)
+    nothing = NO_PEERS.astype(np.uint8)
     return messages.encode_observation(
-        Observation(tick, robot, (9.0, 9.0, 9.0), NOBODY, nothing, over=False, since=0)
+        Observation(tick, robot, (9.0, 9.0, 9.0), NO_PEERS, nothing, over=False, since=0)
     )
 
 

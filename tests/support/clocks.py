@@ -1,4 +1,4 @@
-"""A wall clock that moves only while somebody sleeps by it."""
+"""A wall clock that moves only during sleeps on it."""
 
 from collections.abc import Callable
 
@@ -6,7 +6,7 @@ import pytest
 
 
 class Clock:
-    """Stands for the clock and the sleep of a module; sleep number i takes `longer(i)` [s] more than asked."""
+    """Replaces the clock and the sleep of a module; sleep number i takes `longer(i)` [s] more than requested."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, module: str, longer: Callable[[int], float]) -> None:
         self.now, self.slept = 100.0, list[float]()

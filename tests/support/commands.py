@@ -1,4 +1,4 @@
-"""The installed commands, called as a person or a script calls them."""
+"""The installed commands, called like a person or a script calls them."""
 
 import json
 import socket
@@ -7,13 +7,10 @@ import sysconfig
 from pathlib import Path
 from typing import Any
 
-from tests.support.paths import CONFIGS
+from tests.support.paths import PAIR
 from tests.support.processes import LOOP
 
 PROGRAMS = Path(sysconfig.get_path("scripts"))
-
-
-PAIR = str(CONFIGS / "pair.toml")
 
 
 def call(where: Path, *words: str) -> subprocess.CompletedProcess[str]:
@@ -26,8 +23,8 @@ def run_json(where: Path, *words: str) -> dict[str, Any]:
     """The summary that `fes run --json` prints, and nothing else."""
     done = call(where, "fes", "run", PAIR, "--backend", "inprocess", "--json", *words)
     assert (done.returncode, done.stderr) == (0, LOOP.format(2))
-    found: dict[str, Any] = json.loads(done.stdout)  # more than one document would not parse
-    return found
+    summary: dict[str, Any] = json.loads(done.stdout)  # more than one document would not parse
+    return summary
 
 
 def complaint(done: subprocess.CompletedProcess[str], program: str) -> str:
@@ -42,7 +39,7 @@ def complaint(done: subprocess.CompletedProcess[str], program: str) -> str:
 
 
 def vacant() -> str:
-    """An endpoint on the loopback interface where nobody listens."""
+    """An endpoint on the loopback interface without a listener."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return f"tcp/127.0.0.1:{probe.getsockname()[1]}"

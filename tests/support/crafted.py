@@ -1,4 +1,4 @@
-"""Small files that are made to cost much: logs, checkpoints, sweeps and announcements of a run."""
+"""Small files crafted to exhaust time or memory: logs, checkpoints, sweeps and announcements of a run."""
 
 import hashlib
 import json
@@ -43,16 +43,16 @@ def written(*content: McapRecord) -> bytes:
 
 
 def chunk(data: bytes, size: int | None = None, packed: bytes | None = None, how: str = "zstd") -> bytes:
-    """A chunk that holds records, or says that it does."""
+    """A chunk that holds, or claims to hold, records."""
     packed = zstandard.compress(data) if packed is None else packed
     return written(Chunk(how, packed, 0, 0, zlib.crc32(data), len(data) if size is None else size))
 
 
 @cache
-def zeros(size: int, told: bool) -> bytes:
-    """This many zeros, compressed; the frame states their number or not."""
+def zeros(size: int, stated: bool) -> bytes:
+    """Compressed zeros; the frame may state their number."""
     out = BytesIO()
-    with zstandard.ZstdCompressor().stream_writer(out, size=size if told else -1, closefd=False) as into:
+    with zstandard.ZstdCompressor().stream_writer(out, size=size if stated else -1, closefd=False) as into:
         for _ in range(size // MIB):
             into.write(bytes(MIB))
     return out.getvalue()
@@ -69,25 +69,25 @@ def topics(ids: Iterable[int] = TOPICS) -> bytes:
 def header(scenario: str | None = None, **changes: Any) -> bytes:
     """The first message of a log of two robots."""
     tables = load("pair.toml", run__duration=1.0).model_dump(mode="json", by_alias=True, exclude_none=True)
-    told = {
+    fields = {
         "log": schemas.VERSION,
         "name": "x",
         "backend": "processes",
         "scenario": scenario or tomli_w.dumps(tables),
     }
     return message(
-        SCENARIO, json.dumps({**told, "arithmetic": fingerprint.table(), "versions": {}, **changes}).encode()
+        SCENARIO, json.dumps({**fields, "arithmetic": fingerprint.table(), "versions": {}, **changes}).encode()
     )
 
 
 def torn(*parts: bytes) -> bytes:
-    """A log that was cut after these records."""
+    """A log that ends after these records."""
     return MCAP0_MAGIC + framed(1, bytes(8)) + b"".join(parts)
 
 
-def begun(*messages: bytes, told: bytes | None = None) -> bytes:
+def begun(*messages: bytes, scenario: bytes | None = None) -> bytes:
     """A log with its scenario and further messages in one chunk."""
-    return torn(chunk(topics() + (header() if told is None else told) + b"".join(messages)))
+    return torn(chunk(topics() + (header() if scenario is None else scenario) + b"".join(messages)))
 
 
 def observations(tick: int, payloads: int) -> bytes:
@@ -103,16 +103,18 @@ def ticks(count: int) -> bytes:
     """Ticks of two robots that are absent."""
     team = written(
         *(
-            Channel(10 + at, name, "protobuf", {}, 1)
-            for at, name in enumerate(("/observations", "/beacons", "/commands"))
+            Channel(10 + index, name, "protobuf", {}, 1)
+            for index, name in enumerate(("/observations", "/beacons", "/commands"))
         )
     )
-    return team + b"".join(message(10 + at, observations(tick, 2), tick) for tick in range(count) for at in range(3))
+    return team + b"".join(
+        message(10 + index, observations(tick, 2), tick) for tick in range(count) for index in range(3)
+    )
 
 
 @cache
 def entries() -> bytes:
-    """The most entries of a table that one record may have."""
+    """Largest number of table entries in one record."""
     return b"".join(b"\x07\0\0\0%07d\0\0\0\0" % number for number in range(records.SMALL // 15 - 10))
 
 
@@ -125,12 +127,12 @@ def nested(text: str, depth: int = 100_000) -> str:
 
 
 LOGS: dict[str, Callable[[], bytes]] = {
-    "a chunk that unpacks to a gigabyte": lambda: torn(chunk(b"", MUCH, zeros(MUCH, told=True))),
-    "a chunk whose frame tells of a gigabyte": lambda: torn(chunk(b"", 1000, zeros(MUCH, told=True))),
-    "a chunk whose frame does not tell": lambda: torn(chunk(b"", 1000, zeros(MUCH, told=False))),
+    "a chunk that unpacks to a gigabyte": lambda: torn(chunk(b"", MUCH, zeros(MUCH, stated=True))),
+    "a chunk whose frame tells of a gigabyte": lambda: torn(chunk(b"", 1000, zeros(MUCH, stated=True))),
+    "a chunk whose frame does not tell": lambda: torn(chunk(b"", 1000, zeros(MUCH, stated=False))),
     "a chunk of lz4": lambda: torn(chunk(b"", 1000, b"x", "lz4")),
     "a chunk of another length": lambda: torn(chunk(b"x" * 1000, 999)),
-    "a chunk that says nothing of its length": lambda: torn(chunk(b"", 0, zeros(MUCH, told=False))),
+    "a chunk that says nothing of its length": lambda: torn(chunk(b"", 0, zeros(MUCH, stated=False))),
     "many chunks": lambda: torn(chunk(topics() + header()), chunk(repeated(message(FOREIGN, b""), 60 * MIB)) * 20),
     "a record of any length": lambda: torn(struct.pack("<BQ", 6, 1 << 63)),
     "a record longer than the file": lambda: torn(struct.pack("<BQ", 6, 60 * MIB)),
@@ -149,29 +151,31 @@ LOGS: dict[str, Callable[[], bytes]] = {
     ),
     "a large table at the end": lambda: torn(framed(12, struct.pack("<II", 0, len(entries())) + entries())),
     "a table that is too large": lambda: torn(framed(12, bytes(records.SMALL + 1))),
-    "a wide scenario": lambda: begun(told=message(SCENARIO, b"[" + b"[]," * (6 * MIB) + b"0]")),
-    "a deep scenario": lambda: begun(told=message(SCENARIO, nested("[").encode())),
-    "a deep table": lambda: begun(told=header("x=" + nested("["))),
-    "a number of many digits": lambda: begun(told=header("dt=" + nested("1", 5_000))),
-    "a number of robots": lambda: begun(told=header("schema = 1\n[robots]\ncount = 1000000000\n")),
-    "an arithmetic that is a list": lambda: begun(told=header(arithmetic=[])),
-    "an arithmetic with colors": lambda: begun(told=header(arithmetic={**fingerprint.table(), "numpy": "\033[31m"})),
+    "a wide scenario": lambda: begun(scenario=message(SCENARIO, b"[" + b"[]," * (6 * MIB) + b"0]")),
+    "a deep scenario": lambda: begun(scenario=message(SCENARIO, nested("[").encode())),
+    "a deep table": lambda: begun(scenario=header("x=" + nested("["))),
+    "a number of many digits": lambda: begun(scenario=header("dt=" + nested("1", 5_000))),
+    "a number of robots": lambda: begun(scenario=header("schema = 1\n[robots]\ncount = 1000000000\n")),
+    "an arithmetic that is a list": lambda: begun(scenario=header(arithmetic=[])),
+    "an arithmetic with colors": lambda: begun(
+        scenario=header(arithmetic={**fingerprint.table(), "numpy": "\033[31m"})
+    ),
     "payloads without end": lambda: begun(message(OBSERVATIONS, observations(0, 30 * MIB))),
     "events without end": lambda: begun(ticks(1), repeated(message(EVENTS, b'{"tick": 0, "what": "x"}'), 60 * MIB)),
     "robots beyond all numbers": lambda: begun(ticks(1), attended(b"[1e999]")),
     "robots that are not": lambda: begun(ticks(1), attended(b"[0, 7]")),
-    "a version that is a text": lambda: begun(told=header(log="x" * MIB)),
-    "a name that is a list": lambda: begun(told=header(name=[1])),
+    "a version that is a text": lambda: begun(scenario=header(log="x" * MIB)),
+    "a name that is a list": lambda: begun(scenario=header(name=[1])),
     "a deep event": lambda: begun(ticks(1), message(EVENTS, nested("[").encode())),
     "ticks without end": lambda: begun(ticks(10_000)),
 }
-"""Each is small, and none is a log that this program wrote."""
+"""Small files, none of which this program wrote."""
 
 
 def state(pickled: bytes, **head: Any) -> bytes:
-    """A checkpoint with a right checksum."""
-    told = json.dumps({"arithmetic": fingerprint.table(), **head}).encode() + b"\n" + pickled
-    return b"fes checkpoint %d\n%s\n%s" % (snapshot.FORMAT, hashlib.sha256(told).hexdigest().encode(), told)
+    """A checkpoint with a correct checksum."""
+    content = json.dumps({"arithmetic": fingerprint.table(), **head}).encode() + b"\n" + pickled
+    return b"fes checkpoint %d\n%s\n%s" % (snapshot.FORMAT, hashlib.sha256(content).hexdigest().encode(), content)
 
 
 STATES: dict[str, Callable[[], bytes]] = {
@@ -206,7 +210,7 @@ FILES = {"logs": LOGS, "states": STATES, "lines": LINES, "tables": TABLES}
 
 
 def write(where: Path) -> None:
-    """Write all of them below a folder, each kind in one of its own."""
+    """Write all files, each kind in its own subfolder."""
     for kind, made in FILES.items():
         (where / kind).mkdir()
         for what, make in made.items():

@@ -1,7 +1,7 @@
-"""Random damage to all that is stored of a run: `python -m tests.support.damage --changes 2000`.
+"""Random damage to every stored file of a run: `python -m tests.support.damage --changes 2000`.
 
 A checkpoint of a killed run is resumed with one of its files changed, a log is executed again, a sweep is continued.
-Each must end in one line, or as if nothing had been changed: in the same digest, summary, log and rows.
+Each must end in one line, or with the digest, summary, log and rows of the unchanged files.
 """
 
 import argparse
@@ -33,79 +33,78 @@ from world.execution.recorder import Recorder
 from world.execution.run import Run
 from world.metrics import summary
 
-KEPT, FLUSHED, KILLED = 0.4, 0.6, 0.7
+SAVED, FLUSHED, KILLED = 0.4, 0.6, 0.7
 """Times of the checkpoint, of a written chunk of the log, and of the world's death, as parts of the run."""
 
 LINE, SAME, BEHIND, SILENT, TRACEBACK = "one line", "as undisturbed", "behind its robots", "silent", "traceback"
 
 Outcome = tuple[str, str]
-"""Kind, and what was said."""
+"""Kind of outcome, and its message."""
 
 
-def flip(random: Random, whole: bytes) -> bytes:
-    changed = bytearray(whole)
+def flip(random: Random, content: bytes) -> bytes:
+    changed = bytearray(content)
     for _ in range(random.choice((1, 1, 2, 8))):
-        changed[random.randrange(len(whole))] ^= 1 << random.randrange(8)
+        changed[random.randrange(len(content))] ^= 1 << random.randrange(8)
     return bytes(changed)
 
 
-def cut(random: Random, whole: bytes) -> bytes:
-    return whole[: random.randrange(len(whole))]
+def cut(random: Random, content: bytes) -> bytes:
+    return content[: random.randrange(len(content))]
 
 
-def zero(random: Random, whole: bytes) -> bytes:
-    place, size = random.randrange(len(whole)), random.choice((1, 4, 64, 512))
-    return (whole[:place] + bytes(size) + whole[place + size :])[: len(whole)]
+def zero(random: Random, content: bytes) -> bytes:
+    place, size = random.randrange(len(content)), random.choice((1, 4, 64, 512))
+    return (content[:place] + bytes(size) + content[place + size :])[: len(content)]
 
 
 HOW: list[Callable[[Random, bytes], bytes]] = [flip, cut, zero]
 
 
-def change(random: Random, whole: bytes, how: Callable[[Random, bytes], bytes]) -> bytes:
-    """Other bytes than before."""
-    while (changed := how(random, whole)) == whole:
+def change(random: Random, content: bytes, how: Callable[[Random, bytes], bytes]) -> bytes:
+    """Bytes that differ from the original."""
+    while (changed := how(random, content)) == content:
         pass
     return changed
 
 
-def comparable(found: dict[str, Any]) -> str:
+def comparable(values: dict[str, Any]) -> str:
     """A summary without its wall-clock figures."""
-    return json.dumps({name: value for name, value in found.items() if name not in work.WALL_CLOCK})
+    return json.dumps({name: value for name, value in values.items() if name not in work.WALL_CLOCK})
 
 
 class StoredRun:
-    """A run that was killed, and its results if it is not killed."""
+    """A killed run, and its results without the kill."""
 
     def __init__(self, where: Path, scenario: Scenario) -> None:
         self.where, self.scenario = where, scenario
         self.killed, self.work = where / "killed", where / "work"
-        whole = where / "whole"
-        whole.mkdir()
-        kept, flushed, killed = (int(part * scenario.ticks) for part in (KEPT, FLUSHED, KILLED))
+        folder = where / "whole"
+        folder.mkdir()
+        saved, flushed, killed = (int(part * scenario.ticks) for part in (SAVED, FLUSHED, KILLED))
         self.answered = killed - 1
         team, self.teams = Team(scenario), list[Team]()
-        with Recorder(whole / NAME, scenario, "test", "processes") as recorder:
-            checkpoints = CheckpointWriter(whole, 1e9, "test", "main")
-            run = Run(scenario, recorder, checkpoints.note)
+        with Recorder(folder / NAME, scenario, "test", "processes") as recorder:
+            run, checkpoints = Run(scenario, recorder), CheckpointWriter(folder, 1e9, "test", "main")
             checkpoints.begin(run)
             for tick in range(scenario.ticks):
-                if tick == kept:
+                if tick == saved:
                     checkpoints.save(run, {}, 0.1, at_once=True)
                 if tick == flushed:
                     recorder.pause()
                 if tick == killed:
-                    shutil.copytree(whole, self.killed)
+                    shutil.copytree(folder, self.killed)
                 self.teams.append(copy.copy(team))
                 team.step(run)
             checkpoints.discard(run)
             self.summary = summary.summarize(run.metrics, "test", "processes", 1.0)
             recorder.conclude(self.summary)
-        self.log = whole / NAME
+        self.log = folder / NAME
         self.ticks = list(log.load(self.log).ticks())
 
     @property
     def files(self) -> list[Path]:
-        """Of the run that was killed."""
+        """Number of ticks of the killed run."""
         return sorted(path for path in self.killed.rglob("*") if path.is_file())
 
     def resumed(self, name: str, changed: bytes) -> Outcome:
@@ -113,11 +112,11 @@ class StoredRun:
         shutil.rmtree(self.work, ignore_errors=True)
         shutil.copytree(self.killed, self.work)
         (self.work / name).write_bytes(changed)
-        kept = resume.load(self.work)
-        recorder = resume.recorder(self.work, kept)
+        saved = resume.load(self.work)
+        recorder = resume.recorder(self.work, saved)
         assert recorder is not None
         with recorder:
-            run, checkpoints, _ = resume.run(self.work, kept, recorder, 1e9)
+            run, checkpoints, _ = resume.run(self.work, saved, recorder, 1e9)
             first = run.state.tick
             team = copy.copy(self.teams[first])
             while not run.is_over:
@@ -134,26 +133,27 @@ class StoredRun:
         return (SAME, "") if first >= self.answered else (BEHIND, f"tick {first}")
 
     def _ticks_of(self, path: Path) -> int:
-        """Number of ticks in a log, all of which must be as undisturbed."""
+        """Number of ticks in a log, which must all equal those of an undisturbed run."""
         ticks = list(log.load(path).ticks())
-        pairs = zip(ticks, self.ticks, strict=False)
-        assert all(one.payloads == other.payloads for one, other in pairs), "other messages"
+        assert all(first.payloads == second.payloads for first, second in zip(ticks, self.ticks, strict=False)), (
+            "other messages"
+        )
         return len(ticks)
 
     def executed_again(self, name: str, changed: bytes) -> Outcome:
         """Outcome of executing a changed log again."""
         path = self.where / "changed.mcap"
         path.write_bytes(changed)
-        found = log.load(path)
-        reached = replay_command.rerun(found)
+        recorded = log.load(path)
+        reached = replay_command.rerun(recorded)
         self._ticks_of(path)
-        if found.complaint is not None:
-            return LINE, found.complaint
+        if recorded.complaint is not None:
+            return LINE, recorded.complaint
         return (SAME, "") if comparable(reached) == comparable(self.summary) else (SILENT, f"{reached['digest']}")
 
 
 class Sweep:
-    """A sweep of three runs that are done."""
+    """A finished sweep of three runs."""
 
     def __init__(self, where: Path) -> None:
         self.where = where
@@ -162,19 +162,19 @@ class Sweep:
             for batch in work.batches("pair", self.planned.runs, 1):
                 book.add(work.carry_out(batch))
             self.done: dict[str, Done] = dict(book.done)
-        self.whole = {path.name: path.read_bytes() for path in where.iterdir()}
+        self.contents = {path.name: path.read_bytes() for path in where.iterdir()}
 
     def resumed(self, name: str, changed: bytes) -> Outcome:
-        """Outcome of continuing the sweep; missing runs are run again."""
-        for path, whole in self.whole.items():
-            (self.where / path).write_bytes(changed if path == name else whole)
+        """Outcome of continuing the sweep; missing runs are repeated."""
+        for path, content in self.contents.items():
+            (self.where / path).write_bytes(changed if path == name else content)
         with ledger.opened(self.where, self.planned) as book:
             same = all(self.done.get(key) == done for key, done in book.done.items())
         return (SAME, "") if same else (SILENT, "other rows")
 
 
 def outcome(what: Callable[[str, bytes], Outcome], name: str, changed: bytes) -> Outcome:
-    """Outcome of a call, whatever it raises."""
+    """Outcome of a call, errors of any kind included."""
     try:
         return what(name, changed)
     except FesError as error:
@@ -186,31 +186,31 @@ def outcome(what: Callable[[str, bytes], Outcome], name: str, changed: bytes) ->
 def trials(where: Path, scenario: Scenario) -> dict[str, tuple[bytes, str, Callable[[str, bytes], Outcome]]]:
     """For each file that is changed: its content, its name, and the use of the changed file."""
     run, sweep = StoredRun(where, scenario), Sweep(where / "sweep")
-    kept = {str(path.relative_to(run.killed)): path.read_bytes() for path in run.files}
+    saved = {str(path.relative_to(run.killed)): path.read_bytes() for path in run.files}
     return {
-        **{name: (whole, name, run.resumed) for name, whole in kept.items()},
+        **{name: (content, name, run.resumed) for name, content in saved.items()},
         "a whole log": (run.log.read_bytes(), "", run.executed_again),
-        **{name: (whole, name, sweep.resumed) for name, whole in sweep.whole.items()},
+        **{name: (content, name, sweep.resumed) for name, content in sweep.contents.items()},
     }
 
 
 def damage(where: Path, scenario: Scenario, changes: int, seed: int) -> dict[str, Counter[tuple[str, str]]]:
-    """For each file, the number of each change and outcome; forbidden outcomes are printed."""
-    found = dict[str, Counter[tuple[str, str]]]()
-    for title, (whole, name, what) in trials(where, scenario).items():
-        random, found[title] = Random(f"{seed} {title}"), Counter()
+    """Counts of each change and outcome per file; forbidden outcomes are printed."""
+    results = dict[str, Counter[tuple[str, str]]]()
+    for title, (content, name, what) in trials(where, scenario).items():
+        random, results[title] = Random(f"{seed} {title}"), Counter()
         for number in range(changes):
             how = HOW[number % len(HOW)]
-            changed = change(random, whole, how)
-            kind, said = outcome(what, name, changed)
-            found[title][how.__name__, kind] += 1
+            changed = change(random, content, how)
+            kind, message = outcome(what, name, changed)
+            results[title][how.__name__, kind] += 1
             if kind in (SILENT, TRACEBACK):
-                print(f"{title}, {how.__name__} {number}: {kind}: {said}")
-    return found
+                print(f"{title}, {how.__name__} {number}: {kind}: {message}")
+    return results
 
 
 def main() -> int:
-    """Print a table; 1 if anything was silent or a traceback."""
+    """Print a table; returns 1 if damage was silent or caused a traceback."""
     parser = argparse.ArgumentParser(prog="python -m tests.support.damage", description=__doc__)
     parser.add_argument("--changes", type=int, default=2000, help="of each file")
     parser.add_argument("--seed", type=int, default=1)
@@ -218,16 +218,16 @@ def main() -> int:
     parser.add_argument("--duration", type=float, default=1.0, help="simulated [s]")
     flags = parser.parse_args()
     with tempfile.TemporaryDirectory() as where:
-        found = damage(Path(where), load(flags.scenario, run__duration=flags.duration), flags.changes, flags.seed)
+        results = damage(Path(where), load(flags.scenario, run__duration=flags.duration), flags.changes, flags.seed)
     kinds = (LINE, SAME, BEHIND, SILENT, TRACEBACK)
     print("".join(f"{title:>20}" for title in ("file", "change", *kinds)))
-    for title, counts in found.items():
+    for title, counts in results.items():
         for how in HOW:
             row = (counts[how.__name__, kind] for kind in kinds)
             print(f"{title:>20}{how.__name__:>20}" + "".join(f"{count:>20}" for count in row))
     with suppress(BrokenPipeError):
         sys.stdout.flush()
-    return int(any(kind in (SILENT, TRACEBACK) for counts in found.values() for _, kind in counts))
+    return int(any(kind in (SILENT, TRACEBACK) for counts in results.values() for _, kind in counts))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Reports to draw, and what a frame of the dashboard shows of them."""
+"""Reports to draw, and readers of the frames that the dashboard draws."""
 
 import io
 import math
@@ -31,8 +31,8 @@ Pairs = Sequence[tuple[float, float]] | Floats
 
 def a_report(positions: Pairs, links: Sequence[tuple[int, int]] | Ints = (), **fields: object) -> Report:
     """A Report of robots at `positions` [n, 2] [m], looking east, with links as pairs of ids."""
-    at = np.asarray(positions, dtype=np.float64).reshape(-1, 2)
-    poses = np.column_stack([at, np.zeros(len(at))])
+    places = np.asarray(positions, dtype=np.float64).reshape(-1, 2)
+    poses = np.column_stack([places, np.zeros(len(places))])
     a, b = np.asarray(links, dtype=np.int64).reshape(-1, 2).T
     separation = np.hypot(*(poses[a, :2] - poses[b, :2]).T)
     report = Report(
@@ -78,11 +78,11 @@ def a_swarm(n: int) -> Report:
     """`n` robots on a square grid, each linked to the next ten."""
     side = math.ceil(math.sqrt(n))
     positions = [(50.0 * (k % side), 50.0 * (k // side)) for k in range(n)]
-    return a_report(positions, [(k, other) for k in range(n) for other in range(k + 1, min(n, k + 11))])
+    return a_report(positions, [(k, neighbor) for k in range(n) for neighbor in range(k + 1, min(n, k + 11))])
 
 
 def measured(report: Report, level: float, exponent: float) -> Report:
-    """The report, of robots that believe reception to be p = exp(-exp(level) (r / 75 m)^exponent) on all links."""
+    """The report with the learnt law p = exp(-exp(level) (r / 75 m)^exponent) on all links."""
     links = np.ones(len(report.a))
     learnt = np.exp(-math.exp(level) * (report.separation / 75.0) ** exponent)
     return replace(report, learnt_reception=learnt, learnt_level=level * links, learnt_exponent=exponent * links)
@@ -101,7 +101,7 @@ def pieces(history: ReportHistory, width: int, height: int) -> list[list[Segment
 
 
 def frame(history: ReportHistory, width: int = 100, height: int = 30) -> list[str]:
-    """What is printed, line by line."""
+    """Lines of a printed object."""
     console = Console(width=width, height=height, file=io.StringIO())
     console.print(render(history, width, height))
     assert isinstance(console.file, io.StringIO)
@@ -117,9 +117,9 @@ def team_map(report: Report, width: int = 100, height: int = 30) -> list[str]:
 
 def find(lines: list[str], mark: str) -> tuple[int, int]:
     """Column and row of the one cell that shows `mark`."""
-    found = [(line.index(mark), row) for row, line in enumerate(lines) if mark in line]
-    assert len(found) == 1, "\n".join(lines)
-    return found[0]
+    cells = [(line.index(mark), row) for row, line in enumerate(lines) if mark in line]
+    assert len(cells) == 1, "\n".join(lines)
+    return cells[0]
 
 
 def dots(lines: list[str]) -> Floats:
@@ -145,18 +145,18 @@ def play() -> list[Report]:
     setup = scenario.load(PAPER, {})
     world = truth.create(setup)
     team = crew.create(scenario.agent_config(setup), world.ids)
-    state, robots, said = truth.start(world), crew.start(team), no_beacons()
+    state, robots, beacons = truth.start(world), crew.start(team), no_beacons()
     best = optimum.optimal_separation(setup.objective, setup.channel)
     reports = []
     for tick in range(151):
-        robots, said, twists = crew.step(team, robots, truth.observe(state), said)
+        robots, beacons, twists = crew.step(team, robots, truth.observe(state), beacons)
         if tick % 10 == 0:
-            edges, at = said.links, said.links.mutual
+            edges, mutual = beacons.links, beacons.links.mutual
             a, b, ab, ba = (
-                edges.ids[edges.rows[at]],
-                edges.peers[at],
-                said.estimates[at],
-                said.estimates[edges.reverse[at]],
+                edges.ids[edges.rows[mutual]],
+                edges.peers[mutual],
+                beacons.estimates[mutual],
+                beacons.estimates[edges.reverse[mutual]],
             )
             pairs = np.column_stack([a, b])
             report = a_report(state.poses[:, :2], pairs, poses=state.poses, estimate_ab=ab, estimate_ba=ba)

@@ -1,4 +1,4 @@
-"""Every decoder under mutated payloads, for as long as wanted: python -m tests.support.fuzz --minutes 10 [--seed N].
+"""Every decoder under mutated payloads, for a chosen time: python -m tests.support.fuzz --minutes 10 [--seed N].
 
 With atheris installed, `--atheris` lets it choose the bytes by coverage; further arguments are libFuzzer's.
 A failure is printed with its seed, decoder and payload, and the exit code is 1.
@@ -20,33 +20,33 @@ from tests.support.mutations import mutate
 from tests.support.payloads import CODECS, assert_refused_or_a_message, refusal
 
 SLOWEST = 2.0
-"""A payload of at most a mebibyte may take this long to decode [s]; a loop over its value would take ages."""
+"""Longest time to decode a payload of a mebibyte [s]; a loop over its value would exceed it."""
 
 
 def corpus(count: int) -> dict[str, list[bytes]]:
     """Valid payloads of every kind."""
-    found: dict[str, list[bytes]] = {name: [] for name in CODECS}
+    payloads: dict[str, list[bytes]] = {name: [] for name in CODECS}
 
     @settings(max_examples=count, database=None, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
     @given(st.data())
     def collect(data: st.DataObject) -> None:
         for name, codec in CODECS.items():
-            found[name].append(codec.encode(data.draw(codec.messages)))
+            payloads[name].append(codec.encode(data.draw(codec.messages)))
 
     collect()
-    return found
+    return payloads
 
 
 def attack(name: str, payload: bytes) -> str | None:
-    """Decode one payload: why it is refused, or None if it is a message; raises where a decoder is broken."""
+    """Reason why a payload is rejected, or None if it is a message; raises for a broken decoder."""
     begun = time.perf_counter()
-    if len(payload) > wire.MAX_PAYLOAD // 16:  # long ones are not compared field by field, only refused or not
-        said = refusal(name, payload)
+    if len(payload) > wire.MAX_PAYLOAD // 16:  # long ones are only decoded, not compared field by field
+        reason = refusal(name, payload)
     else:
         assert_refused_or_a_message(name, payload)
-        said = refusal(name, payload)
+        reason = refusal(name, payload)
     assert time.perf_counter() - begun < SLOWEST
-    return said
+    return reason
 
 
 def run(minutes: float, seed: int) -> int:
@@ -61,15 +61,15 @@ def run(minutes: float, seed: int) -> int:
         for name, payloads in seeds.items():
             payload = mutate(random, random.choice(payloads), everything)
             try:
-                said = attack(name, payload)
+                reason = attack(name, payload)
             except BaseException:
                 print(f"BROKEN: seed {seed}, {name}, payload {payload[:2000].hex()} ({len(payload)} bytes)")
                 raise
             tried[name] += 1
-            if said is None:
+            if reason is None:
                 accepted[name] += 1
             else:
-                rules.add(":".join(said.split(":")[:2]))
+                rules.add(":".join(reason.split(":")[:2]))
     for name in seeds:
         print(f"{name:12} {tried[name]:9,} payloads, {accepted[name]:8,} of them messages")
     print(f"{tried.total():,} payloads, {len(rules)} different refusals, nothing broken; seed {seed}")
@@ -77,7 +77,7 @@ def run(minutes: float, seed: int) -> int:
 
 
 def by_coverage(arguments: list[str]) -> None:
-    """Let atheris choose the bytes: the first one names the decoder."""
+    """Run atheris: its first byte names the decoder."""
     atheris = importlib.import_module("atheris")
 
     names = list(CODECS)
@@ -95,7 +95,7 @@ def by_coverage(arguments: list[str]) -> None:
 
 
 def main() -> int:
-    """The command."""
+    """Entry point of the command."""
     parser = argparse.ArgumentParser(prog="python -m tests.support.fuzz", description=__doc__)
     parser.add_argument("--minutes", type=float, default=1.0)
     parser.add_argument("--seed", type=int, default=int(time.time()))

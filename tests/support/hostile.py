@@ -1,4 +1,4 @@
-"""A team over TLS of which one robot, with a certificate of its own, turns on the others."""
+"""A team over TLS in which one robot, with a valid certificate, attacks the others."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -25,14 +25,14 @@ from world.server import access
 from world.server.server import Options, Server
 
 ROBOTS, HOSTILE, FIRST = 10, 4, 40
-"""Robot 4 stands in the middle of the ten, and is hostile from tick 40 on."""
+"""The hostile robot, in the middle of the ten, and its first hostile tick."""
 
 TickPayloads = list[tuple[int, bytes, bytes]]
 Attack = Callable[[Outbox, int, TickPayloads], None]
-"""The words of a robot at a tick from FIRST on, instead of (robot, beacon, command)."""
+"""Beacon and command that replace those of the hostile robot, from tick FIRST on."""
 
 Beside = Callable[[Bus], Awaitable[None]]
-"""Actions of another session with its certificate meanwhile."""
+"""Concurrent actions of another session with the same certificate."""
 
 
 class Outcome(NamedTuple):
@@ -41,27 +41,27 @@ class Outcome(NamedTuple):
     directory: Path
     summary: dict[str, Any]
     notes: list[list[Any]]
-    """The journal."""
+    """Notes of the journal."""
     ended: list[FesError | None]
-    """Error with which each agent ended, in id order; None if it ended well."""
+    """Error of each agent, in id order; None for a success."""
     server: Server
 
 
 def scenario(**overrides: object) -> Scenario:
-    """Ten robots that measure, so that beacons carry statistics, too."""
+    """Ten robots with the measured index, so that beacons carry statistics."""
     return load("measured.toml", run__duration=1.6, **overrides)
 
 
 class Turncoat(Outbox):
-    """Speaks correctly until tick FIRST, then as an `attack` demands."""
+    """Outbox that is correct until tick FIRST, then follows an `attack`."""
 
     attack: Attack
 
-    def publish(self, tick: int, said: TickPayloads) -> None:
+    def publish(self, tick: int, payloads: TickPayloads) -> None:
         if tick >= FIRST:
-            self.attack(self, tick, said)
+            self.attack(self, tick, payloads)
         else:
-            super().publish(tick, said)
+            super().publish(tick, payloads)
 
 
 def _member(where: Path, endpoint: str, robot: int) -> Endpoints:
@@ -78,7 +78,7 @@ async def _live(endpoints: Endpoints, robot: int, attack: Attack | None) -> None
 
 
 async def _run(where: Path, keyed: Path, attack: Attack, beside: Beside | None) -> Outcome:
-    """A run with a journal and a log, of certified agents of which one is hostile."""
+    """Run certified agents, one of them hostile, with a journal and a log."""
     what, endpoint = scenario(), f"tls/127.0.0.1:{free_port()}"
     rules = access.control(RUN, ROBOTS)
     world = Endpoints("router", (), (endpoint,), security={**team_keys.security(keyed, "world"), **rules})
@@ -97,9 +97,9 @@ async def _run(where: Path, keyed: Path, attack: Attack, beside: Beside | None) 
                 await server.main_loop()
             else:
                 async with bus.opened(_member(keyed, endpoint, HOSTILE)) as second:
-                    other = asyncio.ensure_future(beside(second))
+                    disturbance = asyncio.ensure_future(beside(second))
                     await server.main_loop()
-                    await other
+                    await disturbance
             server.dismiss()
             summary = server.summarize()
             assert summary is not None
@@ -112,7 +112,7 @@ async def _run(where: Path, keyed: Path, attack: Attack, beside: Beside | None) 
 
 
 def run(where: Path, keyed: Path, attack: Attack, beside: Beside | None = None) -> Outcome:
-    """The same as `_run`, within a bounded time."""
+    """Outcome of an attack, within a bounded time."""
 
     async def bounded() -> Outcome:
         async with asyncio.timeout(120.0):

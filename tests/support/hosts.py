@@ -1,7 +1,7 @@
-"""Machines that are none: a network namespace each, joined by cables, for what crosses a network.
+"""Emulated machines: a network namespace each, joined by virtual cables.
 
-A namespace stands as long as a process in it. The first one here waits for the end of its standard input, a pipe that
-this process holds, so all of them go when it ends, however it does; no name and no interface is left on the machine.
+A namespace lasts as long as a process in it. The first process here waits for the end of its standard input, a pipe
+that this process holds. So all namespaces vanish when this process ends in any way, with their names and interfaces.
 """
 
 import itertools
@@ -20,7 +20,7 @@ TOOLS = ("ip", "unshare", "nsenter")
 
 
 def why_not() -> str:
-    """Why there can be no such machines here; empty if there can."""
+    """Reason why this machine cannot emulate others; empty if it can."""
     missing = [tool for tool in TOOLS if shutil.which(tool) is None]
     if missing:
         return f"there is no {missing[0]}"
@@ -33,7 +33,7 @@ def why_not() -> str:
 
 @dataclass
 class Host:
-    """A namespace, and what runs in it."""
+    """A namespace and its processes."""
 
     name: str
     holder: "subprocess.Popen[bytes]"
@@ -41,7 +41,7 @@ class Host:
 
     @property
     def enter(self) -> list[str]:
-        """Before a command: run it there."""
+        """Prefix that runs a command in the namespace."""
         return ["nsenter", f"--net=/proc/{self.holder.pid}/ns/net", "--"]
 
     def ip(self, *words: str) -> None:
@@ -49,18 +49,18 @@ class Host:
         self.run("ip", *words)
 
     def run(self, *words: str) -> None:
-        """Run a command there that says nothing; raises OSError with what it says."""
+        """Run a silent command there; raises OSError with its output."""
         done = subprocess.run([*self.enter, *words], capture_output=True, text=True, timeout=10)
         if done.returncode != 0:
             raise OSError(f"{self.name}: {' '.join(words)}: {done.stderr.strip()}")
 
     def endpoint(self, network: int = 0) -> str:
-        """Where a router on it listens, as those on its nth network see it."""
+        """Endpoint of a router on this machine, as seen from its nth network."""
         return f"tcp/{self.addresses[network]}:7447"
 
 
 class Internet:
-    """Hosts, and the cables and switches between them; private addresses, and no way out."""
+    """Hosts, and cables and switches between them; private addresses, no way to other networks."""
 
     def __init__(self) -> None:
         self.started: list[subprocess.Popen[str]] = []
@@ -68,7 +68,7 @@ class Internet:
         self._networks = itertools.count()
 
     def host(self, name: str) -> Host:
-        """Another machine."""
+        """Add a machine."""
         holder = subprocess.Popen(
             ["unshare", "--net", "sh", "-c", "echo; exec cat"], stdin=subprocess.PIPE, stdout=subprocess.PIPE
         )
@@ -79,7 +79,7 @@ class Internet:
         return made
 
     def switch(self, *names: str) -> None:
-        """Join machines, old or new, to one network; the cable of each is named as it is."""
+        """Join machines, old or new, to one network; each cable has the name of its machine."""
         network = next(self._networks)
         middle = self.host(f"switch {network}")
         middle.ip("link", "add", "lan", "type", "bridge")
@@ -90,10 +90,10 @@ class Internet:
             middle.ip("link", "set", "dev", name, "master", "lan", "up")
             self._address(host, f"lan{network}", f"10.77.{network}.{number}")
 
-    def cable(self, one: str, other: str) -> None:
+    def cable(self, first: str, second: str) -> None:
         """Join two machines by a network of their own, `lan<number>` at both ends."""
         network = next(self._networks)
-        ends = self.hosts[one], self.hosts[other]
+        ends = self.hosts[first], self.hosts[second]
         self._plug(ends[0], f"lan{network}", ends[1], f"lan{network}")
         for number, host in enumerate(ends, start=1):
             self._address(host, f"lan{network}", f"10.77.{network}.{number}")
@@ -103,11 +103,11 @@ class Internet:
         self.hosts[f"switch {network}"].ip("link", "set", "dev", name, "down")
 
     def plug(self, name: str, network: int = 0) -> None:
-        """Put it back."""
+        """Plug the cable in again."""
         self.hosts[f"switch {network}"].ip("link", "set", "dev", name, "up")
 
     def start(self, name: str, words: list[str], log: Path) -> "subprocess.Popen[str]":
-        """A process on a machine, to end with its standard input; what it says goes to `log`."""
+        """A process on a machine that ends with its standard input; its output goes to `log`."""
         entered = [*self.hosts[name].enter, *words]
         with log.open("w") as out:
             process = subprocess.Popen(
@@ -121,7 +121,7 @@ class Internet:
         self.start(name, [sys.executable, "-c", SOURCE, "tcp/0.0.0.0:7447", *connect], log)
 
     def close(self) -> None:
-        """End every process here and on the machines, and with them the machines."""
+        """End every process here and on the machines, which removes the machines."""
         for process in self.started:
             if process.poll() is None:
                 process.kill()
@@ -129,9 +129,9 @@ class Internet:
         for host in self.hosts.values():
             host.holder.communicate(timeout=10)
 
-    def _plug(self, one: Host, at_one: str, other: Host, at_other: str) -> None:
-        ends = [at_one, "netns", str(one.holder.pid)], [at_other, "netns", str(other.holder.pid)]
-        one.ip("link", "add", *ends[0], "type", "veth", "peer", "name", *ends[1])
+    def _plug(self, first: Host, first_end: str, second: Host, second_end: str) -> None:
+        ends = [first_end, "netns", str(first.holder.pid)], [second_end, "netns", str(second.holder.pid)]
+        first.ip("link", "add", *ends[0], "type", "veth", "peer", "name", *ends[1])
 
     def _address(self, host: Host, interface: str, address: str) -> None:
         host.ip("addr", "add", f"{address}/24", "dev", interface)

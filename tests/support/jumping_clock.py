@@ -1,4 +1,4 @@
-"""An event loop whose clock jumps to what is due next: minutes of waiting take no time, and are always the same."""
+"""An event loop whose clock jumps to the next due event: waiting takes no time and is deterministic."""
 
 import asyncio
 from collections.abc import Coroutine
@@ -6,7 +6,7 @@ from typing import Any
 
 
 class Jumping(asyncio.SelectorEventLoop):
-    """Its time [s] begins at 0 and moves only while nothing else is to be done."""
+    """Loop whose time [s] begins at 0 and moves only when no callback is ready."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -29,10 +29,10 @@ class Jumping(asyncio.SelectorEventLoop):
 
 
 LONGEST = 10_000.0
-"""What is not over by then [s of the loop] waits for ever."""
+"""Time [s of the loop] after which a test is considered to wait forever."""
 
 
 def run(story: Coroutine[Any, Any, Any]) -> Any:
-    """What a story comes to, in a loop of its own."""
+    """Result of a coroutine in a loop of its own."""
     with asyncio.Runner(loop_factory=Jumping) as runner:
         return runner.run(asyncio.wait_for(story, LONGEST))

@@ -1,4 +1,4 @@
-"""Robots in the plane and what they hear of one another, built pair by pair in plain Python."""
+"""Robots in the plane and the beacons they receive, built pair by pair in plain Python."""
 
 import math
 from collections.abc import Iterable
@@ -47,16 +47,16 @@ def in_range(where: Floats, robots: Iterable[int], reach: float = REACH) -> Edge
 
 
 def hear(where: Floats, robots: Iterable[int], reach: float = REACH, decoded: Bools | None = None) -> Contacts:
-    """The contacts of `robots` after one beacon from everybody; `decoded` [m]: which ones did (all)."""
+    """The contacts of `robots` after one beacon from every robot; `decoded` [m] marks decoded ones (default: all)."""
     crew = sorted(robots)
     near = in_range(where, crew, reach)
     everybody = np.arange(len(where))
-    said = silent_beacons(0, everybody, where)
+    beacons = silent_beacons(0, everybody, where)
     codes = np.full(len(near), DECODED, dtype=np.uint8)
     if decoded is not None:
         codes[~decoded] = LOST
     own = where[np.array(crew)]
-    return contacts.update(contacts.no_contacts(near.ids), Observations(1, own, near, codes), own, said, 50)
+    return contacts.update(contacts.no_contacts(near.ids), Observations(1, own, near, codes), own, beacons, 50)
 
 
 def silent_beacons(tick: int, ids: Ints, where: Floats) -> Beacons:

@@ -1,4 +1,4 @@
-"""World and crews in one loop, in process, with everything that happened kept."""
+"""World and crews in one loop, in one process, with a history of every tick."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -19,7 +19,7 @@ Pair = tuple[int, int]
 
 @dataclass(frozen=True)
 class History:
-    """What happened, tick by tick."""
+    """History of a run, tick by tick."""
 
     dt: float
     poses: list[Floats]
@@ -38,8 +38,8 @@ class History:
 
     def disagreement(self, tick: int) -> float:
         """Sum of |r_ij - r_ji| over the pairs linked in both directions [m]."""
-        said = self.estimates[tick]
-        return sum(abs(said[i, j] - said[j, i]) for i, j in said if i < j and (j, i) in said)
+        estimates = self.estimates[tick]
+        return sum(abs(estimates[i, j] - estimates[j, i]) for i, j in estimates if i < j and (j, i) in estimates)
 
 
 def load(name: str, **overrides: Any) -> Scenario:
@@ -55,64 +55,64 @@ def run(what: Scenario, ticks: int | None = None, split: list[list[int]] | None 
     everybody = world.ids.tolist()
     parts = [crews.create(config, np.array(ids)) for ids in (split or [everybody])]
     minds = [crews.start(part) for part in parts]
-    said = [no_beacons()] * len(parts)
+    beacons = [no_beacons()] * len(parts)
     history = History(what.run.dt, [], [])
     for _ in range(ticks or what.ticks):
         sensed = truth.observe(state)
         twists = np.full((len(everybody), 2), np.nan)
-        heard = said[0] if split is None else _together(said)
-        for at, part in enumerate(parts):
+        heard = beacons[0] if split is None else _together(beacons)
+        for index, part in enumerate(parts):
             own = sensed if split is None else _own(sensed, part.ids)
             audible = heard if split is None else _among(heard, np.unique(own.in_range.peers))
-            minds[at], said[at], twists[part.ids] = crews.step(part, minds[at], own, audible)
+            minds[index], beacons[index], twists[part.ids] = crews.step(part, minds[index], own, audible)
         history.poses.append(state.poses)
-        history.estimates.append({pair: value for beacons in said for pair, value in _estimates(beacons)})
+        history.estimates.append({pair: value for part in beacons for pair, value in _estimates(part)})
         state = truth.step(world, state, twists)
     return history
 
 
-def _estimates(said: Beacons) -> list[tuple[Pair, float]]:
-    robots = said.links.ids[said.links.rows].tolist()
-    pairs = zip(robots, said.links.peers.tolist(), strict=True)
-    return list(zip(pairs, said.estimates.tolist(), strict=True))
+def _estimates(beacons: Beacons) -> list[tuple[Pair, float]]:
+    robots = beacons.links.ids[beacons.links.rows].tolist()
+    pairs = zip(robots, beacons.links.peers.tolist(), strict=True)
+    return list(zip(pairs, beacons.estimates.tolist(), strict=True))
 
 
 def _own(sensed: Observations, ids: Ints) -> Observations:
-    """What the robots `ids` sense of it all."""
+    """Observations of the robots `ids` only."""
     near = sensed.in_range
     mine = np.isin(near.ids[near.rows], ids)
     rows = np.searchsorted(ids, near.ids[near.rows[mine]])
     return Observations(sensed.tick, sensed.poses[ids], Edges(ids, rows, near.peers[mine]), sensed.reception[mine])
 
 
-def _together(said: list[Beacons]) -> Beacons:
+def _together(beacons: list[Beacons]) -> Beacons:
     """The beacons of several crews as one, in the order of the robots' ids."""
-    ids = np.concatenate([part.ids for part in said])
+    ids = np.concatenate([part.ids for part in beacons])
     order = np.argsort(ids)
-    robots = np.concatenate([part.links.ids[part.links.rows] for part in said])
-    peers = np.concatenate([part.links.peers for part in said])
+    robots = np.concatenate([part.links.ids[part.links.rows] for part in beacons])
+    peers = np.concatenate([part.links.peers for part in beacons])
     by_pair = np.lexsort([peers, robots])
     links = Edges(ids[order], np.searchsorted(ids[order], robots[by_pair]), peers[by_pair])
-    estimates = np.concatenate([part.estimates for part in said])[by_pair]
-    named = np.concatenate([part.selected for part in said])[by_pair]
-    poses = np.concatenate([part.poses for part in said])[order]
-    statistics = np.concatenate([part.statistics for part in said])[order]
-    return Beacons(said[0].tick, ids[order], poses, links, estimates, named, statistics)
+    estimates = np.concatenate([part.estimates for part in beacons])[by_pair]
+    selected = np.concatenate([part.selected for part in beacons])[by_pair]
+    poses = np.concatenate([part.poses for part in beacons])[order]
+    statistics = np.concatenate([part.statistics for part in beacons])[order]
+    return Beacons(beacons[0].tick, ids[order], poses, links, estimates, selected, statistics)
 
 
-def _among(said: Beacons, ids: Ints) -> Beacons:
+def _among(beacons: Beacons, ids: Ints) -> Beacons:
     """Only the beacons of robots `ids`."""
-    senders = np.isin(said.ids, ids)
-    kept = said.ids[senders]
-    robots = said.links.ids[said.links.rows]
-    mine = np.isin(robots, kept)
-    links = Edges(kept, np.searchsorted(kept, robots[mine]), said.links.peers[mine])
+    senders = np.isin(beacons.ids, ids)
+    sender_ids = beacons.ids[senders]
+    robots = beacons.links.ids[beacons.links.rows]
+    mine = np.isin(robots, sender_ids)
+    links = Edges(sender_ids, np.searchsorted(sender_ids, robots[mine]), beacons.links.peers[mine])
     return Beacons(
-        said.tick,
-        kept,
-        said.poses[senders],
+        beacons.tick,
+        sender_ids,
+        beacons.poses[senders],
         links,
-        said.estimates[mine],
-        said.selected[mine],
-        said.statistics[senders],
+        beacons.estimates[mine],
+        beacons.selected[mine],
+        beacons.statistics[senders],
     )

@@ -1,4 +1,4 @@
-"""What a hostile or broken sender makes of a valid payload."""
+"""Mutations of a valid payload, as from a hostile or broken sender."""
 
 from collections.abc import Callable
 from random import Random
@@ -11,7 +11,7 @@ ODD: list[Any] = [
     *(float("nan"), float("inf"), float("-inf"), "", "NaN", "\x00", "é" * 50, b"", b"\xff" * 7, b"\0" * 64),
     *([], [[]], [1] * 100, {}, {"a": 1}, [None] * 13, "[" * 2000, msgpack.ExtType(5, b"x"), msgpack.Timestamp(1, 5)),
 ]
-"""Values that no field expects, and some that one does."""
+"""Values that few fields or none expect."""
 
 LENGTHS = [
     *(b"\xdc\xff\xff", b"\xdd\xff\xff\xff\xff", b"\xdd\x7f\xff\xff\xff", b"\xde\xff\xff", b"\xdf\xff\xff\xff\xff"),
@@ -30,20 +30,20 @@ def truncate(random: Random, payload: bytearray, others: list[bytes]) -> None:
 
 
 def splice(random: Random, payload: bytearray, others: list[bytes]) -> None:
-    other = random.choice(others)
-    payload[random.randrange(len(payload)) :] = other[random.randrange(len(other)) :]
+    donor = random.choice(others)
+    payload[random.randrange(len(payload)) :] = donor[random.randrange(len(donor)) :]
 
 
 def duplicate(random: Random, payload: bytearray, others: list[bytes]) -> None:
     begin = random.randrange(len(payload))
     part = payload[begin : begin + random.randrange(1, 40)]
-    at = random.randrange(len(payload))
-    payload[at:at] = part * random.choice((1, 2, 500))
+    index = random.randrange(len(payload))
+    payload[index:index] = part * random.choice((1, 2, 500))
 
 
 def promise(random: Random, payload: bytearray, others: list[bytes]) -> None:
-    at = random.randrange(len(payload))
-    payload[at : at + random.randrange(6)] = random.choice(LENGTHS)
+    index = random.randrange(len(payload))
+    payload[index : index + random.randrange(6)] = random.choice(LENGTHS)
 
 
 def swap_types(random: Random, payload: bytearray, others: list[bytes]) -> None:
@@ -66,18 +66,18 @@ def swap_fields(random: Random, payload: bytearray, others: list[bytes]) -> None
 def damage_blob(random: Random, payload: bytearray, others: list[bytes]) -> None:
     """Keep the layout, and change the bytes of ids or numbers."""
     fields = _fields(payload)
-    blobs = [at for at, value in enumerate(fields) if type(value) is bytes and value]
+    blobs = [index for index, value in enumerate(fields) if type(value) is bytes and value]
     if blobs:
-        at = random.choice(blobs)
-        blob = bytearray(fields[at])
+        index = random.choice(blobs)
+        blob = bytearray(fields[index])
         random.choice((flip, truncate, duplicate))(random, blob, others)
-        fields[at] = bytes(blob)
+        fields[index] = bytes(blob)
         payload[:] = msgpack.packb(fields)
 
 
 def nest(random: Random, payload: bytearray, others: list[bytes]) -> None:
-    at = random.randrange(len(payload))
-    payload[at:at] = random.choice((b"\x91", b"\x81\xa1a", b"\xdc\x00\x01")) * random.choice((3, 600, 5000))
+    index = random.randrange(len(payload))
+    payload[index:index] = random.choice((b"\x91", b"\x81\xa1a", b"\xdc\x00\x01")) * random.choice((3, 600, 5000))
 
 
 MUTATIONS: list[Callable[[Random, bytearray, list[bytes]], None]] = [
@@ -98,6 +98,6 @@ def mutate(random: Random, payload: bytes, others: list[bytes]) -> bytes:
 def _fields(payload: bytearray) -> list[Any]:
     try:
         fields = msgpack.unpackb(bytes(payload))
-    except Exception:  # it was mutated before
+    except Exception:  # already mutated
         return []
     return fields if isinstance(fields, list) else [fields]

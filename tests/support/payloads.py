@@ -1,4 +1,4 @@
-"""Messages of every kind with any fields they may have, and msgpack values of any kind."""
+"""Strategies for messages of every kind with any valid fields, and for any msgpack values."""
 
 import dataclasses
 import struct
@@ -22,7 +22,7 @@ from fes.protocol.world_info import WorldInfo
 
 
 class Codec(NamedTuple):
-    """How a message is packed and read, any such message, and how many fields it has."""
+    """Encoder, decoder and strategy of a message, and its number of fields."""
 
     encode: Callable[[Any], bytes]
     decode: Callable[[bytes], Any]
@@ -31,8 +31,8 @@ class Codec(NamedTuple):
 
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
-told = st.floats(-MAX_TOLD, MAX_TOLD)
-turns = st.floats(-MAX_TWIST, MAX_TWIST)
+reals = st.floats(-MAX_TOLD, MAX_TOLD)
+rates = st.floats(-MAX_TWIST, MAX_TWIST)
 positive = st.floats(0, exclude_min=True, allow_infinity=False)
 small = st.floats(1e-3, 1.0)
 ticks = st.integers(0, 2**53 - 1)
@@ -41,12 +41,12 @@ peers = st.lists(robots, unique=True, max_size=6).map(lambda ids: np.array(sorte
 
 
 def floats(count: int, numbers: st.SearchStrategy[float] = finite) -> st.SearchStrategy[Floats]:
-    return st.lists(numbers, min_size=count, max_size=count).map(lambda found: np.array(found, dtype="<f8"))
+    return st.lists(numbers, min_size=count, max_size=count).map(lambda values: np.array(values, dtype="<f8"))
 
 
 def codes(count: int, highest: int) -> st.SearchStrategy[Any]:
     values = st.lists(st.integers(0, highest), min_size=count, max_size=count)
-    return values.map(lambda found: np.array(found, dtype=np.uint8))
+    return values.map(lambda values: np.array(values, dtype=np.uint8))
 
 
 @st.composite
@@ -58,23 +58,25 @@ def observations(draw: st.DrawFn) -> Observation:
 
 @st.composite
 def beacons(draw: st.DrawFn) -> Beacon:
-    pose, near = (draw(told), draw(told), draw(told)), draw(peers)
+    pose, near = (draw(reals), draw(reals), draw(reals)), draw(peers)
     return Beacon(
         draw(ticks),
         draw(robots),
         pose,
         near,
-        draw(floats(len(near), told)),
+        draw(floats(len(near), reals)),
         draw(codes(len(near), 1)),
-        draw(floats(draw(st.integers(0, 7)), told)),
+        draw(floats(draw(st.integers(0, 7)), reals)),
     )
 
 
 @st.composite
 def commands(draw: st.DrawFn) -> Command:
     near = draw(peers)
-    learnt = draw(floats(draw(st.sampled_from([0, 2 * len(near)])), told))
-    return Command(draw(ticks), draw(robots), (draw(turns), draw(turns)), near, draw(floats(len(near), told)), learnt)
+    learnt = draw(floats(draw(st.sampled_from([0, 2 * len(near)])), reals))
+    return Command(
+        draw(ticks), draw(robots), (draw(rates), draw(rates)), near, draw(floats(len(near), reals)), learnt
+    )
 
 
 @st.composite
@@ -103,18 +105,18 @@ def team_reports(draw: st.DrawFn) -> Report:
     n = draw(st.integers(0, 5))
     links = draw(st.integers(0, 4 if n else 0))
     hints = {field.name: field.type for field in dataclasses.fields(Report)}
-    found: dict[str, Any] = {name: draw(ticks) for name, kind in hints.items() if kind is int}
-    found |= {name: draw(st.floats()) for name, kind in hints.items() if kind is float}
-    found |= {name: draw(floats(links, st.floats())) for name, kind in hints.items() if kind == Floats}
+    values: dict[str, Any] = {name: draw(ticks) for name, kind in hints.items() if kind is int}
+    values |= {name: draw(st.floats()) for name, kind in hints.items() if kind is float}
+    values |= {name: draw(floats(links, st.floats())) for name, kind in hints.items() if kind == Floats}
     for end in ("a", "b"):
-        found[end] = np.array(
+        values[end] = np.array(
             draw(st.lists(st.integers(0, max(n - 1, 0)), min_size=links, max_size=links)), dtype=np.int64
         )
     counted = n if draw(st.booleans()) else 0  # the live clock, or lockstep
     counts = st.lists(st.integers(0, 2**53), min_size=counted, max_size=counted)
-    found |= {name: np.array(draw(counts), dtype=np.int64) for name in ("missed", "late")}
-    found |= {"alive": draw(codes(n, 1)), "poses": draw(floats(3 * n)).reshape(n, 3)}
-    return Report(scenario=draw(st.text()), disk_connected=draw(st.booleans()), **found)
+    values |= {name: np.array(draw(counts), dtype=np.int64) for name in ("missed", "late")}
+    values |= {"alive": draw(codes(n, 1)), "poses": draw(floats(3 * n)).reshape(n, 3)}
+    return Report(scenario=draw(st.text()), disk_connected=draw(st.booleans()), **values)
 
 
 crews = st.sets(robots, min_size=1, max_size=9).map(lambda ids: tuple(sorted(ids)))
@@ -152,20 +154,20 @@ values = st.recursive(
 
 
 def refusal(name: str, payload: bytes) -> str | None:
-    """Why a payload is refused, in one line, or None if it is a message; any other error gets through."""
+    """Reason why a payload is rejected, in one line; None if it is a message. Other errors pass."""
     try:
         CODECS[name].decode(payload)
     except MessageError as error:
-        said = str(error)
-        assert said.startswith(f"{name}: ")
-        assert len(said) < 200
-        assert said.isprintable()
-        return said
+        reason = str(error)
+        assert reason.startswith(f"{name}: ")
+        assert len(reason) < 200
+        assert reason.isprintable()
+        return reason
     return None
 
 
 def bits(value: Any) -> Any:
-    """A message as what can be compared bit for bit, NaN included."""
+    """A message as a value that can be compared bit for bit, NaN included."""
     if isinstance(value, np.ndarray):
         return value.dtype.str, value.shape, value.tobytes()
     if isinstance(value, float):
@@ -178,7 +180,7 @@ def bits(value: Any) -> Any:
 
 
 def assert_refused_or_a_message(name: str, payload: bytes) -> None:
-    """Either a MessageError, or a message that comes back bit for bit."""
+    """Check that a payload is a MessageError, or a message that is encoded to the same bits again."""
     codec = CODECS[name]
     if refusal(name, payload) is None:
         message = codec.decode(payload)

@@ -1,4 +1,4 @@
-"""Processes in place of those of `fes run`, each in a family that ends them."""
+"""Stand-ins for the processes of `fes run`, in a group that ends them."""
 
 import asyncio
 import contextlib
@@ -33,7 +33,7 @@ async def main():
 
 process.run("slow", main, exit_with_stdin=True)
 """
-"""A world that writes its results once it may."""
+"""Code of a world that writes its results when permitted."""
 
 
 @contextlib.asynccontextmanager
@@ -43,21 +43,21 @@ async def family(where: Path) -> AsyncIterator[ProcessGroup]:
         yield processes
 
 
-async def child(where: Path, name: str, code: str, said: str = "", robots: str = "") -> ManagedProcess:
-    """A process in place of a program; `said` is in its log."""
+async def child(where: Path, name: str, code: str, messages: str = "", robots: str = "") -> ManagedProcess:
+    """A stand-in for a program; `messages` is in its log."""
     log = where / f"{name}.log"
-    log.write_text(said)
+    log.write_text(messages)
     started = await asyncio.create_subprocess_exec(sys.executable, "-c", code, stdin=subprocess.PIPE, cwd=where)
     return ManagedProcess(name, started, log, robots)
 
 
-async def world(processes: ProcessGroup, code: str, said: str = "") -> None:
-    processes.world = await child(processes.directory, "fes-world", code, said)
+async def world(processes: ProcessGroup, code: str, messages: str = "") -> None:
+    processes.world = await child(processes.directory, "fes-world", code, messages)
     processes.watch(processes.world)
 
 
-async def agent(processes: ProcessGroup, robots: str, code: str, said: str = "") -> ManagedProcess:
-    processes.agents.append(await child(processes.directory, f"fes-agent --id {robots}", code, said, robots))
+async def agent(processes: ProcessGroup, robots: str, code: str, messages: str = "") -> ManagedProcess:
+    processes.agents.append(await child(processes.directory, f"fes-agent --id {robots}", code, messages, robots))
     processes.watch(processes.agents[-1])
     return processes.agents[-1]
 
@@ -70,23 +70,23 @@ async def until(holds: Callable[[], object]) -> None:
 
 async def finished(processes: ProcessGroup, respawn: RestartLimit | None = None) -> tuple[str, list[str]]:
     """The error of a run, if it failed, and its warnings."""
-    said: list[str] = []
+    messages: list[str] = []
     try:
-        await Supervisor(processes, said.append, "nobody is left", respawn).finish()
+        await Supervisor(processes, messages.append, "nobody is left", respawn).finish()
     except ProcessFailed as failed:
-        return str(failed), said
-    return "", said
+        return str(failed), messages
+    return "", messages
 
 
 class Impatient(RestartLimit):
-    """At once, twice."""
+    """Two immediate restarts."""
 
     def delay(self, robots: str, lived: float) -> float | None:
         return 0.01 if super().delay(robots, 0.0) in (0.5, 1.0) else None
 
 
 class Tireless(RestartLimit):
-    """At once, for ever."""
+    """Immediate restarts without end."""
 
     def delay(self, robots: str, lived: float) -> float | None:
         return 0.01

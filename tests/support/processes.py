@@ -1,4 +1,4 @@
-"""Real processes of a run: started, awaited, and looked at."""
+"""Real processes of a run: started, awaited and inspected."""
 
 import contextlib
 import json
@@ -14,7 +14,7 @@ from console.connect.run_directory import Address
 from fes.transport import bus
 from fes.transport.endpoints import Endpoints
 
-PATIENCE = 60.0  # s; how long a test waits for what must come, on a machine of any speed
+PATIENCE = 60.0  # s; longest wait for an expected event, on a machine of any speed
 
 
 STARTING = "starting a world and {} robots ...\n"
@@ -22,7 +22,7 @@ STARTING = "starting a world and {} robots ...\n"
 
 
 LOOP = "running a world and {} robots in one loop ...\n"
-"""The same with one loop."""
+"""The first line of fes run with one loop."""
 
 
 def command(module: str, *words: str) -> list[str]:
@@ -40,19 +40,19 @@ def start(words: list[str], where: Path) -> "subprocess.Popen[str]":
 
 
 def children(pid: int) -> dict[int, str]:
-    """Pid and command line of every child of a process; one that ends meanwhile may be left out."""
-    found = {}
+    """Pid and command line of every child of a process; one that ends meanwhile may be missing."""
+    processes = {}
     for task in Path(f"/proc/{pid}/task").glob("*/children"):
         with contextlib.suppress(OSError):  # the thread has ended
             for child in task.read_text().split():
                 with contextlib.suppress(OSError):  # its parent has reaped it
                     line = Path(f"/proc/{child}/cmdline").read_bytes().replace(b"\0", b" ").decode()
-                    found[int(child)] = line
-    return found
+                    processes[int(child)] = line
+    return processes
 
 
 def alive(pid: int) -> bool:
-    """Whether a process runs (a zombie does not)."""
+    """True if a process runs (a zombie does not)."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] not in "ZX"
     except OSError:
@@ -60,7 +60,7 @@ def alive(pid: int) -> bool:
 
 
 def until(holds: Callable[[], Any]) -> Any:
-    """Wait for something that another process brings about."""
+    """Wait for an effect of another process."""
     end = time.monotonic() + PATIENCE
     while time.monotonic() < end:
         value = holds()
@@ -71,16 +71,16 @@ def until(holds: Callable[[], Any]) -> Any:
 
 
 def started(where: Path, running: "subprocess.Popen[str]", robots: int) -> dict[int, str]:
-    """Wait until all robots are here and the run goes on; returns the children."""
+    """Wait until all robots have joined and the run has begun; returns the children."""
     log = where / "out" / "world.log"
     until(lambda: log.exists() and "all robots are here" in log.read_text())
-    found = children(running.pid)
-    assert len(found) == robots + 1
-    return found
+    processes = children(running.pid)
+    assert len(processes) == robots + 1
+    return processes
 
 
 async def first_report(directory: Path) -> None:
-    """Wait until a run has run some ticks, as an observer sees it."""
+    """Wait until a run has executed some ticks, as seen by an observer."""
     address = Address(**json.loads((directory / "endpoint.json").read_text()))
     async with bus.opened(Endpoints("client", (address.endpoint,), timeout=PATIENCE)) as opened:
         async for report in observer.reports(opened, address.run, PATIENCE, PATIENCE):

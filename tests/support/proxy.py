@@ -1,4 +1,4 @@
-"""A TCP link on loopback that a test can cut, or hold up, and heal."""
+"""A TCP link on loopback that a test can cut, delay and heal."""
 
 import asyncio
 import contextlib
@@ -19,7 +19,7 @@ class Link:
         self._writers: set[asyncio.StreamWriter] = set()
 
     def hold(self) -> None:
-        """Pass nothing on until `heal`."""
+        """Forward nothing until `heal`."""
         self._flows.clear()
 
     def cut(self) -> None:
@@ -29,7 +29,7 @@ class Link:
             writer.close()
 
     def heal(self) -> None:
-        """Pass everything on again."""
+        """Forward everything again."""
         self._is_cut = False
         self._flows.set()
 
@@ -44,9 +44,9 @@ class Link:
             with contextlib.suppress(asyncio.CancelledError):  # the test is over
                 await asyncio.gather(self._pass(reader, ours), self._pass(theirs, writer))
         finally:
-            for one in (writer, ours):
-                self._writers.discard(one)
-                one.close()
+            for stream in (writer, ours):
+                self._writers.discard(stream)
+                stream.close()
 
     async def _pass(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         with contextlib.suppress(OSError):

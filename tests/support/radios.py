@@ -1,4 +1,4 @@
-"""Robots that stand still, and what the radio wrote down of their contacts."""
+"""Robots that stand still, and the radio's ledger of their contacts."""
 
 from collections.abc import Iterable
 from typing import Any

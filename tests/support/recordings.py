@@ -1,4 +1,4 @@
-"""Logs for tests: recorded in one loop, read with the mcap library alone, and written anew with a change."""
+"""Logs for tests: recorded in one loop, read with the mcap library alone, and rewritten with a change."""
 
 import json
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from world.config.scenario import Scenario
 from world.execution.recorder import Recorder
 
 Edit = Callable[[str, int, bytes], bytes | None]
-"""Topic, tick and payload of a message -> its new payload, or None to leave it out."""
+"""Topic, tick and payload of a message -> its new payload, or None to omit it."""
 
 
 def record(path: Path, scenario: Scenario, name: str = "test") -> dict[str, Any]:
@@ -28,12 +28,12 @@ def record(path: Path, scenario: Scenario, name: str = "test") -> dict[str, Any]
 def messages(path: Path) -> list[tuple[str, int, bytes]]:
     """Topic, tick and payload of every message, in the order of the file."""
     with path.open("rb") as file:
-        found = make_reader(file, validate_crcs=True).iter_messages(log_time_order=False)
-        return [(channel.topic, message.sequence, message.data) for _, channel, message in found]
+        messages = make_reader(file, validate_crcs=True).iter_messages(log_time_order=False)
+        return [(channel.topic, message.sequence, message.data) for _, channel, message in messages]
 
 
 def rewrite(path: Path, to: Path, edit: Edit, summary: dict[str, Any] | None = None, ended: bool = True) -> None:
-    """A copy of a log with messages edited, with another summary, or as if its run had been killed."""
+    """Copy a log with edited messages, with another summary, or as if its run had been killed."""
     with path.open("rb") as file, to.open("wb") as out:
         reader, writer = make_reader(file), Writer(out, enable_data_crcs=True)
         writer.start("fes")
@@ -49,8 +49,8 @@ def rewrite(path: Path, to: Path, edit: Edit, summary: dict[str, Any] | None = N
                     channels[channel.id], message.log_time, payload, message.log_time, message.sequence
                 )
         for metadata in reader.iter_metadata() if ended else ():
-            told = metadata.metadata | ({"summary": json.dumps(summary)} if summary is not None else {})
-            writer.add_metadata(metadata.name, told)
+            fields = metadata.metadata | ({"summary": json.dumps(summary)} if summary is not None else {})
+            writer.add_metadata(metadata.name, fields)
         writer.finish()
 
 
@@ -62,8 +62,8 @@ def payloads(message: bytes) -> list[bytes]:
 def edited(topic: str, tick: int, robot: int, change: Callable[[bytes], bytes]) -> Edit:
     """An edit of one robot's payload at one tick."""
 
-    def edit(found: str, at: int, message: bytes) -> bytes:
-        if (found, at) != (topic, tick):
+    def edit(messages: str, at: int, message: bytes) -> bytes:
+        if (messages, at) != (topic, tick):
             return message
         all_ = payloads(message)
         all_[robot] = change(all_[robot])

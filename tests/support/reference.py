@@ -34,10 +34,10 @@ def paper_index(r: float, minimum: float = 50.0) -> float:
     return spread * math.exp(-((r / 150.0) ** 4)) * math.exp(-3e-7 * r**3)
 
 
-def complex_step(f: Callable[[complex], complex], at: float) -> float:
+def complex_step(f: Callable[[complex], complex], argument: float) -> float:
     """f'(at) without subtraction, so to rounding error."""
     step = 1e-30
-    return f(complex(at, step)).imag / step
+    return f(complex(argument, step)).imag / step
 
 
 def flow(rate: Rate, state: Sequence[float], begin: float, end: float, rtol: float = 1e-11) -> NDArray[np.float64]:
@@ -55,7 +55,7 @@ def exponential(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def maximizer(f: Callable[[float], float], low: float, high: float) -> float:
-    """Where f is largest in [low, high], by Brent's method without derivatives."""
+    """Argument of the maximum of f in [low, high], by Brent's method without derivatives."""
     result = optimize.minimize_scalar(
         lambda x: -f(x), bounds=(low, high), method="bounded", options={"xatol": 1e-11 * high}
     )
@@ -64,7 +64,7 @@ def maximizer(f: Callable[[float], float], low: float, high: float) -> float:
 
 
 def root(f: Callable[[float], float], low: float, high: float) -> float:
-    """Where f crosses zero in [low, high]."""
+    """Zero of f in [low, high]."""
     return float(optimize.brentq(f, low, high, xtol=1e-13, rtol=1e-14))
 
 

@@ -26,7 +26,7 @@ def live_through(
     pace: float = 2.0,
     groups: Sequence[Sequence[int]] | None = None,
 ) -> dict[str, Any]:
-    """A recorded run of robots, an agent a group or a robot, while `story` happens; returns its summary."""
+    """Record a run with one agent per group or robot while `story` happens; returns its summary."""
 
     async def main() -> dict[str, Any]:
         async with session.router() as (opened, endpoint), asyncio.timeout(100.0):
@@ -50,7 +50,7 @@ def live_through(
 
 @asynccontextmanager
 async def standing_still(server: Server) -> AsyncIterator[None]:
-    """No tick goes by in this block, however long what happens there takes."""
+    """Block during which no tick passes."""
     present, goes_on = server._clock.present, asyncio.Event()
 
     async def held(state: State) -> Bools:

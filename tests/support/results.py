@@ -15,7 +15,7 @@ from world.metrics import summary
 
 
 def written(directory: Path, result: dict[str, Any]) -> Any:
-    """What a strict reader of JSON finds in the run directory."""
+    """The summary in the run directory, by a strict JSON reader."""
     summary.write(directory, result)
 
     def refuse(word: str) -> None:
@@ -29,7 +29,7 @@ def without_wall_clock(summary: dict[str, Any]) -> dict[str, Any]:
 
 
 def alone(scenarios: list[Scenario]) -> list[dict[str, Any]]:
-    return [without_wall_clock(inprocess.run(one, "x")) for one in scenarios]
+    return [without_wall_clock(inprocess.run(scenario, "x")) for scenario in scenarios]
 
 
 Tick = tuple[Floats, Floats]

@@ -22,10 +22,10 @@ from world.simulation.truth import State
 RUN = "test"
 
 PATIENCE = 60.0
-"""How long what must come may take [s], on a machine of any speed."""
+"""Longest wait for an expected event [s], on a machine of any speed."""
 
 LAST = 10
-"""So many ticks are left to a run when who disturbs it is done."""
+"""Ticks that remain to a run after its disturbance."""
 
 Disturb = Callable[[str, asyncio.Event], Awaitable[None]]
 
@@ -46,7 +46,7 @@ async def client(endpoint: str, timeout: float = PATIENCE) -> AsyncIterator[Bus]
 
 
 async def appear(opened: Bus, robot: int) -> None:
-    """Be an agent of this robot as far as the world can see, which says nothing by itself."""
+    """Appear to the world as an agent of this robot that sends nothing by itself."""
     await opened.get(keys.welcome(RUN, str(robot)), messages.encode_join(Join((robot,), robot)), PATIENCE)
     opened.declare_token(keys.robot_alive(RUN, robot))
 
@@ -65,7 +65,7 @@ async def run(
     disturb: Disturb | None = None,
     recorder: Recorder | None = None,
 ) -> tuple[dict[str, Any], Server, list[Agent]]:
-    """Run a scenario with one agent a group, started in the order given; returns summary, server and agents.
+    """Run a scenario with one agent per group, started in the given order; returns summary, server and agents.
 
     `disturb(endpoint, begin)`, if given, runs beside it, from when all robots are here: the run does not begin before
     `begin` is set, or it is done, and is not over before it is done. `recorder` gets every tick.
@@ -76,9 +76,9 @@ async def run(
         await server.gather()
         if disturb is not None:
             begin = asyncio.Event()
-            other = asyncio.ensure_future(disturb(endpoint, begin))
-            other.add_done_callback(lambda done: begin.set())
-            _wait_for(other, server)
+            disturbance = asyncio.ensure_future(disturb(endpoint, begin))
+            disturbance.add_done_callback(lambda done: begin.set())
+            _wait_for(disturbance, server)
             await begin.wait()
         await server.main_loop()
         server.dismiss()
@@ -88,13 +88,13 @@ async def run(
         return summary, server, ended
 
 
-def _wait_for(other: "asyncio.Future[None]", server: Server) -> None:
-    """Have a world stand still before its last ticks until `other` is done; it fails as `other` does."""
+def _wait_for(disturbance: "asyncio.Future[None]", server: Server) -> None:
+    """Make a world pause before its last ticks until `disturbance` is done; it fails as `disturbance` does."""
     present, last = server._clock.present, server.run.scenario.ticks - LAST
 
     async def held(state: State) -> Bools:
         if state.tick >= last:
-            await other
+            await disturbance
         return await present(state)
 
     server._clock.present = held  # type: ignore[method-assign]

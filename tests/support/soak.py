@@ -1,12 +1,13 @@
-"""A team under random kills, hangs and world restarts, with real processes; and what is left of it at the end.
+"""Soak test: a team of real processes under random kills, hangs and world restarts.
 
     python -m tests.support.soak --minutes 10
 
-Ten agents and a world, each a process, are killed (SIGKILL), suspended (SIGSTOP, SIGCONT; the world for less than the
-lease of a session) and, the world, told to stop (SIGTERM), at random times; whoever is gone is started again, the
-world with --resume. Then there is peace, and the run goes on to its end. Expected: every tick is in the log and comes
-out the same when it is executed again, every process has ended well and by itself, nobody is left, and the formation
-stands.
+Ten agents and a world, each a process, are killed (SIGKILL) and suspended (SIGSTOP, SIGCONT) at random times. The
+world is also stopped (SIGTERM), and suspended for less than the lease of a session. Every process that dies is
+restarted, the world with --resume. Then the faults end, and the run continues to its end.
+
+Pass criteria: every tick is in the log and reexecution has the same digits; every process exits with 0 by itself, and
+none remains; the formation is kept.
 """
 
 import argparse
@@ -32,29 +33,29 @@ from world.config.scenario import load
 SCENARIO = CONFIGS / "neighborhood.toml"
 
 PACE = 1.0
-"""Simulated seconds a second, while there are faults."""
+"""Simulated seconds per second during faults."""
 
 PEACE = 60.0
-"""Simulated time without faults at the end, at least [s]."""
+"""Least simulated time without faults at the end [s]."""
 
 CALM = (0.5, 4.0)
-"""From one fault to the next [s]."""
+"""Time between faults [s]."""
 
 AWAY = (0.0, 3.0)
-"""How long who was killed is away [s]."""
+"""Time from a kill to the restart [s]."""
 
 ASLEEP = (0.5, 14.0)
-"""How long an agent that was suspended sleeps [s]: some longer than the world waits."""
+"""Suspensions of an agent [s]: some longer than the world waits."""
 
 DOZE = (0.2, 1.0)
-"""How long the world sleeps [s]: less than a session's lease of 2 s, so that nobody takes it for gone."""
+"""Suspensions of the world [s]: shorter than a session's lease of 2 s, so that its sessions survive."""
 
 PATIENCE = 600.0
 """[s]"""
 
 
 class Team:
-    """The processes, each started again when it is gone."""
+    """The processes, each restarted after its end."""
 
     def __init__(self, out: Path, minutes: float) -> None:
         self.out = out
@@ -69,15 +70,15 @@ class Team:
         self.agents = {robot: self._agent(robot) for robot in range(self.robots)}
 
     def resume(self, rtf: str) -> None:
-        """Another world goes on."""
+        """Start another world that resumes the run."""
         self.world = self._world("--resume", str(self.out), "--rtf", rtf)
 
     def rejoin(self, robot: int) -> None:
-        """Another agent hosts a robot."""
+        """Start another agent for a robot."""
         self.agents[robot] = self._agent(robot)
 
     def end(self) -> None:
-        """End whoever is left, in a way that nobody survives."""
+        """Kill every remaining process."""
         for process in (self.world, *self.agents.values()):
             if process.poll() is None:
                 process.send_signal(signal.SIGCONT)
@@ -85,7 +86,7 @@ class Team:
             process.wait()
 
     def orphans(self) -> list[str]:
-        """Processes that this team started and that live."""
+        """Living processes that this team started."""
         return [str(one.args) for one in self.started if one.poll() is None]
 
     def _world(self, *words: str) -> "subprocess.Popen[bytes]":
@@ -105,25 +106,25 @@ class Team:
 
 
 class Trouble:
-    """Faults at random times, one after the other or several at once; the same ones for the same seed."""
+    """Faults at random times, one or several at once, reproducible from a seed."""
 
     def __init__(self, team: Team, seed: int) -> None:
-        self._team, self._chance = team, random.Random(seed)
+        self._team, self._random = team, random.Random(seed)
         self._later: list[tuple[float, str, int]] = []
-        """When to do what to whom, to undo a fault."""
+        """Times, actions and processes that undo a fault."""
         self.counts: Counter[str] = Counter()
 
     def rage(self, seconds: float) -> None:
-        """Make trouble for a while, from the first checkpoint on, then undo all of it."""
+        """Inject faults for a while after the first checkpoint, then undo them."""
         while not (self._team.out / "checkpoint" / "state").exists():
             self._look()
             time.sleep(0.02)
         end = time.monotonic() + seconds
-        at = time.monotonic() + self._chance.uniform(*CALM)
+        due = time.monotonic() + self._random.uniform(*CALM)
         while time.monotonic() < end:
-            if time.monotonic() >= at:
+            if time.monotonic() >= due:
                 self._fault()
-                at = time.monotonic() + self._chance.uniform(*CALM)
+                due = time.monotonic() + self._random.uniform(*CALM)
             self._undo(time.monotonic())
             self._look()
             time.sleep(0.02)
@@ -134,29 +135,29 @@ class Trouble:
 
     def _fault(self) -> None:
         busy = {robot for _, _, robot in self._later}
-        robot = self._chance.choice([-1, -1, -1, *range(self._team.robots)])
+        robot = self._random.choice([-1, -1, -1, *range(self._team.robots)])
         if robot in busy:
             return
-        soon = time.monotonic() + self._chance.uniform(*AWAY)
+        soon = time.monotonic() + self._random.uniform(*AWAY)
         if robot < 0:
-            how = self._chance.choice([signal.SIGKILL, signal.SIGTERM, signal.SIGSTOP])
+            how = self._random.choice([signal.SIGKILL, signal.SIGTERM, signal.SIGSTOP])
             self._team.world.send_signal(how)
             if how is signal.SIGSTOP:
-                self._later.append((time.monotonic() + self._chance.uniform(*DOZE), "continue", robot))
+                self._later.append((time.monotonic() + self._random.uniform(*DOZE), "continue", robot))
                 self.counts["worlds suspended"] += 1
                 return
             code = self._team.world.wait(PATIENCE)
-            self._expect(code in (0, -how), f"the world ended with {code}")  # -how: one that is hardly there yet
+            self._expect(code in (0, -how), f"the world ended with {code}")  # -how: a process that has just started
             self._later.append((soon, "resume", robot))
             self.counts["worlds killed" if how is signal.SIGKILL else "worlds told to stop"] += 1
-        elif self._chance.random() < 0.5:
+        elif self._random.random() < 0.5:
             self._team.agents[robot].kill()
             self._team.agents[robot].wait()
             self._later.append((soon, "rejoin", robot))
             self.counts["agents killed"] += 1
         else:
             self._team.agents[robot].send_signal(signal.SIGSTOP)
-            self._later.append((time.monotonic() + self._chance.uniform(*ASLEEP), "continue", robot))
+            self._later.append((time.monotonic() + self._random.uniform(*ASLEEP), "continue", robot))
             self.counts["agents suspended"] += 1
 
     def _undo(self, now: float) -> None:
@@ -177,7 +178,7 @@ class Trouble:
             time.sleep(0.02)
 
     def _look(self) -> None:
-        """Nobody may end but by our hand."""
+        """Check that no process exits unless the test killed it."""
         self._take_in()
         away = self._away()
         for robot, process in {-1: self._team.world, **self._team.agents}.items():
@@ -186,7 +187,7 @@ class Trouble:
                 self._expect(process.poll() is None, f"{name} ended by itself with {process.returncode}")
 
     def _take_in(self) -> None:
-        """Who ended as a beacon is lost for ever, with the world's router and its sender, is started again."""
+        """Restart an agent that ended because a beacon was lost with the world's router and its sender."""
         for robot in self._team.agents.keys() - self._away():
             if self._team.agents[robot].poll() == 1 and self._was_bereft(robot):
                 self._team.rejoin(robot)
@@ -196,7 +197,7 @@ class Trouble:
         return {robot for _, what, robot in self._later if what != "continue"}
 
     def _was_bereft(self, robot: int) -> bool:
-        """Whether an agent said that a beacon had gone with the world's router, and its sender had died too."""
+        """True if an agent reports a beacon lost with the world's router while its sender had died too."""
         lines = (self._team.logs / f"agent-{robot}.log").read_text(errors="replace").splitlines()
         return bool(lines) and "a beacon that decoded did not arrive" in lines[-1]
 
@@ -206,7 +207,7 @@ class Trouble:
 
 
 def soak(out: Path, minutes: float, seed: int) -> dict[str, Any]:
-    """What happened, if all that is expected holds; raises AssertionError."""
+    """Numbers of the soak if every criterion holds; raises AssertionError."""
     begun = time.monotonic()
     team = Team(out, minutes)
     trouble = Trouble(team, seed)
@@ -242,7 +243,7 @@ def soak(out: Path, minutes: float, seed: int) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Print what happened."""
+    """Print the numbers of the soak."""
     parser = argparse.ArgumentParser(prog="python -m tests.support.soak", description=__doc__.splitlines()[0])
     parser.add_argument("--minutes", type=float, default=10.0, help="how long there are faults (default: 10)")
     parser.add_argument("--seed", type=int, default=int.from_bytes(os.urandom(4)), help="of the faults")

@@ -1,4 +1,4 @@
-"""The project's own source: modules, what they import, and the packages that they are in."""
+"""The project's own source: modules, their packages and their imports."""
 
 import ast
 from collections.abc import Iterator
@@ -10,14 +10,14 @@ PACKAGES = ("fes", "agents", "world", "console")
 
 
 def modules(*packages: str) -> dict[str, Path]:
-    """Dotted name and file of every module, a package by its own name."""
+    """Dotted name and file of every module; a package has its own name."""
     paths = [path for package in packages for path in sorted((ROOT / package).rglob("*.py"))]
     names = [".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__") for path in paths]
     return dict(zip(names, paths, strict=True))
 
 
 def imports(tree: ast.AST) -> Iterator[str]:
-    """Everything that is imported: for `from a import b` both a and a.b, as b may be a module."""
+    """Every imported name: for `from a import b` both a and a.b, as b may be a module."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (name.name for name in node.names)
@@ -30,26 +30,26 @@ def imports(tree: ast.AST) -> Iterator[str]:
 
 def importers(of: str) -> set[str]:
     """The modules of the project that import `of` or something in it."""
-    found = set()
+    names = set()
     for name, path in modules(*PACKAGES).items():
         wanted = imports(ast.parse(path.read_text(encoding="utf-8")))
         if any(imported == of or imported.startswith(f"{of}.") for imported in wanted):
-            found.add(name)
-    return found
+            names.add(name)
+    return names
 
 
 def package(module: str) -> str:
-    """The sub-package of a module, such as fes.arrays; a module right in a top package is one of its own."""
+    """The sub-package of a module, such as fes.arrays; a module directly in a top package counts as one."""
     return ".".join(module.split(".")[:2])
 
 
 def arrows() -> dict[str, set[str]]:
-    """Each sub-package -> the other sub-packages that it imports something from."""
+    """Each sub-package -> the other sub-packages that it imports from."""
     known = {name: path for name, path in modules(*PACKAGES).items() if "." in name}
     packages = {package(name) for name in known}
-    found: dict[str, set[str]] = {one: set() for one in packages}
+    names: dict[str, set[str]] = {name: set() for name in packages}
     for name, path in known.items():
         for imported in imports(ast.parse(path.read_text(encoding="utf-8"))):
             if package(imported) in packages:
-                found[package(name)].add(package(imported))
-    return {name: wanted - {name} for name, wanted in found.items()}
+                names[package(name)].add(package(imported))
+    return {name: wanted - {name} for name, wanted in names.items()}

@@ -29,8 +29,8 @@ class Stage:
         self.endpoint = f"{'tls' if keyed else 'tcp'}/127.0.0.1:{free_port()}"
         self.flags = ["--keys", str(keyed)] if keyed else []
         self.running: list[subprocess.Popen[str]] = []
-        self.said = where / "said.log"
-        with self.said.open("w") as stream:
+        self.path = where / "said.log"
+        with self.path.open("w") as stream:
             world = command("world.process", *HEAD, "-l", self.endpoint, *self.flags)
             self.running.append(
                 subprocess.Popen(world, cwd=where, stdin=subprocess.DEVNULL, stderr=stream, text=True)
@@ -38,14 +38,14 @@ class Stage:
         until(lambda: "waiting for 2 robots" in self.log())
 
     def log(self) -> str:
-        return self.said.read_text()
+        return self.path.read_text()
 
     def agent(self, robot: int) -> None:
         words = command("agents.process", "--id", str(robot), "-e", self.endpoint, *self.flags)
         self.running.append(start(words, self.where))
 
     async def over(self) -> bool:
-        """Whether the world and its agents ended well; waits for their end."""
+        """True if the world and its agents ended with 0; waits for their end."""
         codes = [await asyncio.to_thread(process.wait, PATIENCE) for process in self.running]
         return codes == [0] * len(codes)
 
@@ -62,7 +62,7 @@ class Stage:
             yield opened
 
     def digest(self) -> str:
-        """Of what was reached; empty if that is nothing."""
+        """Digest in the summary; empty without one."""
         summary = self.where / "out" / "summary.json"
         return str(json.loads(summary.read_text())["digest"]) if summary.exists() else ""
 

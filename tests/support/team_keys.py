@@ -15,7 +15,7 @@ def write(directory: Path, role: str, issued: Issued) -> None:
 
 
 def directory(where: Path, issuer: Authority, roles: list[str], days: float = 1.0) -> Path:
-    """A directory with the certificates of `roles`, and of who issued them."""
+    """A directory with the certificates of `roles` and of their authority."""
     write(where, AUTHORITY, issuer.pem)
     for role in roles:
         write(where, role, certificates.issue(issuer, role, days))
@@ -23,5 +23,5 @@ def directory(where: Path, issuer: Authority, roles: list[str], days: float = 1.
 
 
 def security(where: Path, role: str) -> dict[str, object]:
-    """Zenoh's settings for a role, whatever its certificate is worth: an attacker does not check."""
+    """Zenoh's settings for a role, without a check of its certificate, as an attacker uses them."""
     return Identity(where, role).settings()

@@ -1,4 +1,4 @@
-"""A team of one loop that keeps checkpoints, and dies at any tick."""
+"""A team in one loop that writes checkpoints and may die at any tick."""
 
 from pathlib import Path
 
@@ -16,23 +16,23 @@ from world.simulation import truth
 
 
 class Team:
-    """A crew in one loop with a course."""
+    """A crew in one loop with a run."""
 
     def __init__(self, scenario: Scenario) -> None:
         self.crew = crew.create(agent_config(scenario), np.arange(scenario.robots.number))
-        self.minds, self.said = crew.start(self.crew), no_beacons()
+        self.minds, self.beacons = crew.start(self.crew), no_beacons()
 
     def step(self, run: Run) -> None:
-        """Go through one tick."""
+        """Execute one tick."""
         anew = run.state.since == run.state.tick
         if anew.any() and run.state.tick > 0:
             self.minds = crew.forget(self.crew, self.minds, anew)
         sent = run.observations(run.state.present)
-        self.minds, self.said, twists = crew.step(self.crew, self.minds, truth.observe(run.state), self.said)
-        told = crew.telemetry(self.crew, self.minds)
-        spoken = [payload for _, *payload in marshalling.encode_tick(self.said, twists, told)]
-        legible = run.state.decodable.tolist()
-        beacons = [beacon if good else b"" for (beacon, _), good in zip(spoken, legible, strict=True)]
+        self.minds, self.beacons, twists = crew.step(self.crew, self.minds, truth.observe(run.state), self.beacons)
+        telemetry = crew.telemetry(self.crew, self.minds)
+        spoken = [payload for _, *payload in marshalling.encode_tick(self.beacons, twists, telemetry)]
+        decodable = run.state.decodable.tolist()
+        beacons = [beacon if good else b"" for (beacon, _), good in zip(spoken, decodable, strict=True)]
         answers: list[Answer | None] = [(messages.decode_command(command), command) for _, command in spoken]
         alive = (run.world.ids != run.state.tick % 3).astype(np.uint8)  # who hangs is alive; who is dead is not
         run.advance(sent, answers, beacons, alive, 0.1)

@@ -19,7 +19,7 @@ ENTER, LEAVE = "\x1b[?1049h", "\x1b[?1049l"
 HIDE, SHOW = "\x1b[?25l", "\x1b[?25h"
 
 POSIX = {"LC_ALL": "POSIX", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
-"""An ASCII locale, which Python is kept from changing to UTF-8."""
+"""An ASCII locale that Python must not change to UTF-8."""
 
 _CODES = re.compile(r"\x1b\[[0-9;?]*[a-zA-Z]")
 
@@ -62,7 +62,7 @@ class Terminal:
         return _CODES.sub("", self.text.rpartition(LEAVE)[2])
 
     def wait_for(self, what: str) -> None:
-        """Read until `what` was printed."""
+        """Read until `what` is printed."""
         end = time.monotonic() + PATIENCE
         while what not in self.text:
             assert self._read(), self.text[-3000:]
@@ -99,5 +99,5 @@ class Terminal:
 
 
 def is_restored(text: str) -> bool:
-    """True if the alternate screen, if it was entered, was left, and the cursor is shown at last."""
+    """True if an entered alternate screen was left and the cursor is shown again."""
     return text.rfind(LEAVE) >= text.rfind(ENTER) and text.rfind(SHOW) >= text.rfind(HIDE)

@@ -1,4 +1,4 @@
-"""Reads crafted files in a process of its own, as a person's tools would: `python -m tests.support.untrusted DIR`."""
+"""Reader of crafted files in a process of its own: `python -m tests.support.untrusted DIR`."""
 
 import json
 import os
@@ -36,7 +36,7 @@ def read_ledger(header: Path, lines: Path) -> None:
 
 
 def read_announcement(path: Path) -> None:
-    """A crafted announcement is skipped; another one may be found."""
+    """Read an announcement; a crafted one is skipped."""
     announced = path.parent.parent / "runs" / "x"
     announced.mkdir(parents=True, exist_ok=True)
     shutil.copyfile(path, announced / run_directory.ENDPOINT)
@@ -55,7 +55,7 @@ READERS: dict[str, list[Callable[[Path], object]]] = {
 
 
 def peak() -> float:
-    """The most memory that this process has had at a time [MiB]."""
+    """Peak memory of this process [MiB]."""
     status = Path("/proc/self/status")
     if not status.exists():
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / MIB  # in bytes on macOS
@@ -63,7 +63,7 @@ def peak() -> float:
 
 
 def main() -> None:
-    """Read all that was written below a folder; print as JSON how each ended, and the most memory that it took."""
+    """Read all files below a folder; print the outcome of each and the peak memory as JSON."""
     where = Path(sys.argv[1])
     ends = list[tuple[str, str, str]]()
     for kind, readers in READERS.items():

@@ -31,31 +31,31 @@ class Run:
         self.world = self.start(str(CONFIGS / scenario), "--out", str(self.out), *words)
 
     def start(self, *words: str, every: str = "0.5", rtf: str = "4") -> "subprocess.Popen[str]":
-        """A world; this one looks after the run from now on, with a checkpoint `every` so often [s]."""
+        """Start a world that executes the run from now on, with a checkpoint `every` [s]."""
         flags = ["-l", self.endpoint, "--checkpoint", every, "--rtf", rtf]
         self.world = start(command("world.process", *words, *flags), self.where)
         return self.world
 
     def join(self, robot: int) -> None:
-        """An agent."""
+        """Start an agent."""
         words = ["--id", str(robot), "-e", self.endpoint]
         self.agents[robot] = start(command("agents.process", *words), self.where)
 
     def next_checkpoint(self) -> None:
-        """Wait until the present checkpoint has a successor, so that the run goes on."""
+        """Wait until the present checkpoint has a successor, which shows that the run progresses."""
         state = self.out / FOLDER / "state"
         until(state.exists)
         seen = state.stat().st_ino
         until(lambda: state.stat().st_ino != seen)
 
     def reached(self) -> int:
-        """The last tick that its notes tell of, -1 for none."""
+        """Last tick in its notes; -1 for none."""
         with suppress(OSError):  # a journal may be replaced just now
             return max((tick for kind, tick, *_ in self.notes() if kind == TICK), default=-1)
         return -1
 
     def notes(self) -> list[list[Any]]:
-        """Those that its checkpoint does not know yet, and perhaps more."""
+        """Notes that its checkpoint does not hold yet, and perhaps more."""
         return [note for path in checkpoint.journals(self.out, 0) for note in journal.notes(path)]
 
     def end(self, how: signal.Signals) -> None:
@@ -65,16 +65,16 @@ class Run:
         self.world.communicate(timeout=PATIENCE)
 
     def come_to_rest(self, robot: int) -> None:
-        """Stop an agent, and wait until the world asks it for the same tick again: all others have answered then."""
+        """Suspend an agent until the world resends its tick: all others have answered by then."""
 
         async def main() -> None:
             async with session.client(self.endpoint) as observer, asyncio.timeout(PATIENCE):
-                said, seen = observer.mailbox(keys.observation(keys.DEFAULT_RUN, robot)), set[bytes | None]()
-                while (sample := said.take()) is None or not seen:
+                mailbox, seen = observer.mailbox(keys.observation(keys.DEFAULT_RUN, robot)), set[bytes | None]()
+                while (sample := mailbox.take()) is None or not seen:
                     seen.update(sample[1:] if sample else ())
                     await asyncio.sleep(0.001)
                 self.agents[robot].send_signal(signal.SIGSTOP)
-                while (sample := said.take()) is None or sample[1] not in seen:
+                while (sample := mailbox.take()) is None or sample[1] not in seen:
                     seen.update(sample[1:] if sample else ())
                     await asyncio.sleep(0.001)
 
@@ -86,13 +86,13 @@ class Run:
             _, err = process.communicate(timeout=PATIENCE)
             assert process.returncode == 0, err
         assert not (self.out / FOLDER).exists()
-        found: dict[str, Any] = json.loads((self.out / "summary.json").read_text())
-        return found
+        summary: dict[str, Any] = json.loads((self.out / "summary.json").read_text())
+        return summary
 
 
 @contextmanager
 def under_way(where: Path, scenario: str) -> Iterator[Run]:
-    """40 s of a scenario, of which nobody is left behind."""
+    """40 s of a scenario, whose processes are killed at the end."""
     going = Run(where, scenario, "--duration", "40")
     try:
         yield going

@@ -13,8 +13,9 @@ from console.sweep import cluster, design, work
 from fes.errors import FesError
 from fes.system import fingerprint
 from tests.support.arithmetics import OTHER
-from tests.support.commands import PAIR, PROGRAMS, call, complaint, vacant
-from tests.support.sweeps import RUNS, kept, until_some_are_done
+from tests.support.commands import PROGRAMS, call, complaint, vacant
+from tests.support.paths import PAIR
+from tests.support.sweeps import RUNS, finished, until_some_are_done
 
 LONG = ["sweep", PAIR, "--seeds", "0:120", "--set", "run.duration=4"]
 
@@ -28,16 +29,16 @@ def dask() -> Iterator[LocalCluster]:
         yield opened
 
 
-def test_a_worker_that_is_killed_midway_costs_nothing_and_doubles_nothing(dask: LocalCluster, tmp_path: Path) -> None:
+def test_a_worker_killed_midway_loses_no_run_and_repeats_none(dask: LocalCluster, tmp_path: Path) -> None:
     words = [str(PROGRAMS / "fes"), *LONG, "--out", "out", "--scheduler", dask.scheduler_address]
     sweep = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     until_some_are_done(tmp_path / "out", sweep)
-    assert len(kept(tmp_path / "out")) < RUNS
+    assert len(finished(tmp_path / "out")) < RUNS
     os.kill(dask.workers[0].pid, signal.SIGKILL)
     said, complained = sweep.communicate(timeout=60)
     assert (sweep.returncode, complained) == (0, "")
     assert "out/table.csv" in said
-    assert len(kept(tmp_path / "out")) == len(set(kept(tmp_path / "out"))) == RUNS
+    assert len(finished(tmp_path / "out")) == len(set(finished(tmp_path / "out"))) == RUNS
 
     here = call(tmp_path, "fes", *LONG, "--out", "here")
     assert here.returncode == 0
@@ -56,7 +57,7 @@ def test_a_worker_with_another_version_of_fes_is_refused(dask: LocalCluster, mon
 
 def test_a_worker_with_another_arithmetic_is_refused(dask: LocalCluster, monkeypatch: pytest.MonkeyPatch) -> None:
     here = fingerprint.text()
-    monkeypatch.setattr(fingerprint, "table", lambda: dict(OTHER))  # of this end only
+    monkeypatch.setattr(fingerprint, "table", lambda: dict(OTHER))  # of this side only
     planned = design.plan(Path(PAIR), [], "0:1", ["run.duration=1"])
     wanted = rf"^a Dask worker has {here}, and the sweep is of {fingerprint.text()}$"
     with cluster.connected(dask.scheduler_address) as workers, pytest.raises(FesError, match=wanted):

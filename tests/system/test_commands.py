@@ -12,9 +12,9 @@ from rich.console import Console
 from console import cli
 from console.backends import inprocess
 from console.dashboard import summary
-from tests.support.commands import PAIR, call, complaint, run_json, vacant
+from tests.support.commands import call, complaint, run_json, vacant
 from tests.support.loop import load
-from tests.support.paths import CONFIGS
+from tests.support.paths import CONFIGS, PAIR
 from tests.support.processes import LOOP
 
 
@@ -41,14 +41,14 @@ def test_the_directory_asked_for_is_made_and_never_overwritten(tmp_path: Path) -
     out = tmp_path / "a" / "b"
     found = run_json(tmp_path, "--duration", "1", "--out", str(out), "--rtf", "5")
     assert json.loads((out / "summary.json").read_text()) == found
-    assert found["wall_s"] >= 0.199  # one simulated second, five a second
+    assert found["wall_s"] >= 0.199  # one simulated second, five reports per second
     assert not (tmp_path / "runs").exists()
     done = call(tmp_path, "fes", "run", PAIR, "--backend", "inprocess", "--out", str(out))
     assert complaint(done, "fes") == f"--out {out}: the directory is not empty"
     assert json.loads((out / "summary.json").read_text()) == found
 
 
-def test_a_person_is_told_the_result_and_where_it_is(tmp_path: Path) -> None:
+def test_a_run_prints_its_result_and_its_directory(tmp_path: Path) -> None:
     words = ("run", PAIR, "--backend", "inprocess", "--headless", "--duration", "1", "--verbose")
     done = call(tmp_path, "fes", *words)
     assert (done.returncode, done.stderr) == (0, LOOP.format(2))
@@ -130,7 +130,7 @@ def test_a_service_refuses_bad_input_in_one_line(
     assert [word for word in said if word not in line] == []
 
 
-def test_an_agent_that_nobody_answers_says_whom_it_waited_for_and_how_long(tmp_path: Path) -> None:
+def test_an_unanswered_agent_reports_the_world_and_time_it_waited_for(tmp_path: Path) -> None:
     endpoint = vacant()
     done = call(tmp_path, "fes-agent", "--id", "1", "--timeout", "1", "-e", endpoint)
     assert complaint(done, "fes-agent") == f"nobody listens on {endpoint} (tried for 1 s)"
@@ -149,7 +149,7 @@ def test_a_bad_endpoint_or_timeout_is_one_line(words: list[str], tmp_path: Path)
     assert words[-1] in complaint(call(tmp_path, *words), words[0])
 
 
-def test_a_reader_that_went_away_is_said_without_a_file(
+def test_a_closed_pipe_is_reported_without_a_file_name(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def broken() -> None:
@@ -162,7 +162,7 @@ def test_a_reader_that_went_away_is_said_without_a_file(
 
 
 @pytest.mark.parametrize("words", [["fes"], ["fes", "keys"]], ids=" ".join)
-def test_without_a_command_the_help_is_shown_as_it_is(tmp_path: Path, words: list[str]) -> None:
+def test_fes_without_a_command_shows_its_help(tmp_path: Path, words: list[str]) -> None:
     done = call(tmp_path, *words)
     said = (done.stdout + done.stderr).splitlines()
     assert done.returncode != 0

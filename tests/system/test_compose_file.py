@@ -15,13 +15,13 @@ from world.config import expectations
 from world.metrics import summary
 
 
-def test_the_scenario_of_compose_reaches_its_formation_and_says_so() -> None:
+def test_the_scenario_of_compose_reaches_its_formation_and_logs_it() -> None:
     found = inprocess.run(loop.load("compose.toml"), "compose")
     assert not expectations.unmet(found)
     assert expectations.unmet(inprocess.run(loop.load("compose.toml", run__duration=5.0), "compose"))
 
 
-def test_the_lines_of_a_log_have_the_numbers_of_the_summary() -> None:
+def test_log_lines_show_the_numbers_of_the_summary() -> None:
     found = inprocess.run(loop.load("pair.toml", run__duration=20.0), "pair")
     said = "\n".join(summary.lines(found))
     for number in (
@@ -59,12 +59,12 @@ def test_compose_has_an_agent_for_each_robot_of_its_scenario_and_each_role_its_o
     assert int(made[1]) == robots - 1
 
 
-def test_keys_whose_making_was_cut_short_are_made_anew_and_then_stay(tmp_path: Path) -> None:
+def test_keys_whose_creation_was_interrupted_are_created_again_once(tmp_path: Path) -> None:
     roles = ["world", "observer", "operator", "robot-0", "robot-1"]
     for role in ("authority", *roles):
         (tmp_path / role).mkdir(mode=0o700)
     script = (ROOT / "deploy/issue-keys").read_text(encoding="utf-8").replace("cd /keys", f"cd {tmp_path}")
-    short = f"#!/bin/sh\n{PROGRAMS}/fes keys init --keys $8 && kill -9 $PPID\n"  # the robots' are not there yet
+    short = f"#!/bin/sh\n{PROGRAMS}/fes keys init --keys $8 && kill -9 $PPID\n"  # the robots' are still missing
     programs = tmp_path / "programs"
     programs.mkdir()
     (programs / "fes").write_text(short)

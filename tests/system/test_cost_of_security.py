@@ -13,7 +13,7 @@ from tests.support.paths import CONFIGS, DOCS
 TEXT = (DOCS / "explanation" / "security.md").read_text(encoding="utf-8")
 
 
-def test_the_bench_measures_the_team_that_is_asked_for(
+def test_the_bench_measures_the_requested_team(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run, seen = subprocess.run, []
@@ -31,12 +31,12 @@ def test_the_bench_measures_the_team_that_is_asked_for(
     assert len({found["digest"] for *_, found in seen}) == 1
     title, figures, *medians = capsys.readouterr().out.splitlines()
     assert title == "secure: hundred.toml, 0.2 s, robots: 100, their processes: 2"
-    # Of a slow machine a rate has one digit, and more spaces stand before it.
+    # On a slow machine a rate may have one digit, and more spaces before it.
     assert [kind.strip() for kind in re.findall(r"([a-z, ]+?) +\d+ ticks/s", figures)] == list(secure.KINDS)
     assert [line.split("/")[0].strip() for line in medians] == ["median secure", "median secure, no audit"]
 
 
-def test_the_command_of_the_docs_is_one_that_the_bench_takes(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_bench_accepts_the_command_of_the_docs(monkeypatch: pytest.MonkeyPatch) -> None:
     [flags] = re.findall(r"python -m bench\.secure (configs/[^`]+)`", TEXT.replace("\n", " "))
     asked = []
 

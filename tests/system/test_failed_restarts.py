@@ -17,7 +17,7 @@ async def refused(*_: object, **__: object) -> ManagedProcess:
     raise OSError(11, "Resource temporarily unavailable")
 
 
-def test_an_agent_that_cannot_be_started_again_is_tried_a_few_times_and_each_failure_is_said(
+def test_fes_run_retries_an_agent_that_cannot_be_restarted_and_reports_each_failure(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def main() -> list[str]:
@@ -47,7 +47,7 @@ def test_an_agent_that_cannot_be_started_again_is_tried_a_few_times_and_each_fai
     ]
 
 
-def test_a_robot_of_the_schedule_that_cannot_be_started_again_is_said(
+def test_a_scheduled_robot_that_cannot_be_restarted_is_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def main() -> list[str]:
@@ -68,7 +68,7 @@ def test_a_robot_of_the_schedule_that_cannot_be_started_again_is_said(
     assert asyncio.run(main())[0] == f"robot 0: {why}; the run continues without it"
 
 
-def test_a_world_that_cannot_be_started_to_resume_its_run_is_what_the_run_fails_of(
+def test_a_world_that_cannot_be_restarted_is_reported_as_the_cause_of_the_failed_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def main() -> tuple[str, list[str]]:

@@ -21,20 +21,20 @@ from tests.support.stage import ROLES, RUN, SECONDS, stage
 
 
 def command(tick: int) -> bytes:
-    """One that would send robot 0 away."""
+    """A forged observation that dismisses robot 0."""
     nobody, nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
     return messages.encode_command(Command(tick, 0, (5.0, 1.0), nobody, nothing, nothing))
 
 
 def beacon(tick: int) -> bytes:
-    """One that would draw robot 1 after a robot 0 that is elsewhere, and wants another separation."""
+    """A forged beacon of robot 0, with another position and separation."""
     named = np.ones(1, dtype=np.uint8)
     link, wanted, nothing = np.array([1]), np.array([140.0]), np.zeros(0)
     return messages.encode_beacon(Beacon(tick, 0, (0.0, 60.0, 0.5), link, wanted, named, nothing))
 
 
 def observation(tick: int) -> bytes:
-    """One that would have robot 0 think that it is elsewhere."""
+    """A forged observation with another pose of robot 0."""
     near, decoded = np.array([1]), np.full(1, DECODED, dtype=np.uint8)
     return messages.encode_observation(Observation(tick, 0, (0.0, 60.0, 0.5), near, decoded, over=False, since=0))
 
@@ -71,14 +71,14 @@ async def forge(attacker: Bus, key: str, is_over: Callable[[], bool]) -> int:
 
 
 async def run_with_a_forger(where: Path, keyed: Path | None, key: str) -> tuple[str, str]:
-    """Digest, of what was reached, and log of a run beside which robot 1, or in plain anybody, speaks as robot 0."""
+    """Digest and log of a run in which robot 1, or without TLS any client, impersonates robot 0."""
     async with stage(where, keyed) as world, world.visitor("robot-1") as attacker:
         world.agent(0)
         world.agent(1)
         over = asyncio.ensure_future(world.over())
         ticks = await forge(attacker, key, over.done)
         good = await over
-        if keyed:  # in plain it may lead to an end before the end, on a slow machine
+        if keyed:  # without TLS it may end the run early, on a slow machine
             assert good, world.log()
             assert ticks > 10
         return world.digest(), world.log()
@@ -91,7 +91,7 @@ def expected() -> str:
 
 @pytest.mark.parametrize("key", FORGERIES)
 def test_forgeries_change_a_run_without_certificates(tmp_path: Path, expected: str, key: str) -> None:
-    """The attack is a real one: what follows would mean nothing if it were not."""
+    """The attack works without TLS, which the next test relies on."""
     digest, _ = asyncio.run(run_with_a_forger(tmp_path, None, key))
     assert digest not in ("", expected)
 

@@ -61,7 +61,7 @@ def test_each_command_has_an_example_that_can_be_typed(path: str, tmp_path: Path
 
 
 @pytest.mark.parametrize("program", ["fes-world", "fes-agent"])
-def test_the_services_have_an_example_too(program: str, tmp_path: Path) -> None:
+def test_each_service_has_an_example(program: str, tmp_path: Path) -> None:
     assert f"example: {program} " in call(tmp_path, program, "--help").stdout
 
 
@@ -108,7 +108,7 @@ def test_a_shell_completes_the_names_of_scenarios() -> None:
     assert done.stdout.split() == ["measured-coverage", "measured-jump"]
 
 
-def test_the_shell_can_complete(tmp_path: Path) -> None:
+def test_the_shell_completes_commands(tmp_path: Path) -> None:
     asked = {"_FES_COMPLETE": "complete_bash", "COMP_WORDS": "fes r", "COMP_CWORD": "1"}
     done = subprocess.run([str(PROGRAMS / "fes")], env={**os.environ, **asked}, capture_output=True, text=True)
     assert done.stdout.split() == ["run", "replay"]

@@ -1,7 +1,7 @@
-"""A robot with a valid certificate that does not beacon as it should is excluded alone, over TLS.
+"""A robot with a valid certificate and faulty beacons is excluded alone, over TLS.
 
-Pass criterion: to the bit, the others sense, say and do the same as if the schedule had removed the robot at the tick
-that the journal names.
+Pass criterion: the others have the same digits as if the schedule had removed the robot at the tick that the journal
+names.
 """
 
 import asyncio
@@ -39,13 +39,13 @@ def keyed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def altered(payload: bytes) -> bytes:
-    """The same beacon from another place."""
+    """The same beacon with another position."""
     beacon = messages.decode_beacon(payload)
     return messages.encode_beacon(beacon._replace(pose=(beacon.pose[0] + 1.0, *beacon.pose[1:])))
 
 
 def keep(outbox: Outbox, tick: int, said: TickPayloads, beacon: bytes | None) -> None:
-    """Remember a tick as `say` does, with another beacon, or with none."""
+    """Store a tick like `say`, with another beacon or without one."""
     outbox._commands[tick] = {robot: payload for robot, _, payload in said}
     if beacon is not None:
         outbox._beacons[tick] = {robot: beacon for robot, _, _ in said}
@@ -63,7 +63,7 @@ def junk(outbox: Outbox, tick: int, said: TickPayloads) -> None:
 
 
 def refuse_the_recall(outbox: Outbox, tick: int, said: TickPayloads) -> None:
-    """The beacon is pushed out of every mailbox, and not repeated."""
+    """The beacon is pushed out of every mailbox, and not resent."""
     keep(outbox, tick, said, None)
     outbox._beacon[HOSTILE](said[0][1])
     for _ in range(2 * bus.MAILBOX):
@@ -86,14 +86,14 @@ def contradict_itself(outbox: Outbox, tick: int, said: TickPayloads) -> None:
 
 
 def contradict_itself_later(outbox: Outbox, tick: int, said: TickPayloads) -> None:
-    """The second beacon of a tick arrives after the first was judged, and used by peers."""
+    """The second beacon of a tick arrives after the first was checked, and used by peers."""
     if tick > FIRST:
         outbox._beacon[HOSTILE](altered(outbox._beacons[tick - 1][HOSTILE]))
     Outbox.publish(outbox, tick, said)
 
 
 def speak_ahead(outbox: Outbox, tick: int, said: TickPayloads) -> None:
-    """A beacon of a later tick comes before its time, which peers might keep for that tick."""
+    """A beacon of a later tick arrives early, and peers might keep it for that tick."""
     if tick == FIRST:
         outbox._beacon[HOSTILE](said[0][1])
         later = messages.decode_beacon(altered(said[0][1]))._replace(tick=tick + 2)
@@ -152,10 +152,10 @@ def resumed(outcome: Outcome) -> str:
 
 
 @pytest.mark.parametrize(("attack", "tick", "reason"), ATTACKS.values(), ids=ATTACKS.keys())
-def test_a_robot_at_fault_is_excluded_and_the_others_lose_no_digit(
+def test_a_faulty_robot_is_excluded_and_the_others_lose_no_digit(
     attack: Attack, tick: int, reason: str, keyed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("agents.runtime.tick_source.QUIET", 0.2)  # its agent asks when it hears nothing
+    monkeypatch.setattr("agents.runtime.tick_source.QUIET", 0.2)  # its agent asks when it receives nothing
     outcome = hostile.run(tmp_path, keyed, attack)
     excluded = [note for note in outcome.notes if note[0] == EXCLUDE]
     assert [note[1:3] for note in excluded] == [[tick, [HOSTILE]]]
@@ -185,7 +185,7 @@ async def accuse(second: Bus) -> None:
 
 
 def push_out(outbox: Outbox, tick: int, said: TickPayloads) -> None:
-    """Junk pushes its beacon out of every mailbox, so that all peers must ask the world; it repeats the beacon."""
+    """Junk pushes its beacon out of every mailbox, so that all peers recall it from the world."""
     keep(outbox, tick, said, said[0][1])
     outbox._beacon[HOSTILE](said[0][1])
     for _ in range(2 * bus.MAILBOX):
@@ -194,7 +194,7 @@ def push_out(outbox: Outbox, tick: int, said: TickPayloads) -> None:
 
 
 async def crowd_the_world(second: Bus) -> None:
-    """More questions for beacons than the world answers, from one certificate."""
+    """More recall queries from one certificate than the world answers."""
     pending: set[asyncio.Future[bytes]] = set()
     for number in range(3_000):
         query = second.get(keys.held_beacon(RUN, 5, str(HOSTILE)), messages.encode_recall(number), 5.0)
@@ -204,7 +204,7 @@ async def crowd_the_world(second: Bus) -> None:
     await asyncio.wait(pending)
 
 
-def test_a_robot_that_crowds_the_world_with_questions_keeps_no_peer_from_its_answer(
+def test_a_robot_that_floods_the_world_with_queries_keeps_no_peer_from_its_answer(
     keyed: Path, tmp_path: Path
 ) -> None:
     outcome = hostile.run(tmp_path, keyed, push_out, crowd_the_world)
@@ -213,7 +213,7 @@ def test_a_robot_that_crowds_the_world_with_questions_keeps_no_peer_from_its_ans
 
 
 async def flood(second: Bus) -> None:
-    """Commands of ticks to come, as fast as they go: each would be valid at its tick."""
+    """Commands of future ticks at full speed: each would be valid at its tick."""
     put = second.declare_publisher(keys.command(RUN, HOSTILE), "fes.Command")
     for number in range(20_000):
         put(command(number % 200, HOSTILE, 5.0))
@@ -222,7 +222,7 @@ async def flood(second: Bus) -> None:
 
 
 @pytest.mark.parametrize("beside", [accuse, flood], ids=lambda beside: beside.__name__)
-def test_an_accusation_and_a_flood_of_own_commands_exclude_nobody_and_change_nothing(
+def test_an_accusation_and_a_flood_of_own_commands_exclude_no_robot_and_change_no_digit(
     beside: Any, keyed: Path, tmp_path: Path
 ) -> None:
     outcome = hostile.run(tmp_path, keyed, honest, beside)

@@ -16,7 +16,7 @@ PAIR = str(CONFIGS / "pair.toml")
 
 
 @pytest.mark.skipif(bool(hosts.why_not()), reason=hosts.why_not() or "there are network namespaces")
-def test_where_the_loopback_interface_is_down_it_fails_as_the_doctor_says_it(tmp_path: Path) -> None:
+def test_a_run_without_a_loopback_interface_fails_with_the_doctors_message(tmp_path: Path) -> None:
     words = ["unshare", "--net", *fes("run", PAIR, "--headless")]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
     remedy = "bring the loopback interface up: ip link set lo up"
@@ -46,7 +46,7 @@ for write, what in ((summary.write, {"a": "b" * 100}), (summary.write_scenario, 
     except Exception as error:
         print(type(error).__name__, error)
 """
-"""A file may have 64 bytes: the system refuses the rest, as on a full disk."""
+"""The system rejects more than 64 bytes per file, as on a full disk."""
 
 
 def test_a_file_that_cannot_be_written_is_named_and_not_left_half_written(tmp_path: Path) -> None:
@@ -73,7 +73,7 @@ def test_a_scenario_that_cannot_be_written_leaves_no_run_directory(tmp_path: Pat
     assert not list(tmp_path.iterdir())
 
 
-def test_a_run_directory_that_came_with_parents_goes_with_those_that_were_made(tmp_path: Path) -> None:
+def test_a_removed_run_directory_takes_its_new_parents_with_it(tmp_path: Path) -> None:
     (tmp_path / "a").mkdir()
     code = "import sys; sys.modules['cryptography'] = None; from console.cli import main; main()"
     words = [sys.executable, "-c", code, "run", PAIR, "--secure", "--out", "a/b/c"]

@@ -53,7 +53,7 @@ def _digest(text: str) -> str:
 
 
 class Environment:
-    """A virtual environment with nothing of ours, in which the libraries of this one can be imported."""
+    """A virtual environment without fes, with the libraries of this one."""
 
     def __init__(self, folder: Path) -> None:
         venv.create(folder)
@@ -62,14 +62,14 @@ class Environment:
         (self.packages / "libraries.pth").write_text(sysconfig.get_path("purelib") + "\n")
 
     def install(self, wheel: Path) -> None:
-        """Install a wheel, and nothing else."""
+        """Install a wheel without its dependencies."""
         python = str(self.programs / "python")
         words = ["--python", python, "install", "-q", "--no-deps", "--no-index", "--disable-pip-version-check"]
         subprocess.run([sys.executable, "-m", "pip", *words, str(wheel)], check=True, timeout=120)
 
     def call(self, where: Path, *words: str) -> "subprocess.CompletedProcess[str]":
-        """The outcome of one of its commands in the folder `where`."""
-        locale = "PYTHONUTF8", "PYTHONCOERCECLOCALE"  # as for the tests, which decode what it prints
+        """Outcome of one of its commands in the folder `where`."""
+        locale = "PYTHONUTF8", "PYTHONCOERCECLOCALE"  # as for the tests, which decode its output
         kept = {key: value for key, value in os.environ.items() if key in locale or not key.startswith("PYTHON")}
         return subprocess.run(
             [str(self.programs / words[0]), *words[1:]],
@@ -144,7 +144,7 @@ def test_an_unknown_scenario_of_an_installed_wheel_is_one_line_with_the_nearest_
     assert listed.partition("\n\n")[0].replace(",", " ").split() == builtin.names()
 
 
-def test_a_wheel_says_on_which_systems_it_runs_and_that_it_is_typed(wheel: Path) -> None:
+def test_a_wheel_states_its_systems_and_that_it_is_typed(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         [world_info] = [name for name in archive.namelist() if name.endswith("/METADATA")]
         text = archive.read(world_info).decode()
@@ -185,7 +185,7 @@ def test_a_distribution_called_fes_is_a_warning(tmp_path: Path) -> None:
 
 
 def with_path(folder: Path, where: Path, *words: str) -> "subprocess.CompletedProcess[str]":
-    """The outcome of an installed command for which Python looks for packages in `folder` first."""
+    """Outcome of an installed command with `folder` first on Python's path."""
     return subprocess.run(
         [str(PROGRAMS / words[0]), *words[1:]],
         cwd=where, env={**os.environ, "PYTHONPATH": str(folder)}, stdin=subprocess.DEVNULL, capture_output=True,
@@ -229,7 +229,7 @@ fes_robots.{command.replace("-", "_")}()
 
 
 @pytest.mark.parametrize("path", ["fes_robots.py", "fes/system/distribution.py"])
-def test_what_runs_before_the_packages_are_known_needs_the_standard_library_only(path: str) -> None:
+def test_code_that_runs_before_the_package_check_needs_only_the_standard_library(path: str) -> None:
     wanted = set(imports(ast.parse((ROOT / path).read_text(encoding="utf-8"))))
     assert {name.partition(".")[0] for name in wanted} <= sys.stdlib_module_names
 
@@ -240,7 +240,7 @@ def test_the_readme_names_the_systems() -> None:
 
 @pytest.fixture
 def not_installed(monkeypatch: pytest.MonkeyPatch) -> str:
-    """As in a clone that was updated and not installed again; the complaint."""
+    """Error of a clone that was updated and not installed again."""
     true = metadata.distribution
 
     def found(name: str) -> metadata.Distribution:

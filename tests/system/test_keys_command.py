@@ -15,9 +15,9 @@ from console.keys import certificates
 from fes import process
 from fes.transport.identity import Identity
 from tests.support import team_keys
-from tests.support.commands import PAIR, call, complaint
+from tests.support.commands import call, complaint
 from tests.support.loop import load
-from tests.support.paths import CONFIGS
+from tests.support.paths import CONFIGS, PAIR
 from tests.support.processes import PATIENCE, children, command, start, until
 
 
@@ -26,7 +26,7 @@ def modes(directory: Path) -> dict[str, int]:
     return {path.name or ".": stat.S_IMODE(path.stat().st_mode) for path in (directory, *directory.iterdir())}
 
 
-def test_keys_are_made_for_their_owner_only_and_are_good(tmp_path: Path) -> None:
+def test_keys_are_readable_by_their_owner_only_and_valid(tmp_path: Path) -> None:
     done = call(tmp_path, "fes", "keys", "init", "--robots", "2", "--host", "lab.example", "--days", "30")
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout == "keys: an authority and 5 certificates, valid for 30 days\n"
@@ -54,7 +54,7 @@ def test_a_second_authority_is_refused_and_issue_adds_and_replaces(tmp_path: Pat
     assert line == "--host is only for the certificate of the world, not for that of observer"
 
 
-def test_the_list_has_role_serial_end_and_fingerprint_and_no_key(tmp_path: Path) -> None:
+def test_the_list_shows_role_serial_expiry_and_fingerprint_but_no_key(tmp_path: Path) -> None:
     call(tmp_path, "fes", "keys", "init", "--robots", "11")
     done = call(tmp_path, "fes", "keys", "list")
     header, *rows = done.stdout.splitlines()
@@ -70,8 +70,8 @@ def test_the_list_has_role_serial_end_and_fingerprint_and_no_key(tmp_path: Path)
     assert "PRIVATE" not in done.stdout
 
 
-def test_what_is_no_host_is_refused_before_anything_is_written(tmp_path: Path) -> None:
-    umlaut = os.fsdecode("ü.example".encode())  # an ASCII locale has no other way to pass it
+def test_an_invalid_host_is_rejected_before_anything_is_written(tmp_path: Path) -> None:
+    umlaut = os.fsdecode("ü.example".encode())  # the only way to pass it in an ASCII locale
     for host in (umlaut, "lab.example:7447"):
         line = complaint(call(tmp_path, "fes", "keys", "init", "--host", "lab.example", "--host", host), "fes")
         assert line.endswith(f"without scheme and port, got {host!r}")
@@ -82,7 +82,7 @@ def test_what_is_no_host_is_refused_before_anything_is_written(tmp_path: Path) -
     assert (tmp_path / "keys/world.crt").read_bytes() == before
 
 
-def test_a_renewed_world_keeps_its_names_unless_it_is_given_others(tmp_path: Path) -> None:
+def test_a_renewed_certificate_of_the_world_keeps_its_names_unless_others_are_given(tmp_path: Path) -> None:
     call(tmp_path, "fes", "keys", "init", "--host", "lab.example", "--host", "fd00::7")
     world = tmp_path / "keys/world.crt"
     before = world.read_bytes()
@@ -98,7 +98,7 @@ def test_a_renewed_world_keeps_its_names_unless_it_is_given_others(tmp_path: Pat
     assert line == "keys/world.crt: not a certificate, so its names are unknown: name them with --host"
 
 
-def test_nothing_is_written_where_others_can_write(tmp_path: Path) -> None:
+def test_keys_are_not_written_where_others_can_write(tmp_path: Path) -> None:
     call(tmp_path, "fes", "keys", "init")
     keys = tmp_path / "keys"
     before = {path: path.read_bytes() for path in keys.iterdir()}
@@ -113,7 +113,7 @@ def test_nothing_is_written_where_others_can_write(tmp_path: Path) -> None:
     assert not list((tmp_path / "open").iterdir())
 
 
-def test_an_authority_whose_key_is_another_ones_issues_nothing(tmp_path: Path) -> None:
+def test_an_authority_with_a_foreign_key_issues_no_certificate(tmp_path: Path) -> None:
     for directory in ("keys", "other"):
         call(tmp_path, "fes", "keys", "init", "--keys", directory)
     (tmp_path / "other/ca.key").replace(tmp_path / "keys/ca.key")
@@ -122,7 +122,7 @@ def test_an_authority_whose_key_is_another_ones_issues_nothing(tmp_path: Path) -
     assert not (tmp_path / "keys/robot-0.crt").exists()
 
 
-def test_no_rules_are_printed_for_certificates_that_are_not_there(tmp_path: Path) -> None:
+def test_no_rules_are_printed_for_missing_certificates(tmp_path: Path) -> None:
     line = complaint(call(tmp_path, "fes", "keys", "rules", "--robots", "2"), "fes")
     assert line == "--keys keys: the world needs ca.crt, and there is none"
 
@@ -186,7 +186,7 @@ def listening(pid: int) -> list[str]:
     return found
 
 
-def test_nothing_listens_but_the_world_on_loopback(tmp_path: Path) -> None:
+def test_only_the_world_listens_and_only_on_loopback(tmp_path: Path) -> None:
     running = start(command("console.cli", "run", PAIR, "--duration", "100000", "--json"), tmp_path)
     log = tmp_path / "runs/latest/world.log"
     try:
@@ -210,7 +210,7 @@ def test_without_flags_endpoints_are_on_loopback_with_and_without_keys(tmp_path:
         assert (agent.connect, agent.listen) == ((endpoint,), ())
 
 
-def test_a_world_that_listens_in_plain_for_other_machines_says_so(tmp_path: Path) -> None:
+def test_a_world_that_listens_without_tls_for_other_machines_logs_a_warning(tmp_path: Path) -> None:
     endpoint = f"tcp/0.0.0.0:{free_port()}"
     world = start(command("world.process", PAIR, "-l", endpoint), tmp_path)
     assert world.stderr is not None

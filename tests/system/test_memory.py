@@ -16,7 +16,7 @@ from world.metrics.collector import MetricsCollector
 TICKS, WARM_UP = 40_000, 10_000
 
 
-def test_world_robots_account_and_dashboard_of_a_long_run_keep_their_size() -> None:
+def test_world_robots_metrics_and_dashboard_of_a_long_run_do_not_grow() -> None:
     scenario = load("pair.toml", run__duration=TICKS * 0.02)
     metrics, shown = MetricsCollector(scenario), frame.ReportHistory()
     paper, alive, before = Console(file=io.StringIO(), width=80, height=24), np.ones(2, dtype=np.uint8), 0.0

@@ -17,9 +17,9 @@ from fes.errors import FesError
 from fes.protocol.messages import Join
 from fes.recording import schemas
 from fes.recording.layout import NAME
-from tests.support.commands import PAIR, call, complaint
+from tests.support.commands import call, complaint
 from tests.support.loop import load
-from tests.support.paths import FORMATS
+from tests.support.paths import FORMATS, PAIR
 from tests.support.teams import Team
 from world.execution import resume, snapshot
 from world.execution.checkpoint import FOLDER, JOIN, STATE, CheckpointWriter

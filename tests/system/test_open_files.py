@@ -16,7 +16,7 @@ PAIR = ["run", str(CONFIGS / "pair.toml"), "--duration", "1", "--headless"]
 
 
 def limited(files: int, where: Path) -> subprocess.CompletedProcess[str]:
-    """The outcome of a pair, a process each, where every process may have so many files open."""
+    """Outcome of a run of two processes with a limit of open files per process."""
     words = ["bash", "-c", f'ulimit -n {files} && exec "$@"', "bash", *fes(*PAIR)]
     return subprocess.run(words, cwd=where, capture_output=True, text=True, timeout=PATIENCE)
 
@@ -25,13 +25,13 @@ def limited(files: int, where: Path) -> subprocess.CompletedProcess[str]:
     "files", [machine.LEAST_FILES + 2 * machine.FILES_PER_CHILD + 8, machine.FILES_OF_A_PROCESS + 2 * 2]
 )
 def test_a_pair_runs_with_few_files(tmp_path: Path, files: int) -> None:
-    """With what the doctor takes for enough, and with what it only warns of: some to spare, as a busy machine has
-    robots lose their connection and open another."""
+    """Runs with the doctor's limit and with its warning limit. Both have a reserve, as on a busy machine
+    robots reconnect."""
     done = limited(files, tmp_path)
     assert (done.returncode, done.stderr) == (0, STARTING.format(2))
 
 
-def test_who_has_too_few_files_is_told_how_to_have_more(tmp_path: Path) -> None:
+def test_a_run_with_too_few_open_files_fails_with_the_command_that_raises_the_limit(tmp_path: Path) -> None:
     done = limited(12, tmp_path)
     assert done.returncode == 1
     least = 18 + 2 * machine.FILES_PER_CHILD
@@ -42,7 +42,7 @@ def test_who_has_too_few_files_is_told_how_to_have_more(tmp_path: Path) -> None:
 
 
 def allow(files: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have the system allow a process so many open files, and up to 4,096 if it asks."""
+    """Set the soft limit of open files; the hard limit is 4,096."""
     monkeypatch.setattr("resource.getrlimit", lambda _: (files, 4096))
 
 
@@ -61,7 +61,7 @@ def allow(files: int, monkeypatch: pytest.MonkeyPatch) -> None:
         (resource.RLIM_INFINITY, 1000, Status.OK),
     ],
 )
-def test_too_few_open_files_fail_only_where_no_run_goes_and_warn_where_there_is_little_room(
+def test_too_few_open_files_are_a_failure_and_few_spare_ones_a_warning(
     files: int, robots: int | None, status: Status, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     allow(files, monkeypatch)
@@ -71,7 +71,7 @@ def test_too_few_open_files_fail_only_where_no_run_goes_and_warn_where_there_is_
     assert found.remedy.startswith(f"ulimit -n {32 + 2 * (robots or 100)}, ") == (status != Status.OK)
 
 
-def test_from_python_3_12_on_each_agent_process_takes_two_files(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_each_agent_process_takes_two_files_from_python_3_12_on(monkeypatch: pytest.MonkeyPatch) -> None:
     assert (machine.FILES_PER_CHILD == 2) == (sys.version_info >= (3, 12))
     monkeypatch.setattr(machine, "FILES_PER_CHILD", 2)
     for files, status in ((38, Status.WARNING), (37, Status.FAILED)):  # 18 + 2 * 10
@@ -80,12 +80,12 @@ def test_from_python_3_12_on_each_agent_process_takes_two_files(monkeypatch: pyt
     assert "10 robots with a process each take 38" in machine.files(10).seen
 
 
-def test_who_may_not_raise_the_limit_is_not_told_to(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_remedy_for_too_few_files_respects_the_hard_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     allow(256, monkeypatch)
     assert machine.files(2033).remedy.startswith("raise the hard limit of 4096")  # 32 + 2 * 2033 = 4098
 
 
-def test_the_limit_that_the_doctor_looks_at_is_the_one_that_ulimit_sets() -> None:
+def test_the_doctor_checks_the_limit_that_ulimit_sets() -> None:
     soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
     seen = machine.files().seen
     assert seen.startswith("no limit" if soft == resource.RLIM_INFINITY else f"{soft} a process")

@@ -25,7 +25,7 @@ from tests.support.process_groups import (
 from tests.support.processes import alive
 
 
-def test_a_world_that_is_slow_to_write_what_was_reached_is_not_ended_as_soon_as_its_agents_are_gone(
+def test_a_world_that_is_slow_to_write_its_results_is_not_killed_when_its_agents_end(
     tmp_path: Path,
 ) -> None:
     async def main() -> None:
@@ -38,7 +38,7 @@ def test_a_world_that_is_slow_to_write_what_was_reached_is_not_ended_as_soon_as_
     assert (tmp_path / "kept").exists()
 
 
-def test_robots_that_a_scenario_killed_are_not_blamed_for_what_the_world_says(tmp_path: Path) -> None:
+def test_robots_killed_by_the_scenario_are_not_reported_as_the_cause_of_a_failure(tmp_path: Path) -> None:
     async def main() -> tuple[str, list[str]]:
         async with family(tmp_path) as processes:
             for robot in "01":
@@ -60,7 +60,7 @@ def test_a_run_whose_scenario_kills_a_world_without_a_checkpoint_is_over(tmp_pat
     assert asyncio.run(main()) == ("", [])
 
 
-def test_an_agent_that_dies_while_its_world_goes_on_is_named_and_ends_nothing(tmp_path: Path) -> None:
+def test_an_agent_that_dies_is_named_and_its_world_continues(tmp_path: Path) -> None:
     async def main() -> tuple[str, list[str]]:
         async with family(tmp_path) as processes:
             await world(processes, SLOW, f"{BEGUN.decode()}\n")
@@ -90,7 +90,7 @@ def test_an_agent_that_dies_while_its_world_goes_on_is_named_and_ends_nothing(tm
     ]
 
 
-def test_an_agent_that_ends_before_the_run_begins_is_what_it_fails_of(
+def test_an_agent_that_ends_before_the_run_begins_is_reported_as_the_cause_of_failure(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def main() -> tuple[str, list[str]]:
@@ -103,7 +103,7 @@ def test_an_agent_that_ends_before_the_run_begins_is_what_it_fails_of(
     assert asyncio.run(main()) == ("fes-agent --id 1: timed out; the run cannot begin without it", [])
 
 
-def test_one_that_is_started_again_may_end_before_the_run_begins(tmp_path: Path) -> None:
+def test_a_restarted_agent_may_end_before_the_run_begins(tmp_path: Path) -> None:
     async def main() -> tuple[str, list[str]]:
         async with family(tmp_path) as processes:
             await world(processes, SLOW, "waiting for 2 robots\n")
@@ -129,7 +129,7 @@ def test_a_world_that_fails_is_named_before_the_agents_that_fail_with_it(tmp_pat
             failed = await agent(processes, "1", FAILURE, "fes-agent: error: timed out\n")
             following = asyncio.ensure_future(finished(processes))
             await failed.process.wait()
-            await until(processes.ends.empty)  # the end of the agent has been taken up
+            await until(processes.ends.empty)  # the end of the agent was handled
             assert processes.world is not None
             assert processes.world.process.stdin is not None
             processes.world.process.stdin.write(b"\n")
@@ -138,7 +138,7 @@ def test_a_world_that_fails_is_named_before_the_agents_that_fail_with_it(tmp_pat
     assert asyncio.run(main()) == ("fes-world: the address is taken", [])
 
 
-def test_an_agent_that_dies_each_time_is_started_again_a_few_times_and_then_given_up(tmp_path: Path) -> None:
+def test_an_agent_that_dies_repeatedly_is_restarted_only_a_few_times(tmp_path: Path) -> None:
     async def main() -> tuple[str, list[str], int]:
         async with family(tmp_path) as processes:
             await world(processes, SLOW, f"{BEGUN.decode()}\n")
@@ -159,7 +159,7 @@ def test_an_agent_that_dies_each_time_is_started_again_a_few_times_and_then_give
     assert said[3] == "nobody is left"
 
 
-def test_no_agent_that_waits_to_be_started_again_is_started_when_all_ends(tmp_path: Path) -> None:
+def test_no_agent_is_restarted_while_the_run_ends(tmp_path: Path) -> None:
     async def main() -> list[ManagedProcess]:
         async with family(tmp_path) as processes:
             await world(processes, SLOW)
@@ -173,8 +173,8 @@ def test_no_agent_that_waits_to_be_started_again_is_started_when_all_ends(tmp_pa
     assert len(asyncio.run(main())) == 1
 
 
-def test_an_agent_that_is_stopped_at_the_end_is_told_to_end_and_not_killed(tmp_path: Path) -> None:
-    """It would wait for a world that is over; once continued, it ends as it was told to."""
+def test_an_agent_that_is_suspended_at_the_end_is_terminated_and_not_killed(tmp_path: Path) -> None:
+    """A suspended agent would wait for its ended world; once continued, it obeys SIGTERM."""
 
     async def main() -> ManagedProcess:
         async with family(tmp_path) as processes:

@@ -44,7 +44,7 @@ def test_the_digest_of_ten_processes_is_that_of_one_loop(tmp_path: Path, per_pro
     assert json.loads((tmp_path / "runs/latest/summary.json").read_text()) == summary
 
 
-def test_the_digest_is_the_same_while_every_core_is_busy_with_something_else(tmp_path: Path) -> None:
+def test_the_digest_is_the_same_while_every_core_is_busy(tmp_path: Path) -> None:
     burn = "import threading, sys\nend = []\nwait = lambda: (sys.stdin.read(), end.append(1))\n"
     burn += "threading.Thread(target=wait).start()\nwhile not end: pass"
     spin = [sys.executable, "-c", burn]
@@ -61,7 +61,7 @@ def test_the_digest_is_the_same_while_every_core_is_busy_with_something_else(tmp
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_ends_everybody_and_keeps_what_was_reached(
+def test_a_signal_ends_every_process_and_keeps_the_results(
     tmp_path: Path, endless: "subprocess.Popen[str]", number: signal.Signals
 ) -> None:
     pids = started(tmp_path, endless, 2)
@@ -77,14 +77,14 @@ def test_a_signal_ends_everybody_and_keeps_what_was_reached(
     assert json.loads((tmp_path / "out/summary.json").read_text())["ticks"] > 0
 
 
-def test_nobody_outlives_a_launcher_that_is_killed(tmp_path: Path, endless: "subprocess.Popen[str]") -> None:
+def test_no_process_outlives_a_killed_launcher(tmp_path: Path, endless: "subprocess.Popen[str]") -> None:
     pids = started(tmp_path, endless, 2)
     endless.kill()
     endless.communicate(timeout=PATIENCE)
     until(lambda: not any(alive(pid) for pid in pids))
 
 
-def test_a_run_whose_world_was_told_to_stop_is_no_success(tmp_path: Path, endless: "subprocess.Popen[str]") -> None:
+def test_a_run_whose_world_was_stopped_is_not_a_success(tmp_path: Path, endless: "subprocess.Popen[str]") -> None:
     pids = started(tmp_path, endless, 2)
     asyncio.run(first_report(tmp_path / "out"))
     os.kill(next(pid for pid, line in pids.items() if " -m world " in line), signal.SIGTERM)
@@ -148,7 +148,7 @@ def test_a_taken_port_is_one_line(tmp_path: Path) -> None:
 
 
 def test_an_agent_loads_no_more_than_it_needs(tmp_path: Path) -> None:
-    """No plotting, no command-line framework, no terminal library, no scenario; and not the channel's formula."""
+    """No plotting, command-line framework, terminal library or scenario, and no channel formula."""
     code = "import sys, agents.process, agents.control.crew; print(*sorted(sys.modules))"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=PATIENCE)
     modules = set(loaded.stdout.split())

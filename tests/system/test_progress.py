@@ -1,4 +1,4 @@
-"""A command that takes longer than a second shows its progress: on a terminal, and nowhere else."""
+"""A command that takes longer than a second shows its progress on a terminal only."""
 
 import io
 import re
@@ -17,8 +17,8 @@ from console.terminal.screen import ERASE
 from fes import process
 from fes.system import signals
 from tests.support import recordings
-from tests.support.commands import PAIR
 from tests.support.loop import load
+from tests.support.paths import PAIR
 from tests.support.processes import PATIENCE, fes
 from tests.support.terminals import HIDE, Terminal, is_restored
 
@@ -39,14 +39,14 @@ def batch_of(runs: int, seconds: float) -> Batch:
     return batch
 
 
-def test_a_batch_tells_of_each_tick_of_all_its_runs() -> None:
+def test_a_batch_reports_each_tick_of_all_its_runs() -> None:
     told: list[int] = []
     done = work.carry_out(batch_of(3, 0.2), told.append)
     assert [one.error for one in done] == [None] * 3
     assert told == [3 * tick for tick in range(1, 11)]
 
 
-def test_workers_tell_of_ticks_before_their_batch_has_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_workers_report_ticks_before_their_batch_has_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(local, "PERIOD", 0.001)
     told: list[int] = []
     batch = batch_of(2, 20.0)
@@ -58,7 +58,7 @@ def test_workers_tell_of_ticks_before_their_batch_has_ended(monkeypatch: pytest.
     assert any(0 < ticks < 2000 for ticks in told)
 
 
-def test_the_bar_of_a_sweep_moves_within_one_batch(tmp_path: Path) -> None:
+def test_the_progress_bar_of_a_sweep_moves_within_one_batch(tmp_path: Path) -> None:
     shown = Terminal(fes("sweep", PAIR, "--seeds", "0:3", *LONG), tmp_path, 100)
     assert shown.end() == 0, shown.text
     within = {int(part) for part in re.findall(r"(\d+)%[^%]*?0/3 runs", shown.text)}
@@ -86,20 +86,20 @@ def test_a_long_command_shows_a_bar_on_a_terminal_and_nothing_in_a_pipe(
     assert HIDE in shown.text
     assert ":00:0" in shown.text
     assert is_restored(shown.text)
-    if words[0] == "claims":  # the others' own tests look at their standard error
+    if words[0] == "claims":  # tests of the other commands check their standard error
         piped = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
         assert (piped.returncode, piped.stderr) == (0, "")
         assert piped.stdout == (tmp_path / "out").read_text()
 
 
-def test_a_replay_on_a_terminal_whose_input_is_closed_is_executed(recorded: Path, tmp_path: Path) -> None:
+def test_a_replay_runs_on_a_terminal_whose_input_is_closed(recorded: Path, tmp_path: Path) -> None:
     words = ["sh", "-c", 'exec "$@" <&-', "sh", *fes("replay", str(recorded))]
     shown = Terminal(words, tmp_path)
     assert shown.end() == 0, shown.text
     assert "the world, executed again: 200 ticks, the same to the bit" in shown.text
 
 
-def test_a_figure_says_what_is_drawn(recorded: Path, tmp_path: Path) -> None:
+def test_progress_names_the_figure_that_is_drawn(recorded: Path, tmp_path: Path) -> None:
     shown = Terminal(fes("plot", str(recorded), "--out", "drawn"), tmp_path, 120)
     assert shown.end() == 0, shown.text
     assert "the run again" in shown.text

@@ -1,4 +1,4 @@
-"""An agent that was suspended, and wakes when another one hosts its robot."""
+"""A suspended agent that wakes while another agent hosts its robot."""
 
 import asyncio
 import signal
@@ -37,7 +37,7 @@ class Hosted:
         return self.agents[-1]
 
     def says(self, what: str, times: int = 1) -> None:
-        """Wait until the world has said something so often."""
+        """Wait until the world has logged `what` often enough."""
         until(lambda: self.log.read_text().count(what) >= times)
 
 
@@ -54,7 +54,7 @@ def hosted(tmp_path: Path) -> Iterator[Hosted]:
         going.world.wait()
 
 
-def test_an_agent_that_wakes_when_its_robot_has_another_one_ends_and_the_robot_is_not_lost_with_the_other(
+def test_a_replaced_agent_that_wakes_ends_without_its_robot(
     hosted: Hosted,
 ) -> None:
     """Equal tokens count once: the death of the second agent would not be seen, and no agent could host its robot."""
@@ -71,13 +71,13 @@ def test_an_agent_that_wakes_when_its_robot_has_another_one_ends_and_the_robot_i
     assert complaint.splitlines()[-1] == "fes-agent: error: robot 0 is hosted by another agent already"
     second.kill()
     hosted.says("robot 0 is not there", 2)
-    assert "does not answer" not in hosted.log.read_text()  # it was seen by its token, not by its silence
+    assert "does not answer" not in hosted.log.read_text()  # its death was detected by its token, not by its silence
     hosted.agent(0)
     hosted.says("robot 0 is back", 2)
 
 
 class Crowded:
-    """A bus on which too many ask at once, for a while."""
+    """A bus that is overloaded by queries for a while."""
 
     def __init__(self, answer: bytes = b"welcome") -> None:
         self.asked = 0
@@ -97,7 +97,7 @@ class Crowded:
     def declare_queryable(self, key: str, handler: Any) -> None: ...
 
 
-def test_where_all_ask_at_once_whether_they_are_welcome_still_nobody_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_agent_ends_where_all_ask_at_once_if_they_still_host_their_robots(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("agents.runtime.membership.PATIENCE", 0.0)
 
     async def main() -> Crowded:
@@ -113,8 +113,8 @@ def test_where_all_ask_at_once_whether_they_are_welcome_still_nobody_ends(monkey
 
 
 @pytest.mark.parametrize("another", [False, True])
-def test_an_agent_does_not_take_part_in_another_run_that_has_taken_the_place_of_its_own(another: bool) -> None:
-    """A world that does not know its token yet takes it for a new one, and would have it live by other rules."""
+def test_an_agent_does_not_join_another_run_in_place_of_its_own(another: bool) -> None:
+    """A world that does not know its token yet treats it as new, and sends other settings."""
     welcomes = [
         messages.encode_welcome(Welcome((0,), agent_config(load("pair.toml", run__seed=seed)))) for seed in (1, 2)
     ]

@@ -1,4 +1,4 @@
-"""Stop signals: those that a program was started to ignore, and those that meet a command without a result."""
+"""Stop signals: ignored ones of a background program, and those before a command has a result."""
 
 import asyncio
 import signal
@@ -67,7 +67,7 @@ def test_a_signal_that_a_program_was_started_to_ignore_does_not_stop_it(program:
     assert err.endswith("fes.errors.Stopped: stopped by SIGTERM\n")
 
 
-def test_a_run_in_the_background_of_a_script_hears_no_ctrl_c_and_still_ends_its_world_in_order(
+def test_a_background_run_of_a_script_ignores_ctrl_c_and_still_ends_its_world_in_order(
     tmp_path: Path,
 ) -> None:
     words = fes("run", str(CONFIGS / "pair.toml"), "--duration", "100000", "--out", "out", "--json")
@@ -91,10 +91,8 @@ def test_a_run_in_the_background_of_a_script_hears_no_ctrl_c_and_still_ends_its_
 
 
 @pytest.mark.parametrize("words", [["set", "channel.reference_snr=5e6"], ["doctor"]], ids=lambda words: words[0])
-def test_a_command_that_is_interrupted_before_it_has_a_result_fails_and_says_so(
-    words: list[str], tmp_path: Path
-) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as silent:  # it accepts, and never answers
+def test_a_command_interrupted_before_it_has_a_result_fails_with_one_line(words: list[str], tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as silent:  # it accepts connections, and never answers
         silent.settimeout(PATIENCE)
         running = start(fes(*words, "-e", f"tcp/127.0.0.1:{silent.getsockname()[1]}"), tmp_path)
         asked, _ = silent.accept()
@@ -104,7 +102,7 @@ def test_a_command_that_is_interrupted_before_it_has_a_result_fails_and_says_so(
     assert (running.returncode, out, err) == (1, "", "fes: error: stopped by SIGINT\n")
 
 
-def test_a_service_that_is_told_to_stop_succeeds() -> None:
+def test_a_stopped_service_exits_with_0() -> None:
     program = "import os, signal\nfrom fes import process\nasync def main():\n"
     program += "    import asyncio; os.kill(os.getpid(), signal.SIGTERM); await asyncio.Event().wait()\n"
     for flag, code, said in ((False, 0, ""), (True, 1, "x: error: stopped by SIGTERM\n")):
@@ -115,7 +113,7 @@ def test_a_service_that_is_told_to_stop_succeeds() -> None:
         assert (done.returncode, done.stdout, done.stderr) == (code, "", said)
 
 
-def test_no_stop_signal_ends_a_program_that_has_its_result() -> None:
+def test_no_stop_signal_interrupts_a_program_that_has_its_result() -> None:
     with signals.restored():
         signals.ignore()
         assert signals.heard() == ()
@@ -124,7 +122,7 @@ def test_no_stop_signal_ends_a_program_that_has_its_result() -> None:
     assert set(signals.heard()) <= set(signals.STOP_SIGNALS)
 
 
-def test_the_program_fes_ignores_stop_signals_once_it_has_ended_and_a_call_of_its_main_does_not(
+def test_the_program_fes_ignores_stop_signals_at_its_end_and_a_call_of_main_does_not(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(sys, "argv", ["fes", "--help"])

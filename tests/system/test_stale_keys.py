@@ -1,4 +1,4 @@
-"""Private keys of a run that was killed: named by the doctor, and removed by the next run."""
+"""Private keys of a killed run: named by the doctor, and removed by the next run."""
 
 import json
 import subprocess
@@ -21,7 +21,7 @@ def seen_by_the_doctor(where: Path) -> list[tuple[str, str]]:
     return [(row["status"], row["remedy"]) for row in findings if row["check"] == "private keys"]
 
 
-def test_keys_that_a_killed_run_left_are_named_and_removed_and_those_of_a_running_one_are_not(tmp_path: Path) -> None:
+def test_keys_left_by_a_killed_run_are_named_and_removed_and_those_of_a_running_run_are_not(tmp_path: Path) -> None:
     running = start(fes("run", PAIR, "--secure", "--headless", "--json", "--duration", "1000"), tmp_path)
     try:
         keys = tmp_path / "runs" / "pair-1" / "keys"
@@ -48,7 +48,7 @@ def test_keys_that_a_killed_run_left_are_named_and_removed_and_those_of_a_runnin
     assert seen_by_the_doctor(tmp_path) == []
 
 
-def test_keys_in_a_directory_of_ones_own_are_named_where_it_is_used_again(tmp_path: Path) -> None:
+def test_keys_left_in_a_given_directory_are_named_when_it_is_used_again(tmp_path: Path) -> None:
     keys = tmp_path / "out" / "keys"
     keys.mkdir(parents=True)
     with stale_keys.marked(keys):
@@ -58,7 +58,7 @@ def test_keys_in_a_directory_of_ones_own_are_named_where_it_is_used_again(tmp_pa
     assert done.stderr == f"fes: error: {said}\n"
 
 
-def test_keys_that_no_run_made_are_let_alone(tmp_path: Path) -> None:
+def test_keys_that_no_run_made_are_kept(tmp_path: Path) -> None:
     mine = tmp_path / "paper-1" / "keys"
     mine.mkdir(parents=True)
     (mine / "world.key").touch()

@@ -18,10 +18,11 @@ from console.sweep import cluster, table, work
 from console.sweep.table import Format
 from fes.errors import FesError
 from fes.system.distribution import install
-from tests.support.commands import PAIR, PROGRAMS, call, complaint, vacant
+from tests.support.commands import PROGRAMS, call, complaint, vacant
 from tests.support.loop import load
+from tests.support.paths import PAIR
 from tests.support.processes import PATIENCE
-from tests.support.sweeps import LONG, RUNS, kept, until_some_are_done
+from tests.support.sweeps import LONG, RUNS, finished, until_some_are_done
 
 RULES = ["--axis", "formation.rule=disk,two_nearest"]
 
@@ -43,7 +44,7 @@ work.carry_out = witnessed
 
 
 def start(where: Path, log: str) -> "subprocess.Popen[str]":
-    """The long sweep, its workers watched."""
+    """The long sweep, with recorded workers."""
     (where / "sitecustomize.py").write_text(WITNESS)
     path = os.pathsep.join(filter(None, (str(where), os.environ.get("PYTHONPATH"))))
     return subprocess.Popen(
@@ -79,7 +80,7 @@ def assert_all_gone(processes: set[int]) -> None:
         time.sleep(0.02)
 
 
-def test_a_row_is_what_the_run_says_alone_and_the_same_command_only_looks_it_up(tmp_path: Path) -> None:
+def test_a_row_equals_the_summary_of_a_single_run_and_is_not_computed_twice(tmp_path: Path) -> None:
     words = ["fes", "sweep", PAIR, "--seeds", "4,2", *RULES, "--set", "run.duration=2", "--plot"]
     done = call(tmp_path, *words)
     assert (done.returncode, done.stderr) == (0, "")
@@ -94,9 +95,9 @@ def test_a_row_is_what_the_run_says_alone_and_the_same_command_only_looks_it_up(
     ]
     alone = inprocess.run(load("pair.toml", run__duration=2.0, run__seed=2, formation__rule="two_nearest"), "pair")
     assert (rows[3]["digest"], rows[3]["beacons_decoded"]) == (alone["digest"], str(alone["beacons_decoded"]))
-    assert rows[3]["time_to.separation_0_1m"] == ""  # never: two seconds are not enough
+    assert rows[3]["time_to.separation_0_1m"] == ""  # not reached: two seconds are not enough
     assert not work.WALL_CLOCK & rows[0].keys()
-    # Two robots are each other's nearest, and both rules meet the same radio: not a digit differs.
+    # Two robots are each other's nearest, so both rules have the same radio: no digit differs.
     assert [row["digest"] for row in rows[:2]] == [row["digest"] for row in rows[2:]]
     with (directory / "differences.csv").open(newline="") as file:
         assert {row["mean"] for row in csv.DictReader(file) if row["pairs"] == "2"} == {"0.0"}
@@ -120,13 +121,13 @@ def test_parquet_holds_what_csv_holds_with_its_types(tmp_path: Path) -> None:
     assert (tmp_path / "again.csv").read_bytes() == (tmp_path / "out" / "table.csv").read_bytes()
 
 
-def test_a_killed_sweep_goes_on_where_it_was_and_runs_nothing_twice_that_was_done(tmp_path: Path) -> None:
+def test_a_killed_sweep_resumes_and_repeats_no_finished_run(tmp_path: Path) -> None:
     killed = start(tmp_path, "first")
     until_some_are_done(tmp_path / "out", killed)
     killed.kill()
     killed.communicate()
     assert_all_gone({process for process, _ in begun(tmp_path / "first")})
-    done = kept(tmp_path / "out")
+    done = finished(tmp_path / "out")
     assert 0 < len(done) < RUNS
 
     resumed = start(tmp_path, "second")
@@ -135,20 +136,20 @@ def test_a_killed_sweep_goes_on_where_it_was_and_runs_nothing_twice_that_was_don
     assert "out/table.csv" in said
     executed = [key for _, key in begun(tmp_path / "second")]
     assert not set(executed) & set(done)
-    assert sorted(executed + done) == sorted(kept(tmp_path / "out"))
-    assert len(set(kept(tmp_path / "out"))) == len(kept(tmp_path / "out")) == RUNS
+    assert sorted(executed + done) == sorted(finished(tmp_path / "out"))
+    assert len(set(finished(tmp_path / "out"))) == len(finished(tmp_path / "out")) == RUNS
 
     at_once = call(tmp_path, "fes", *LONG[:-1], "at-once", "--jobs", "1")
     assert at_once.returncode == 0
     assert (tmp_path / "at-once" / "table.csv").read_bytes() == (tmp_path / "out" / "table.csv").read_bytes()
 
 
-def test_an_interrupted_sweep_says_what_is_done_and_leaves_no_process(tmp_path: Path) -> None:
+def test_an_interrupted_sweep_reports_its_progress_and_leaves_no_process(tmp_path: Path) -> None:
     sweep = start(tmp_path, "log")
     until_some_are_done(tmp_path / "out", sweep)
-    os.killpg(sweep.pid, signal.SIGINT)  # as a terminal does: the sweep and its workers
+    os.killpg(sweep.pid, signal.SIGINT)  # like a terminal: the sweep and its workers
     said, complained = sweep.communicate(timeout=PATIENCE)
-    done = len(kept(tmp_path / "out"))
+    done = len(finished(tmp_path / "out"))
     assert (sweep.returncode, said) == (1, "")
     assert complained == (
         f"fes: error: stopped by SIGINT: {done} of {RUNS} runs are done; the same command resumes the sweep\n"
@@ -200,7 +201,7 @@ def test_a_missing_extra_is_named_before_anything_runs(monkeypatch: pytest.Monke
         pass
 
 
-def test_a_number_that_no_run_has_is_a_number_in_parquet(tmp_path: Path) -> None:
+def test_a_column_without_values_is_numeric_in_parquet(tmp_path: Path) -> None:
     paths = [
         table.write(tmp_path, name, [{"time": time, "digest": None, "error": None}], Format.PARQUET)
         for name, time in (("never", None), ("reached", 1.5))
@@ -210,7 +211,9 @@ def test_a_number_that_no_run_has_is_a_number_in_parquet(tmp_path: Path) -> None
     assert never.schema == reached.schema
 
 
-def test_a_sweep_whose_runs_all_failed_draws_nothing_and_says_how_to_repeat_them(tmp_path: Path) -> None:
+def test_a_sweep_whose_runs_all_failed_draws_no_figure_and_names_the_command_that_repeats_them(
+    tmp_path: Path,
+) -> None:
     words = ["sweep", PAIR, "--seeds", "0:2", "--set", "seeking.index_gain=1e308", "--set", "run.duration=1"]
     done = call(tmp_path, "fes", *words, "--out", "out", "--plot")
     assert done.returncode == 1

@@ -33,7 +33,7 @@ Process = subprocess.Popen[Any]
 
 
 def text(name: str) -> str:
-    """A unit, with the programs where they are here."""
+    """A unit, with the paths of the programs under test."""
     return (UNITS / name).read_text(encoding="utf-8").replace("/opt/fes/bin/", f"{PROGRAMS}/")
 
 
@@ -44,7 +44,7 @@ def drop_in(name: str) -> str:
 
 @pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="units: skipped, because there is no systemd")
 @pytest.mark.parametrize("secure", [False, True])
-def test_systemd_finds_nothing_wrong_with_the_units(tmp_path: Path, secure: bool) -> None:
+def test_systemd_accepts_the_units(tmp_path: Path, secure: bool) -> None:
     names = {"fes-world.service": "fes-world.service", "fes-agent@3.service": "fes-agent@.service"}
     for installed, name in names.items():
         (tmp_path / installed).write_text(text(name))
@@ -80,14 +80,14 @@ def start(unit: str, environment: dict[str, str], log: Path, instance: str = "")
 
 
 async def reached(endpoint: str, tick: int) -> None:
-    """Wait until a run has come so far."""
+    """Wait until a run has reached a tick."""
     async with bus.opened(Endpoints("client", (endpoint,))) as opened:
         async for report in observer.reports(opened, keys.DEFAULT_RUN, PATIENCE, PATIENCE):
             if report is not None and report.tick >= tick:
                 return
 
 
-def test_a_world_that_is_stopped_and_started_goes_on_and_its_robots_have_waited(tmp_path: Path) -> None:
+def test_a_stopped_and_started_world_resumes_and_its_robots_have_waited(tmp_path: Path) -> None:
     what = (CONFIGS / "pair.toml").read_text(encoding="utf-8")
     (tmp_path / "scenario.toml").write_text(re.sub(r"(?m)^duration = \S+", f"duration = {SECONDS}", what))
     endpoint = f"tcp/127.0.0.1:{free_port()}"
@@ -125,14 +125,14 @@ def variables(unit: str) -> dict[str, str]:
 
 
 def handed(unit: str, issued: Path, where: Path) -> None:
-    """The files that a unit is to have, as systemd hands them over: in a directory of their own."""
+    """Credentials of a unit, in a directory of their own, as systemd provides them."""
     where.mkdir()
     for name, path in re.findall(r"^LoadCredential=(.*):/etc/fes/keys/(.*)$", unit, re.MULTILINE):
         shutil.copy(issued / path, where / name)
         (where / name).chmod(0o440)
 
 
-def test_with_the_drop_ins_a_run_goes_over_tls_each_with_its_own_files(tmp_path: Path) -> None:
+def test_with_the_drop_ins_a_run_uses_tls_and_each_unit_its_own_files(tmp_path: Path) -> None:
     what = (CONFIGS / "pair.toml").read_text(encoding="utf-8")
     (tmp_path / "scenario.toml").write_text(re.sub(r"(?m)^duration = \S+", f"duration = {SECONDS}", what))
     issued = team_keys.directory(tmp_path / "issued", certificates.create(1.0), ["world", "observer", "robot-0-1"])

@@ -1,4 +1,4 @@
-"""Any terminal and any locale: the same exit codes, the terminal as it was, and the result on it."""
+"""Any terminal and any locale: the same exit codes, a restored terminal, and the result on it."""
 
 import asyncio
 import io
@@ -13,15 +13,15 @@ import pytest
 
 from console import cli
 from tests.support import recordings
-from tests.support.commands import PAIR, PROGRAMS
+from tests.support.commands import PROGRAMS
 from tests.support.loop import load
-from tests.support.paths import CONFIGS
+from tests.support.paths import CONFIGS, PAIR, ROOT
 from tests.support.processes import PATIENCE, fes, first_report, until
 from tests.support.terminals import ENTER, POSIX, Terminal, is_restored
 
 LOOP = ["run", PAIR, "--backend", "inprocess"]
 ARROW = os.fsdecode("→".encode())
-"""A character that ASCII does not have, as the bytes of an argument in any locale."""
+"""A character outside ASCII, as the bytes of an argument in any locale."""
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,7 @@ def logs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def written_by(stream: str, monkeypatch: pytest.MonkeyPatch, encoding: str) -> io.BytesIO:
-    """The bytes written from now on to a standard stream of this encoding, which rejects characters that it lacks."""
+    """Bytes written to a standard stream of this encoding, which rejects characters that it lacks."""
     kept = io.BytesIO()
     monkeypatch.setattr(sys, stream, io.TextIOWrapper(kept, encoding=encoding, errors="strict", write_through=True))
     return kept
@@ -63,7 +63,8 @@ def test_every_command_prints_in_any_encoding_and_ends_as_under_utf_8(
         (0, ["--help"]),
         (1, ["walk→"]),
     ]
-    for expected, words in commands if encoding == "ascii" else commands[:6]:  # what ASCII has, all have
+    # Every encoding has the characters of ASCII.
+    for expected, words in commands if encoding == "ascii" else commands[:6]:
         for stream in ("stdout", "stderr"):
             written_by(stream, monkeypatch, encoding)
         monkeypatch.setattr(sys, "argv", ["fes", *words])
@@ -111,7 +112,7 @@ def test_a_terminal_without_utf_8_shows_frames_and_is_restored(env: dict[str, st
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
-def test_a_signal_leaves_the_terminal_as_it_was_and_the_last_frame_on_it(
+def test_a_signal_restores_the_terminal_and_leaves_the_last_frame_on_it(
     number: signal.Signals, tmp_path: Path
 ) -> None:
     shown = Terminal(fes(*LOOP, "--duration", "100000", "--rtf", "50", "--out", "out"), tmp_path)
@@ -154,7 +155,7 @@ def test_the_summary_of_a_large_run_has_20_lines_at_most_and_what_failed_is_amon
     assert [line for line in lines if "robots equal to 3.0: 100, does not hold" in " ".join(line.split())]
 
 
-def test_ctrl_c_of_a_view_leaves_its_last_frame_and_its_picture(
+def test_ctrl_c_leaves_the_last_frame_of_a_view_and_its_figure(
     tmp_path: Path, endless: "subprocess.Popen[str]"
 ) -> None:
     until(lambda: (tmp_path / "out" / "endpoint.json").exists())
@@ -171,7 +172,7 @@ def test_ctrl_c_of_a_view_leaves_its_last_frame_and_its_picture(
     assert "pair" in (tmp_path / "last.svg").read_text("utf-8")
 
 
-def test_a_replay_that_is_quit_leaves_its_last_frame(logs: Path, tmp_path: Path) -> None:
+def test_quitting_a_replay_leaves_its_last_frame(logs: Path, tmp_path: Path) -> None:
     shown = Terminal(fes("replay", str(logs / "run.mcap")), tmp_path, env=POSIX)
     shown.wait_for("q: quit")
     shown.type("q")
@@ -180,7 +181,7 @@ def test_a_replay_that_is_quit_leaves_its_last_frame(logs: Path, tmp_path: Path)
     assert "q: quit" in shown.left.rstrip("\n").split("\n")[-1]
 
 
-def test_what_cannot_draw_gets_no_escapes_though_colors_are_forced(tmp_path: Path) -> None:
+def test_output_that_cannot_draw_has_no_escapes_even_with_forced_colors(tmp_path: Path) -> None:
     words = fes(*LOOP, "--duration", "0.2", "--out", "out")
     env = {**os.environ, "FORCE_COLOR": "1"}
     done = subprocess.run(words, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=PATIENCE)
@@ -190,3 +191,25 @@ def test_what_cannot_draw_gets_no_escapes_though_colors_are_forced(tmp_path: Pat
     assert dumb.end() == 0
     assert "\x1b" not in dumb.text
     assert dumb.text.endswith("run directory: dumb\n")
+
+
+def test_a_closed_reader_of_the_last_frame_is_not_an_error() -> None:
+    code = """
+from console.dashboard import live as view
+from console.terminal import printing
+from fes.system import output
+from tests.support.frames import a_report
+output.configure()  # as every command does
+with view.Screen(printing.console()) as shown:
+    shown.show(a_report([(0.0, 0.0)]))
+print("on", file=__import__("sys").stderr)
+"""
+    reader, writer = os.pipe()
+    os.close(reader)
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", code], cwd=ROOT, stdout=writer, stderr=subprocess.PIPE, text=True
+        )
+    finally:
+        os.close(writer)
+    assert (done.returncode, done.stderr) == (0, "on\n")

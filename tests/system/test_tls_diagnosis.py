@@ -20,7 +20,7 @@ def issuer() -> certificates.Authority:
 
 
 async def said(world: Stage, robots: str, timeout: float, *flags: str) -> str:
-    """The last line of an agent that does not get to its robots."""
+    """Last line of an agent that cannot join."""
     words = ("--id", robots, "-e", world.endpoint, "--timeout", str(timeout), *flags)
     agent = start(command("agents.process", *words), world.where)
     world.running.append(agent)
@@ -30,7 +30,7 @@ async def said(world: Stage, robots: str, timeout: float, *flags: str) -> str:
 
 
 @pytest.mark.parametrize("robots", ["7", "0-1"])
-def test_an_agent_without_a_role_in_the_run_is_told_where_to_look(
+def test_an_agent_without_a_role_in_the_run_names_the_log_to_read(
     tmp_path: Path, issuer: certificates.Authority, robots: str
 ) -> None:
     """Robot 7 of a run of two, and a crew with a certificate issued after the start of the world."""
@@ -49,7 +49,7 @@ def test_an_agent_without_a_role_in_the_run_is_told_where_to_look(
     assert "no role of this run has its certificate's name" in world.log()
 
 
-def test_an_agent_whose_certificate_expires_while_its_world_is_away_is_told_so(
+def test_an_agent_whose_certificate_expires_during_a_world_restart_reports_it(
     tmp_path: Path, issuer: certificates.Authority
 ) -> None:
     keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
@@ -69,7 +69,9 @@ def test_an_agent_whose_certificate_expires_while_its_world_is_away_is_told_so(
     assert f"{keyed}/robot-0.crt: the certificate expired on " in line
 
 
-def test_who_comes_without_certificates_is_told_of_keys(tmp_path: Path, issuer: certificates.Authority) -> None:
+def test_an_agent_without_certificates_ends_with_advice_on_keys(
+    tmp_path: Path, issuer: certificates.Authority
+) -> None:
     keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
 
     async def main() -> None:
@@ -85,7 +87,7 @@ def test_who_comes_without_certificates_is_told_of_keys(tmp_path: Path, issuer: 
     asyncio.run(main())
 
 
-def test_who_comes_with_certificates_of_another_authority_is_told_of_them(
+def test_an_agent_with_certificates_of_another_authority_ends_with_advice_on_them(
     tmp_path: Path, issuer: certificates.Authority
 ) -> None:
     keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)

@@ -14,8 +14,8 @@ from console.replay import command as replay_command
 from console.replay import log
 from fes.errors import FesError
 from fes.recording.layout import NAME
-from tests.support.commands import PAIR
 from tests.support.loop import load
+from tests.support.paths import PAIR
 from tests.support.processes import fes, start, until
 from tests.support.teams import Team
 from world.execution import resume
@@ -39,7 +39,7 @@ HOW: dict[str, tuple[Callable[[Path], object], str]] = {
 
 @pytest.mark.parametrize("how", HOW)
 @pytest.mark.parametrize("chunks", [True, False], ids=["chunks follow", "at the end"])
-def test_a_log_that_somebody_changes_is_told_of_when_the_run_is_over(tmp_path: Path, how: str, chunks: bool) -> None:
+def test_a_log_changed_during_its_run_is_reported_at_the_end(tmp_path: Path, how: str, chunks: bool) -> None:
     scenario, path = load("pair.toml", run__duration=0.4), tmp_path / NAME
     change, told = HOW[how]
     with contextlib.ExitStack() as stack:
@@ -51,13 +51,13 @@ def test_a_log_that_somebody_changes_is_told_of_when_the_run_is_over(tmp_path: P
                 change(path)
             team.step(run)
             if run.state.tick == 15 and chunks:
-                recorder.pause()  # a chunk written at the old end of the file would make the cut a hole
+                recorder.pause()  # a chunk written at the old end would turn the cut into a hole
         with pytest.raises(FesError, match=rf"^{path} {told} during the run: the log is incomplete$"):
             stack.close()
     assert run.metrics.link_errors.digest.text() == inprocess.run(scenario, "pair")["digest"]
 
 
-def test_the_error_of_a_run_is_not_hidden_by_that_of_its_log(
+def test_the_error_of_a_log_does_not_hide_the_error_of_its_run(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     recorder = Recorder(tmp_path / NAME, load("pair.toml"), "pair", "inprocess")
@@ -67,7 +67,7 @@ def test_the_error_of_a_run_is_not_hidden_by_that_of_its_log(
     assert "run.mcap was removed during the run" in caplog.text
 
 
-def test_a_real_run_whose_log_vanishes_says_so_returns_1_and_keeps_its_summary(tmp_path: Path) -> None:
+def test_a_run_whose_log_vanishes_exits_with_1_and_keeps_its_summary(tmp_path: Path) -> None:
     running = start(fes("run", PAIR, "--duration", "2", "--rtf", "1", "--headless", "--out", "out"), tmp_path)
     path = tmp_path / "out" / NAME
     until(lambda: path.exists() and path.stat().st_size)
@@ -83,7 +83,7 @@ KINDS = ["the trail", "the journal", "the state", "the folder"]
 
 
 @pytest.mark.parametrize("what", KINDS)
-def test_a_checkpoint_that_somebody_changes_is_told_of_at_the_end(
+def test_a_checkpoint_changed_during_its_run_is_reported_at_the_end(
     tmp_path: Path, what: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     scenario = load("pair.toml", run__duration=0.4)
@@ -114,7 +114,7 @@ def test_no_checkpoint_is_made_of_a_trail_that_is_gone(tmp_path: Path) -> None:
     team = Team(run.scenario)
     for _ in range(5):
         team.step(run)
-    assert checkpoints.losses(run) == []  # hands to the system what waits
+    assert checkpoints.losses(run) == []  # flushes pending data
     os.truncate(tmp_path / FOLDER / DIGEST_INPUT, 0)
     team.step(run)
     with pytest.raises(FesError, match=r"^cannot keep a checkpoint: .*trail was cut by \d+ bytes$"):
@@ -141,7 +141,7 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
     kept = resume.load(run)
     aside = run / FOLDER / f"log-{kept.number}"
 
-    # A copy that does not hold what was copied: it is refused, and the original is where it was.
+    # A copy with other content is rejected, and the original stays in its place.
     with pytest.MonkeyPatch.context() as broken:
         broken.setattr(Recorder, "add", lambda *words: None)
         broken.setattr("fes.recording.mcap_file.McapFile._again", lambda *words: None)
@@ -150,7 +150,7 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
     assert (run / NAME).read_bytes() == original
     assert not aside.exists()
 
-    # A world that dies before its first checkpoint leaves it aside, and the next one finds it.
+    # A world that dies before its first checkpoint leaves the log set aside for its successor.
     for _ in range(2):
         again = resume.recorder(run, resume.load(run))
         assert again is not None

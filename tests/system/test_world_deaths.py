@@ -33,7 +33,7 @@ def run(tmp_path: Path) -> Iterator[Run]:
         yield going
 
 
-def test_a_run_whose_world_is_killed_and_told_to_stop_comes_to_the_same_digest(run: Run) -> None:
+def test_a_run_whose_world_is_killed_and_stopped_has_the_same_digest(run: Run) -> None:
     robots = load("neighborhood.toml").robots.number
     for robot in range(robots):
         run.join(robot)
@@ -48,9 +48,9 @@ def test_a_run_whose_world_is_killed_and_told_to_stop_comes_to_the_same_digest(r
     assert replay_command.rerun(log.load(run.out / NAME), all_robots=True)["digest"] == whole["digest"]
 
 
-def test_fes_run_kills_the_world_that_its_scenario_has_die_and_the_digest_is_the_same(tmp_path: Path) -> None:
+def test_fes_run_kills_the_world_as_scheduled_and_the_digest_is_the_same(tmp_path: Path) -> None:
     deaths = [{"at": 2.0, "world_away": 0.5}, {"at": 6.0, "world_away": 0.1}]
-    deaths.append({"at": 11.96, "world_away": 0.1})  # perhaps when it is just over
+    deaths.append({"at": 11.96, "world_away": 0.1})  # perhaps just after its end
     scenario = load("neighborhood.toml", run__duration=12.0, event=deaths)
     write_scenario(tmp_path, scenario)
     words = ["run", "scenario.toml", "--rtf", "4", "--headless", "--json", "--out", "out"]
@@ -63,7 +63,7 @@ def test_fes_run_kills_the_world_that_its_scenario_has_die_and_the_digest_is_the
     assert (tmp_path / "out" / "world.log").read_text().count("resumes at tick") >= 2
 
 
-def test_a_run_that_was_ended_for_good_cannot_be_gone_on_with(run: Run) -> None:
+def test_a_permanently_ended_run_cannot_be_resumed(run: Run) -> None:
     for robot in range(load("neighborhood.toml").robots.number):
         run.join(robot)
     until(lambda: (run.out / NAME).exists() and (run.out / NAME).stat().st_size > 20_000)  # it is running
@@ -74,7 +74,7 @@ def test_a_run_that_was_ended_for_good_cannot_be_gone_on_with(run: Run) -> None:
     assert not (run.out / FOLDER).exists()
 
 
-def test_what_a_person_set_and_who_died_meanwhile_is_not_forgotten(run: Run) -> None:
+def test_a_resumed_world_remembers_changes_and_deaths_since_the_checkpoint(run: Run) -> None:
     for robot in range(load("neighborhood.toml").robots.number):
         run.join(robot)
     state = run.out / FOLDER / "state"
@@ -83,13 +83,13 @@ def test_what_a_person_set_and_who_died_meanwhile_is_not_forgotten(run: Run) -> 
         fes("set", "channel.reference_snr=2e6", "-e", run.endpoint), capture_output=True, text=True, check=False
     )
     assert told.returncode == 0, told.stderr
-    run.come_to_rest(1)  # so that no beacon of robot 1 is on its way, which would be lost with it
+    run.come_to_rest(1)  # so that no beacon of robot 1 is in transit, which would be lost with it
     run.world.kill()
     run.world.communicate()
     run.agents[1].kill()
     run.agents[1].communicate()
     run.start("--resume", str(run.out))
-    run.join(1)  # a new process, which knows nothing
+    run.join(1)  # a new process without state
     summary = run.finish()
     assert summary["ticks"] == 2000
     assert "2000000.0" in (run.out / "scenario.toml").read_text()
@@ -101,7 +101,7 @@ def test_what_a_person_set_and_who_died_meanwhile_is_not_forgotten(run: Run) -> 
     assert replay_command.rerun(found, all_robots=True)["digest"] == summary["digest"]
 
 
-def test_robots_that_came_and_went_since_the_checkpoint_come_and_go_again(run: Run) -> None:
+def test_a_resumed_world_repeats_joins_and_leaves_since_the_checkpoint(run: Run) -> None:
     run.world.kill()
     run.world.communicate()
     shutil.rmtree(run.out, ignore_errors=True)
@@ -131,24 +131,24 @@ def test_robots_that_came_and_went_since_the_checkpoint_come_and_go_again(run: R
     assert len([tick for tick in found.ticks() if tick.attended]) == 2
 
 
-def test_a_world_that_knows_less_than_its_robots_says_so_and_they_end(run: Run, tmp_path: Path) -> None:
+def test_a_world_behind_its_robots_reports_it_and_they_end(run: Run, tmp_path: Path) -> None:
     for robot in range(load("neighborhood.toml").robots.number):
         run.join(robot)
     run.next_checkpoint()
 
     def copied() -> bool:
-        with suppress(OSError):  # a journal may be replaced just now
+        with suppress(OSError):  # a journal may be replaced concurrently
             shutil.copytree(run.out / FOLDER, tmp_path / "old", dirs_exist_ok=True)
             return True
         return False
 
     until(copied)
-    seen = until(lambda: max(0, run.reached()))  # a checkpoint that is on its way may come before the next tick
+    seen = until(lambda: max(0, run.reached()))  # a pending checkpoint may come before the next tick
     until(lambda: run.reached() > seen + 3)
     run.world.kill()
     run.world.communicate()
     shutil.rmtree(run.out / FOLDER)
-    shutil.copytree(tmp_path / "old", run.out / FOLDER)  # as after a loss of power that took what was not on disk yet
+    shutil.copytree(tmp_path / "old", run.out / FOLDER)  # as after a power loss that removed unsynced data
     run.start("--resume", str(run.out))
     for agent in run.agents.values():
         _, err = agent.communicate(timeout=PATIENCE)
@@ -159,7 +159,7 @@ def test_a_world_that_knows_less_than_its_robots_says_so_and_they_end(run: Run, 
 
 
 @pytest.mark.parametrize("how", ["--resume", "--out"])
-def test_a_second_world_in_a_run_directory_is_refused_with_one_line(run: Run, how: str) -> None:
+def test_a_second_world_in_a_run_directory_is_rejected_in_one_line(run: Run, how: str) -> None:
     until((run.out / FOLDER / "state").exists)
     before = (run.out / "scenario.toml").read_bytes()
     words = ["--resume", "out"] if how == "--resume" else [str(CONFIGS / "pair.toml"), "--out", "out"]

@@ -20,7 +20,7 @@ from world.metrics.summary import write_scenario
 
 @pytest.fixture
 def pair(tmp_path: Path) -> Iterator[Run]:
-    """Two robots at the fourfold pace of the wall clock."""
+    """Two robots at four times the pace of the wall clock."""
     with under_way(tmp_path, "pair.toml") as going:
         for robot in (0, 1):
             going.join(robot)
@@ -31,7 +31,7 @@ def whole() -> str:
     return str(inprocess.run(load("pair.toml", run__duration=40.0), "pair")["digest"])
 
 
-def test_a_terminal_that_is_closed_does_not_end_a_run_for_good(pair: Run) -> None:
+def test_a_closed_terminal_does_not_end_a_run_permanently(pair: Run) -> None:
     until(lambda: pair.reached() > 20)
     pair.world.send_signal(signal.SIGHUP)
     _, said = pair.world.communicate(timeout=PATIENCE)
@@ -41,7 +41,7 @@ def test_a_terminal_that_is_closed_does_not_end_a_run_for_good(pair: Run) -> Non
     assert pair.finish()["digest"] == whole()
 
 
-def test_ctrl_c_ends_a_run_for_good_but_not_where_it_was_only_waited_for_its_robots(pair: Run) -> None:
+def test_ctrl_c_ends_a_run_permanently_except_while_a_resumed_world_waits_for_its_robots(pair: Run) -> None:
     until(lambda: pair.reached() > 20)
     pair.world.kill()
     pair.world.communicate()
@@ -66,7 +66,7 @@ def test_ctrl_c_ends_a_run_for_good_but_not_where_it_was_only_waited_for_its_rob
     assert [agent.wait(PATIENCE) for agent in pair.agents.values()] == [0, 0]
 
 
-def test_a_world_that_finds_no_room_leaves_its_robots_waiting_for_one_that_does(pair: Run) -> None:
+def test_a_world_on_a_full_disk_leaves_its_robots_waiting_for_a_restart(pair: Run) -> None:
     until(lambda: pair.reached() > 20)
     resource.prlimit(pair.world.pid, resource.RLIMIT_FSIZE, (1, resource.RLIM_INFINITY))
     _, said = pair.world.communicate(timeout=PATIENCE)
@@ -77,7 +77,7 @@ def test_a_world_that_finds_no_room_leaves_its_robots_waiting_for_one_that_does(
     assert pair.finish()["digest"] == whole()
 
 
-def test_a_run_that_is_gone_on_with_keeps_its_name(pair: Run) -> None:
+def test_a_resumed_run_keeps_its_name(pair: Run) -> None:
     until(lambda: pair.reached() > 20)
     pair.world.send_signal(signal.SIGTERM)
     pair.world.communicate(timeout=PATIENCE)
@@ -93,8 +93,8 @@ def test_a_run_that_is_gone_on_with_keeps_its_name(pair: Run) -> None:
     assert pair.finish()["digest"] == whole()
 
 
-def test_a_run_directory_that_is_used_again_tells_nothing_of_the_run_before(tmp_path: Path) -> None:
-    """Not even where the new run comes to nothing."""
+def test_a_reused_run_directory_keeps_no_file_of_the_previous_run(tmp_path: Path) -> None:
+    """This holds even if the new run fails."""
     (tmp_path / "summary.json").write_text("{}")
     (tmp_path / "run.mcap").write_text("a log")
     words = ["--out", str(tmp_path), "--no-record", "-l", f"tcp/127.0.0.1:{free_port()}"]
@@ -107,7 +107,7 @@ def test_a_run_directory_that_is_used_again_tells_nothing_of_the_run_before(tmp_
     assert [path.name for path in tmp_path.iterdir()] == ["scenario.toml"]
 
 
-def test_a_launcher_that_is_killed_takes_nothing_of_its_run_with_it(tmp_path: Path) -> None:
+def test_a_killed_launcher_leaves_all_files_of_its_run(tmp_path: Path) -> None:
     write_scenario(tmp_path, load("pair.toml", run__duration=1000.0))
     running = start(fes("run", "scenario.toml", "--headless", "--rtf", "4", "--out", "out"), tmp_path)
     try:
@@ -123,7 +123,7 @@ def test_a_launcher_that_is_killed_takes_nothing_of_its_run_with_it(tmp_path: Pa
 
 
 @pytest.mark.parametrize("how", ["kill", "hang"])
-def test_a_run_whose_schedule_takes_everybody_goes_on_to_its_end(tmp_path: Path, how: str) -> None:
+def test_a_run_whose_schedule_removes_every_robot_continues_to_its_end(tmp_path: Path, how: str) -> None:
     scenario = load("pair.toml", run__duration=16.0, event=[{"at": 1.0, how: [0, 1]}])
     write_scenario(tmp_path, scenario)
     words = ["run", "scenario.toml", "--headless", "--json", "--rtf", "4", "--out", "out"]

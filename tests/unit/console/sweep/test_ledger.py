@@ -6,7 +6,7 @@ import pytest
 
 from console.sweep import design, ledger, work
 from fes.errors import FesError
-from tests.support.commands import PAIR
+from tests.support.paths import PAIR
 
 
 def test_a_line_cut_short_by_a_kill_is_dropped_and_rewritten(tmp_path: Path) -> None:

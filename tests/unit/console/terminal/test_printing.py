@@ -22,9 +22,9 @@ from fes import process
 from fes.errors import FesError
 from fes.system import output, signals
 from tests.support import recordings
-from tests.support.commands import PAIR
 from tests.support.frames import a_history, a_report
 from tests.support.loop import load
+from tests.support.paths import PAIR
 from tests.support.source import PACKAGES, modules
 from world.execution.recorder import Recorder
 

@@ -2,7 +2,6 @@
 
 import re
 import uuid
-from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -11,8 +10,6 @@ from hypothesis import strategies as st
 from fes.errors import FesError
 from fes.protocol import keys
 from fes.transport.session import LONGEST_NAMESPACE
-from tests.support.commands import call
-from tests.support.paths import CONFIGS
 from tests.support.role_keys import ROBOT, WORLD
 
 TABLE = re.findall(r"^\| (fes/\S+)", keys.__doc__ or "", flags=re.MULTILINE)
@@ -48,26 +45,6 @@ def test_the_longest_key_is_far_from_what_zenoh_can_bear() -> None:
     longest += [world(run) for world in WORLD] + [key(run, robot) for key in ROBOT]
     assert max(len(key.encode()) for key in longest) < 200
     assert 200 + LONGEST_NAMESPACE * 4 < 65_535 / 10
-
-
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["fes-agent", "--id", "0", "--run"],
-        ["fes-world", str(CONFIGS / "pair.toml"), "--run"],
-        ["fes", "view", "--run"],
-        ["fes", "set", "channel.reference_snr=1", "--run"],
-        ["fes", "doctor", "--run"],
-        ["fes", "keys", "rules", "--robots", "1", "--run"],
-    ],
-    ids=lambda words: " ".join(words[:2]),
-)
-def test_every_program_refuses_a_run_name_that_would_make_keys_too_long(words: list[str], tmp_path: Path) -> None:
-    if "keys" in words:
-        assert call(tmp_path, "fes", "keys", "init").returncode == 0
-    done = call(tmp_path, *words, "r" * 70_000)
-    assert done.returncode == 1
-    assert "a run's name is 1 to 64 letters" in done.stdout + done.stderr
 
 
 @given(key=st.text() | st.from_regex(r"fes/main/robot/[^/]{0,12}/[a-z]{0,9}", fullmatch=True))

@@ -1,7 +1,6 @@
 """Files that are not a complete log: each is one line, for every command."""
 
 import json
-import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,6 @@ from console.replay import command as replay_command
 from fes.errors import FesError
 from tests.support import recordings
 from tests.support.loop import load
-from tests.support.processes import PATIENCE, command
 
 
 @pytest.fixture(scope="module")
@@ -69,13 +67,3 @@ def test_what_is_no_whole_log_is_one_line(recorded: Recorded, tmp_path: Path, wh
         replay_command.replay(path, json_=True, headless=True)
     assert rule in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-def test_the_program_says_it_in_one_line_and_returns_1(tmp_path: Path) -> None:
-    (tmp_path / "notes.txt").write_text("hello\n")
-    for words in (["replay", "notes.txt"], ["compare", "notes.txt", "notes.txt"], ["plot", "notes.txt"]):
-        done = subprocess.run(
-            command("console.cli", *words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE
-        )
-        assert (done.returncode, done.stdout) == (1, "")
-        assert done.stderr == "fes: error: notes.txt is not a log: it is not an MCAP file\n"

@@ -1,11 +1,7 @@
 """Impossible endpoints: each has an error line of its own, before anything waits for it."""
 
 import asyncio
-import json
-import os
-import shutil
 import socket
-import subprocess
 import threading
 from pathlib import Path
 
@@ -14,11 +10,7 @@ import pytest
 from fes.errors import FesError, TransportError
 from fes.transport import addresses, bus, connection_diagnosis
 from fes.transport.endpoints import Endpoints
-from tests.support.commands import PROGRAMS, call, complaint, vacant
-from tests.support.paths import CONFIGS
-
-NAME = "no.such.host.invalid"
-"""A name that no name server has: `.invalid` is reserved for this."""
+from tests.support.commands import vacant
 
 BAD = {
     "bogus": "not an endpoint like tcp/127.0.0.1:7447: bogus",
@@ -72,61 +64,6 @@ def test_port_zero_can_be_listened_at_and_not_reached() -> None:
         Endpoints("client", ("tcp/127.0.0.1:0",))
 
 
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["fes-agent", "--id", "0", "--timeout", "3600", "-e"],
-        ["fes-world", str(CONFIGS / "pair.toml"), "-l"],
-        ["fes", "view", "--timeout", "3600", "-e"],
-        ["fes", "set", "channel.reference_snr=1", "--timeout", "3600", "-e"],
-    ],
-    ids=lambda words: " ".join(words[:2]),
-)
-def test_every_command_refuses_it_without_waiting(words: list[str], tmp_path: Path) -> None:
-    for endpoint in ("tcp/127.0.0.1:99999", "tcp/::1:7447"):
-        assert complaint(call(tmp_path, *words, endpoint), words[0]) == BAD[endpoint]
-
-
-@pytest.mark.parametrize("key", ["connect", "listen"])
-def test_endpoints_of_a_configuration_file_and_of_settings_are_checked_too(key: str, tmp_path: Path) -> None:
-    (tmp_path / "zenoh.json5").write_text(json.dumps({key: {"endpoints": ["tcp/127.0.0.1:99999"]}}))
-    words = ["fes-agent", "--id", "0", "--timeout", "3600", "-m", "peer"]
-    for given in (["-c", "zenoh.json5"], ["--cfg", f'{key}/endpoints:["tcp/127.0.0.1:99999"]']):
-        assert complaint(call(tmp_path, *words, *given), "fes-agent") == BAD["tcp/127.0.0.1:99999"]
-
-
-def test_what_nobody_listens_at_is_the_endpoint_of_the_configuration_file(tmp_path: Path) -> None:
-    endpoint = vacant()
-    (tmp_path / "zenoh.json5").write_text(json.dumps({"connect": {"endpoints": [endpoint]}}))
-    done = call(tmp_path, "fes", "set", "channel.reference_snr=1", "--timeout", "0.3", "-c", "zenoh.json5")
-    assert complaint(done, "fes") == f"nobody listens on {endpoint} (tried for 0.3 s)"
-
-
-def test_a_name_that_does_not_resolve_is_said_at_once_and_at_the_end(tmp_path: Path) -> None:
-    endpoint = f"tcp/{NAME}:7447"
-    words = [str(PROGRAMS / "fes-agent"), "--id", "0", "--timeout", "4", "-e", endpoint]
-    with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as agent:
-        assert agent.stderr is not None
-        waiting, warning, last = agent.stderr.readline(), agent.stderr.readline(), agent.stderr.readline()
-    assert "waiting for the world" in waiting
-    why = f"the name '{NAME}' does not resolve: "
-    assert f"network: {endpoint}: {why}" in warning
-    assert warning.endswith("; trying for 4 s\n")
-    assert last.startswith(f"fes-agent: error: cannot join the network at {endpoint}: {why}")
-    assert last.endswith(" (tried for 4 s)\n")
-    assert agent.returncode == 1
-
-
-def test_a_name_where_a_world_would_listen_is_said(tmp_path: Path) -> None:
-    done = call(tmp_path, "fes-world", str(CONFIGS / "pair.toml"), "-l", f"tcp/{NAME}:7447")
-    assert f"fes-world: error: cannot listen on tcp/{NAME}:7447: the name '{NAME}' does not resolve" in done.stderr
-
-
-def test_an_address_that_is_not_of_this_machine_is_said(tmp_path: Path) -> None:
-    done = call(tmp_path, "fes-world", str(CONFIGS / "pair.toml"), "-l", "tcp/192.0.2.1:7447")
-    assert done.stderr.endswith("cannot listen on tcp/192.0.2.1:7447: Cannot assign requested address\n")
-
-
 def test_a_name_server_that_does_not_answer_holds_nobody_up(monkeypatch: pytest.MonkeyPatch) -> None:
     answer = threading.Event()
     monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: answer.wait(60.0))
@@ -160,36 +97,6 @@ def test_a_network_that_cannot_be_reached_is_named(
     assert connection_diagnosis.complaint("tcp/192.0.2.1:1", {}) == "nothing answers there within 2 s"
 
 
-@pytest.fixture
-def hosts(tmp_path: Path) -> list[str]:
-    """Before a command: run it where /etc/hosts is the file `hosts` here."""
-    (tmp_path / "hosts").write_text("127.0.0.1 localhost\n")
-    within = ["unshare", "--mount", "sh", "-c", f'mount --bind {tmp_path}/hosts /etc/hosts && exec "$@"', "sh"]
-    if os.geteuid() != 0 or shutil.which("unshare") is None:
-        pytest.skip("only root can put another file over /etc/hosts")
-    if subprocess.run([*within, "true"], capture_output=True).returncode != 0:
-        pytest.skip("no mount namespace can be made here")
-    return within
-
-
-def test_a_name_that_comes_to_resolve_is_joined(hosts: list[str], tmp_path: Path) -> None:
-    """A container may start before the one that it connects to by name: it waits, as for a world."""
-    endpoint = vacant()
-    late = endpoint.replace("127.0.0.1", "late-world.invalid")
-    words = [*hosts, str(PROGRAMS / "fes-agent"), "--id", "0", "--timeout", "60", "-e", late]
-    scenario = [str(CONFIGS / "pair.toml"), "--set", "robots.poses=[[0.0, 0.0, 0.0]]", "--duration", "0.2"]
-    with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as agent:
-        assert agent.stderr is not None
-        agent.stderr.readline()
-        assert "does not resolve" in agent.stderr.readline()
-        with (tmp_path / "hosts").open("a") as file:
-            file.write("127.0.0.1 late-world.invalid\n")
-        world = call(tmp_path, "fes-world", *scenario, "-l", endpoint)
-        assert world.returncode == 0, world.stderr
-        assert agent.stderr.read().endswith("agent.0: the run is over\n")
-    assert agent.returncode == 0
-
-
 def test_a_namespace_that_would_make_keys_too_long_is_refused() -> None:
     ends = Endpoints("client", (vacant(),), settings=(f'namespace:"{"a" * 70_000}"',), timeout=0.1)
 
@@ -199,21 +106,6 @@ def test_a_namespace_that_would_make_keys_too_long_is_refused() -> None:
 
     with pytest.raises(FesError, match=r"^Zenoh's setting `namespace` has at most 1000 letters"):
         asyncio.run(join())
-
-
-@pytest.mark.parametrize("nesting", ["[", "{a:"])
-def test_brackets_that_would_end_zenoh_are_refused(nesting: str, tmp_path: Path) -> None:
-    """Zenoh's parser would overflow the stack, which is a signal and not an error."""
-    close = {"[": "]", "{a:": "1}"}[nesting]
-    deep = nesting * 50_000 + close[:-1] + close[-1] * 50_000
-    (tmp_path / "deep.json5").write_text(f'{{"metadata": {deep}}}')
-    words = ["fes-agent", "--id", "0", "-e", vacant(), "--timeout", "0.1"]
-    line = complaint(call(tmp_path, *words, "-c", "deep.json5"), "fes-agent")
-    assert line == "cannot read the Zenoh configuration deep.json5: has more than 1000 brackets within each other"
-    line = complaint(call(tmp_path, *words, "--cfg", f"metadata:{deep[:100_000]}"), "fes-agent")
-    assert line.startswith("--cfg metadata:[[[" if nesting == "[" else "--cfg metadata:{a:")
-    assert line.endswith("no such setting, or its value is not JSON5")
-    assert len(line) < 300
 
 
 @pytest.mark.parametrize(
@@ -239,11 +131,3 @@ def test_a_configuration_file_that_zenoh_cannot_read_is_told_by_place_and_rule(
     with pytest.raises(TransportError) as caught:
         asyncio.run(join())
     assert str(caught.value).startswith(f"cannot read the Zenoh configuration {path}: {said}")
-
-
-@pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"])
-def test_a_configuration_file_may_begin_with_a_byte_order_mark(mark: bytes, tmp_path: Path) -> None:
-    endpoint = vacant()
-    (tmp_path / "zenoh.json5").write_bytes(mark + json.dumps({"connect": {"endpoints": [endpoint]}}).encode())
-    done = call(tmp_path, "fes", "set", "channel.reference_snr=1", "--timeout", "0.3", "-c", "zenoh.json5")
-    assert complaint(done, "fes") == f"nobody listens on {endpoint} (tried for 0.3 s)"

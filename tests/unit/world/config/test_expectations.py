@@ -1,9 +1,6 @@
 """Expectations of a scenario: verdicts, impossible expectations, and the exit code 2."""
 
-import json
 import math
-import subprocess
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -11,8 +8,6 @@ import pytest
 from console.backends import inprocess
 from fes.errors import ScenarioError
 from tests.support.loop import load
-from tests.support.paths import CONFIGS
-from tests.support.processes import LOOP, PATIENCE, STARTING, fes
 from world.config import expectations
 from world.config.expectations import ExpectConfig
 
@@ -108,21 +103,6 @@ def test_the_summary_has_the_longest_gap_of_the_links() -> None:
         {"of": "links_gap_longest", "expected": "below 3.0", "seen": found["links_gap_longest"], "holds": True}
     ]
     assert not expectations.unmet(found)
-
-
-@pytest.mark.parametrize("backend", ["inprocess", "processes"])
-def test_a_run_that_is_not_as_expected_exits_with_two_and_shows_what_was_seen(backend: str, tmp_path: Path) -> None:
-    words = ["run", str(CONFIGS / "pair.toml"), "--duration", "1", "--headless", "--backend", backend]
-    objective = 'expect=[{of="ticks", equals=50}, {of="estimate_error_max", below=1e-9}]'
-    done = subprocess.run(
-        fes(*words, "--set", objective), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE
-    )
-    assert (done.returncode, done.stderr) == (2, (LOOP if backend == "inprocess" else STARTING).format(2))
-    lines = done.stdout.splitlines()
-    assert any("ticks" in line and "equal to 50" in line and "holds" in line for line in lines)
-    assert any("estimate_error_max" in line and "does not hold" in line for line in lines)
-    kept = json.loads((tmp_path / "runs/latest/summary.json").read_text())
-    assert [verdict["holds"] for verdict in kept["expectations"]] == [True, False]
 
 
 def test_deadlines_are_expected_of_a_live_clock_only() -> None:

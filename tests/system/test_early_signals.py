@@ -62,7 +62,7 @@ SECURE = ("while its world imports", "while its agents import", "when it has beg
     [*((moment, False) for moment in MOMENTS), *((moment, True) for moment in SECURE)],
     ids=lambda value: {True: "secure", False: "plain"}.get(value, value),
 )
-def test_a_signal_at_any_moment_ends_a_run_quietly_and_leaves_nothing_but_what_was_reached(
+def test_a_signal_at_any_moment_ends_a_run_quietly_and_leaves_only_its_results(
     moment: str, secure: bool, tmp_path: Path
 ) -> None:
     how = signal.SIGTERM if secure else signal.SIGINT
@@ -88,7 +88,7 @@ def test_a_signal_at_any_moment_ends_a_run_quietly_and_leaves_nothing_but_what_w
         assert not list(tmp_path.iterdir())
 
 
-def test_a_stopped_run_that_reached_nothing_leaves_the_run_before_as_the_latest(tmp_path: Path) -> None:
+def test_a_run_stopped_before_its_first_tick_does_not_become_the_latest(tmp_path: Path) -> None:
     done = subprocess.run(
         fes("run", PAIR, "--backend", "inprocess", "--json", "--duration", "1"), cwd=tmp_path, capture_output=True
     )
@@ -139,7 +139,7 @@ def test_a_second_signal_leaves_no_keys_no_endpoint_and_no_run_that_had_not_begu
     ],
     ids=["fes run", "fes", "fes-world", "fes-agent"],
 )
-def test_a_program_that_is_stopped_while_it_imports_says_so_and_no_more(
+def test_a_program_that_is_stopped_during_imports_prints_one_line(
     words: list[str], how: signal.Signals, code: int, said: str, tmp_path: Path
 ) -> None:
     running = start([sys.executable, "-m", *words], tmp_path)

@@ -42,11 +42,11 @@ async def main(endpoint, tick):
 
 asyncio.run(main(sys.argv[1], int(sys.argv[2])))
 """
-"""Ends when a run has reached a tick."""
+"""Command of an observer that ends when a run has reached a tick."""
 
 
 class Team:
-    """A world, and agents for robots that share a process or not, on machines of a network."""
+    """A world, and agents of one or several robots, on machines of a network."""
 
     def __init__(self, where: Path, net: Internet) -> None:
         self.where, self.net = where, net
@@ -66,7 +66,7 @@ class Team:
         assert watching.wait(PATIENCE) == 0, self.all_said()
 
     def ends_well(self, host: str, endpoint: str) -> None:
-        """End the run once all are heard, or who was taken in last would miss it; its log comes out the same."""
+        """End the run after all robots answered, so that none misses the end; reexecute its log."""
         back = max(map(int, re.findall(r"is back from tick (\d+)", self.said())))
         self.reaches(back + 10, host, endpoint)
         self.processes[0].send_signal(signal.SIGINT)
@@ -101,11 +101,11 @@ def team(tmp_path: Path, net: Internet) -> Team:
 
 
 def digest(scenario: str, seconds: float = SECONDS) -> Any:
-    """Of the same run in one loop."""
+    """Digest of the same run in one loop."""
     return inprocess.run(load(scenario, run__duration=seconds), "hosts")["digest"]
 
 
-def test_a_host_a_robot_with_the_world_as_their_router_has_the_digest_of_one_loop(team: Team, net: Internet) -> None:
+def test_one_host_per_robot_with_the_world_as_router_has_the_digest_of_one_loop(team: Team, net: Internet) -> None:
     robots = [f"robot-{robot}" for robot in range(10)]
     net.switch("world", *robots)
     for robot, host in enumerate(robots):
@@ -115,7 +115,7 @@ def test_a_host_a_robot_with_the_world_as_their_router_has_the_digest_of_one_loo
     assert "whoever reaches it can steer robots" in team.said()
 
 
-def test_a_router_that_is_nobodys_world_carries_the_run_to_the_same_digest(team: Team, net: Internet) -> None:
+def test_a_router_that_is_not_a_world_carries_a_run_to_the_same_digest(team: Team, net: Internet) -> None:
     net.switch("router", "world", "north", "south")
     net.router("router", team.where / "router.log")
     endpoint = net.hosts["router"].endpoint()
@@ -159,10 +159,8 @@ def test_two_sites_with_a_router_each_lose_no_beacon_and_come_to_the_same_digest
     assert "recalled" not in team.all_said()  # one path only: first-in first-out holds from end to end
 
 
-def test_beacons_that_go_another_and_slower_way_than_ticks_are_recalled_and_change_no_digit(
-    team: Team, net: Internet
-) -> None:
-    """Three sites in a ring: beacons from one to the next have a way of their own, here a very slow one."""
+def test_beacons_on_a_slower_route_than_ticks_are_recalled_and_change_no_digit(team: Team, net: Internet) -> None:
+    """Three sites in a ring: beacons between neighbors take a direct route, here a very slow one."""
     seconds = 0.5
     sites(net, team.where, ("east", "west"), ("east", "south"), ("south", "west"))
     slow = ["tc", "qdisc", "add", "dev", "lan5", "root", "tbf", "rate", "60kbit", "burst", "2kb", "latency", "9s"]
@@ -176,7 +174,7 @@ def test_beacons_that_go_another_and_slower_way_than_ticks_are_recalled_and_chan
     assert "recalled" in team.all_said()
 
 
-def test_a_robot_whose_cable_is_cut_is_left_out_until_it_is_plugged_in_again(team: Team, net: Internet) -> None:
+def test_a_disconnected_robot_is_excluded_until_it_reconnects(team: Team, net: Internet) -> None:
     net.switch("world", "robot-0", "robot-1", "robot-2")
     words = ["--set", "robots.count=3", "--duration", "100000", "--rtf", "1"]
     team.world("world", "hundred.toml", *LISTENING, *words)
@@ -190,7 +188,7 @@ def test_a_robot_whose_cable_is_cut_is_left_out_until_it_is_plugged_in_again(tea
     team.ends_well("world", net.hosts["world"].endpoint())
 
 
-def test_a_site_that_is_cut_off_is_left_out_until_it_can_be_reached_again(team: Team, net: Internet) -> None:
+def test_a_disconnected_site_is_excluded_until_it_reconnects(team: Team, net: Internet) -> None:
     sites(net, team.where, ("east", "west"))
     team.world(
         "east-world", "hundred.toml", "-m", "client", "-e", net.hosts["east-router"].endpoint(),
@@ -207,7 +205,7 @@ def test_a_site_that_is_cut_off_is_left_out_until_it_can_be_reached_again(team: 
     team.ends_well("east-world", net.hosts["east-router"].endpoint())
 
 
-def test_nothing_is_left_of_hosts_whose_maker_is_killed(tmp_path: Path) -> None:
+def test_hosts_are_removed_when_their_owner_is_killed(tmp_path: Path) -> None:
     def here() -> str:
         return subprocess.run(["ip", "-o", "link"], check=True, capture_output=True, text=True).stdout
 

@@ -1,7 +1,6 @@
 """Robots that all start within range of each other: the same links, in memory proportional to their contacts."""
 
 import math
-import subprocess
 import sys
 import tracemalloc
 from collections.abc import Callable
@@ -93,6 +92,7 @@ def test_pairs_found_in_blocks_are_those_of_a_search_of_all_pairs(
     assert neighbor_list.count(where, 100.0, 10**6) == len(expected)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rule", sorted(neighbor_rules.RULES))
 def test_a_crowd_takes_memory_in_proportion_to_its_contacts(rule: str) -> None:
     """For any number of contacts: their triples with third robots are 80 and 160 times as many."""
@@ -186,18 +186,3 @@ def test_what_is_free_is_the_least_of_machine_container_and_limit(
     assert memory.available() == 3_900_000
     monkeypatch.setattr(memory, "_limit", lambda: -5)
     assert memory.available() == 0
-
-
-@pytest.mark.parametrize(
-    "program",
-    [
-        "import sys; from console import cli; cli.load = fail; sys.argv = ['fes', 'run', 'x.toml']; cli.main()",
-        "from fes import process\nasync def main(): fail()\nprocess.run('fes', main)",
-    ],
-)
-def test_memory_that_cannot_be_had_is_one_line(program: str) -> None:
-    fail = "import numpy\ndef fail(*given): numpy.zeros(2**59)\n"
-    ended = subprocess.run([sys.executable, "-c", fail + program], capture_output=True, text=True, check=False)
-    assert ended.returncode == 1
-    assert ended.stderr.startswith("fes: error: not enough memory: Unable to allocate 4.00 EiB")
-    assert ended.stderr.count("\n") == 1

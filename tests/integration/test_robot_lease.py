@@ -65,7 +65,7 @@ def test_agents_without_an_id_take_the_lowest_free_robots_and_the_digest_is_the_
     assert summary["digest"] == inprocess.run(scenario, "test")["digest"]
 
 
-def test_a_robot_is_free_again_when_its_agent_is_gone_and_until_then_nobody_gets_it() -> None:
+def test_a_robot_is_free_only_after_its_agent_has_left() -> None:
     async def main() -> None:
         async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
             server = Server(opened, Run(load("pair.toml", run__duration=1000.0)), "test", RUN)
@@ -84,7 +84,7 @@ def test_a_robot_is_free_again_when_its_agent_is_gone_and_until_then_nobody_gets
 
 
 @pytest.mark.usefixtures("at_length")
-def test_who_is_promised_a_robot_and_does_not_come_loses_it_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_promised_robot_is_free_again_if_its_agent_does_not_join(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [1000.0]
     monkeypatch.setattr("world.server.registry.time", SimpleNamespace(monotonic=lambda: now[0]))
 
@@ -117,7 +117,7 @@ def test_who_is_promised_a_robot_and_does_not_come_loses_it_again(monkeypatch: p
 
 
 @pytest.mark.usefixtures("at_length")
-def test_a_world_that_goes_on_leases_no_robot_whose_agent_may_still_find_it() -> None:
+def test_a_resumed_world_leases_no_robot_whose_agent_may_still_rejoin() -> None:
     async def main() -> None:
         async with session.router() as (opened, endpoint), client(endpoint) as spare:
             scenario, drops = load("pair.toml"), DropLog(logging.getLogger("test"))

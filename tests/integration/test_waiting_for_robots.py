@@ -77,10 +77,10 @@ def test_the_world_waits_for_a_robot_that_is_due() -> None:
     assert summary["unscheduled_absences"] == 0
 
 
-def test_a_robot_that_is_due_and_does_not_come_is_missed_and_the_run_continues(
+def test_a_due_robot_that_does_not_join_is_reported_and_the_run_continues(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """One robot does not end the run of the others; the summary counts its absence, here from tick 30 to 50."""
+    """A missing robot does not end the run; the summary counts its absence, here from tick 30 to 50."""
     monkeypatch.setattr("world.server.lockstep.RETURN_TIMEOUT", 0.5)
     scenario = load("pair.toml", run__duration=1.0, event=DYING)
     _, summary = asyncio.run(due(scenario, comes=False))
@@ -96,7 +96,7 @@ def resumed_at(scenario: Scenario, tick: int) -> Run:
     return run
 
 
-def test_a_robot_that_died_while_the_world_was_away_is_waited_for_and_then_left_out(
+def test_a_resumed_world_waits_for_a_robot_that_died_meanwhile_and_then_excludes_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("world.server.server.RESUME_TIMEOUT", 0.5)
@@ -119,7 +119,7 @@ def test_a_robot_that_died_while_the_world_was_away_is_waited_for_and_then_left_
     assert server.run.state.present.tolist() == [True, False]
 
 
-def test_who_comes_back_before_the_wait_is_over_is_not_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_robot_that_rejoins_within_the_wait_is_not_excluded(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("world.server.server.RESUME_TIMEOUT", PATIENCE)
 
     async def main() -> Bools:
@@ -139,7 +139,7 @@ def test_who_comes_back_before_the_wait_is_over_is_not_left_out(monkeypatch: pyt
 
 
 @pytest.mark.parametrize("torn", [False, True], ids=["to the tick it died at", "to one before"])
-def test_a_live_run_whose_world_dies_goes_on_in_lockstep_at_a_tick_that_its_robots_have_answered(
+def test_a_live_run_whose_world_dies_resumes_in_lockstep_at_an_answered_tick(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, torn: bool
 ) -> None:
     monkeypatch.setattr("world.server.server.RESUME_TIMEOUT", PATIENCE)

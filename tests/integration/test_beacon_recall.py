@@ -26,7 +26,7 @@ def deaf_at_tick_40(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(BeaconSubscriptions, "heard", hear)
 
 
-def test_a_beacon_that_does_not_arrive_is_asked_for_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_beacon_that_does_not_arrive_is_recalled(monkeypatch: pytest.MonkeyPatch) -> None:
     paper = load("paper.toml", run__duration=1.5)
     deaf_at_tick_40(monkeypatch)
     summary, _, agents = asyncio.run(session.run(paper, [[0, 1, 2], [3], [4, 5, 6, 7, 8, 9]]))
@@ -34,7 +34,9 @@ def test_a_beacon_that_does_not_arrive_is_asked_for_again(monkeypatch: pytest.Mo
     assert all(agent.drops.counts["Beacon: recalled"] for agent in agents)
 
 
-def test_a_beacon_that_cannot_be_had_is_an_error_and_no_other_digest(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_beacon_that_cannot_be_recalled_is_an_error_instead_of_a_wrong_digest(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     deaf_at_tick_40(monkeypatch)
     monkeypatch.setattr("world.execution.run.RECALLABLE", 0)
     monkeypatch.setattr("world.server.lockstep.RETURN_TIMEOUT", 1.0)
@@ -54,7 +56,7 @@ def test_a_beacon_that_cannot_be_had_is_an_error_and_no_other_digest(monkeypatch
     asyncio.run(main())
 
 
-def test_the_world_repeats_a_beacon_as_its_peers_got_it_without_a_log_too() -> None:
+def test_the_world_resends_a_beacon_as_its_peers_received_it_even_without_a_log() -> None:
     repeated: list[bool] = []
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:

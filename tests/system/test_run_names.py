@@ -33,28 +33,28 @@ def fes(where: Path, locale: dict[str, str], *words: str | bytes) -> dict[str, A
 
 
 @pytest.mark.parametrize(("name", "shown"), NAMES.items(), ids=["bytes", "letters", "escapes", "long"])
-def test_any_name_of_a_file_is_one_valid_name_of_its_run(name: bytes, shown: str, tmp_path: Path) -> None:
+def test_any_file_name_yields_a_valid_name_of_a_run(name: bytes, shown: str, tmp_path: Path) -> None:
     (tmp_path / os.fsdecode(name + b".toml")).write_text(PAIR, encoding="utf-8")
     assert fes(tmp_path, ASCII, "run", name + b".toml", *IN, "--out", "run")["scenario"] == shown
     assert fes(tmp_path, ASCII, "replay", "run", "--json")["scenario"] == shown
 
 
 @pytest.mark.parametrize("locale", [{}, ASCII], ids=["UTF-8", "ASCII"])
-def test_processes_are_given_that_name_in_any_locale(locale: dict[str, str], tmp_path: Path) -> None:
+def test_processes_receive_the_name_of_a_run_in_any_locale(locale: dict[str, str], tmp_path: Path) -> None:
     for number, (name, shown) in enumerate(list(NAMES.items())[:2]):
         (tmp_path / os.fsdecode(name + b".toml")).write_text(PAIR, encoding="utf-8")
         words = [*IN[2:], "--agents-per-process", "2", "--out", str(number)]
         assert fes(tmp_path, locale, "run", name + b".toml", *words)["scenario"] == shown
 
 
-def test_a_sweep_keeps_any_name_of_a_file(tmp_path: Path) -> None:
+def test_a_sweep_accepts_any_file_name(tmp_path: Path) -> None:
     for name, shown in NAMES.items():
         (tmp_path / os.fsdecode(name + b".toml")).write_text(PAIR, encoding="utf-8")
         planned = design.plan(tmp_path / os.fsdecode(name + b".toml"), [], "0:1", [])
         assert planned.name == shown
 
 
-def test_a_name_that_is_given_is_bounded_as_a_files_is(tmp_path: Path) -> None:
+def test_a_given_name_is_bounded_like_a_file_name(tmp_path: Path) -> None:
     done = call(tmp_path, "fes-world", str(CONFIGS / "pair.toml"), "--name", "n" * 256)
     assert complaint(done, "fes-world") == "the name of a scenario has at most 255 characters, got 256"
 
@@ -74,3 +74,23 @@ def test_no_text_file_is_read_or_written_in_the_encoding_of_the_locale() -> None
                 if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in texts:
                     given = {word.arg for word in node.keywords}
                     assert "encoding" in given, f"{path}: line {node.lineno}"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["fes-agent", "--id", "0", "--run"],
+        ["fes-world", str(CONFIGS / "pair.toml"), "--run"],
+        ["fes", "view", "--run"],
+        ["fes", "set", "channel.reference_snr=1", "--run"],
+        ["fes", "doctor", "--run"],
+        ["fes", "keys", "rules", "--robots", "1", "--run"],
+    ],
+    ids=lambda words: " ".join(words[:2]),
+)
+def test_every_program_rejects_a_run_name_that_would_make_keys_too_long(words: list[str], tmp_path: Path) -> None:
+    if "keys" in words:
+        assert call(tmp_path, "fes", "keys", "init").returncode == 0
+    done = call(tmp_path, *words, "r" * 70_000)
+    assert done.returncode == 1
+    assert "a run's name is 1 to 64 letters" in done.stdout + done.stderr

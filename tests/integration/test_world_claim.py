@@ -45,7 +45,7 @@ def test_a_second_world_on_the_same_network_refuses_to_start_with_one_line(tmp_p
         process.communicate(timeout=PATIENCE)
 
 
-def test_of_worlds_that_start_at_the_same_time_at_most_one_starts() -> None:
+def test_at_most_one_of_several_simultaneous_worlds_starts() -> None:
     async def attempt(endpoint: str, round_: int, after: float, decided: asyncio.Barrier) -> bool:
         async with client(endpoint) as opened:
             await asyncio.sleep(after)
@@ -69,7 +69,7 @@ def test_of_worlds_that_start_at_the_same_time_at_most_one_starts() -> None:
     assert max(map(sum, asyncio.run(main()))) <= 1
 
 
-def test_of_worlds_that_start_one_after_the_other_the_first_one_starts() -> None:
+def test_the_first_of_successive_worlds_starts() -> None:
     async def main() -> list[bool]:
         async with router() as (_, endpoint), contextlib.AsyncExitStack() as worlds:
             started = []
@@ -85,7 +85,7 @@ def test_of_worlds_that_start_one_after_the_other_the_first_one_starts() -> None
     assert asyncio.run(main()) == [True, False, False]
 
 
-def test_of_two_routers_that_find_each_other_at_most_one_starts() -> None:
+def test_at_most_one_of_two_worlds_starts_whose_routers_connect() -> None:
     async def main() -> list[int]:
         started = []
         for _ in range(3):
@@ -103,7 +103,7 @@ def test_of_two_routers_that_find_each_other_at_most_one_starts() -> None:
     assert max(asyncio.run(main())) <= 1
 
 
-def test_a_world_that_left_leaves_no_claim() -> None:
+def test_a_world_that_has_ended_holds_no_claim() -> None:
     async def main() -> None:
         async with router() as (_, endpoint):
             for _ in range(3):
@@ -117,7 +117,7 @@ def test_a_world_that_left_leaves_no_claim() -> None:
     asyncio.run(main())
 
 
-def test_a_world_without_a_claim_is_seen_by_its_token() -> None:
+def test_a_world_without_a_claim_is_detected_by_its_token() -> None:
     async def main() -> None:
         async with router() as (world, endpoint), client(endpoint) as newcomer:
             world.declare_token(keys.world_alive(RUN))

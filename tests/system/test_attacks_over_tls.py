@@ -85,7 +85,7 @@ def test_each_forgery_is_refused_and_logged_once_and_the_run_is_the_same(
                     await who[role].get(key, query, 1.0)
             while world.log().count("it has no right to it") < len(FORGERIES) + 2:
                 await asyncio.sleep(0.02)
-            assert "all robots are here" not in world.log()  # robot 0's token was forged, and is not seen
+            assert "all robots are here" not in world.log()  # robot 0's token was forged, and is not forwarded
             world.agent(0)
             assert await world.over(), world.log()
             return world
@@ -99,7 +99,7 @@ def test_each_forgery_is_refused_and_logged_once_and_the_run_is_the_same(
     assert log.count("it has no right to it") == len(FORGERIES) + 2, log
 
 
-def test_who_makes_up_keys_hides_nobody_else(tmp_path: Path, issuer: certificates.Authority) -> None:
+def test_a_client_that_invents_keys_hides_no_other_client(tmp_path: Path, issuer: certificates.Authority) -> None:
     keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
     acts = [
         ("put", keys.command(RUN, 0)),
@@ -123,7 +123,9 @@ def test_who_makes_up_keys_hides_nobody_else(tmp_path: Path, issuer: certificate
     assert log.count("dropped observer's") == KINDS_PER_NAME + 1
 
 
-def test_robots_observers_and_operators_do_what_they_may(tmp_path: Path, issuer: certificates.Authority) -> None:
+def test_robots_observers_and_operators_have_the_rights_of_their_roles(
+    tmp_path: Path, issuer: certificates.Authority
+) -> None:
     keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
 
     async def main() -> Stage:
@@ -134,7 +136,7 @@ def test_robots_observers_and_operators_do_what_they_may(tmp_path: Path, issuer:
             looking = Endpoints("client", (world.endpoint,), security=team_keys.security(keyed, "observer"))
             findings, robots = await network.examine(looking, RUN, True)
             others = [found.check for found in findings if found.status is not Status.OK]
-            assert (robots, others) == (2, ["alive"])  # both robots are yet to come
+            assert (robots, others) == (2, ["alive"])  # both robots have not joined yet
             world.agent(0)
             world.agent(1)
             while (report := reports.take()) is None:
@@ -202,8 +204,8 @@ def test_a_certificate_that_is_not_of_this_run_opens_no_session(
         assert world.log().count(f"dropped a connection: {why}") == 1, (why, world.log())
 
 
-def test_a_robot_cannot_pass_for_the_world(tmp_path: Path, issuer: certificates.Authority) -> None:
-    """Its certificate cannot serve, and it is the only one that a robot's process would connect to."""
+def test_a_robot_cannot_impersonate_the_world(tmp_path: Path, issuer: certificates.Authority) -> None:
+    """Its certificate is not valid for a server, and a robot connects to no other."""
     keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
     own = team_keys.security(keyed, "robot-1")
     tls = own["transport/link/tls"]
@@ -223,7 +225,7 @@ def test_a_robot_cannot_pass_for_the_world(tmp_path: Path, issuer: certificates.
     asyncio.run(main())
 
 
-def test_who_takes_the_session_id_of_a_robot_does_not_get_its_rights(
+def test_a_client_with_the_session_id_of_a_robot_does_not_get_its_rights(
     tmp_path: Path, issuer: certificates.Authority
 ) -> None:
     keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
@@ -237,9 +239,8 @@ def test_who_takes_the_session_id_of_a_robot_does_not_get_its_rights(
                 with pytest.raises(TransportError):
                     async with bus.opened(endpoints):
                         pass
-            async with bus.opened(
-                replace(endpoints, timeout=PATIENCE)
-            ) as thief:  # the robot has left: its id is free
+            # The robot has left: its session id is free.
+            async with bus.opened(replace(endpoints, timeout=PATIENCE)) as thief:
                 thief._session.put(keys.command(RUN, 0), b"x")
                 refused = "dropped robot-1's put on fes/main/robot/0/command"
                 await asyncio.to_thread(until, lambda: refused in world.log())

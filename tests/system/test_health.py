@@ -15,7 +15,7 @@ def check(*words: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60)
 
 
-def test_a_port_is_listened_at_from_listen_to_close_and_is_no_connection() -> None:
+def test_a_port_is_listening_from_listen_to_close_and_is_not_a_connection() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]
         assert health.healthy("listens", port)
@@ -23,7 +23,7 @@ def test_a_port_is_listened_at_from_listen_to_close_and_is_no_connection() -> No
     assert not health.healthy("listens", port)
 
 
-def test_a_connection_stands_until_it_is_closed_and_only_its_client_is_connected_to_the_port() -> None:
+def test_a_connection_lasts_until_it_is_closed_and_only_its_client_counts() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]
         with socket.create_connection(("127.0.0.1", port)) as client:
@@ -32,11 +32,11 @@ def test_a_connection_stands_until_it_is_closed_and_only_its_client_is_connected
             assert not health.healthy("listens", own)
             with server.accept()[0]:
                 pass
-            assert client.recv(1) == b""  # the other end is gone: half a connection is none
+            assert client.recv(1) == b""  # the other end is closed: half a connection does not count
             assert not health.healthy("connected", port)
 
 
-def test_the_command_says_yes_or_no_by_its_exit_code() -> None:
+def test_the_health_command_answers_by_its_exit_code() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]
         found = check("listens", port)
@@ -46,7 +46,7 @@ def test_the_command_says_yes_or_no_by_its_exit_code() -> None:
 
 
 @pytest.mark.parametrize("words", [[], ["listens"], ["listens", "http"], ["speaks", "7447"]])
-def test_what_cannot_be_checked_is_not_healthy(words: list[str]) -> None:
+def test_a_failed_health_check_is_not_healthy(words: list[str]) -> None:
     done = check(*words)
     assert done.returncode == 1
     assert done.stderr.startswith("fes.transport.health: error: expects listens PORT or connected PORT")

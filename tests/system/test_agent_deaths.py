@@ -1,4 +1,4 @@
-"""`fes run` survives its robots: if agents that it started die, it names them and continues."""
+"""`fes run` survives the death of its agents: it names them and continues."""
 
 import asyncio
 import json
@@ -32,7 +32,7 @@ class Run:
         return path.read_text() if path.exists() else ""
 
     def pid(self, robots: str) -> int:
-        """Process id of the agent of `robots` that runs now."""
+        """Process id of the current agent of `robots`."""
 
         def found() -> list[int]:
             here = children(self.running.pid)
@@ -48,7 +48,7 @@ class Run:
         until(lambda: not any(alive(pid) for pid in pids))
 
     def end(self) -> tuple[int, str, list[str]]:
-        """The exit code, standard output, and the messages after the first line; no process may be left."""
+        """Exit code, standard output, and messages after the first line; no process may remain."""
         self.seen |= set(children(self.running.pid))
         out, err = self.running.communicate(timeout=2 * PATIENCE)
         until(lambda: not any(alive(pid) for pid in self.seen))
@@ -77,8 +77,8 @@ def warned(robots: str, how: str) -> str:
     return f"fes: warning: {robots}: {said}; the run continues without {whom}"
 
 
-def test_agents_that_die_one_and_several_end_no_run_and_the_summary_counts_them(tmp_path: Path) -> None:
-    """By SIGKILL, as the system does where memory is short, told to end by somebody, and by an error of its own."""
+def test_dead_agents_do_not_end_a_run_and_the_summary_counts_them(tmp_path: Path) -> None:
+    """By SIGKILL, as when memory is short, by SIGTERM, and by an error of its own."""
     with under_way(tmp_path, "paper.toml", "--json", "--duration", "8", "--rtf", "4") as run:
         run.kill("3")
         run.kill("4", how=signal.SIGTERM)
@@ -110,7 +110,7 @@ def test_agents_that_die_one_and_several_end_no_run_and_the_summary_counts_them(
 def test_a_process_frozen_for_longer_than_its_lease_is_counted_and_fails_an_expectation(
     tmp_path: Path, program: str, log: str, sign: str
 ) -> None:
-    """As by a debugger, a container's pause or a busy machine; it continues once its session is gone."""
+    """Frozen as by a debugger, a container's pause or a busy machine, until its session has expired."""
     scenario = tmp_path / "frozen.toml"
     expected = '[[expect]]\nof = "unscheduled_absences"\nequals = 0\n'
     scenario.write_text((CONFIGS / "pair.toml").read_text() + "\n" + expected)
@@ -126,7 +126,7 @@ def test_a_process_frozen_for_longer_than_its_lease_is_counted_and_fails_an_expe
     assert said[-1].startswith(f"fes: warning: unscheduled absences: {absent} robot-ticks; the digest is not that of")
 
 
-def test_with_respawn_a_crew_that_dies_is_there_again_with_all_of_its_robots(tmp_path: Path) -> None:
+def test_with_respawn_a_dead_crew_is_restarted_with_all_of_its_robots(tmp_path: Path) -> None:
     words = ["--agents-per-process", "5", "--respawn", "--duration", "1000", "--rtf", "4"]
     with under_way(tmp_path, "paper.toml", *words) as run:
         first = run.pid("5-9")
@@ -144,7 +144,7 @@ def test_with_respawn_a_crew_that_dies_is_there_again_with_all_of_its_robots(tmp
 
 
 def test_an_agent_that_dies_before_the_run_begins_is_named_and_ends_it(tmp_path: Path) -> None:
-    """The world waits for all robots before tick 0; one is held up here, so that the run does not begin."""
+    """The world waits for all robots before tick 0; one is delayed here, so that the run does not begin."""
     with under_way(tmp_path, "pair.toml", begun=False) as run:
         os.kill(run.pid("0"), signal.SIGSTOP)
         until(lambda: "waiting for the world" in run.log("agent-1"))
@@ -154,7 +154,7 @@ def test_an_agent_that_dies_before_the_run_begins_is_named_and_ends_it(tmp_path:
     assert (code, said) == (1, [f"fes: error: {why}; the run cannot begin without it"])
 
 
-def test_a_run_without_an_agent_says_what_it_waits_for(tmp_path: Path) -> None:
+def test_a_run_without_an_agent_names_the_robot_it_waits_for(tmp_path: Path) -> None:
     with under_way(tmp_path, "pair.toml", "--duration", "1000", "--rtf", "1") as run:
         asyncio.run(first_report(run.out))
         run.kill("0", "1")
@@ -172,7 +172,7 @@ def test_a_run_without_an_agent_says_what_it_waits_for(tmp_path: Path) -> None:
     assert err == "fes: error: stopped by SIGINT; what was reached is in out\n"
 
 
-def test_a_world_whose_directory_is_removed_is_named_all_the_same(tmp_path: Path) -> None:
+def test_a_world_whose_directory_was_removed_is_still_named(tmp_path: Path) -> None:
     with under_way(tmp_path, "pair.toml", "--duration", "4", "--rtf", "2") as run:
         subprocess.run(["rm", "-r", str(run.out)], check=True)
         code, _, said = run.end()

@@ -30,14 +30,14 @@ def test_an_event_acts_from_its_tick_on_and_the_optimum_moves_with_it() -> None:
     assert summary["optimal_separation"] == summary["tracking"][-1]["optimal_separation"]
 
 
-def test_an_event_at_the_start_is_the_same_as_a_scenario_that_begins_so() -> None:
+def test_an_event_at_tick_0_equals_a_scenario_with_that_setting() -> None:
     begun = load("pair.toml", run__duration=1, channel__reference_snr=5e6)
     changed = load("pair.toml", run__duration=1, event=[{**HALVED, "at": 0.0}])
     world = truth.create(changed)
     assert truth.start(world).channel == begun.channel
 
 
-def test_of_two_events_of_one_tick_the_later_in_the_file_wins_and_others_come_in_order_of_time() -> None:
+def test_the_later_of_two_events_of_one_tick_wins_and_other_events_act_in_order_of_time() -> None:
     def event(at: float, path: str, value: Any) -> EventConfig:
         return EventConfig.model_validate({"at": at, "set": {path: value}})
 
@@ -63,7 +63,7 @@ def test_of_two_events_of_one_tick_the_later_in_the_file_wins_and_others_come_in
         ),
     ],
 )
-def test_what_is_set_has_its_effective_value(settings: dict[str, Any], path: str, value: Any) -> None:
+def test_the_summary_has_the_effective_value_of_a_setting(settings: dict[str, Any], path: str, value: Any) -> None:
     assert events.effective(events.changed(RadioConfig(), settings, 0.02), path) == value
 
 
@@ -83,7 +83,7 @@ def test_what_is_set_has_its_effective_value(settings: dict[str, Any], path: str
         ({"channel.": 1.0}, "unknown field 'channel'"),
     ],
 )
-def test_what_cannot_be_set_is_refused_in_one_line_when_it_is_asked_and_when_it_is_scheduled(
+def test_an_impossible_change_is_rejected_in_one_line_whether_requested_or_scheduled(
     settings: dict[str, Any], rule: str
 ) -> None:
     with pytest.raises(ScenarioError) as asked:
@@ -95,7 +95,7 @@ def test_what_cannot_be_set_is_refused_in_one_line_when_it_is_asked_and_when_it_
     assert "\n" not in str(scheduled.value)
 
 
-def test_a_person_changes_a_running_world_and_the_run_can_be_run_again_with_what_was_set() -> None:
+def test_a_run_changed_by_fes_set_can_be_repeated_from_its_recorded_changes() -> None:
     scenario = load("pair.toml", run__duration=8)
     answers: list[Any] = []
 
@@ -132,7 +132,7 @@ def test_a_person_changes_a_running_world_and_the_run_can_be_run_again_with_what
     assert again["tracking"] == summary["tracking"]
 
 
-def test_what_an_event_that_is_scheduled_would_make_impossible_is_refused_and_the_run_goes_on() -> None:
+def test_a_change_that_would_invalidate_a_scheduled_event_is_rejected_and_the_run_continues() -> None:
     bursts = {"bad_share": 0.1, "mean_length": 1.0, "loss": 0.5}
     later = {"at": 3.0, "set": {"channel.bursts.bad_share": 0.9}}
     scenario = load("pair.toml", run__duration=4.0, channel__bursts=bursts, event=[later])
@@ -154,12 +154,12 @@ def test_a_value_that_no_message_can_carry_is_one_line() -> None:
         channel_change.encode_change(ParameterChange("channel.reference_snr", datetime.date(2020, 1, 1)))
 
 
-def test_an_event_that_changes_nothing_begins_nothing() -> None:
+def test_an_event_that_changes_nothing_starts_no_segment() -> None:
     same = {"at": 0.2, "set": {"channel.reference_snr": 1e7}}
     assert len(inprocess.run(load("pair.toml", run__duration=1, event=[same]), "pair")["tracking"]) == 1
 
 
 @pytest.mark.parametrize("payload", [b"", b"\xc0", wire.pack("a", "{"), wire.pack("", "1")])
-def test_a_change_that_is_none_is_a_message_error(payload: bytes) -> None:
+def test_an_invalid_change_is_a_message_error(payload: bytes) -> None:
     with pytest.raises(MessageError):
         channel_change.decode_change(payload)

@@ -25,7 +25,7 @@ LATER = {"at": 6.0, "hang": [4, 6]}
 
 
 def state(pid: int) -> str:
-    """R, S, T (stopped), Z, ...; X once it is gone."""
+    """State of a process: R, S, T (stopped), Z, ...; X after its end."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
     except OSError:
@@ -33,7 +33,7 @@ def state(pid: int) -> str:
 
 
 class Watched:
-    """A run of a scenario in processes, and its agents' pids."""
+    """A run in processes, and the pids of its agents."""
 
     def __init__(self, where: Path, scenario: Scenario, pace: float) -> None:
         write_scenario(where, scenario)
@@ -43,7 +43,7 @@ class Watched:
         self.robots = scenario.robots.number
 
     def agent(self, robot: int) -> int:
-        """The pid of a robot's agent, once there is one."""
+        """Pid of a robot's agent, as soon as it runs."""
 
         def found() -> list[int]:
             words = f"-m agents --id {robot} "
@@ -89,7 +89,7 @@ def watch(tmp_path: Path) -> Iterator[Watch]:
 
 
 @pytest.mark.parametrize("wake", [14.0, 26.0], ids=["briefly", "longer than its lease"])
-def test_fes_run_stops_processes_that_hang_and_continues_them_and_the_digest_is_the_same(
+def test_fes_run_suspends_and_continues_processes_as_scheduled_and_the_digest_is_the_same(
     wake: float, watch: Watch
 ) -> None:
     events = [LATER, {"at": wake, "wake": [4]}, {"at": wake + 1.0, "wake": [6]}]
@@ -100,7 +100,7 @@ def test_fes_run_stops_processes_that_hang_and_continues_them_and_the_digest_is_
     assert state(pids[5]) != "T"
     until(lambda: state(pids[4]) != "T" and state(pids[6]) != "T")
     assert watched.outcome()["digest"] == inprocess.run(scenario, "scenario")["digest"]
-    for robot in (4, 5, 6):  # it is the same process that goes on
+    for robot in (4, 5, 6):  # the same process resumes
         assert watched.log(robot).count("ready") == watched.log(robot).count("the run is over") == 1
         assert "dropped" not in watched.log(robot)
     world = (watched.where / "out/world.log").read_text()
@@ -108,18 +108,18 @@ def test_fes_run_stops_processes_that_hang_and_continues_them_and_the_digest_is_
     assert not any(words in world for words in ("is not there", "does not answer", "dropped"))
 
 
-def test_robots_that_hang_to_the_end_do_not_hold_up_the_end(watch: Watch) -> None:
+def test_robots_that_hang_to_the_end_do_not_delay_it(watch: Watch) -> None:
     scenario = load("neighborhood.toml", run__duration=12.0, event=[HANG])
     watched = watch(scenario, 4.0)
     pids = [watched.agent(robot) for robot in (4, 6)]
     until(lambda: all(state(pid) == "T" for pid in pids))
     assert watched.outcome()["digest"] == inprocess.run(scenario, "scenario")["digest"]
     assert not any(alive(pid) for pid in pids)
-    for robot in (4, 6):  # killed where it stood, and not told to go on and find its world gone
+    for robot in (4, 6):  # killed while suspended, and not resumed without its world
         assert watched.log(robot).splitlines()[-1].endswith("ready")
 
 
-def test_a_world_in_which_all_robots_hang_goes_on_and_gets_them_back(watch: Watch) -> None:
+def test_a_world_whose_robots_all_hang_continues_and_they_rejoin(watch: Watch) -> None:
     events = [{"at": 1.0, "hang": [0, 1]}, {"at": 25.0, "wake": [0, 1]}]
     scenario = load("pair.toml", run__duration=26.0, event=events)
     watched = watch(scenario, 4.0)
@@ -129,7 +129,7 @@ def test_a_world_in_which_all_robots_hang_goes_on_and_gets_them_back(watch: Watc
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT], ids=lambda how: how.name)
-def test_nobody_outlives_a_launcher_that_ends_while_a_robot_hangs(how: signal.Signals, watch: Watch) -> None:
+def test_no_process_outlives_a_launcher_that_ends_while_a_robot_hangs(how: signal.Signals, watch: Watch) -> None:
     watched = watch(load("pair.toml", run__duration=1e5, event=[{"at": 0.5, "hang": [1]}]), 1.0)
     pids = [watched.agent(robot) for robot in (0, 1)]
     until(lambda: state(pids[1]) == "T")
@@ -150,10 +150,10 @@ def test_a_crew_of_several_robots_is_not_stopped(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("restart", "done"), [(2.4, []), (10.0, ["kill 4", "start 4"])], ids=["brief", "long"])
-def test_who_may_be_back_by_now_keeps_its_process(
+def test_a_robot_that_may_have_resumed_keeps_its_process(
     monkeypatch: pytest.MonkeyPatch, restart: float, done: list[str]
 ) -> None:
-    """Reports come ten times a second, and tell of a tick that is over: a world at full speed is far ahead."""
+    """Ten reports per second are of past ticks: a world at full speed is far ahead."""
     scenario = load("paper.toml", event=[{"at": 2.0, "kill": [4]}, {"at": restart, "restart": [4]}])
     did: list[str] = []
 

@@ -28,11 +28,11 @@ IN = ["--backend", "inprocess", "--headless", "--json", "--duration", "0.2"]
 
 DEEP = {"lists": "[" * 20_000, "tables": "{a = " * 20_000, "closed": "[" * 300 + "]" * 300}
 LONG = {"decimal": "1" * 5000, "hexadecimal": "0x" + "f" * 5000, "binary": "0b" + "1" * 20_000, "bits": str(2**64)}
-"""Whole numbers too long to be converted, or to be printed, or for TOML."""
+"""Integers with too many digits for int(), for print() or for TOML."""
 
 
 def line(run: Callable[[], object]) -> str:
-    """The one line of an error that a person can cause, empty if there is none; raises any other error."""
+    """Message of an error that a person can cause; empty without an error; raises any other error."""
     said = ""
     try:
         run()
@@ -63,7 +63,7 @@ def load(folder: Path, content: bytes) -> str:
     ],
     ids=["mark", "CRLF", "CR", "mark and CRLF"],
 )
-def test_a_byte_order_mark_and_any_ends_of_lines_are_read_over(content: bytes, tmp_path: Path) -> None:
+def test_a_byte_order_mark_and_any_line_endings_are_accepted(content: bytes, tmp_path: Path) -> None:
     (tmp_path / "pair.toml").write_bytes(content)
     assert scenario.load(tmp_path / "pair.toml") == scenario.load(CONFIGS / "pair.toml")
 
@@ -83,7 +83,7 @@ def test_another_encoding_is_named(content: bytes, said: str, tmp_path: Path) ->
     assert load(tmp_path, content) == said
 
 
-def test_a_file_without_end_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_endless_file_is_rejected(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(encoding, "LONGEST_FILE", 1 << 20)
     assert line(lambda: scenario.load(Path("/dev/zero"))) == "/dev/zero: is longer than 1 MiB"
 
@@ -98,14 +98,14 @@ def test_toml_that_is_nested_too_deeply_is_one_line(text: str, tmp_path: Path) -
 
 
 @pytest.mark.parametrize("text", LONG.values(), ids=LONG)
-def test_a_whole_number_that_is_too_long_is_one_line(text: str, tmp_path: Path) -> None:
+def test_an_integer_with_too_many_digits_is_rejected_in_one_line(text: str, tmp_path: Path) -> None:
     words = ("has a number or a date that is too large", " bits, more than 64")
     for said in (load(tmp_path, f"[run]\ndt = {text}".encode()), line(lambda: parse_override(f"run.dt={text}"))):
         assert any(word in said for word in words), said
     assert any(word in line(lambda: design.parse_axis(f"run.dt=0.1,{text}")) for word in words)
 
 
-def test_a_path_through_too_many_tables_is_one_line(tmp_path: Path) -> None:
+def test_a_key_through_too_many_tables_is_rejected_in_one_line(tmp_path: Path) -> None:
     path = ".".join("a" * 1000)
     assert "is nested too deeply" in load(tmp_path, f"{path} = 1".encode())
     words = ["run", str(CONFIGS / "pair.toml"), *IN, "--set", f"{path}=1"]
@@ -125,7 +125,7 @@ JUNK = st.lists(st.one_of(SCRAPS, TEXTS), max_size=12).map("".join)
 
 
 @given(JUNK, st.integers(0, len(PAIR)))
-def test_any_text_in_a_scenario_is_taken_or_refused_in_one_line(
+def test_any_text_in_a_scenario_is_accepted_or_rejected_in_one_line(
     tmp_path_factory: pytest.TempPathFactory, junk: str, at: int
 ) -> None:
     folder = tmp_path_factory.getbasetemp()
@@ -134,7 +134,7 @@ def test_any_text_in_a_scenario_is_taken_or_refused_in_one_line(
 
 
 @given(st.binary(max_size=80), st.integers(0, len(PAIR)))
-def test_any_bytes_in_a_scenario_are_taken_or_refused_in_one_line(
+def test_any_bytes_in_a_scenario_are_accepted_or_rejected_in_one_line(
     tmp_path_factory: pytest.TempPathFactory, junk: bytes, at: int
 ) -> None:
     load(tmp_path_factory.getbasetemp(), PAIR.encode()[:at] + junk + PAIR.encode()[at:])
@@ -146,7 +146,7 @@ FIELDS = st.sampled_from(
 
 
 @given(st.one_of(JUNK, st.builds("{}={}".format, FIELDS, JUNK), st.text(max_size=20)))
-def test_any_override_axis_seeds_and_change_is_taken_or_refused_in_one_line(text: str) -> None:
+def test_any_override_axis_seeds_and_change_is_accepted_or_rejected_in_one_line(text: str) -> None:
     def set_() -> None:
         path, value = parse_override(text)
         scenario.load(CONFIGS / "pair.toml", {path: value})
@@ -161,7 +161,7 @@ def test_any_override_axis_seeds_and_change_is_taken_or_refused_in_one_line(text
 @given(
     of=TEXTS, equals=st.one_of(TEXTS, st.integers(), st.floats()), settings=st.dictionaries(TEXTS, JUNK, max_size=2)
 )
-def test_any_expectation_and_event_is_taken_or_refused_in_one_line(
+def test_any_expectation_and_event_is_accepted_or_rejected_in_one_line(
     of: str, equals: object, settings: dict[str, Any]
 ) -> None:
     tables = {"schema": 1, "robots": {"count": 2}}
@@ -180,7 +180,7 @@ BOGUS = json.dumps(vars(Address("bogus", "main", os.getpid())))
 
 
 @pytest.mark.parametrize("text", [*JSON, pytest.param(BOGUS, id="of no endpoint")])
-def test_an_announcement_that_no_run_made_is_not_there(
+def test_an_announcement_that_no_run_made_is_ignored(
     text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -190,7 +190,7 @@ def test_an_announcement_that_no_run_made_is_not_there(
 
 
 @pytest.mark.parametrize("pid", [10**40, "1", None, True, -1])
-def test_an_announcement_of_a_process_that_cannot_be_is_not_there(
+def test_an_announcement_of_an_impossible_process_is_ignored(
     pid: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -224,7 +224,7 @@ KEYS = {
 
 
 @pytest.mark.parametrize("content", KEYS.values(), ids=KEYS)
-def test_a_certificate_or_key_that_is_none_is_one_line(content: bytes, tmp_path: Path) -> None:
+def test_an_invalid_certificate_or_key_is_rejected_in_one_line(content: bytes, tmp_path: Path) -> None:
     assert call(tmp_path, "fes", "keys", "init").returncode == 0
     for name in ("ca.crt", "world.crt", "world.key"):
         path = tmp_path / "keys" / name
