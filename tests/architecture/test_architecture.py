@@ -150,7 +150,7 @@ config = AgentConfig(
     dt=0.02, seed=1, objective=ObjectiveConfig(), seeking=seeking, formation=FormationConfig(), channel=None
 )
 try:
-    crew.assemble(config, np.arange(2))
+    crew.create(config, np.arange(2))
 except FesError as error:
     print("refused:", error)
 print(*(name for name in sys.modules if name in ("agents.laws.oracle", "fes.model.outage")))

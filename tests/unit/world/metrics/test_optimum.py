@@ -13,6 +13,7 @@ from fes.arrays.types import Floats
 from fes.model import objective, outage
 from fes.model.config import ChannelConfig, ObjectiveConfig
 from tests.support import reference as witness
+from tests.support.examples import EXAMPLES
 from world.metrics import optimum
 
 PAPER = ChannelConfig()
@@ -96,7 +97,7 @@ def test_log_index_slope_is_the_derivative_of_the_log_index(
     assert abs(found - expected) <= 6.0 * terms / separation * (1e-13 + 1e-15 / min(spread, 1.0))
 
 
-@settings(max_examples=200)
+@settings(max_examples=2 * EXAMPLES)
 @given(preferred=objectives, channel=channels)
 def test_no_separation_is_better_than_the_optimum(preferred: ObjectiveConfig, channel: ChannelConfig) -> None:
     found = optimum.optimal_separation(preferred, channel)
