@@ -13,8 +13,9 @@ ROOT = Path(__file__).parent.parent
 PARALLEL = ["-n", "2", "--dist", "loadfile", "--no-loadscope-reorder"]
 """Two processes, each with complete files, in their order: xdist would start the longest file last."""
 
-QUICK = [*PARALLEL, "-q", "-m", "not slow", "tests/unit", "tests/architecture", "fes", "agents", "world", "console"]
-"""The folders of quick tests, and the doctests."""
+QUICK = [*PARALLEL, "-q", "-m", "not slow", "--hypothesis-profile", "quick"]
+QUICK += ["tests/unit", "tests/architecture", "fes", "agents", "world", "console"]
+"""The folders of quick tests, and the doctests; hypothesis generates a fifth of its examples."""
 
 CHOSEN = QUICK + sys.argv[2:] if sys.argv[1:2] == ["--quick"] else sys.argv[1:] or PARALLEL
 

@@ -13,6 +13,7 @@ from hypothesis import settings
 from fes.system.signals import STOP_SIGNALS
 
 settings.register_profile("fes", derandomize=True, deadline=None)
+settings.register_profile("quick", settings.get_profile("fes"), max_examples=20)
 settings.load_profile("fes")
 
 signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -1,6 +1,7 @@
 """The project's own source: modules, their packages and their imports."""
 
 import ast
+import functools
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -28,12 +29,17 @@ def imports(tree: ast.AST) -> Iterator[str]:
             yield from (f"{node.module}.{name.name}" for name in node.names)
 
 
+@functools.cache
+def imports_of(path: Path) -> frozenset[str]:
+    """Every name that a module imports."""
+    return frozenset(imports(ast.parse(path.read_text(encoding="utf-8"))))
+
+
 def importers(of: str) -> set[str]:
     """The modules of the project that import `of` or something in it."""
     names = set()
     for name, path in modules(*PACKAGES).items():
-        wanted = imports(ast.parse(path.read_text(encoding="utf-8")))
-        if any(imported == of or imported.startswith(f"{of}.") for imported in wanted):
+        if any(imported == of or imported.startswith(f"{of}.") for imported in imports_of(path)):
             names.add(name)
     return names
 
@@ -49,7 +55,7 @@ def arrows() -> dict[str, set[str]]:
     packages = {package(name) for name in known}
     names: dict[str, set[str]] = {name: set() for name in packages}
     for name, path in known.items():
-        for imported in imports(ast.parse(path.read_text(encoding="utf-8"))):
+        for imported in imports_of(path):
             if package(imported) in packages:
                 names[package(name)].add(package(imported))
     return {name: wanted - {name} for name, wanted in names.items()}

@@ -50,6 +50,7 @@ def _again(beacons: Any, tick: int) -> Any:
     return type(beacons)(tick, *[getattr(beacons, name) for name in list(beacons.__dataclass_fields__)[1:]])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "pooling"), [("paper.toml", "none"), ("measured.toml", "network"), ("measured.toml", "none")]
 )

@@ -73,6 +73,7 @@ def test_a_run_is_drawn_from_its_directory_and_only_if_its_digest_is_reproduced(
         analysis_command.plot(str(tmp_path / "nowhere"))
 
 
+@pytest.mark.slow
 def test_the_default_sub_step_is_far_below_what_matters_and_converges_fast() -> None:
     for transform in ("none", "log"):
         errors = [step_study.seeking_error(step, transform) for step in (0.02, 0.01)]
@@ -94,6 +95,7 @@ def test_a_run_shorter_than_a_dither_period_has_its_separations_drawn_and_the_ti
     assert [title.endswith("averaged over a dither period") for title in titles] == [True, False]
 
 
+@pytest.mark.slow
 def test_the_closed_loop_depends_on_the_tick_to_first_order() -> None:
     closed = load("neighborhood.toml")
     (_, coarse), (_, fine) = step_study.tick_errors(closed, (0.02, 0.005))

@@ -10,6 +10,7 @@ from tests.support.results import alone, without_wall_clock
 from world.config.scenario import Scenario
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "duration"),
     [("paper.toml", 12.0), ("measured.toml", 4.0), ("neighborhood.toml", 3.0), ("paper-as-printed.toml", 3.0)],

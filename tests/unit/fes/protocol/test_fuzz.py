@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from fes.errors import FesError
 from fes.protocol import wire
 from fes.protocol.channel_change import ChangeResult, encode_result
+from tests.support.examples import EXAMPLES
 from tests.support.fuzz import attack, corpus
 from tests.support.mutations import LENGTHS, MUTATIONS, mutate
 from tests.support.payloads import CODECS, refusal
@@ -22,7 +23,7 @@ OTHERS = [payloads[0] for payloads in corpus(1).values()]
 
 
 @pytest.mark.parametrize("name", NAMES)
-@settings(max_examples=150)
+@settings(max_examples=3 * EXAMPLES // 2)
 @given(data=st.data(), seed=st.integers(0, 2**32 - 1))
 def test_a_mutated_payload_is_refused_or_a_message(name: str, data: st.DataObject, seed: int) -> None:
     random = Random(seed)
@@ -60,7 +61,7 @@ def test_every_mutation_changes_a_payload() -> None:
         assert changed != payload, mutation.__name__
 
 
-@settings(max_examples=300)
+@settings(max_examples=3 * EXAMPLES)
 @given(data=st.data())
 def test_any_change_that_can_be_said_is_made_or_refused_in_one_line(data: st.DataObject) -> None:
     change = data.draw(CODECS["Change"].messages)

@@ -7,13 +7,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fes.protocol import wire
+from tests.support.examples import EXAMPLES
 from tests.support.payloads import CODECS, assert_refused_or_a_message, bits, refusal, values
 
 NAMES = list(CODECS)
 
 
 @pytest.mark.parametrize("name", NAMES)
-@settings(max_examples=200)
+@settings(max_examples=2 * EXAMPLES)
 @given(data=st.data())
 def test_a_message_comes_back_bit_for_bit(name: str, data: st.DataObject) -> None:
     codec = CODECS[name]
@@ -22,14 +23,14 @@ def test_a_message_comes_back_bit_for_bit(name: str, data: st.DataObject) -> Non
 
 
 @pytest.mark.parametrize("name", NAMES)
-@settings(max_examples=200)
+@settings(max_examples=2 * EXAMPLES)
 @given(payload=st.binary(max_size=80) | values.map(msgpack.packb))
 def test_a_payload_that_is_no_list_of_fields_is_refused(name: str, payload: bytes) -> None:
     assert refusal(name, payload)
 
 
 @pytest.mark.parametrize("name", NAMES)
-@settings(max_examples=200)
+@settings(max_examples=2 * EXAMPLES)
 @given(data=st.data())
 def test_a_payload_with_some_fields_of_any_kind_is_refused_or_a_message(name: str, data: st.DataObject) -> None:
     codec = CODECS[name]
@@ -40,7 +41,7 @@ def test_a_payload_with_some_fields_of_any_kind_is_refused_or_a_message(name: st
 
 
 @pytest.mark.parametrize("name", NAMES)
-@settings(max_examples=200)
+@settings(max_examples=2 * EXAMPLES)
 @given(data=st.data())
 def test_a_payload_damaged_on_its_way_is_refused_or_a_message(name: str, data: st.DataObject) -> None:
     codec = CODECS[name]

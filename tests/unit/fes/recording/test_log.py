@@ -41,6 +41,7 @@ def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
 Recorded = tuple[Path, dict[str, Any]]
 
 
+@pytest.mark.slow
 def test_the_digest_is_the_same_whether_a_run_is_recorded_or_not(recorded: Recorded) -> None:
     _, summary = recorded
     assert summary["digest"] == inprocess.run(scenario(summary["scenario"]), "test")["digest"]

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from console.backends import inprocess
 from fes.model.config import ChannelConfig, ObjectiveConfig
 from fes.protocol.report import Report
+from tests.support.examples import EXAMPLES
 from tests.support.loop import load
 from world.execution.run import Run
 from world.metrics.optimum import optimal_separation
@@ -62,7 +63,7 @@ def rises(r: float, preferred: ObjectiveConfig, channel: ChannelConfig) -> bool:
         return bool(pull > shape * reach + loss)
 
 
-@settings(max_examples=150)
+@settings(max_examples=3 * EXAMPLES // 2)
 @given(preferred=objectives, channel=channels)
 @example(preferred=ObjectiveConfig(), channel=ChannelConfig())
 @example(preferred=ObjectiveConfig(maximum_separation=LARGEST), channel=ChannelConfig(model="perfect"))

@@ -36,6 +36,7 @@ def walk(n: int, width: float, speed: float, ticks: int, seed: int) -> list[tupl
     return measured
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("n", "width", "speed"), [(200, 1500.0, 2.0), (200, 600.0, 1.0), (65, 50.0, 4.0), (40, 300.0, 2.0)]
 )
