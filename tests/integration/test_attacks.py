@@ -49,7 +49,7 @@ def test_a_bad_payload_on_every_key_is_counted_with_one_line_per_kind_and_change
     assert all(agent.drops.counts for agent in agents)
 
 
-def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -> None:
+def test_repeated_late_and_early_ticks_are_rejected_and_change_no_digit() -> None:
     """Each message of an agent is sent again a little later, as by a network that repeats and reorders."""
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
@@ -81,7 +81,7 @@ def test_ticks_that_come_twice_late_or_early_are_refused_and_change_no_digit() -
     assert any(agent.drops.counts["Beacon: from the future"] for agent in agents)
 
 
-def test_a_second_command_for_a_tick_is_counted_and_the_first_one_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_second_command_for_a_tick_is_counted_and_the_first_one_applies(monkeypatch: pytest.MonkeyPatch) -> None:
     # An observation that is sent again allows a second answer.
     monkeypatch.setattr("world.server.lockstep.RESEND_AFTER", session.PATIENCE)
     endless = load("pair.toml", run__duration=1000.0)

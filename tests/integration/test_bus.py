@@ -43,7 +43,7 @@ def test_a_payload_arrives_with_its_key_and_a_deletion_as_none() -> None:
     run(main)
 
 
-def test_a_subscription_declared_before_a_command_hears_every_beacon_after_the_next_tick() -> None:
+def test_a_subscription_declared_before_a_command_receives_every_beacon_after_the_next_tick() -> None:
     """The order that makes the lockstep exact: declare, then answer. A put after the next tick is received."""
 
     async def main() -> None:

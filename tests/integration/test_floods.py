@@ -72,7 +72,7 @@ def test_the_lockstep_has_a_priority_of_its_own_and_no_message_of_it_is_dropped(
 
 
 @pytest.mark.parametrize("size", [1_000, 60_000])
-def test_a_flood_that_waits_for_room_closes_no_robots_link(size: int) -> None:
+def test_a_flood_that_waits_for_room_closes_no_link_of_a_robot(size: int) -> None:
     """Messages with congestion control BLOCK: two of them stopped a router with two threads."""
 
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:

@@ -80,7 +80,7 @@ def test_a_measured_run_has_the_same_digest_over_zenoh(changes: dict[str, Any]) 
     assert not any(agent.drops.counts for agent in agents)
 
 
-def test_an_agent_listens_to_the_peers_in_range_and_to_nobody_else() -> None:
+def test_an_agent_subscribes_to_the_peers_in_range_only() -> None:
     # Three in a row, 100 m apart, range 150 m: the outer robots must not receive each other until they approach.
     apart = load("pair.toml", robots__poses=[[0.0, 0.0, 0.0], [100.0, 0.0, 0.0], [200.0, 0.0, 0.0]])
     still = apart.model_copy(update={"run": apart.run.model_copy(update={"duration": 0.1})})

@@ -162,7 +162,7 @@ def test_a_log_of_scheduled_deaths_in_one_loop_can_be_reexecuted(tmp_path: Path)
     assert [replay_command.rerun_robot(found, robot) for robot in (4, 5)] == [120, 120]
 
 
-def test_fes_run_kills_the_processes_that_its_scenario_has_die_and_the_digest_is_the_same(tmp_path: Path) -> None:
+def test_fes_run_kills_processes_as_scheduled_and_the_digest_is_the_same(tmp_path: Path) -> None:
     # Late and long: a robot that is due within a second, as the run catches up with its pace, keeps its process.
     dying = [{"at": 6.0, "kill": [4, 6]}, {"at": 18.0, "restart": [4]}]
     scenario = load("neighborhood.toml", run__duration=20.0, event=dying)
@@ -176,9 +176,7 @@ def test_fes_run_kills_the_processes_that_its_scenario_has_die_and_the_digest_is
     assert ["the run is over" in logs[robot] for robot in (4, 5, 6)] == [True, True, False]
 
 
-def test_a_team_that_hangs_as_one_is_taken_in_again_when_it_speaks(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_team_that_hangs_as_one_rejoins_when_it_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """All that the world can then wait for are hung robots."""
     asleep, say, repeat = asyncio.Event(), Outbox.publish, Outbox.resend
     delayed: list[tuple[Outbox, int, Any]] = []

@@ -89,7 +89,7 @@ def test_a_run_of_ten_processes_can_be_reexecuted_in_one_loop(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("robot", range(10))
-def test_a_robot_alone_says_and_does_what_it_did(recorded: Recorded, robot: int) -> None:
+def test_a_robot_reexecuted_alone_sends_its_recorded_beacons_and_commands(recorded: Recorded, robot: int) -> None:
     assert replay_command.rerun_robot(log.load(recorded[0]), robot) == recorded[1]["ticks"]
 
 
@@ -228,7 +228,7 @@ def test_a_log_of_a_stopped_world_holds_all_ticks_until_then(tmp_path: Path, how
         assert json.loads((tmp_path / "out/summary.json").read_text()) == found.summary == summary
 
 
-def test_robot_and_all_at_once_are_refused(recorded: Recorded) -> None:
+def test_the_flags_robot_and_all_exclude_each_other(recorded: Recorded) -> None:
     with pytest.raises(FesError, match=r"^--all executes every robot again: give either --all or --robot 3$"):
         replay_command.replay(recorded[0], robot=3, all_=True)
 

@@ -65,7 +65,7 @@ def test_a_world_that_cannot_record_joins_ends_instead_of_waiting_forever(tmp_pa
     asyncio.run(main())
 
 
-def test_who_comes_back_when_a_world_goes_on_takes_part_from_its_second_tick() -> None:
+def test_a_robot_that_rejoins_a_resumed_world_takes_part_from_its_second_tick() -> None:
     """Observations of the first tick, published by the world before, must stay true."""
 
     async def main() -> tuple[Server, list[Bools]]:

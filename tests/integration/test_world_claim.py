@@ -127,7 +127,7 @@ def test_a_world_without_a_claim_is_detected_by_its_token() -> None:
     asyncio.run(main())
 
 
-def test_a_world_that_cannot_see_whether_there_is_another_one_does_not_start(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_world_that_cannot_look_for_other_worlds_does_not_start(monkeypatch: pytest.MonkeyPatch) -> None:
     """It sees only its own claim, which does not prove that it is alone."""
     monkeypatch.setattr(claim, "TIMEOUT", 0.5)
     endpoint = f"tcp/127.0.0.1:{free_port()}"

@@ -168,7 +168,7 @@ def links_by_tick(what: Scenario) -> list[int]:
     return [len(tick.telemetry.links) for tick in inprocess.ticks(what)]
 
 
-def test_a_team_that_diverges_says_when_it_lost_its_last_link() -> None:
+def test_the_summary_of_a_diverging_team_has_the_time_of_its_last_link() -> None:
     what = load(
         "pair.toml", run__duration=4.0, seeking__index_gain=1e10, expect=[{"of": "links_lost_at", "below": 4}]
     )

@@ -97,7 +97,7 @@ def test_forgeries_change_a_run_without_certificates(tmp_path: Path, expected: s
 
 
 @pytest.mark.parametrize("key", FORGERIES)
-def test_forgeries_are_dropped_logged_once_and_change_nothing(tmp_path: Path, expected: str, key: str) -> None:
+def test_forgeries_are_dropped_logged_once_and_change_no_digit(tmp_path: Path, expected: str, key: str) -> None:
     keyed = team_keys.directory(tmp_path / "keys", certificates.create(1.0), ROLES)
     digest, log = asyncio.run(run_with_a_forger(tmp_path, keyed, key))
     assert digest == expected

@@ -53,7 +53,7 @@ def test_the_log_of_version_2_beside_a_checkpoint_of_format_3_is_still_read(form
     assert len(list(log.load(formats / "checkpoint-3").ticks())) == 65
 
 
-def test_a_log_of_version_1(formats: Path) -> None:
+def test_a_log_of_version_1_is_rejected_in_one_line(formats: Path) -> None:
     for run in (formats / "log-1", formats / "checkpoint-2"):
         with pytest.raises(FesError) as caught:
             log.load(run)
@@ -61,7 +61,7 @@ def test_a_log_of_version_1(formats: Path) -> None:
     assert schemas.VERSION == 2
 
 
-def test_a_sweep_without_a_format(formats: Path) -> None:
+def test_a_sweep_without_a_format_is_rejected_in_one_line(formats: Path) -> None:
     before = contents(formats)
     planned = design.plan(Path(PAIR), [], "0:2", ["run.duration=1"])
     with pytest.raises(FesError) as caught, ledger.opened(formats / "sweep-1", planned):
@@ -109,7 +109,7 @@ def layout(where: Path) -> str:
 LAYOUT = FORMATS / f"checkpoint-{snapshot.FORMAT}.txt"
 
 
-def test_no_table_of_a_checkpoint_changes_without_another_format(tmp_path: Path) -> None:
+def test_no_table_of_a_checkpoint_changes_without_a_new_format_number(tmp_path: Path) -> None:
     # A checkpoint names its format, not the version of the package: with other tables the resumed run would fail.
     advice = "raise world.execution.snapshot.FORMAT, then python -m tests.system.test_older_formats"
     wanted = f"other tables in a checkpoint: {advice}"

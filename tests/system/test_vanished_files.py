@@ -107,7 +107,7 @@ def test_a_checkpoint_changed_during_its_run_is_reported_at_the_end(
     assert run.metrics.link_errors.digest.text() == inprocess.run(scenario, "pair")["digest"]
 
 
-def test_no_checkpoint_is_made_of_a_trail_that_is_gone(tmp_path: Path) -> None:
+def test_no_checkpoint_is_written_without_its_digest_input(tmp_path: Path) -> None:
     checkpoints = CheckpointWriter(tmp_path, 1e9, "pair", "main")
     run = Run(load("pair.toml"), note=checkpoints.note)
     checkpoints.begin(run)

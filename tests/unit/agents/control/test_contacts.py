@@ -45,7 +45,7 @@ def test_separations_are_formed_from_two_poses_of_one_tick_and_equal_from_both_e
     assert known.separation == pytest.approx(expected, rel=1e-15)  # rounding
 
 
-def test_what_a_lost_beacon_said_is_not_known() -> None:
+def test_the_content_of_a_lost_beacon_is_unknown() -> None:
     first = hear(contacts.no_contacts(IDS), 1, WHERE, [DECODED, LOST, DECODED, DECODED, LOST, DECODED])
     assert first.known.tolist() == [True, False, True, True, False, True]
     assert first.heard.tolist() == [0, NEVER, 0, 0, NEVER, 0]
@@ -58,7 +58,7 @@ def test_what_a_lost_beacon_said_is_not_known() -> None:
     assert (second.dx[1], second.dy[1]) == (-60.0, 80.0)
 
 
-def test_a_peer_unheard_for_longer_than_the_timeout_is_not_known_until_heard_again() -> None:
+def test_a_peer_unheard_past_the_timeout_is_unknown_until_its_next_beacon() -> None:
     known = hear(contacts.no_contacts(IDS), 1, WHERE, [DECODED] * 6)
     history = []
     for tick in range(2, 9):

@@ -54,12 +54,12 @@ def _again(beacons: Any, tick: int) -> Any:
 @pytest.mark.parametrize(
     ("name", "pooling"), [("paper.toml", "none"), ("measured.toml", "network"), ("measured.toml", "none")]
 )
-def test_a_robot_that_comes_back_does_what_a_new_process_does(name: str, pooling: str) -> None:
+def test_a_robot_that_rejoins_acts_like_a_new_process(name: str, pooling: str) -> None:
     what = load(name, event=GONE, seeking__pooling=pooling, **BRIEF)
     assert inprocess.run(what, name)["digest"] == with_new_processes(what)
 
 
-def test_a_dead_robot_stands_still_and_is_silent_and_contacts_open_anew_when_it_is_back() -> None:
+def test_a_dead_robot_stands_still_and_silent_and_its_contacts_reopen_when_it_rejoins() -> None:
     gone = [{"at": 4.0, "kill": [4]}, {"at": 8.0, "restart": [4]}]
     what = load("neighborhood.toml", run__duration=9.5, event=gone)
     poses, codes = [], []
@@ -81,7 +81,7 @@ def test_a_dead_robot_stands_still_and_is_silent_and_contacts_open_anew_when_it_
     assert DECODED in [code for pair in codes[402:420] if pair for code in pair]
 
 
-def test_the_others_let_its_links_go_by_age_and_it_resumes_with_what_they_tell_it() -> None:
+def test_links_of_a_dead_robot_expire_and_it_resumes_from_its_peers_estimates() -> None:
     what = load("neighborhood.toml", run__duration=12, event=[{"at": 6.0, "kill": [4]}, {"at": 9.0, "restart": [4]}])
     linked, first = [], None
     for tick in inprocess.ticks(what):
@@ -115,12 +115,12 @@ def test_links_count_as_connected_among_those_that_are_present() -> None:
         ([{"at": 1.0, "kill": [1], "restart": [1]}], "robot 1 must be named once, but is in kill and in restart"),
     ],
 )
-def test_a_death_that_cannot_be_is_one_line(events: list[dict[str, Any]], rule: str) -> None:
+def test_an_impossible_death_is_rejected_in_one_line(events: list[dict[str, Any]], rule: str) -> None:
     with pytest.raises(ScenarioError, match=rule):
         load("paper.toml", event=events)
 
 
-def test_a_report_shows_as_alive_who_takes_part_and_not_whose_agent_only_stands_by() -> None:
+def test_a_report_shows_participating_robots_as_alive_and_waiting_agents_not() -> None:
     scenario = load("pair.toml", run__duration=0.4, event=[{"at": 0.2, "kill": [1]}])
     metrics, shown = MetricsCollector(scenario), []
     for tick in inprocess.ticks(scenario):

@@ -25,7 +25,7 @@ def fallen(ticks: int, late: bool, corrected: bool) -> float:
     return float(75.0 - state[ESTIMATE, 0])
 
 
-def test_a_peer_has_drifted_as_oneself_since_it_was_heard_for_up_to_a_tenth_of_a_second() -> None:
+def test_a_peers_estimate_is_extrapolated_by_ones_own_drift_for_up_to_a_tenth_of_a_second() -> None:
     state = np.array([[60.0] * 4, [2.0, -3.0, 2.0, 5.0], [0.0] * 4])
     heard = np.array([61.0, 61.0, 61.0, math.nan])
     found = perturbation.extrapolate(seeker(), state, heard, np.array([0.02, 0.02, 7.0, 0.02]))
@@ -33,13 +33,13 @@ def test_a_peer_has_drifted_as_oneself_since_it_was_heard_for_up_to_a_tenth_of_a
     assert found == pytest.approx([61.04, 60.94, 61.2, math.nan], rel=1e-15, nan_ok=True)
 
 
-def test_the_printed_law_takes_a_peers_last_word_as_it_is() -> None:
+def test_the_printed_law_uses_a_peers_last_estimate_unchanged() -> None:
     heard = np.array([61.0, math.nan])
     found = perturbation.extrapolate(seeker("paper"), np.full((3, 2), 5.0), heard, np.full(2, 0.02))
     assert found == pytest.approx(heard, abs=0.0, nan_ok=True)
 
 
-def test_it_makes_two_that_agree_climb_as_fast_as_one_alone_though_they_hear_late() -> None:
+def test_with_extrapolation_two_agreeing_robots_climb_as_fast_as_one_despite_delay() -> None:
     ticks = 100
     start = perturbation.begin(seeker(), 0, np.array([75.0]))[:, 0].tolist()
     alone = 75.0 - witness.flow(equation_18("consensus", 44460.0, math.nan), start, 0.0, ticks * DT)[ESTIMATE]
@@ -51,7 +51,7 @@ def test_it_makes_two_that_agree_climb_as_fast_as_one_alone_though_they_hear_lat
     assert corrected == pytest.approx(fallen(ticks, False, False), rel=0.005)  # as if there were no delay
 
 
-def test_what_was_heard_just_now_is_taken_as_it_is() -> None:
+def test_an_estimate_received_in_this_tick_is_used_unchanged() -> None:
     state = np.zeros((3, 1))
     state[ESTIMATE], state[DRIFT] = 70.0, 1.0
     unchanged = perturbation.extrapolate(seeker(), state, np.array([65.0]), np.array([0.0]))

@@ -50,14 +50,14 @@ def all_heard(where: Floats) -> Pairs:
 
 @pytest.mark.parametrize("rule", sorted(neighbor_rules.RULES))
 @pytest.mark.parametrize(("n", "width", "seed"), LAYOUTS)
-def test_a_rule_chooses_what_its_definition_says(rule: str, n: int, width: float, seed: int) -> None:
+def test_a_rule_selects_links_as_defined(rule: str, n: int, width: float, seed: int) -> None:
     where = layouts.scatter(np.random.default_rng(seed), n, width)
     assert found(rule, where) == by_definition(rule, where, all_heard(where))
 
 
 @pytest.mark.parametrize("rule", sorted(neighbor_rules.RULES))
 @pytest.mark.parametrize("seed", range(5))
-def test_on_a_lattice_full_of_ties_a_rule_chooses_what_its_definition_says(rule: str, seed: int) -> None:
+def test_on_a_lattice_full_of_ties_a_rule_selects_links_as_defined(rule: str, seed: int) -> None:
     # whole meters: equal separations are equal to the bit
     where = (np.random.default_rng(seed).integers(0, 5, (12, 3)) * 40).astype(np.float64)
     assert found(rule, where) == by_definition(rule, where, all_heard(where))
@@ -66,7 +66,7 @@ def test_on_a_lattice_full_of_ties_a_rule_chooses_what_its_definition_says(rule:
 @pytest.mark.parametrize("rule", sorted(neighbor_rules.RULES))
 @pytest.mark.parametrize("ratio", [0.1, 0.6])
 @pytest.mark.parametrize("seed", range(5))
-def test_a_peer_that_was_never_heard_is_neither_neighbor_nor_witness(rule: str, seed: int, ratio: float) -> None:
+def test_an_unheard_peer_is_neither_neighbor_nor_witness(rule: str, seed: int, ratio: float) -> None:
     rng = np.random.default_rng(seed)
     # around the origin, where an unheard peer would be if its blank entry were taken for a place
     where = layouts.scatter(rng, 10, 200.0) - np.array([100.0, 100.0, 0.0])
@@ -102,7 +102,7 @@ def test_the_relative_neighborhood_is_the_same_from_both_ends(seed: int) -> None
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_the_relative_neighborhood_joins_whatever_the_disk_graph_joins(seed: int) -> None:
+def test_the_relative_neighborhood_connects_every_component_of_the_disk_graph(seed: int) -> None:
     # 25 robots in 500 m: about half of these disk graphs are connected
     where = layouts.scatter(np.random.default_rng(seed), 25, 500.0)
     disk, sparse = (

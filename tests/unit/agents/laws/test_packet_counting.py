@@ -91,7 +91,7 @@ def test_each_robot_mixes_in_a_tenth_of_what_each_heard_robot_has_more_than_itse
     )  # 19 of 20 parts: no robot gives more than all that it has
 
 
-def test_bounds_of_estimates_grow_with_what_the_team_wants() -> None:
+def test_bounds_of_estimates_grow_with_the_objective() -> None:
     estimates, wide = (
         np.array([1.0, 80.0, 400.0]),
         ObjectiveConfig(minimum_separation=200.0, maximum_separation=300.0),
@@ -116,7 +116,7 @@ def test_the_curvature_of_the_wish_is_the_derivative_of_its_slope() -> None:
         np.testing.assert_allclose(objective.log_preference_curvature(r, wish), rise / (2.0 * h), atol=1e-10)
 
 
-def test_links_that_learn_alone_learn_each_its_own_slope_and_keep_it_while_others_come_and_go() -> None:
+def test_links_without_pooling_learn_their_own_slope_and_keep_it_while_others_open_and_close() -> None:
     """Two links with exponents 1 and 6 at their own separations; then the first goes and a third comes."""
     rng, scale, slopes = np.random.default_rng(7), 75.0, np.array([1.0, 6.0])
     known = packet_counting.no_counts(ALONE, 2)

@@ -34,13 +34,13 @@ def heard(*rounds: tuple[int, list[bytes | None]]) -> tuple[list[list[tuple[int,
     return found, drops
 
 
-def test_a_beacon_that_came_early_is_kept_for_its_tick_and_the_first_one_stays() -> None:
+def test_an_early_beacon_is_kept_for_its_tick_and_a_second_one_does_not_replace_it() -> None:
     found, drops = heard((0, [beacon(1, 1.0), beacon(1, 2.0), beacon(0, 3.0)]), (1, [beacon(1, 4.0)]), (2, []))
     assert found == [[(0, 3.0)], [(1, 1.0)], []]
     assert not drops.counts
 
 
-def test_what_is_old_is_forgotten_and_what_is_junk_or_of_the_future_is_counted() -> None:
+def test_old_beacons_are_dropped_and_junk_or_future_ones_are_counted() -> None:
     junk = [b"\xc1", None, beacon(3, robot=6), beacon(9), beacon(2)]
     found, drops = heard((3, [*junk, beacon(3, 1.0), beacon(3, 2.0)]), (4, [beacon(4)]))
     assert found == [[(3, 1.0)], [(4, 0.0)]]

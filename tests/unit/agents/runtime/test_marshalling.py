@@ -83,7 +83,7 @@ def test_each_command_holds_its_own_robots_twist_and_telemetry(crew: set[int], p
         assert command.estimates.tolist() == [estimates[robot, peer] for peer in peers]
 
 
-def test_the_edges_are_the_same_object_while_nobody_changes_a_link() -> None:
+def test_the_edges_are_the_same_object_while_no_link_changes() -> None:
     crew, pairs = {0, 3, 90}, {(0, 3), (3, 0), (3, 90)}
     stack = MessageAssembler(np.array([0, 3, 90]))
     first, moved, changed = (
@@ -112,7 +112,7 @@ def test_no_beacon_at_all_is_silence() -> None:
     assert (len(nothing.ids), len(nothing.links), nothing.poses.shape) == (0, 0, (0, 3))
 
 
-def test_observations_come_back_in_id_order_and_keep_their_edges_while_nobody_comes_or_goes() -> None:
+def test_observations_are_decoded_in_id_order_and_keep_their_edges_while_no_peer_enters_or_leaves() -> None:
     stack = MessageAssembler(np.array([3, 8]))
 
     def sense(tick: int, near: list[int]) -> list[Observation]:

@@ -35,7 +35,7 @@ class Kept:
         return answer
 
 
-def test_the_last_two_ticks_can_be_recalled_and_answered_again_and_no_older_one() -> None:
+def test_only_the_last_two_ticks_can_be_recalled_and_resent() -> None:
     """A peer that is a tick behind asks for what was said before the last word."""
     kept = Kept()
     outbox = Outbox(kept, "test", (4, 7), DropLog(logging.getLogger("test")))  # type: ignore[arg-type]

@@ -63,7 +63,7 @@ def play(scene: Scene) -> tuple[list[int], TickPayloads, DropLog]:
     return answered, outbox, drops
 
 
-def test_what_comes_early_is_refused_and_does_not_take_the_place_of_what_is_next() -> None:
+def test_an_early_tick_is_rejected_and_does_not_replace_the_next_one() -> None:
     def scene(tick: int, sense: Sense, world: WorldLiveliness) -> None:
         for early in (2, 10**6):
             sense(tick + early)
@@ -75,7 +75,7 @@ def test_what_comes_early_is_refused_and_does_not_take_the_place_of_what_is_next
     assert drops.counts == {ODD: 8}
 
 
-def test_what_comes_again_is_answered_again_and_what_is_older_is_refused() -> None:
+def test_a_repeated_tick_is_answered_again_and_an_older_one_is_rejected() -> None:
     def scene(tick: int, sense: Sense, world: WorldLiveliness) -> None:
         for late in (0, 1, 2):
             sense(max(0, tick - late))
@@ -87,7 +87,7 @@ def test_what_comes_again_is_answered_again_and_what_is_older_is_refused() -> No
     assert drops.counts == {ODD: 4}
 
 
-def test_a_world_that_is_back_is_answered_one_tick_before_the_last_too_and_ends_who_cannot() -> None:
+def test_a_resumed_world_is_also_answered_one_tick_back_and_an_agent_that_cannot_do_so_ends() -> None:
     def scene(tick: int, sense: Sense, world: WorldLiveliness) -> None:
         if tick == 2:
             world.is_new = True
@@ -108,7 +108,7 @@ def test_a_world_that_is_back_is_answered_one_tick_before_the_last_too_and_ends_
         play(too_old)
 
 
-def test_who_was_away_goes_on_where_it_is_told_that_it_takes_part_again() -> None:
+def test_an_agent_that_was_absent_resumes_at_the_tick_of_its_rejoining() -> None:
     def scene(tick: int, sense: Sense, world: WorldLiveliness) -> None:
         sense(900 if tick == 0 else 901, since=900, over=tick > 0)
 

@@ -81,7 +81,7 @@ def test_the_default_sub_step_is_far_below_what_matters_and_converges_fast() -> 
         assert errors[1] < errors[0] / 16.0  # better than fourth order
 
 
-def test_a_run_shorter_than_a_dither_period_has_its_separations_drawn_and_the_title_says_it(seen: History) -> None:
+def test_a_run_shorter_than_a_dither_period_is_drawn_with_a_note_in_the_title(seen: History) -> None:
     short = history.follow(load("measured.toml", run__duration=1.0))
     assert short.averaged
     linked = [len(links) > 0 for links in short.links]

@@ -27,7 +27,7 @@ def test_a_signal_that_meets_an_interpreter_that_only_just_starts_waits_for_its_
 
 
 @pytest.mark.parametrize("log", ["missing", "a folder", "within a file", "unreadable"])
-def test_the_verdict_on_a_child_names_it_whatever_became_of_its_log(tmp_path: Path, log: str) -> None:
+def test_the_verdict_on_a_child_names_it_even_without_its_log(tmp_path: Path, log: str) -> None:
     async def main() -> tuple[str, bool]:
         one = await child(tmp_path, "fes-world", FAILURE, "fes-world: error: no room\n")
         await one.process.wait()

@@ -15,7 +15,7 @@ from world.config.scenario import Scenario
     ("name", "duration"),
     [("paper.toml", 12.0), ("measured.toml", 4.0), ("neighborhood.toml", 3.0), ("paper-as-printed.toml", 3.0)],
 )
-def test_a_stacked_run_has_the_summary_and_digest_that_it_has_alone(name: str, duration: float) -> None:
+def test_a_stacked_run_has_the_summary_and_digest_of_a_single_run(name: str, duration: float) -> None:
     scenarios = [load(name, run__seed=seed, run__duration=duration) for seed in (3, 0, 12)]
     found = [without_wall_clock(summary) for summary in stacked.run(scenarios, "x")]
     assert len({summary["digest"] for summary in found}) == 3
@@ -37,7 +37,7 @@ def runs(*scenarios: Scenario) -> list[SweepRun]:
     return [SweepRun(cell, seed, one) for cell, one in enumerate(scenarios) for seed in range(10)]
 
 
-def test_only_runs_whose_robots_are_told_the_same_share_a_batch() -> None:
+def test_only_runs_with_equal_settings_of_their_robots_share_a_batch() -> None:
     planned = runs(load("pair.toml"), load("pair.toml", formation__rule="disk"), load("pair.toml", run__duration=9.0))
     for batch in work.batches("pair", planned, 2):
         assert len({repr(stacked.alike(one)) for one in batch.scenarios}) == 1

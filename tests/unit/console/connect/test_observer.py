@@ -77,7 +77,7 @@ def test_a_world_that_left_is_waited_for_as_long_as_one_that_is_to_come(timeout:
     assert waits < when - 3.0 <= waits + 2 * IDLE
 
 
-def test_a_world_that_never_comes_is_waited_for_until_the_timeout() -> None:
+def test_an_observer_waits_for_a_world_until_the_timeout() -> None:
     ticks, error, when = seen(5.0, (1.0, report(7)[:-1]))
     assert (ticks, str(error)) == ([], "the world of run 'test' did not appear within 5 s")
     assert 5.0 < when <= 5.0 + 2 * IDLE
@@ -96,20 +96,20 @@ def test_a_world_that_does_not_follow_is_missed_from_when_the_reader_is_back() -
     assert observer.RETURN < when - 22.0 <= observer.RETURN + 2 * IDLE
 
 
-def test_who_hears_only_another_version_is_told_so() -> None:
+def test_an_observer_that_receives_only_another_version_reports_it() -> None:
     strange = [(1.0 + 0.1 * at, of_another_version(at)) for at in range(50)]
     ticks, error, when = seen(30.0, (0.5, True), *strange)
     assert (ticks, str(error)) == ([], "Report: speaks protocol 2, got version: 1")
     assert when <= 1.0 + observer.FOREIGN_PERIOD + IDLE  # as soon as the world has said enough, for long enough
 
 
-def test_a_flood_of_another_version_before_the_first_report_hides_none() -> None:
+def test_a_flood_of_another_version_before_the_first_report_hides_no_report() -> None:
     strange = [(1.0 + 0.001 * at, of_another_version(at)) for at in range(500)]
     ticks, error, _ = seen(5.0, (0.5, True), *strange, (2.0, report(7)), (6.0, report(TICKS - 1)), (7.0, False))
     assert (ticks, error) == ([7, TICKS - 1], None)
 
 
-def test_junk_of_another_version_between_reports_hides_none() -> None:
+def test_junk_of_another_version_between_reports_hides_no_report() -> None:
     strange = [(3.0 + 0.1 * at, of_another_version(at)) for at in range(20)]
     ticks, error, _ = seen(5.0, (1.0, True), (2.0, report(7)), *strange, (6.0, report(TICKS - 1)), (7.0, False))
     assert (ticks, error) == ([7, TICKS - 1], None)

@@ -23,7 +23,7 @@ def played() -> list[Report]:
 
 @pytest.mark.parametrize(("width", "height"), SIZES + TINY)
 @pytest.mark.parametrize("robots", [None, 0, 1, 2, 10, 100, 1000])
-def test_a_frame_has_exactly_the_size_asked_for(robots: int | None, width: int, height: int) -> None:
+def test_a_frame_has_exactly_the_requested_size(robots: int | None, width: int, height: int) -> None:
     history = ReportHistory() if robots is None else a_history(a_swarm(robots))
     lines = frame(history, width, height)
     assert [cell_len(line) for line in lines] == [width] * height

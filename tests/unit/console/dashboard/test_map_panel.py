@@ -97,7 +97,7 @@ def test_a_solid_line_has_no_gap(end: tuple[float, float]) -> None:
     assert near.sum() == len(drawn) + 2 * longest
 
 
-def test_drawing_outside_the_canvas_leaves_it_as_it_is() -> None:
+def test_drawing_outside_the_canvas_changes_nothing() -> None:
     canvas = Canvas(4, 2, ("", "red"))
     away = np.array([[-9.0, -9.0], [20.0, 3.0]])
     canvas.lines(away, away + 5.0, np.array([1, 1]), np.array([[1, 1], [1, 1]]))

@@ -21,7 +21,7 @@ def test_a_missing_and_an_old_package_fail_and_a_missing_extra_does_not() -> Non
     assert (extras.status, extras.seen) == (Status.OK, "plot: not installed")
 
 
-def test_the_extras_are_one_line_that_says_missing_of_nothing_and_leaves_out_a_developers_tools() -> None:
+def test_the_extras_are_one_line_without_developers_tools() -> None:
     wanted = ["numpy>=1.0", *(f'no-such-{number}>=3; extra == "{extra}"' for number, extra in EXTRAS)]
     extras = [found for found in machine.packages([*wanted, 'rich>=13; extra == "table"']) if found.check == "extras"]
     assert [found.seen for found in extras] == ["table: installed; plot, security: not installed"]

@@ -36,7 +36,7 @@ def settle(shown: Player) -> None:
             return
 
 
-def test_it_plays_at_its_speed_until_it_is_paused(recorded: log.Log) -> None:
+def test_a_log_plays_at_its_speed_until_it_is_paused(recorded: log.Log) -> None:
     shown = Player(recorded, 2.0)
     settle(shown)
     assert shown.tick == 0
@@ -100,7 +100,7 @@ def test_a_frame_has_the_size_of_the_terminal_and_names_the_keys(recorded: log.L
     assert lines[-1].startswith("0.00 of 12 s ▶ 1x")
 
 
-def test_keys_come_from_a_terminal_one_by_one_and_it_is_left_as_it_was() -> None:
+def test_keys_are_read_from_a_terminal_one_by_one_and_its_mode_is_restored() -> None:
     ours, theirs = pty.openpty()
     before = termios.tcgetattr(theirs)
     with Keyboard(theirs) as keyboard:
@@ -114,7 +114,7 @@ def test_keys_come_from_a_terminal_one_by_one_and_it_is_left_as_it_was() -> None
     os.close(theirs)
 
 
-def test_a_log_without_an_end_is_played_as_far_as_it_goes(recorded: log.Log, tmp_path: Path) -> None:
+def test_a_log_without_an_end_is_played_to_its_last_tick(recorded: log.Log, tmp_path: Path) -> None:
     path = tmp_path / "cut.mcap"
 
     def until_tick_100(topic: str, tick: int, payload: bytes) -> bytes | None:

@@ -72,7 +72,7 @@ def test_a_cell_in_which_no_run_arrives_has_no_mean(planned: Design) -> None:
     assert math.isnan(disk.mean)
 
 
-def test_an_outcome_is_looked_up_once_however_many_cells_there_are(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_outcome_is_looked_up_once_for_any_number_of_cells(monkeypatch: pytest.MonkeyPatch) -> None:
     wide = design.plan(CONFIGS / "pair.toml", ["run.dt=0.02,0.01,0.005,0.004"], "0:1", [])
     rows: list[Row] = [{"seed": 0, "x": 1.0, "y": 2.0} for _ in range(4)]
     asked, values = [], comparison.values

@@ -70,7 +70,7 @@ def test_the_key_of_a_run_depends_on_everything_that_it_does_and_on_nothing_else
         (["formation.linear_gain=1,2"], "0:600000", [], ["at most 1000000", "1200000"]),
     ],
 )
-def test_a_design_that_breaks_a_rule_is_one_line(
+def test_a_design_that_breaks_a_rule_is_rejected_in_one_line(
     axes: list[str], seeds: str, settings: list[str], message_parts: list[str]
 ) -> None:
     with pytest.raises(ScenarioError) as refused:

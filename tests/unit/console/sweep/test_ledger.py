@@ -32,7 +32,7 @@ def test_a_line_cut_short_by_a_kill_is_dropped_and_rewritten(tmp_path: Path) -> 
         ([], ["run.duration=3"], "another scenario"),
     ],
 )
-def test_a_directory_of_another_sweep_is_left_alone(
+def test_a_directory_of_another_sweep_is_not_changed(
     axes: list[str], settings: list[str], message: str, tmp_path: Path
 ) -> None:
     with ledger.opened(tmp_path, design.plan(Path(PAIR), [], "0:2", [])):

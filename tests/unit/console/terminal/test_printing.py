@@ -133,7 +133,7 @@ def test_every_string_of_a_report_is_text_in_a_frame() -> None:
     assert SHOWN in screen.file.getvalue()
 
 
-def test_what_the_doctor_saw_is_text(capfd: pytest.CaptureFixture[str]) -> None:
+def test_findings_of_the_doctor_are_printed_as_text(capfd: pytest.CaptureFixture[str]) -> None:
     printing.show(printing.console(), findings([failed("endpoint", EVIL, EVIL)]))
     out = capfd.readouterr().out
     assert is_clean(out)

@@ -39,7 +39,7 @@ def fail(*_: object) -> Any:
 
 
 @pytest.mark.parametrize("when", ["at first", "later"])
-def test_the_screen_is_left_whatever_fails_in_drawing(when: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_screen_is_left_after_any_failure_in_drawing(when: str, monkeypatch: pytest.MonkeyPatch) -> None:
     tty = Tty()
     if when == "at first":
         monkeypatch.setattr(live, "render", fail)
@@ -55,7 +55,7 @@ def test_the_screen_is_left_whatever_fails_in_drawing(when: str, monkeypatch: py
     assert is_restored(tty.text)
 
 
-def test_the_screen_is_left_where_a_frame_cannot_be_encoded() -> None:
+def test_the_screen_is_left_after_a_frame_that_cannot_be_encoded() -> None:
     tty = Tty("ascii")  # refuses, as no entry point has configured it
     with pytest.raises(UnicodeEncodeError), screen.full_screen(on(tty)) as draw:
         draw("→")

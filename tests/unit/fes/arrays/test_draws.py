@@ -33,7 +33,7 @@ def test_however_the_ticks_are_cut_into_blocks_the_numbers_are_the_same(
 
 
 @given(pairs=pair_lists, data=st.data())
-def test_who_else_is_asked_for_and_in_which_order_changes_no_number(
+def test_draws_depend_neither_on_other_requested_links_nor_on_their_order(
     pairs: list[tuple[int, int]], data: st.DataObject
 ) -> None:
     shuffled = data.draw(st.permutations(pairs))

@@ -60,7 +60,9 @@ def test_the_order_of_a_sum_matters_to_its_digits() -> None:
 
 
 @given(pairs=pair_sets, crew=st.sets(st.sampled_from(list(CREW)), min_size=1))
-def test_a_robots_sum_does_not_depend_on_who_shares_its_process(pairs: set[tuple[int, int]], crew: set[int]) -> None:
+def test_a_robots_sum_does_not_depend_on_other_robots_of_its_process(
+    pairs: set[tuple[int, int]], crew: set[int]
+) -> None:
     whole = edges(CREW, pairs)
     part = edges(crew, {pair for pair in pairs if pair[0] in crew})
     metrics = whole.sum(np.array(values(whole)))
@@ -77,7 +79,7 @@ def test_find_gives_the_position_of_a_pair_or_minus_one(
 
 
 @given(pairs=pair_sets)
-def test_reverse_mutual_undirected_and_counts_are_what_a_list_gives(pairs: set[tuple[int, int]]) -> None:
+def test_reverse_mutual_undirected_and_counts_equal_those_of_a_list(pairs: set[tuple[int, int]]) -> None:
     among, ordered = edges(CREW, pairs), sorted(pairs)
     back = [(j, i) in pairs for i, j in ordered]
     assert among.reverse.tolist() == [

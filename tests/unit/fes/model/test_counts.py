@@ -60,7 +60,7 @@ def loaded(overrides: dict[str, Any]) -> Scenario | None:
 
 @pytest.mark.parametrize("index", ["oracle", "measured"])
 @pytest.mark.parametrize(("one", "other"), list(itertools.combinations(FIELDS, 2)))
-def test_extremes_of_two_settings_are_refused_in_one_line_or_run_in_bounded_work(
+def test_extremes_of_two_settings_are_rejected_in_one_line_or_run_in_bounded_work(
     one: str, other: str, index: str
 ) -> None:
     for values in itertools.product(EXTREMES, EXTREMES):
@@ -89,13 +89,13 @@ def test_extremes_of_two_settings_are_refused_in_one_line_or_run_in_bounded_work
         ("seeking.sub_step", SMALLEST, "run.dt / seeking.sub_step must be at most 10000, got inf"),
     ],
 )
-def test_a_setting_that_would_be_work_without_end_is_refused(field: str, value: float, said: str) -> None:
+def test_a_setting_that_needs_endless_work_is_rejected(field: str, value: float, said: str) -> None:
     with pytest.raises(ScenarioError) as refused:
         load("pair.toml", **{field: value})
     assert str(refused.value).endswith(f"pair.toml: {said}")
 
 
-def test_a_physical_dither_whose_period_has_no_end_is_refused() -> None:
+def test_a_physical_dither_with_an_infinite_period_is_rejected() -> None:
     with pytest.raises(ScenarioError, match=r"period of seeking\.dither_frequency / run\.dt must be at most 1e\+09"):
         load("measured.toml", seeking__dither_frequency=1e-300)
     load("pair.toml", seeking__dither_frequency=1e-300)  # an oracle's estimates dither, its robots do not
@@ -109,20 +109,20 @@ def test_a_crew_refuses_settings_that_the_world_should_have_refused() -> None:
 
 
 @given(time=POSITIVE, step=POSITIVE)
-def test_a_count_is_a_whole_number_of_bounded_size_for_all_floats(time: float, step: float) -> None:
+def test_a_count_is_a_bounded_integer_for_all_floats(time: float, step: float) -> None:
     found = (counts.ticks(time, step), counts.ticks_within(time, step), counts.ticks_of(time, step))
     assert all(0 <= count <= counts.LARGEST for count in found)
     assert 1 <= counts.steps(time, step) <= counts.LARGEST
 
 
 @given(count=st.integers(1, 10**6), dt=st.floats(1e-6, 1e3))
-def test_a_count_is_right_where_the_times_are_whole_numbers_of_ticks(count: int, dt: float) -> None:
+def test_a_count_is_exact_for_multiples_of_a_tick(count: int, dt: float) -> None:
     assert counts.ticks(count * dt, dt) == count
     assert counts.ticks_within((count - 0.5) * dt, dt) == count
     assert counts.steps(count * dt, dt) == count  # the product's own rounding makes no step more
 
 
-def test_a_pace_that_nobody_can_sleep_through_is_refused() -> None:
+def test_a_pace_too_slow_for_a_sleep_is_rejected() -> None:
     with pytest.raises(ArgumentTypeError, match="at least 1e-06, got '1e-300'"):
         real_time_factor("1e-300")
     assert real_time_factor("0.5") == 0.5

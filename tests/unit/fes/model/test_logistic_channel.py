@@ -59,7 +59,7 @@ def test_far_from_the_midpoint_nothing_overflows_and_the_small_side_keeps_its_di
 
 
 @given(channel=channels, probability=st.floats(1e-6, 1.0 - 1e-6))
-def test_range_at_outage_is_where_a_root_finder_meets_the_outage(channel: ChannelConfig, probability: float) -> None:
+def test_range_at_outage_equals_the_root_of_a_root_finder(channel: ChannelConfig, probability: float) -> None:
     def excess(r: float) -> float:
         return math.tanh(0.5 * (r - channel.logistic_midpoint) / channel.logistic_width) - (2.0 * probability - 1.0)
 
@@ -113,7 +113,7 @@ def test_a_logistic_channel_has_no_scale_of_equation_3() -> None:
         outage.exponent_scale(LOGISTIC)
 
 
-def test_beacons_decode_as_often_as_the_logistic_channel_says() -> None:
+def test_beacons_decode_with_the_probability_of_the_logistic_channel() -> None:
     poses = [[0.0, 0.0, 0.0], [90.0, 0.0, 0.0], [0.0, 110.0, 0.0]]  # the third pair, 142 m, decodes 3 %
     world = truth.create(parse({"schema": 1, "robots": {"poses": poses}, "channel": {"model": "logistic"}}, ""))
     state, ticks = truth.start(world), 4000

@@ -58,7 +58,7 @@ def test_reception_is_the_formula_with_its_distance_measured_in_reference_distan
 
 
 @given(channel=channels, probability=st.floats(1e-6, 1.0 - 1e-6))
-def test_range_at_outage_is_where_a_root_finder_meets_the_outage(channel: ChannelConfig, probability: float) -> None:
+def test_range_at_outage_equals_the_root_of_a_root_finder(channel: ChannelConfig, probability: float) -> None:
     def excess(log_ratio: float) -> float:
         exponent = (math.exp2(channel.spectral_efficiency) - 1.0) / channel.reference_snr
         return exponent * math.exp(log_ratio * channel.path_loss_exponent) + math.log1p(-probability)
@@ -85,7 +85,7 @@ def test_the_outage_at_the_range_of_an_outage_is_that_outage(channel: ChannelCon
         (ChannelConfig(reference_distance=2.0, path_loss_exponent=4.0, reference_snr=1e6), 50.0),
     ],
 )
-def test_a_simulated_rayleigh_link_is_in_outage_as_often_as_the_formula_says(
+def test_a_simulated_rayleigh_link_has_the_outage_probability_of_the_formula(
     channel: ChannelConfig, separation: float
 ) -> None:
     samples = 400_000

@@ -108,5 +108,5 @@ def test_a_deep_nest_of_lists_is_refused(name: str, depth: int) -> None:
 
 
 @pytest.mark.parametrize("version", [True, 1.0])
-def test_a_version_that_is_no_integer_is_refused(version: object) -> None:
+def test_a_version_that_is_not_an_integer_is_rejected(version: object) -> None:
     assert refusal("Join", msgpack.packb([version, *PLAIN["Join"][1:]]))

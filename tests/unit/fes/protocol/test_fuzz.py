@@ -63,7 +63,7 @@ def test_every_mutation_changes_a_payload() -> None:
 
 @settings(max_examples=3 * EXAMPLES)
 @given(data=st.data())
-def test_any_change_that_can_be_said_is_made_or_refused_in_one_line(data: st.DataObject) -> None:
+def test_any_well_formed_change_is_applied_or_rejected_in_one_line(data: st.DataObject) -> None:
     change = data.draw(CODECS["Change"].messages)
     field = data.draw(st.sampled_from([*RadioConfig.model_fields, "shadowing.deviation", "jammers.0.x", "bursts"]))
     path = data.draw(st.sampled_from([change.path, f"channel.{field}", f"channel.{field}.x"]))

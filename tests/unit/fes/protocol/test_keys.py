@@ -38,7 +38,7 @@ def test_the_worlds_keys_and_patterns_belong_to_no_robot(run: str) -> None:
     assert [keys.robot_of(key(run, "*")) for key in ROBOT] == [None] * len(ROBOT)
 
 
-def test_the_longest_key_is_far_from_what_zenoh_can_bear() -> None:
+def test_the_longest_key_is_far_below_zenohs_limit() -> None:
     """Zenoh's client ends its process at a key of 65,535 bytes; a namespace of its own may come before ours."""
     run, robot = keys.check_run("r" * 64), keys.MAX_ROBOTS - 1
     longest = [keys.claim(run, uuid.uuid4().hex), keys.welcome(run, keys.span([robot - 1, robot]))]

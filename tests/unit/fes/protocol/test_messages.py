@@ -16,7 +16,7 @@ NAMES = list(CODECS)
 @pytest.mark.parametrize("name", NAMES)
 @settings(max_examples=2 * EXAMPLES)
 @given(data=st.data())
-def test_a_message_comes_back_bit_for_bit(name: str, data: st.DataObject) -> None:
+def test_a_decoded_message_equals_the_encoded_one_bit_for_bit(name: str, data: st.DataObject) -> None:
     codec = CODECS[name]
     message = data.draw(codec.messages)
     assert bits(codec.decode(codec.encode(message))) == bits(message)
@@ -25,7 +25,7 @@ def test_a_message_comes_back_bit_for_bit(name: str, data: st.DataObject) -> Non
 @pytest.mark.parametrize("name", NAMES)
 @settings(max_examples=2 * EXAMPLES)
 @given(payload=st.binary(max_size=80) | values.map(msgpack.packb))
-def test_a_payload_that_is_no_list_of_fields_is_refused(name: str, payload: bytes) -> None:
+def test_a_payload_that_is_not_a_list_of_fields_is_rejected(name: str, payload: bytes) -> None:
     assert refusal(name, payload)
 
 
@@ -43,7 +43,7 @@ def test_a_payload_with_some_fields_of_any_kind_is_refused_or_a_message(name: st
 @pytest.mark.parametrize("name", NAMES)
 @settings(max_examples=2 * EXAMPLES)
 @given(data=st.data())
-def test_a_payload_damaged_on_its_way_is_refused_or_a_message(name: str, data: st.DataObject) -> None:
+def test_a_damaged_payload_is_rejected_or_a_message(name: str, data: st.DataObject) -> None:
     codec = CODECS[name]
     payload = bytearray(codec.encode(data.draw(codec.messages)))
     begin = data.draw(st.integers(0, len(payload) - 1))
@@ -60,7 +60,7 @@ def test_a_payload_cut_short_is_refused(name: str, data: st.DataObject) -> None:
         assert refusal(name, payload[:end])
 
 
-def test_the_same_bytes_of_ids_give_the_same_array_which_nobody_can_change() -> None:
+def test_equal_bytes_of_ids_share_one_read_only_array() -> None:
     payload = wire.id_bytes(np.array([2, 5, 9]))
     first, again = wire.ids("Beacon", payload), wire.ids("Beacon", bytes(bytearray(payload)))
     assert first is again

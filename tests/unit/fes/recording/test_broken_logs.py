@@ -61,7 +61,7 @@ BAD = {
 
 
 @pytest.mark.parametrize(("what", "rule"), BAD.items(), ids=BAD.keys())
-def test_what_is_no_whole_log_is_one_line(recorded: Recorded, tmp_path: Path, what: str, rule: str) -> None:
+def test_an_incomplete_log_is_rejected_in_one_line(recorded: Recorded, tmp_path: Path, what: str, rule: str) -> None:
     path = bad(tmp_path / "bad", recorded[0], what)
     with pytest.raises(FesError, match=f"^{path}") as caught:
         replay_command.replay(path, json_=True, headless=True)

@@ -52,7 +52,7 @@ def test_a_robot_tick_takes_at_most_200_bytes(recorded: Recorded) -> None:
     assert path.stat().st_size / (summary["ticks"] * summary["robots"]) <= MAX_BYTES
 
 
-def test_the_librarys_own_readers_accept_it_checksums_and_all(recorded: Recorded) -> None:
+def test_the_readers_of_the_mcap_library_accept_a_log_and_its_checksums(recorded: Recorded) -> None:
     path, summary = recorded
     with path.open("rb") as file:
         linear = [one for one in StreamReader(file, validate_crcs=True).records if isinstance(one, Message)]
@@ -109,7 +109,7 @@ def test_a_tick_holds_every_robots_messages_as_they_cross_the_bus(recorded: Reco
             assert [(one.tick, one.robot) for one in found] == [(tick, robot) for robot in range(10)]
 
 
-def test_no_json_in_it_has_a_number_that_is_none_and_all_have_the_fields_they_must_have(recorded: Recorded) -> None:
+def test_json_in_a_log_has_only_finite_numbers_and_all_required_fields(recorded: Recorded) -> None:
     def refuse(constant: str) -> None:
         raise AssertionError(constant)
 
@@ -144,7 +144,7 @@ def test_frames_turn_as_the_robots_do(recorded: Recorded) -> None:
         assert (w * w - z * z, 2.0 * w * z) == pytest.approx((math.cos(heading), math.sin(heading)), abs=1e-12)
 
 
-def test_what_was_scheduled_is_told_as_an_event(tmp_path: Path) -> None:
+def test_a_scheduled_change_is_logged_as_an_event(tmp_path: Path) -> None:
     event = [{"at": 0.5, "set": {"channel.reference_snr": 5e6}}]
     jump = load("pair.toml", run__duration=1.0, event=event)
     recordings.record(tmp_path / "run.mcap", jump)
@@ -155,7 +155,7 @@ def test_what_was_scheduled_is_told_as_an_event(tmp_path: Path) -> None:
     ]
 
 
-def test_a_file_that_cannot_be_written_is_said_once_and_closed() -> None:
+def test_a_file_that_cannot_be_written_is_reported_once_and_closed() -> None:
     file = McapFile(Path("/dev/full"))
     file.put("/x", messages_pb2.Report, b"payload", 0, 0)
     with pytest.raises(FesError, match=r"^cannot write /dev/full: No space left on device$"):

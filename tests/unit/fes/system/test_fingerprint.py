@@ -53,7 +53,7 @@ def test_one_bit_of_one_result_of_one_function_changes_it(name: str, monkeypatch
     assert compute() != before == fingerprint.table()["fingerprint"]
 
 
-def test_what_is_no_arithmetic_is_refused() -> None:
+def test_an_invalid_arithmetic_is_rejected() -> None:
     wrong: list[Any] = [{}, [], None, 3, {**OTHER, "numpy": 2}, {**OTHER, "core": "x" * 41}]
     for told in [*wrong, {**OTHER, "fingerprint": "\033[31m"}]:
         with pytest.raises((KeyError, TypeError, ValueError)):
@@ -61,7 +61,7 @@ def test_what_is_no_arithmetic_is_refused() -> None:
     assert fingerprint.text({**OTHER, "core": "compiled"}) == "numpy 1.0.0, arithmetic 0123456789ab (compiled)"
 
 
-def test_a_summary_tells_it_and_can_be_expected_to(tmp_path: Path) -> None:
+def test_a_summary_has_the_arithmetic_and_can_be_expected_to(tmp_path: Path) -> None:
     wanted = {"of": "arithmetic.numpy", "equals": np.__version__}
     found = written(tmp_path, inprocess.run(load("pair.toml", run__duration=0.1, expect=[wanted]), "pair"))
     assert found["arithmetic"] == fingerprint.table()
@@ -69,7 +69,7 @@ def test_a_summary_tells_it_and_can_be_expected_to(tmp_path: Path) -> None:
     assert [one["holds"] for one in found["expectations"]] == [True]
 
 
-def test_a_checkpoint_is_not_resumed_with_another(tmp_path: Path, elsewhere: None) -> None:
+def test_a_checkpoint_is_not_resumed_with_another_arithmetic(tmp_path: Path, elsewhere: None) -> None:
     state = begun(tmp_path / "run")
     kept = state.read_bytes()
     resume.load(tmp_path / "run")
@@ -83,7 +83,7 @@ def test_a_checkpoint_is_not_resumed_with_another(tmp_path: Path, elsewhere: Non
     assert state.read_bytes() == kept
 
 
-def test_a_sweep_is_not_continued_with_another(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_sweep_is_not_continued_with_another_arithmetic(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     planned = design.plan(Path(PAIR), [], "0:2", [])
     with ledger.opened(tmp_path, planned):
         pass
@@ -96,7 +96,7 @@ def test_a_sweep_is_not_continued_with_another(tmp_path: Path, monkeypatch: pyte
     )
 
 
-def test_a_worker_of_another_arithmetic_carries_out_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_worker_with_another_arithmetic_executes_no_run(monkeypatch: pytest.MonkeyPatch) -> None:
     planned = design.plan(Path(PAIR), [], "0:1", ["run.duration=0.1"])
     [batch] = work.batches("pair", planned.runs, 1)
     wanted = world_info.version(), HERE
@@ -107,11 +107,11 @@ def test_a_worker_of_another_arithmetic_carries_out_nothing(monkeypatch: pytest.
     assert str(caught.value) == f"a Dask worker has {THERE}, and the sweep is of {HERE}"
 
 
-def test_arithmetic_is_no_column_of_a_table_whose_rows_have_all_the_same() -> None:
+def test_a_constant_arithmetic_is_not_a_column_of_a_table() -> None:
     assert not [name for name in work.scalars({"ticks": 1, "arithmetic": dict(OTHER)}) if name != "ticks"]
 
 
-def test_replay_and_compare_tell_another_processor_from_a_log_that_was_edited(
+def test_replay_and_compare_distinguish_another_processor_from_an_edited_log(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     here, there, edited = (tmp_path / name for name in ("here.mcap", "there.mcap", "edited.mcap"))

@@ -46,7 +46,7 @@ GOOD = [
 
 
 @pytest.mark.parametrize(("endpoint", "line"), BAD.items())
-def test_an_endpoint_that_cannot_be_is_refused_by_its_own_line_when_it_is_read(endpoint: str, line: str) -> None:
+def test_an_impossible_endpoint_is_rejected_with_a_line_of_its_own(endpoint: str, line: str) -> None:
     for connect, listen in (((endpoint,), ()), ((), (endpoint,))):
         with pytest.raises(FesError) as caught:
             Endpoints("client", connect, listen)
@@ -64,7 +64,7 @@ def test_port_zero_can_be_listened_at_and_not_reached() -> None:
         Endpoints("client", ("tcp/127.0.0.1:0",))
 
 
-def test_a_name_server_that_does_not_answer_holds_nobody_up(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_unanswering_name_server_delays_no_process(monkeypatch: pytest.MonkeyPatch) -> None:
     answer = threading.Event()
     monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: answer.wait(60.0))
     said = addresses.unresolved("tcp/lab.example:7447", patience=0.05)
@@ -117,7 +117,7 @@ def test_a_namespace_that_would_make_keys_too_long_is_refused() -> None:
         (b"{", "line 1, column 2: expected identifier or string"),
     ],
 )
-def test_a_configuration_file_that_zenoh_cannot_read_is_told_by_place_and_rule(
+def test_an_unreadable_configuration_file_is_reported_with_place_and_rule(
     content: bytes, said: str, tmp_path: Path
 ) -> None:
     path = tmp_path / "zenoh.json5"

@@ -54,7 +54,7 @@ def test_an_expired_certificate_is_named_with_its_end(keys: Path, issuer: certif
     assert line.startswith(f"{keys}/robot-3.crt: the certificate expired on {yesterday:%Y-%m-%d}")
 
 
-def test_certificates_of_another_authority_of_nobody_and_of_another_key_are_told_apart(keys: Path) -> None:
+def test_certificates_of_another_authority_of_none_and_of_another_key_are_distinguished(keys: Path) -> None:
     other = certificates.create(2.0)
     team_keys.write(keys, "robot-3", certificates.issue(other, "robot-3", 1.0))
     assert wrong(keys, "robot-3") == f"{keys}/robot-3.crt: was not issued by ca.crt beside it"
@@ -118,7 +118,7 @@ def test_a_host_is_a_name_or_an_address(host: str, issuer: certificates.Authorit
     ["", "bad host!", "lab.example:7447", "tls/lab", "ü.example", "10.0.0", "10.0.0.256", "[::1]", "-lab", "lab.",
      "a..b", "*.example", "fe80::1%eth0", "lab\n", "a" * 64, "a." * 127 + "a"],
 )  # fmt: skip
-def test_anything_else_is_no_host(host: str) -> None:
+def test_anything_else_is_not_a_host(host: str) -> None:
     with pytest.raises(FesError) as caught:
         certificates.check_host(host)
     assert str(caught.value).startswith("--host expects a name like lab.example")
@@ -133,7 +133,7 @@ def test_roles(role: str) -> None:
 @pytest.mark.parametrize(
     "role", ["", "ca", "robot", "robot-", "robot-03", "robot-5-2", "robot-1-1", "robot-*", "world "]
 )
-def test_anything_else_is_no_role(role: str) -> None:
+def test_anything_else_is_not_a_role(role: str) -> None:
     with pytest.raises(FesError, match="a role is world, observer, operator"):
         identity.check_role(role)
 
@@ -171,7 +171,7 @@ def test_with_certificates_an_endpoint_must_be_tls(keys: Path) -> None:
         ("tcp/[fe80::1%eth0]:7447", True),
     ],
 )
-def test_an_endpoint_is_exposed_if_another_machine_reaches_it_in_plain(endpoint: str, expected: bool) -> None:
+def test_an_endpoint_is_exposed_if_another_machine_reaches_it_without_tls(endpoint: str, expected: bool) -> None:
     assert exposed(endpoint) == expected
 
 

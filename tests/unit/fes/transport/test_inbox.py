@@ -75,7 +75,7 @@ def test_many_rounds_of_waiting_for_threads_lose_no_wake_up() -> None:
     assert play(scene) == 2 * rounds
 
 
-def test_a_wait_for_what_is_here_already_ends_at_once() -> None:
+def test_a_wait_for_messages_that_have_arrived_ends_at_once() -> None:
     async def scene(inbox: Inbox) -> tuple[bool, list[inboxes.Item], list[inboxes.Item]]:
         inbox.put("a", b"1")
         inbox.put("b", None)
@@ -84,7 +84,7 @@ def test_a_wait_for_what_is_here_already_ends_at_once() -> None:
     assert play(scene) == (True, [("a", b"1"), ("b", None)], [])
 
 
-def test_a_wait_for_more_than_comes_is_false_after_its_timeout_and_keeps_what_came() -> None:
+def test_a_wait_that_times_out_is_false_and_keeps_the_arrived_messages() -> None:
     async def scene(inbox: Inbox) -> tuple[bool, bool, float, list[inboxes.Item]]:
         loop = asyncio.get_running_loop()
         before = loop.time()
@@ -100,7 +100,7 @@ def test_a_wait_for_more_than_comes_is_false_after_its_timeout_and_keeps_what_ca
     assert came == [("a", b"1"), ("b", b"2")]
 
 
-def test_a_failure_ends_a_wait_that_goes_on_and_every_later_one() -> None:
+def test_a_failure_ends_the_current_wait_and_every_later_one() -> None:
     async def scene(inbox: Inbox) -> list[str]:
         asyncio.get_running_loop().call_soon(inbox.fail, Unavailable("the world left"))
         said = []
@@ -113,7 +113,7 @@ def test_a_failure_ends_a_wait_that_goes_on_and_every_later_one() -> None:
     assert play(scene) == ["the world left"] * 2
 
 
-def test_what_came_before_a_failure_is_still_read() -> None:
+def test_messages_before_a_failure_are_still_read() -> None:
     async def scene(inbox: Inbox) -> list[inboxes.Item]:
         inbox.put("farewell", b"over")
         inbox.fail(Unavailable("the world left"))
@@ -126,7 +126,7 @@ def test_what_came_before_a_failure_is_still_read() -> None:
     assert play(scene) == [("farewell", b"over")]
 
 
-def test_of_two_failures_the_first_is_the_one_that_is_told() -> None:
+def test_the_first_of_two_failures_is_reported() -> None:
     async def scene(inbox: Inbox) -> str:
         inbox.fail(Unavailable("robot 3 left"))
         inbox.fail(Unavailable("robot 4 left"))
@@ -137,7 +137,7 @@ def test_of_two_failures_the_first_is_the_one_that_is_told() -> None:
     assert play(scene) == "robot 3 left"
 
 
-def test_what_comes_beyond_the_limit_is_dropped_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_messages_beyond_the_limit_are_dropped_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(inboxes, "LIMIT", 5)
 
     async def scene(inbox: Inbox) -> tuple[list[str], int, list[str]]:
@@ -149,7 +149,7 @@ def test_what_comes_beyond_the_limit_is_dropped_and_counted(monkeypatch: pytest.
     assert play(scene) == ([f"0/{number}" for number in range(5)], 3, ["after"])
 
 
-def test_a_few_large_messages_fill_it_too_and_a_small_one_may_find_room(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_few_large_messages_fill_the_inbox_and_a_small_one_may_still_fit(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(inboxes, "LIMIT_BYTES", 100)
 
     async def scene(inbox: Inbox) -> tuple[list[str], int, list[str]]:
@@ -163,5 +163,5 @@ def test_a_few_large_messages_fill_it_too_and_a_small_one_may_find_room(monkeypa
     assert play(scene) == (["a", "c", "e", "f"], 2, ["after"])
 
 
-def test_the_limit_is_there_and_is_no_small_number() -> None:
+def test_the_inbox_has_a_large_limit() -> None:
     assert 10_000 <= inboxes.LIMIT <= 10_000_000

@@ -105,7 +105,9 @@ def test_an_unknown_field_is_compared_within_its_table_and_then_by_name(wrong: d
         ({"schema": 1, "robots": {"poses": [[0.0, "a", 0.0]]}}, "robots.poses.0.1", "'a'"),
     ],
 )
-def test_a_broken_rule_is_one_line_with_field_and_value(tables: dict[str, Any], field: str, value: str) -> None:
+def test_a_broken_rule_is_reported_in_one_line_with_field_and_value(
+    tables: dict[str, Any], field: str, value: str
+) -> None:
     message = refusal(tables)
     assert message.startswith("here: ")
     assert "\n" not in message

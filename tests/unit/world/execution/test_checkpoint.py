@@ -35,7 +35,7 @@ def test_the_last_note_may_be_torn(tmp_path: Path) -> None:
         assert list(journal.notes(path)) == notes[: sum(end <= length for end in ends)]
 
 
-def test_a_flipped_bit_in_a_note_is_damage_wherever_it_stands_and_a_cut_is_not(tmp_path: Path) -> None:
+def test_a_flipped_bit_anywhere_in_a_note_is_damage_and_a_cut_is_not(tmp_path: Path) -> None:
     # If a last note with a wrong checksum were dropped, a confirmed change by a person would be lost silently.
     path = tmp_path / "journal"
     kept = journal.Journal(path)
@@ -100,7 +100,7 @@ class Full:
         self._file.close()
 
 
-def test_after_a_note_for_which_there_was_no_room_there_are_no_others(tmp_path: Path) -> None:
+def test_no_note_follows_one_that_did_not_fit_on_the_disk(tmp_path: Path) -> None:
     kept = journal.Journal(tmp_path / "journal")
     kept.add(["set", 1, "first", 1.0])
     full = kept._file = Full(kept._file)  # type: ignore[assignment]
@@ -152,7 +152,9 @@ HARM = {
 
 
 @pytest.mark.parametrize("told", HARM.values(), ids=HARM)
-def test_a_checkpoint_cannot_run_anything(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, told: bytes) -> None:
+def test_loading_a_checkpoint_cannot_execute_code(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, told: bytes
+) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
     Path("trap.py").write_text('import os\nos.mkdir("trapped")\n')
@@ -163,7 +165,7 @@ def test_a_checkpoint_cannot_run_anything(tmp_path: Path, monkeypatch: pytest.Mo
     assert not Path("trapped").exists()
 
 
-def test_what_cannot_be_gone_on_from_is_one_line(tmp_path: Path) -> None:
+def test_an_unusable_checkpoint_is_rejected_in_one_line(tmp_path: Path) -> None:
     with pytest.raises(FesError, match=r"has no checkpoint: its run is over, or kept none$"):
         resume.load(tmp_path)
     state = begun(tmp_path / "run")
@@ -218,7 +220,7 @@ def test_flags_that_exclude_each_other_are_one_line(
     assert complaint in capsys.readouterr().err
 
 
-def test_a_new_run_leaves_nothing_of_an_older_one_to_go_on_from(tmp_path: Path) -> None:
+def test_a_new_run_removes_the_checkpoint_of_an_older_one(tmp_path: Path) -> None:
     begun(tmp_path / "run")
     flags = argparse.Namespace(out=tmp_path / "run", no_record=True, checkpoint=0.0)
     process._open_log(flags, process.Start(load("pair.toml"), "pair", "main"))

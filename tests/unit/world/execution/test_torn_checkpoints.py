@@ -59,7 +59,7 @@ HOW = ["the disk is full", "the trail is not synced", "it is not synced", "it is
 
 
 @pytest.mark.parametrize("how", HOW)
-def test_where_a_checkpoint_fails_halfway_the_one_before_it_and_all_notes_are_there(
+def test_a_failed_checkpoint_keeps_its_predecessor_and_all_notes(
     tmp_path: Path, kept: tuple[Run, CheckpointWriter], how: str
 ) -> None:
     run, checkpoints = kept
@@ -86,7 +86,7 @@ def test_where_a_checkpoint_fails_halfway_the_one_before_it_and_all_notes_are_th
     other.discard(again)
 
 
-def test_a_checkpoint_takes_the_place_of_the_one_before_it_when_all_of_it_is_on_the_disk(
+def test_a_checkpoint_replaces_its_predecessor_only_when_synced_to_disk(
     tmp_path: Path, kept: tuple[Run, CheckpointWriter], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run, checkpoints = kept

@@ -103,7 +103,7 @@ def test_the_digest_of_a_run_is_that_of_its_true_poses_and_twists(monkeypatch: p
         ([math.inf] * 2 + [0.5] * 40, 1.0),
     ],
 )
-def test_a_level_is_reached_when_it_begins_to_hold_for_ten_seconds(
+def test_a_level_is_reached_at_the_start_of_ten_seconds_within_it(
     errors: list[float], expected: float | None
 ) -> None:
     found = times(separations=errors)

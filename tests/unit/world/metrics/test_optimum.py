@@ -13,7 +13,6 @@ from fes.arrays.types import Floats
 from fes.model import objective, outage
 from fes.model.config import ChannelConfig, ObjectiveConfig
 from tests.support import reference as witness
-from tests.support.examples import EXAMPLES
 from world.metrics import optimum
 
 PAPER = ChannelConfig()

@@ -74,7 +74,7 @@ def test_the_summary_has_the_keys_and_types_of_the_contract(name: str, tmp_path:
     assert list(found) == list(CONTRACT)
 
 
-def test_a_run_without_links_has_null_where_there_is_no_number(tmp_path: Path) -> None:
+def test_a_run_without_links_has_null_for_undefined_numbers(tmp_path: Path) -> None:
     alone = loop.load("pair.toml", run__duration=0.5, channel__communication_range=10.0)
     found = written(tmp_path, inprocess.run(alone, "pair"))
     assert set(found) == set(CONTRACT)

@@ -135,7 +135,7 @@ def test_the_last_command_is_held_until_it_is_too_old_and_then_the_robot_stops()
     assert participation.silent == []
 
 
-def test_what_comes_late_is_counted_once_and_followed_from_then_on() -> None:
+def test_a_late_command_is_counted_once_and_then_obeyed() -> None:
     said = {
         0: [command(0, 0), command(1, 0)],
         1: [command(0, 1)],
@@ -227,7 +227,7 @@ def test_a_world_that_is_late_slips_and_gives_every_robot_a_whole_tick(monkeypat
     assert deadlines.slipped == pytest.approx(0.5)
 
 
-def test_a_report_tells_of_what_was_missed_and_came_late_until_its_tick() -> None:
+def test_a_report_counts_missed_and_late_commands_until_its_tick() -> None:
     metrics = MetricsCollector(load("pair.toml", run__clock="live"))
     for tick in inprocess.ticks(load("pair.toml", run__duration=0.1)):
         metrics.add(tick.state, tick.twists, tick.telemetry, np.array([tick.state.tick, 1]))
@@ -239,7 +239,7 @@ def test_a_report_tells_of_what_was_missed_and_came_late_until_its_tick() -> Non
     assert told.late.tolist() == [0, 2]
 
 
-def test_the_dashboard_shows_what_was_missed_and_whose_it_was() -> None:
+def test_the_dashboard_shows_missed_commands_per_robot() -> None:
     report = a_report([(0.0, 0.0), (1.0, 0.0)], missed=np.array([1, 4]), late=np.array([0, 3]))
     shown = "".join(text for text, *_ in header.header(report, 120)[1])
     assert "live, deadlines missed 5, 22.73%, robot 1 4" in shown

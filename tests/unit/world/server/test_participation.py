@@ -29,7 +29,7 @@ def test_a_session_that_restarts_within_a_tick_costs_a_tick_and_its_robot_does_n
     assert participation.participating(replace(state, present=np.array([True, False]))).tolist() == [True, True]
 
 
-def test_a_robot_that_seems_to_have_been_there_all_the_time_but_has_a_new_process_misses_a_tick() -> None:
+def test_a_robot_with_a_new_process_and_an_uninterrupted_token_misses_one_tick() -> None:
     """For example an agent that replaced another while the world was away: it starts without state."""
     registry = SimpleNamespace(hosted=np.ones(2, dtype=np.bool_), alive=np.ones(2, dtype=np.uint8), renewed={1})
     participation = Participation(registry, load("pair.toml"))  # type: ignore[arg-type]

@@ -167,7 +167,7 @@ def test_bursts_that_lose_nothing_change_no_verdict_of_the_fading() -> None:
         ),
     ],
 )
-def test_a_chain_that_cannot_be_is_refused_in_one_line(given: dict[str, float], message: str) -> None:
+def test_an_impossible_chain_is_rejected_in_one_line(given: dict[str, float], message: str) -> None:
     with pytest.raises(ScenarioError) as caught:
         cluster(2, bursts=given)
     assert str(caught.value) == f"here: {message}"

@@ -45,7 +45,7 @@ def still(n: int, ticks: int) -> list[Floats]:
     return [np.zeros(n)] * ticks
 
 
-def test_a_beacon_decodes_as_often_as_equation_3_says_each_way_and_independently() -> None:
+def test_a_beacon_decodes_with_the_probability_of_equation_3_independently_in_each_direction() -> None:
     ticks = 6000
     codes, _ = listen(team([(0, 0), (68, 0), (0, 140)]), still(3, ticks))
     separation = {(0, 1): 68.0, (0, 2): 140.0}
@@ -77,19 +77,19 @@ def test_a_contact_opens_two_ticks_after_its_robots_came_in_range() -> None:
     assert codes[0, 1] == codes[1, 0] == expected
 
 
-def test_a_contact_that_was_there_from_the_start_opens_at_tick_two() -> None:
+def test_a_contact_in_range_at_the_start_opens_at_tick_two() -> None:
     codes, _ = listen(team([(0, 0), (100, 0)], "perfect"), still(2, 3))
     assert codes[0, 1] == [CLOSED, CLOSED, DECODED, DECODED]
 
 
-def test_a_contact_that_was_lost_opens_anew() -> None:
+def test_a_lost_contact_reopens() -> None:
     there_and_back = [0.0] * 3 + [100.0] * 2 + [-100.0] * 5  # 2 m a tick from 147 m: 151 m at tick 5
     codes, _ = listen(team([(0, 0), (147, 0)], "perfect"), [np.array([0.0, v]) for v in there_and_back])
     expected = [CLOSED, CLOSED, DECODED, DECODED, DECODED, -1, CLOSED, CLOSED, DECODED, DECODED, DECODED]
     assert codes[0, 1] == codes[1, 0] == expected
 
 
-def test_the_contacts_of_others_stay_open_while_one_comes_and_goes() -> None:
+def test_contacts_of_other_robots_stay_open_while_one_enters_and_leaves() -> None:
     there_and_back = ([100.0] * 4 + [-100.0] * 4) * 3
     speeds = [np.array([0.0, 0.0, v]) for v in there_and_back]
     codes, states = listen(team([(0, 0), (20, 0), (146, 0)], "perfect"), speeds)
@@ -138,7 +138,7 @@ def test_another_controller_that_keeps_the_separations_changes_no_verdict() -> N
     assert moving == resting
 
 
-def test_a_nearer_pair_decodes_whatever_a_farther_one_with_the_same_draws_does() -> None:
+def test_a_nearer_pair_decodes_every_beacon_that_a_farther_one_with_the_same_draws_does() -> None:
     near, _ = listen(team([(0, 0), (70, 0)]), still(2, 1000))
     far, _ = listen(team([(0, 0), (130, 0)]), still(2, 1000))
     pairs = list(zip(near[0, 1], far[0, 1], strict=True))

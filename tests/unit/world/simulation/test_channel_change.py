@@ -32,7 +32,7 @@ def test_another_range_shows_at_the_next_tick_and_keeps_the_contacts_that_stay(n
         assert {pair: age - 1 for pair, age in ledger(state, "age").items() if age} == {p: ages[p] for p in kept}
 
 
-def test_another_formula_acts_from_the_tick_on_at_which_it_is_put_in_force() -> None:
+def test_another_formula_acts_from_the_tick_of_its_change_on() -> None:
     what = team([(0, 0), (110, 0)])
     world, state = started(what)
     state = stand(world, state, 10)

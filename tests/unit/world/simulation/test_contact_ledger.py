@@ -40,7 +40,7 @@ def test_the_ledger_of_a_short_history_is_that_counted_by_hand() -> None:
     ]
 
 
-def test_the_ledger_is_a_recount_of_the_verdicts_while_contacts_come_and_go() -> None:
+def test_the_ledger_equals_a_recount_of_the_verdicts_while_contacts_open_and_close() -> None:
     world, state = started(team([(0, 0), (120, 0), (-170, 60), (60, 90)]))
     twists = np.array([[0.0, 0.0], [0.0, 0.0], [75.0, 0.0], [0.0, 0.0]])  # robot 2 passes by, 1.5 m a tick
     recount: dict[Pair, dict[str, float]] = {}
@@ -70,7 +70,7 @@ def test_the_ledger_is_a_recount_of_the_verdicts_while_contacts_come_and_go() ->
     assert len(ledger(state, "sent")) == 6  # it has gone
 
 
-def test_the_beacons_lost_are_as_many_as_the_outage_sum_says() -> None:
+def test_the_number_of_lost_beacons_agrees_with_the_outage_sum() -> None:
     what = team([(0, 0), (70, 0), (0, 90), (80, 80)], **{**EVERYTHING, "model": "rayleigh"})
     world, state = started(what)
     ticks = 4000

@@ -109,7 +109,7 @@ def test_a_crowd_takes_memory_in_proportion_to_its_contacts(rule: str) -> None:
         assert peak < pairs[0] * (numbers + 140 * 8) + 10 * 8 * neighbor_rules.BLOCK
 
 
-def test_the_radios_numbers_are_drawn_in_the_memory_that_they_stay_in() -> None:
+def test_the_radios_numbers_are_drawn_in_place() -> None:
     senders = np.arange(2000)
     draws.uniform_ticks(draws.key(1, "channel"), 0, 128, senders[:2], senders[:2])
     tracemalloc.start()
@@ -121,7 +121,7 @@ def test_the_radios_numbers_are_drawn_in_the_memory_that_they_stay_in() -> None:
     assert peak < 1.3 * 128 * 8 * len(senders)
 
 
-def test_a_crowd_that_does_not_fit_into_memory_is_refused_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_crowd_that_does_not_fit_into_memory_is_rejected_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(memory, "available", lambda: 2_000_000_000)
     expected = (
         "robots: the memory of the 8,997,000 contacts within 150 m must be at most the 2.0 GB that are free, "
@@ -139,7 +139,7 @@ def test_many_robots_that_are_not_in_range_of_each_other_are_not_refused(monkeyp
     crowd.check(spread.model_copy(update={"robots": robots}))
 
 
-def test_a_range_that_makes_a_crowd_of_a_team_is_refused_scheduled_or_set_by_a_person(
+def test_a_range_that_turns_a_team_into_a_crowd_is_rejected_whether_scheduled_or_set(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     fields = {"robots.count": 100, "run.duration": 1.0}
@@ -170,7 +170,7 @@ def test_fes_run_refuses_a_crowd_before_it_makes_a_run_directory(
     assert not (tmp_path / "out").exists()
 
 
-def test_what_is_free_is_the_least_of_machine_container_and_limit(
+def test_free_memory_is_the_least_of_machine_container_and_limit(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     (tmp_path / "meminfo").write_text("MemTotal: 9000 kB\nMemAvailable:    5000 kB\n")

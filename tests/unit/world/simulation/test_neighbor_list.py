@@ -54,7 +54,7 @@ def test_the_pairs_in_range_are_those_that_a_search_of_all_pairs_finds(n: int, w
     assert len(seen) > 3 or width < REACH / 2  # pairs came and went, unless all are always in range
 
 
-def test_the_candidate_list_is_made_anew_only_now_and_then() -> None:
+def test_the_candidate_list_is_rarely_rebuilt() -> None:
     measured = walk(200, 1500.0, 2.0, 100, seed=1)
     lists = [near.candidates for _, near in measured]
     changes = sum(a is not b for a, b in pairwise(lists))
@@ -62,7 +62,7 @@ def test_the_candidate_list_is_made_anew_only_now_and_then() -> None:
     assert 5 <= changes <= 99 / 3
 
 
-def test_a_list_that_still_holds_is_kept_however_far_the_robots_went_together() -> None:
+def test_a_valid_list_is_kept_for_any_common_motion_of_the_robots() -> None:
     where = layouts.scatter(np.random.default_rng(2), 100, 900.0)
     first = neighbor_list.measure(np.arange(100), where, REACH, None)
     inside = where + np.array([6.0, 7.9, 0.0])  # 9.92 m of 10 m

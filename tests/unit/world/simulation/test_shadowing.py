@@ -126,7 +126,7 @@ def test_the_places_of_one_seed_have_the_law_of_all_seeds(seed: int) -> None:
     assert (here * there).mean() == expected
 
 
-def test_the_decorrelation_distance_is_where_the_correlation_is_1_over_e() -> None:
+def test_the_correlation_at_the_decorrelation_distance_is_1_over_e() -> None:
     far = ShadowingConfig(deviation=1.0, decorrelation_distance=60.0)
     drawn = samples([((0.0, 0.0), (400.0, 0.0)), ((0.0, 60.0), (400.0, 0.0))], far)
     assert_mean(drawn[:, :, 0] * drawn[:, :, 1], math.exp(-1.0))
@@ -181,7 +181,7 @@ def test_another_robot_changes_no_digit_between_the_others(others: int) -> None:
     assert all(many[pair] == p for pair, p in few.items())
 
 
-def test_a_robot_that_comes_back_finds_the_same_shadows() -> None:
+def test_a_robot_that_returns_to_a_place_has_the_same_shadowing() -> None:
     here, there = scattered(6), scattered(6) + np.array([37.0, -12.0, 1.0])
     assert probabilities(here, SHADED) == probabilities(here, SHADED)
     assert probabilities(here, SHADED) != probabilities(there, SHADED)

@@ -66,7 +66,7 @@ def test_headings_stay_wrapped(heading: float, angular: float) -> None:
 
 
 @given(angle=st.floats(-1e3, 1e3))
-def test_wrap_changes_an_angle_by_whole_turns_only(angle: float) -> None:
+def test_wrap_changes_an_angle_by_full_turns_only(angle: float) -> None:
     wrapped = float(geometry.wrap(np.array([angle]))[0])
     assert -math.pi <= wrapped <= math.pi
     assert turned(wrapped, angle) < 1e-12  # rad; roundings of 1e3 rad
