@@ -94,8 +94,8 @@ class Agent:
     async def _complete(self, observations: Observations, heard: list[Beacon]) -> list[Beacon]:
         """All beacons that decoded, by sender; raises Unavailable if a beacon stays missing: digits would change.
 
-        Links are first-in first-out. So a beacon is missing only if junk filled a mailbox, if it took a slower path
-        than the tick, or if a router died with it. A busy world is asked again while it is reachable.
+        Links are first-in first-out. A beacon is missing only if junk filled a mailbox, it took a slower path
+        than the tick, or a router died with it. A busy world is asked again while it is reachable.
         """
         world = self.membership.world
         while absent := contacts.decoded(observations) - {beacon.robot for beacon in heard}:

@@ -88,11 +88,11 @@ def supervise(main: Callable[[], Coroutine[None, None, T]], *, exit_with_stdin: 
 @contextlib.contextmanager
 def interruptible() -> Iterator[None]:
     """A block without a loop, in which the first signal raises Stopped, and the second ends the process at once."""
-    told: list[int] = []
+    received: list[int] = []
 
     def stop(number: int, frame: object) -> None:
-        told.append(number)
-        if len(told) > 1:
+        received.append(number)
+        if len(received) > 1:
             signals.force(FORCED)
         raise Stopped(f"stopped by {signal.Signals(number).name}")
 
@@ -104,13 +104,13 @@ def interruptible() -> Iterator[None]:
 
 async def _until_stopped(main: Callable[[], Coroutine[None, None, T]], exit_with_stdin: bool) -> T:
     loop = asyncio.get_running_loop()
-    told: list[str] = []
+    received: list[str] = []
 
     def stop(by: str) -> None:
-        told.append(by)
-        if len(told) > 1:
+        received.append(by)
+        if len(received) > 1:
             signals.force(FORCED)
-        task.cancel(by)  # who is cancelled can see why
+        task.cancel(by)  # the reason, for the task
 
     for number in signals.heard():
         loop.add_signal_handler(number, stop, number.name)
@@ -125,7 +125,7 @@ async def _until_stopped(main: Callable[[], Coroutine[None, None, T]], exit_with
     try:
         return await task
     except asyncio.CancelledError:
-        raise Stopped(f"stopped by {told[0] if told else 'a cancellation'}") from None
+        raise Stopped(f"stopped by {received[0] if received else 'a cancellation'}") from None
 
 
 def _at_end_of_stdin(loop: asyncio.AbstractEventLoop, stop: Callable[[str], None]) -> None:

@@ -99,7 +99,7 @@ async def examine(endpoints: Endpoints, run: str, is_requested: bool) -> tuple[l
         problem = str(error) or f"{endpoints.shown} is open, but does not speak Zenoh, {SLOW}"
         if is_requested:
             return [failed("endpoint", problem, remedy(problem))], None
-        if "nobody listens" in problem:
+        if "nothing listens" in problem:
             return [ok("endpoint", f"{problem}: no run is running")], None
         return [warning("endpoint", problem, remedy(problem))], None
     except FesError as error:

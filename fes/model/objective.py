@@ -16,8 +16,8 @@ def preference(separation: Floats, objective: ObjectiveConfig) -> Floats:
     shape = objective.shape_exponent
     ratio = objective.minimum_separation / objective.maximum_separation
     spread = np.power(separation / objective.minimum_separation, shape)
-    preferred: Floats = -np.expm1(-spread) * np.exp(-(ratio**shape) * spread)
-    return preferred
+    preference: Floats = -np.expm1(-spread) * np.exp(-(ratio**shape) * spread)
+    return preference
 
 
 def log_preference_slope(separation: Floats, objective: ObjectiveConfig) -> Floats:

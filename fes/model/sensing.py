@@ -75,11 +75,11 @@ class Telemetry:
     ln(-ln p) = level + exponent ln(r / rho_0) [2, l]; [2, 0] if no robot measures."""
 
 
-def of_those(said: Telemetry, present: Bools) -> Telemetry:
+def of_those(telemetry: Telemetry, present: Bools) -> Telemetry:
     """The telemetry of the robots that are `present` [n]."""
-    among = present[said.links.rows]
-    learnt = said.learnt[:, among] if said.learnt.size else said.learnt
-    return Telemetry(said.links.select(among), said.estimates[among], learnt)
+    among = present[telemetry.links.rows]
+    learnt = telemetry.learnt[:, among] if telemetry.learnt.size else telemetry.learnt
+    return Telemetry(telemetry.links.select(among), telemetry.estimates[among], learnt)
 
 
 def no_telemetry(ids: Ints) -> Telemetry:
@@ -89,7 +89,7 @@ def no_telemetry(ids: Ints) -> Telemetry:
 
 def no_beacons() -> Beacons:
     """The beacons before the first tick: no robot has sent one."""
-    nobody = np.zeros(0, dtype=np.int64)
+    ids = np.zeros(0, dtype=np.int64)
     return Beacons(
-        -1, nobody, np.zeros((0, 3)), no_edges(nobody), np.zeros(0), np.zeros(0, dtype=np.bool_), np.zeros((0, 0))
+        -1, ids, np.zeros((0, 3)), no_edges(ids), np.zeros(0), np.zeros(0, dtype=np.bool_), np.zeros((0, 0))
     )

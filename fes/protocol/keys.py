@@ -16,8 +16,8 @@
 | fes/<run>/world/report          | Report                   | world -> observers                  | 10 Hz (wall) |
 | fes/<run>/world/set             | Change, answered by Effect | person -> world -> person         | when asked   |
 
-One robot owns one prefix, and an agent asks to join on a key that names its robots, so that rules of access can be
-made of keys (`world/server/access.py`).
+One robot owns one prefix, and an agent asks to join on a key that names its robots. So access rules are rules about
+keys (`world/server/access.py`).
 """
 
 import re

@@ -136,14 +136,14 @@ def encode_beacon(message: Beacon) -> bytes:
 def decode_beacon(payload: bytes) -> Beacon:
     """The Beacon in a payload."""
     name = "Beacon"
-    tick, robot, x, y, heading, links, estimates, named, statistics = wire.unpack(name, payload, 9)
+    tick, robot, x, y, heading, links, estimates, selected, statistics = wire.unpack(name, payload, 9)
     peers = wire.ids(name, links)
     return Beacon(
         *wire.stamp(name, tick, robot),
         wire.finite(name, (x, y, heading), MAX_TOLD),
         peers,
         wire.numbers(name, estimates, len(peers), MAX_TOLD),
-        wire.codes(name, named, len(peers), 1),
+        wire.codes(name, selected, len(peers), 1),
         wire.some_numbers(name, statistics, MAX_STATISTICS, MAX_TOLD),
     )
 
@@ -203,8 +203,8 @@ def decode_join(payload: bytes) -> Join:
     name = "Join"
     robots, agent, arithmetic = wire.unpack(name, payload, 3)
     wire.check(name, type(agent) is int and 0 <= agent <= MAX_AGENT, "expects a number for the agent", agent)
-    told = type(arithmetic) is str and len(arithmetic) <= MAX_ARITHMETIC and arithmetic.isprintable()
-    wire.check(name, told, "expects its arithmetic in a few words", arithmetic)
+    is_short = type(arithmetic) is str and len(arithmetic) <= MAX_ARITHMETIC and arithmetic.isprintable()
+    wire.check(name, is_short, "expects its arithmetic in a few words", arithmetic)
     return Join(wire.robot_list(name, robots), agent, arithmetic)
 
 

@@ -1,8 +1,8 @@
 """Fields of a payload: packed with msgpack, and checked one by one when they are read.
 
 Every payload is a msgpack array that begins with PROTOCOL. Lists of ids and of numbers travel as binary,
-little-endian int32 and float64. Each function that reads a field takes the name of the message, and raises
-MessageError where the field has the wrong type, length or size, a number is not finite, or ids do not ascend.
+little-endian int32 and float64. Each function that reads a field takes the name of the message. It raises
+MessageError for a wrong type, length or size, a number that is not finite, and ids that do not ascend.
 """
 
 import math
@@ -25,7 +25,7 @@ MAX_PAYLOAD = 1 << 20
 
 T = TypeVar("T", bound=tuple[float, ...])
 
-KEPT = 4096
+LONGEST_CACHED = 4096
 """Longest list of ids [bytes] whose array is kept."""
 
 MAX_LIST = 100_000
@@ -124,7 +124,7 @@ def ids(name: str, blob: Any) -> Ints:
     """Ids, ascending [m]; the same bytes give the same array."""
     if type(blob) is not bytes or len(blob) % 4:
         check(name, False, "expects ids as int32", blob)
-    ids = _ascending(blob) if len(blob) <= KEPT else _ascending.__wrapped__(blob)
+    ids = _ascending(blob) if len(blob) <= LONGEST_CACHED else _ascending.__wrapped__(blob)
     if ids is None:
         raise MessageError(name, "ids must ascend from 0")
     return ids

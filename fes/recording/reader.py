@@ -1,6 +1,6 @@
 """Logs of runs, read back; docs/reference/log.md describes their format.
 
-What a scenario is remains the caller's: `load` is given the function that parses its tables.
+The caller defines a scenario: `load` takes the function that parses its tables.
 """
 
 import tomllib

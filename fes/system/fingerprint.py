@@ -39,8 +39,8 @@ def text(arithmetic: Arithmetic | None = None) -> str:
     >>> text({"fingerprint": "5c62e091b8c0", "numpy": "2.4.6", "core": "numpy"})
     'numpy 2.4.6, arithmetic 5c62e091b8c0'
     """
-    told = table() if arithmetic is None else arithmetic
-    numpy, result, core = (told[key] for key in ("numpy", "fingerprint", "core"))
+    parts = table() if arithmetic is None else arithmetic
+    numpy, result, core = (parts[key] for key in ("numpy", "fingerprint", "core"))
     if not all(
         isinstance(part, str) and len(part) <= _LONGEST and part.isprintable() for part in (numpy, result, core)
     ):

@@ -45,10 +45,10 @@ def _cached() -> int:
     """Files that the control group caches, and that the kernel drops when memory is wanted [bytes]."""
     try:
         lines = (CGROUP / "memory.stat").read_text(encoding="ascii").splitlines()
-        told = {name: int(size) for name, size in (line.split() for line in lines)}
+        sizes = {name: int(size) for name, size in (line.split() for line in lines)}
     except (OSError, ValueError):
         return 0
-    return told.get("inactive_file", 0) + told.get("active_file", 0)
+    return sizes.get("inactive_file", 0) + sizes.get("active_file", 0)
 
 
 def _limit() -> int:

@@ -95,24 +95,23 @@ def unresolved(endpoint: str, patience: float = PATIENCE) -> str:
     where = place(endpoint)
     if where is None or _is_literal(where.host):
         return ""
-    said: list[str] = []
+    results: list[str] = []
 
     def resolve() -> None:
         try:
             socket.getaddrinfo(where.host, where.port, type=socket.SOCK_STREAM)
-            said.append("")
+            results.append("")
         except OSError as error:
-            said.append(f"the name '{where.host}' does not resolve: {reason(error)}")
+            results.append(f"the name '{where.host}' does not resolve: {reason(error)}")
         except UnicodeError:
-            said.append(f"'{where.host}' is not the name of a host")
+            results.append(f"'{where.host}' is not the name of a host")
 
     # A thread of its own, which nothing waits for: the system's resolver cannot be interrupted.
     thread = threading.Thread(target=resolve, name="resolve", daemon=True)
     thread.start()
     thread.join(patience)
-    return (
-        said[0] if said else f"the name '{where.host}' does not resolve: no name server answers within {patience:g} s"
-    )
+    silent = f"the name '{where.host}' does not resolve: no name server answers within {patience:g} s"
+    return results[0] if results else silent
 
 
 def warn_of_names(endpoints: tuple[str, ...], timeout: float) -> None:

@@ -2,7 +2,7 @@
 
 Zenoh calls handlers in threads of its own. A handler given here must only hand over (append, wake), never
 decode or compute: an exception there would be lost, and time spent there holds up every other message.
-What happens when a queue is full, of ours and of Zenoh's, is in docs/explanation/reliability.md.
+docs/explanation/reliability.md lists the queues, ours and Zenoh's, and the effect of each when it is full.
 """
 
 import asyncio
@@ -36,8 +36,8 @@ CROWDED = "too many questions at once"
 """Why it is, where it may ask again."""
 
 LOCKSTEP = zenoh.Priority.INTERACTIVE_HIGH
-"""Of all messages of the lockstep, one for all, as order holds within a priority only. What strangers put at Zenoh's
-default priority waits in another queue of each link, so that a flood of it neither delays them nor closes a link."""
+"""Priority of all messages of the lockstep, because order holds only within one priority. Messages of strangers have
+Zenoh's default priority and another queue on each link: a flood of them delays no tick and closes no link."""
 
 Handler = Callable[[str, bytes | None], None]
 """Called with the key and the payload of a sample (None for a deletion), in a thread of Zenoh."""
@@ -48,7 +48,7 @@ Gate = Callable[[str, bytes], bool]
 
 @dataclass(frozen=True)
 class Query:
-    """A query that waits for its answer."""
+    """A query that waits for its reply."""
 
     key: str
     payload: bytes
@@ -191,7 +191,7 @@ class Bus:
         self._held.append(self._session.declare_queryable(key, zenoh.handlers.Callback(on_query, indirect=False)))
 
     async def get(self, key: str, payload: bytes, timeout: float) -> bytes:
-        """The answer to a question on `key`; raises Refused, Busy, or Absent after `timeout` [s]."""
+        """The reply to a query on `key`; raises Rejected, Overloaded, or Unavailable after `timeout` [s]."""
         future: asyncio.Future[zenoh.Reply | None] = self._loop.create_future()
 
         def settle(reply: zenoh.Reply | None) -> None:
@@ -206,15 +206,15 @@ class Bus:
         self._session.get(key, callback, payload=payload, timeout=timeout)
         reply = await future
         if reply is None:
-            raise Unavailable(f"nobody answers on {key}")
+            raise Unavailable(f"no process answers on {key}")
         if reply.ok is not None:
             return reply.ok.payload.to_bytes()
-        said = reply.err.payload.to_bytes() if reply.err is not None else b""
-        if said.startswith(REFUSED):
-            why = said.removeprefix(REFUSED).decode(errors="replace")
+        answer = reply.err.payload.to_bytes() if reply.err is not None else b""
+        if answer.startswith(REFUSED):
+            why = answer.removeprefix(REFUSED).decode(errors="replace")
             raise Overloaded(why) if why == CROWDED else Rejected(why)
         raise Unavailable(
-            f"nobody answered on {key} within {timeout:g} s"
+            f"no process answered on {key} within {timeout:g} s"
         )  # Zenoh's own word for it is an error reply
 
 

@@ -35,7 +35,7 @@ def reason(endpoints: Endpoints, message: str) -> str:
         for endpoint in endpoints.connect:
             if (wrong := complaint(endpoint, endpoints.security)) is not None:
                 return f"cannot join the network at {endpoint}: {wrong}"
-        return f"nobody listens on {endpoints.shown} (tried for {endpoints.timeout:g} s)"
+        return f"nothing listens on {endpoints.shown} (tried for {endpoints.timeout:g} s)"
     return f"cannot open a session on {endpoints.shown}: {first_line(message)}"
 
 

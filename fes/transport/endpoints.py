@@ -112,6 +112,7 @@ def warn_if_exposed(listening: str) -> None:
     for endpoint in re.findall(r'"([a-z]+/[^"]+)"', listening):
         if exposed(endpoint):
             logging.getLogger("network").warning(
-                "listening on %s without TLS: whoever reaches it can steer robots; --keys DIR asks for certificates",
+                "listening on %s without TLS: any process that reaches it can steer robots; "
+                "--keys DIR requires certificates",
                 endpoint,
             )

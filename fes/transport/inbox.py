@@ -1,7 +1,7 @@
 """From Zenoh's threads to the loop: one wake-up when enough messages have come.
 
-A full inbox drops what comes, good or bad, and counts it. Nothing is lost for good: the world sends a tick again to
-robots whose command it does not have, and an agent that has answered a tick answers it again.
+A full inbox drops and counts further messages, good or bad. None is lost permanently: the world resends a tick to
+robots whose command is missing, and an agent that has answered a tick answers it again.
 """
 
 import asyncio

@@ -7,9 +7,9 @@ import threading
 from dataclasses import replace
 from pathlib import Path
 
-# Set before the first session opens. One thread only sends: else messages that wait for room in full queues leave
-# nobody to empty these, and Zenoh closes links of robots that did no wrong. The others are eight, since each may wait
-# up to 10 s while Zenoh takes down a session that ended without a word: with two, two robots that hang hold up all.
+# Set before the first session opens. One thread only sends. Else all threads may wait for room in full queues, none
+# empties them, and Zenoh closes links of healthy robots. Eight threads do the rest, because each may wait up to 10 s
+# while Zenoh closes a session that ended silently. With two threads, two robots that hang would delay all robots.
 os.environ.setdefault(
     "ZENOH_RUNTIME",
     "(rx:(handover:app),acc:(handover:app),tx:(worker_threads:1),net:(handover:app),app:(worker_threads:8))",
@@ -105,12 +105,12 @@ def _read(path: Path) -> zenoh.Config:
         encoding.check_depth(encoding.read(path))
         return zenoh.Config.from_file(path)
     except OSError as error:
-        said = errors.reason(error, with_file=False)
+        problem = errors.reason(error, with_file=False)
     except zenoh.ZError as error:
-        said = connection_diagnosis.first_line(str(error))
+        problem = connection_diagnosis.first_line(str(error))
     except ValueError as error:
-        said = str(error)
-    raise TransportError(f"cannot read the Zenoh configuration {path}: {said}")
+        problem = str(error)
+    raise TransportError(f"cannot read the Zenoh configuration {path}: {problem}")
 
 
 def _effective(endpoints: Endpoints, config: zenoh.Config) -> Endpoints:
@@ -118,7 +118,7 @@ def _effective(endpoints: Endpoints, config: zenoh.Config) -> Endpoints:
 
     def given(key: str) -> tuple[str, ...]:
         value = strict_json.loads(config.get_json(key))
-        named = value.get(endpoints.mode, []) if isinstance(value, dict) else value
-        return tuple(one for one in named if isinstance(one, str))
+        values = value.get(endpoints.mode, []) if isinstance(value, dict) else value
+        return tuple(text for text in values if isinstance(text, str))
 
     return replace(endpoints, connect=given("connect/endpoints"), listen=given("listen/endpoints"))

@@ -95,7 +95,7 @@ def test_an_error_about_a_missing_extra_contains_the_command_that_installs_it(
 def test_install_advice_of_the_doctor_comes_from_one_function() -> None:
     missing, *_ = machine.packages(["no-such-package>=1"])
     assert missing.remedy == distribution.install()
-    assert "pip install" not in network.remedy("nobody listens")
+    assert "pip install" not in network.remedy("nothing listens")
 
 
 def test_only_one_module_has_a_command_that_installs() -> None:

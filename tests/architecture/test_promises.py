@@ -53,7 +53,7 @@ FIGURES = [
     f"{inbox.LIMIT:,} messages, {inbox.LIMIT_BYTES >> 20} MiB",
     f"`console.connect.observer`, reports | {observer.MAX_WAITING} |",
 ]
-"""Tests of these promises have other figures, as nobody wants to wait for these."""
+"""Tests of these promises use shorter times."""
 
 
 @pytest.mark.parametrize("promise", FIGURES)

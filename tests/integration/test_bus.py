@@ -134,11 +134,11 @@ def test_a_query_is_answered_rejected_or_ignored() -> None:
             assert await agent.get("desk", b"yes?", PATIENCE) == b"yes"
             with pytest.raises(Rejected, match=r"^no, because$"):
                 await agent.get("desk", b"no?", PATIENCE)
-            with pytest.raises(Unavailable, match="nobody answers on nowhere"):
+            with pytest.raises(Unavailable, match="no process answers on nowhere"):
                 await agent.get("nowhere", b"", PATIENCE)
             kept: list[Query] = []
             world.declare_queryable("asleep", kept.append)
-            with pytest.raises(Unavailable, match=r"nobody answered on asleep within 0.3 s"):
+            with pytest.raises(Unavailable, match=r"no process answered on asleep within 0.3 s"):
                 await agent.get("asleep", b"", 0.3)
 
     run(main)
@@ -150,7 +150,7 @@ def test_a_taken_port_an_unreachable_endpoint_and_bad_settings_are_one_clear_lin
             with pytest.raises(TransportError, match=f"^cannot listen on {endpoint}: .*in use$"):
                 async with bus.opened(Endpoints("router", (), (endpoint,))):
                     pass
-        with pytest.raises(TransportError, match=r"^nobody listens on tcp/127.0.0.1:1 \(tried for 0.3 s\)$"):
+        with pytest.raises(TransportError, match=r"^nothing listens on tcp/127.0.0.1:1 \(tried for 0.3 s\)$"):
             async with client("tcp/127.0.0.1:1", timeout=0.3):
                 pass
         for setting in ("nocolon", "no/such/setting:1", "mode:{"):

@@ -89,7 +89,7 @@ def test_an_agent_subscribes_to_the_peers_in_range_only() -> None:
 
 
 def test_an_agent_drops_its_subscription_when_a_peer_leaves() -> None:
-    # 149.9 m apart, with a desired separation beyond the range of the radio: they part for good.
+    # 149.9 m apart, with a desired separation beyond the range of the radio: they part permanently.
     parting = load(
         "pair.toml",
         robots__poses=[[0.0, 0.0, np.pi], [149.0, 0.0, 0.0]],

@@ -132,6 +132,8 @@ def _bound(node: ast.AST) -> list[str]:
         return _arguments(node.args)
     if isinstance(node, ast.ClassDef):
         return [node.name]
+    if isinstance(node, ast.AnnAssign) and ast.unparse(node.annotation).startswith("Annotated"):
+        return []  # a key of a scenario
     targets = [*getattr(node, "targets", []), getattr(node, "target", None), getattr(node, "optional_vars", None)]
     stored = [part for target in targets if isinstance(target, ast.AST) for part in ast.walk(target)]
     return [

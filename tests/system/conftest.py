@@ -12,7 +12,7 @@ from tests.support.processes import fes, start
 
 @pytest.fixture
 def endless(tmp_path: Path) -> Iterator["subprocess.Popen[str]"]:
-    """A run of two robots that goes on for a very long time."""
+    """A very long run of two robots."""
     running = start(
         fes("run", str(CONFIGS / "pair.toml"), "--duration", "100000", "--out", "out", "--json"), tmp_path
     )

@@ -133,7 +133,7 @@ def test_a_service_refuses_bad_input_in_one_line(
 def test_an_unanswered_agent_reports_the_world_and_time_it_waited_for(tmp_path: Path) -> None:
     endpoint = vacant()
     done = call(tmp_path, "fes-agent", "--id", "1", "--timeout", "1", "-e", endpoint)
-    assert complaint(done, "fes-agent") == f"nobody listens on {endpoint} (tried for 1 s)"
+    assert complaint(done, "fes-agent") == f"nothing listens on {endpoint} (tried for 1 s)"
     assert f"agent.1: waiting for the world at {endpoint}, run 'main'" in done.stderr
 
 

@@ -47,7 +47,7 @@ def test_an_unreachable_endpoint_of_a_configuration_file_is_named(tmp_path: Path
     endpoint = vacant()
     (tmp_path / "zenoh.json5").write_text(json.dumps({"connect": {"endpoints": [endpoint]}}))
     done = call(tmp_path, "fes", "set", "channel.reference_snr=1", "--timeout", "0.3", "-c", "zenoh.json5")
-    assert complaint(done, "fes") == f"nobody listens on {endpoint} (tried for 0.3 s)"
+    assert complaint(done, "fes") == f"nothing listens on {endpoint} (tried for 0.3 s)"
 
 
 def test_a_name_that_does_not_resolve_is_reported_at_once_and_at_the_end(tmp_path: Path) -> None:
@@ -125,4 +125,4 @@ def test_a_configuration_file_may_begin_with_a_byte_order_mark(mark: bytes, tmp_
     endpoint = vacant()
     (tmp_path / "zenoh.json5").write_bytes(mark + json.dumps({"connect": {"endpoints": [endpoint]}}).encode())
     done = call(tmp_path, "fes", "set", "channel.reference_snr=1", "--timeout", "0.3", "-c", "zenoh.json5")
-    assert complaint(done, "fes") == f"nobody listens on {endpoint} (tried for 0.3 s)"
+    assert complaint(done, "fes") == f"nothing listens on {endpoint} (tried for 0.3 s)"

@@ -112,7 +112,7 @@ def test_one_host_per_robot_with_the_world_as_router_has_the_digest_of_one_loop(
         team.agent(host, str(robot), net.hosts["world"].endpoint())
     team.world("world", "paper.toml", *LISTENING, "--duration", str(SECONDS))
     assert team.summary()["digest"] == digest("paper.toml")
-    assert "whoever reaches it can steer robots" in team.said()
+    assert "any process that reaches it can steer robots" in team.said()
 
 
 def test_a_router_that_is_not_a_world_carries_a_run_to_the_same_digest(team: Team, net: Internet) -> None:

@@ -24,7 +24,7 @@ class PeriodAverage:
         blocks = next(count for count in range(min(MOST_BLOCKS, period), 0, -1) if period % count == 0)
         self._length = period // blocks
         """Ticks per block."""
-        self._sums: deque[Floats] = deque(maxlen=blocks)
+        self._blocks: deque[Floats] = deque(maxlen=blocks)
         self._links: Edges = no_edges(np.zeros(0, dtype=np.int64))
         self._now: Floats = np.zeros(0)
         self._ticks = 0
@@ -41,18 +41,18 @@ class PeriodAverage:
         self._now = self._now + separation
         self._ticks += 1
         if self._ticks == self._length:
-            self._sums.append(self._now)
+            self._blocks.append(self._now)
             self._now, self._ticks = np.zeros(len(separation)), 0
-            if len(self._sums) == self._sums.maxlen:
-                self.mean = np.add.reduce(list(self._sums), axis=0) / self._period
+            if len(self._blocks) == self._blocks.maxlen:
+                self.mean = np.add.reduce(list(self._blocks), axis=0) / self._period
 
     def _carry(self, links: Edges) -> None:
         """Links that stay keep their sums; those of new ones are not numbers until a period has passed."""
         old, self._links = self._links, links
         links_after = Transition(_positions(links, old))
-        begun = self._ticks > 0 or len(self._sums) > 0
-        for block, metrics in enumerate(self._sums):
-            self._sums[block] = links_after.carry(metrics, np.nan)
+        begun = self._ticks > 0 or len(self._blocks) > 0
+        for index, block in enumerate(self._blocks):
+            self._blocks[index] = links_after.carry(block, np.nan)
         self._now = links_after.carry(self._now, np.nan if begun else 0.0)
         self.mean = links_after.carry(self.mean, np.nan)
 

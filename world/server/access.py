@@ -1,6 +1,6 @@
 """Zenoh's access control: the keys on which each role may publish and receive, from the table of keys.
 
-It acts where messages enter and leave the world's router, by the common name of each link's certificate, and denies
+It acts where messages enter and leave the world's router, by the common name of each link's certificate. It denies
 every message that no rule allows. Messages of the world itself pass no link, and so no rule. If the router is another
 process, the world is one more role, which may publish and receive everything.
 

@@ -22,7 +22,7 @@ from world.simulation.truth import State
 
 WARM_UP = 25
 """The first ticks of a run, and those after a world resumed it, are in lockstep. In these ticks contacts open,
-subscriptions are made, and all code runs for the first time, on a machine that may just have started the agents."""
+subscriptions are declared, and all code runs for the first time."""
 
 HANG_TIMEOUT = 2.0
 """A robot that sends no command for this long [s] is excluded, though its token may stay. When it sends one again, it

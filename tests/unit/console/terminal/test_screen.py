@@ -1,4 +1,4 @@
-"""The alternate screen closes, whatever happens on it."""
+"""The alternate screen always closes."""
 
 import io
 import os
@@ -74,4 +74,4 @@ def test_a_second_signal_leaves_the_screen_too(monkeypatch: pytest.MonkeyPatch) 
         assert tty.text.endswith(f"{LEAVE}{SHOW}")
     before = tty.text
     signals.force(130)
-    assert tty.text == before  # once it is left, nobody leaves it again
+    assert tty.text == before  # it is left only once

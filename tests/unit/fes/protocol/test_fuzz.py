@@ -50,7 +50,7 @@ def test_the_longest_payload_is_refused_within_seconds(name: str) -> None:
 
 
 def test_every_mutation_changes_a_payload() -> None:
-    """None of them is a mutation in name only: within a hundred tries each has changed one."""
+    """Each mutation changes the payload at least once in a hundred tries."""
     payload: bytes = msgpack.packb(PLAIN["Beacon"])
     for mutation in MUTATIONS:
         changed = bytearray(payload)
