@@ -1,6 +1,7 @@
 """The installed commands, called like a person or a script calls them."""
 
 import json
+import os
 import socket
 import subprocess
 import sysconfig
@@ -43,3 +44,12 @@ def vacant() -> str:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+
+
+def with_path(folder: Path, where: Path, *words: str) -> "subprocess.CompletedProcess[str]":
+    """Outcome of an installed command with `folder` first on Python's path."""
+    return subprocess.run(
+        [str(PROGRAMS / words[0]), *words[1:]],
+        cwd=where, env={**os.environ, "PYTHONPATH": str(folder)}, stdin=subprocess.DEVNULL, capture_output=True,
+        text=True, timeout=60,
+    )  # fmt: skip

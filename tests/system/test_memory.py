@@ -2,8 +2,11 @@
 
 import gc
 import io
+import subprocess
+import sys
 
 import numpy as np
+import pytest
 from rich.console import Console
 
 from bench.size.memory import resident
@@ -31,3 +34,18 @@ def test_world_robots_metrics_and_dashboard_of_a_long_run_do_not_grow() -> None:
             before = resident()
     gc.collect()
     assert resident() - before < 1.5  # MB; a leak of 50 bytes per tick would take as much
+
+
+@pytest.mark.parametrize(
+    "program",
+    [
+        "import sys; from console import cli; cli.load = fail; sys.argv = ['fes', 'run', 'x.toml']; cli.main()",
+        "from fes import process\nasync def main(): fail()\nprocess.run('fes', main)",
+    ],
+)
+def test_a_failed_allocation_is_reported_in_one_line(program: str) -> None:
+    fail = "import numpy\ndef fail(*given): numpy.zeros(2**59)\n"
+    ended = subprocess.run([sys.executable, "-c", fail + program], capture_output=True, text=True, check=False)
+    assert ended.returncode == 1
+    assert ended.stderr.startswith("fes: error: not enough memory: Unable to allocate 4.00 EiB")
+    assert ended.stderr.count("\n") == 1

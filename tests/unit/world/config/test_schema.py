@@ -1,7 +1,5 @@
 """The fields of a scenario: each has a description, a number its unit, and the JSON schema is current."""
 
-import subprocess
-import sys
 import tomllib
 from typing import Any
 
@@ -10,7 +8,6 @@ import pytest
 from fes.model.config import AgentConfig, FaultConfig, Table
 from fes.system import strict_json
 from tests.support.paths import CONFIGS
-from tests.support.processes import PATIENCE
 from world.config import schema, validation
 from world.config.scenario import Scenario
 
@@ -80,9 +77,3 @@ def conforms(table: dict[str, Any], model: dict[str, Any], models: dict[str, Any
         for inner in (models[kind["$ref"].rpartition("/")[2]] for kind in kinds if "$ref" in kind):
             for part in value if isinstance(value, list) else [value]:
                 conforms(part, inner, models)
-
-
-def test_an_agent_that_starts_reads_no_source() -> None:
-    # Descriptions would cost it the time to parse its own modules.
-    code = "import inspect; del inspect.findsource; import agents.process"
-    subprocess.run([sys.executable, "-c", code], check=True, timeout=PATIENCE)
