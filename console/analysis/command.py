@@ -61,7 +61,7 @@ def show_claims(
     name: Annotated[str | None, typer.Argument(help=f"One of {', '.join(claims.CLAIMS)} (default: all).")] = None,
     json_: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
 ) -> int:
-    """Compute the errors in the paper's text (docs/explanation/paper.md explains the numbers)."""
+    """Compute the errors in the paper's text."""
     if name is not None and name not in claims.CLAIMS:
         raise FesError(f"no claim '{name}'; there are {', '.join(claims.CLAIMS)}")
     wanted, results = [name] if name else list(claims.CLAIMS), {}

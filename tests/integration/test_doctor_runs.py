@@ -51,7 +51,7 @@ def test_the_doctor_does_not_advise_a_second_world_where_one_may_be_suspended(pr
         [found], _ = asyncio.run(network.examine(looked, "main", is_requested=True))
     assert found.status is Status.FAILED
     assert "suspended or overloaded" in found.seen
-    assert "look again" in found.remedy
+    assert "check again" in found.remedy
     assert "start" not in found.remedy
 
 

@@ -85,7 +85,8 @@ class StoredRun:
         self.answered = killed - 1
         team, self.teams = Team(scenario), list[Team]()
         with Recorder(folder / NAME, scenario, "test", "processes") as recorder:
-            run, checkpoints = Run(scenario, recorder), CheckpointWriter(folder, 1e9, "test", "main")
+            checkpoints = CheckpointWriter(folder, 1e9, "test", "main")
+            run = Run(scenario, recorder, checkpoints.note)
             checkpoints.begin(run)
             for tick in range(scenario.ticks):
                 if tick == saved:

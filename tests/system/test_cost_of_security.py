@@ -30,14 +30,14 @@ def test_the_bench_measures_the_requested_team(
     assert {(found["robots"], found["ticks"]) for *_, found in seen} == {(100, 10)}
     assert len({found["digest"] for *_, found in seen}) == 1
     title, figures, *medians = capsys.readouterr().out.splitlines()
-    assert title == "secure: hundred.toml, 0.2 s, robots: 100, their processes: 2"
+    assert title == "secure: hundred.toml, 0.2 s, 100 robots in 2 processes"
     # On a slow machine a rate may have one digit, and more spaces before it.
     assert [kind.strip() for kind in re.findall(r"([a-z, ]+?) +\d+ ticks/s", figures)] == list(secure.KINDS)
     assert [line.split("/")[0].strip() for line in medians] == ["median secure", "median secure, no audit"]
 
 
 def test_the_bench_accepts_the_command_of_the_docs(monkeypatch: pytest.MonkeyPatch) -> None:
-    [flags] = re.findall(r"python -m bench\.secure (configs/[^`]+)`", TEXT.replace("\n", " "))
+    [flags] = re.findall(r"python -m bench\.speed\.secure (configs/[^`]+)`", TEXT.replace("\n", " "))
     asked = []
 
     def measured(words: list[str], audit: bool) -> tuple[float, float]:

@@ -87,4 +87,4 @@ def test_fes_doctor_prints_json_or_a_table_and_exits_with_1_after_a_failure(tmp_
     assert (healthy.returncode, healthy.stderr) == (0, "")
     # A run of the person who tests may have the port.
     taken = network.port(DEFAULT_ENDPOINT, world=False).status == Status.WARNING
-    assert taken or "no run goes on" in " ".join(healthy.stdout.split())
+    assert taken or "no run is running" in " ".join(healthy.stdout.split())

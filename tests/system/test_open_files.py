@@ -35,7 +35,7 @@ def test_a_run_with_too_few_open_files_fails_with_the_command_that_raises_the_li
     done = limited(12, tmp_path)
     assert done.returncode == 1
     least = 18 + 2 * machine.FILES_PER_CHILD
-    said = f"12 a process: 2 robots with a process each take {least}"
+    said = f"12 per process: 2 robots with a process each take {least}"
     said += "; raise the hard limit of 12, or --agents-per-process"
     assert done.stderr == f"fes: error: open files: {said}\n"
     assert not (tmp_path / "runs").exists()
@@ -88,4 +88,4 @@ def test_the_remedy_for_too_few_files_respects_the_hard_limit(monkeypatch: pytes
 def test_the_doctor_checks_the_limit_that_ulimit_sets() -> None:
     soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
     seen = machine.files().seen
-    assert seen.startswith("no limit" if soft == resource.RLIM_INFINITY else f"{soft} a process")
+    assert seen.startswith("no limit" if soft == resource.RLIM_INFINITY else f"{soft} per process")

@@ -99,6 +99,6 @@ def test_an_agent_with_certificates_of_another_authority_ends_with_advice_on_the
             foreign = Endpoints("client", (world.endpoint,), timeout=0.5, security=own)
             [found], _ = await network.examine(foreign, RUN, True)
             assert "its certificate is not to be trusted" in found.seen
-            assert "of the authority of that world" in found.remedy
+            assert "of the world's authority" in found.remedy
 
     asyncio.run(main())
