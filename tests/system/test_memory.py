@@ -39,7 +39,7 @@ def test_world_robots_metrics_and_dashboard_of_a_long_run_do_not_grow() -> None:
 @pytest.mark.parametrize(
     "program",
     [
-        "import sys; from console import cli; cli.load = fail; sys.argv = ['fes', 'run', 'x.toml']; cli.main()",
+        "import sys; from console import cli; cli.load = fail; sys.argv = ['fes', 'run', 'pair']; cli.main()",
         "from fes import process\nasync def main(): fail()\nprocess.run('fes', main)",
     ],
 )
