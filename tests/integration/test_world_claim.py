@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import os
 import re
 import signal
 import subprocess
@@ -137,6 +138,7 @@ def test_a_world_that_cannot_look_for_other_worlds_does_not_start(monkeypatch: p
         async with client(endpoint) as one, client(endpoint) as two:
             await claim.claim_run(one, RUN, connected=False)
             between.send_signal(signal.SIGSTOP)
+            os.waitpid(between.pid, os.WUNTRACED)  # until then it may still answer
             try:
                 with pytest.raises(
                     Unavailable, match=r"^the router does not say within 0.5 s who is alive on fes/test/"
