@@ -120,7 +120,7 @@ class Server:
                 self._checkpoints.save(run, self._registry.hosts, self.elapsed)
 
             answers, present = await self._clock.collect(run.state, sent)
-            beacons = await self._collect_beacons(answers, present)
+            beacons = await self._judge_beacons(answers, present)
             self._attend(present)
             run.advance(sent, answers, beacons, self._registry.alive.copy(), self.elapsed)
         self._record_tick()
@@ -223,7 +223,7 @@ class Server:
         if self._reports.is_due:
             self._reports.publish(self._registry.alive, self.elapsed)
 
-    async def _collect_beacons(self, answers: list[Answer | None], present: Bools) -> list[bytes]:
+    async def _judge_beacons(self, answers: list[Answer | None], present: Bools) -> list[bytes]:
         """The beacons of this tick, in id order; excludes robots at fault, also from `answers` and `present` [n].
 
         The live clock waits for no beacon: a missing one is only late, and its sender is not at fault.
