@@ -6,7 +6,7 @@ from agents.control import beacon_counting, clocks
 from agents.control.links import Links
 from agents.control.state import Crew, CrewState
 from agents.laws import packet_counting, perturbation
-from agents.laws.packet_counting import Reception
+from agents.laws.packet_counting import ReceptionFit
 from agents.laws.perturbation import ESTIMATE, Index
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
@@ -43,7 +43,9 @@ def desired(crew: Crew, tick: int, links: Links) -> Floats:
     return estimates + perturbation.dither(crew.seeker, time)
 
 
-def measure(crew: Crew, state: CrewState, tick: int, contacts: Contacts, links: Links, heard: Beacons) -> Reception:
+def measure(
+    crew: Crew, state: CrewState, tick: int, contacts: Contacts, links: Links, heard: Beacons
+) -> ReceptionFit:
     """The fit of the channel after the beacons of the last tick; unchanged unless the index is measured."""
     config, reception = crew.config.seeking, state.reception
     if config.index != "measured":
@@ -62,7 +64,7 @@ def measure(crew: Crew, state: CrewState, tick: int, contacts: Contacts, links: 
     return packet_counting.learn(reception, rows, separation, decoded, config.reference_separation)
 
 
-def seek(crew: Crew, tick: int, contacts: Contacts, links: Links, reception: Reception) -> Floats:
+def seek(crew: Crew, tick: int, contacts: Contacts, links: Links, reception: ReceptionFit) -> Floats:
     """The seeking state [3, l] one tick later."""
     config, peer_estimates = crew.config, contacts.estimates.take(links.contact)
     if config.seeking.index == "measured":
@@ -76,7 +78,7 @@ def seek(crew: Crew, tick: int, contacts: Contacts, links: Links, reception: Rec
     return perturbation.advance(crew.seeker, tick, links.state, peer_estimates, skew, index)
 
 
-def _climb_fit(crew: Crew, links: Links, reception: Reception, peer_estimates: Floats) -> Floats:
+def _climb_fit(crew: Crew, links: Links, reception: ReceptionFit, peer_estimates: Floats) -> Floats:
     """The seeking state [3, l] one tick later, by the slope of ln J of the fit, and consensus with the peers."""
     config, estimates = crew.config, links.state[ESTIMATE]
     rows, scale = learners(config.seeking, links.edges), config.seeking.reference_separation

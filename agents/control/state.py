@@ -7,7 +7,7 @@ from agents.control.links import Links
 from agents.control.transmitter import Memory, Transmitters
 from agents.laws.draws import Draws
 from agents.laws.neighbor_rules import Witnesses
-from agents.laws.packet_counting import Reception
+from agents.laws.packet_counting import ReceptionFit
 from agents.laws.perturbation import Seeker
 from fes.arrays.types import Floats, Ints
 from fes.model.config import AgentConfig
@@ -40,7 +40,7 @@ class CrewState:
     contacts: Contacts
     witnesses: Witnesses
     links: Links
-    reception: Reception
+    reception: ReceptionFit
     linked_since: Ints
     """Tick of each robot's first link [n]; a large number before."""
     since: Ints

@@ -33,7 +33,7 @@ class Transmitters:
     """Tick, robot, and True if its beacons are damaged from that tick on, in order of time."""
 
 
-class RepeatedBeacons(NamedTuple):
+class BeaconContent(NamedTuple):
     """The content of the beacon that one transmitter was given at one tick."""
 
     pose: Floats
@@ -43,7 +43,7 @@ class RepeatedBeacons(NamedTuple):
     statistics: Floats
 
 
-Memory = Mapping[int, tuple[RepeatedBeacons, ...]]
+Memory = Mapping[int, tuple[BeaconContent, ...]]
 """Row of a late transmitter -> the contents it was given, the oldest first."""
 
 
@@ -120,13 +120,13 @@ def _values_at(changes: tuple[tuple[int, int, int], ...], tick: int) -> dict[int
     return {subject: value for start, subject, value in changes if start <= tick}
 
 
-def _content(beacons: Beacons, row: int) -> RepeatedBeacons:
+def _content(beacons: Beacons, row: int) -> BeaconContent:
     span = beacons.links.spans[row]
     links, estimates, selected = beacons.links.peers[span], beacons.estimates[span], beacons.selected[span]
-    return RepeatedBeacons(beacons.poses[row], links, estimates, selected, beacons.statistics[row])
+    return BeaconContent(beacons.poses[row], links, estimates, selected, beacons.statistics[row])
 
 
-def _replaced(beacons: Beacons, old: Mapping[int, RepeatedBeacons]) -> Beacons:
+def _replaced(beacons: Beacons, old: Mapping[int, BeaconContent]) -> Beacons:
     """The beacons, those of the rows of `old` with the content given there."""
     poses, statistics, links = beacons.poses.copy(), beacons.statistics.copy(), beacons.links
     for row, content in old.items():

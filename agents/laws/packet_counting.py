@@ -71,7 +71,7 @@ FARTHEST = 150.0
 
 
 @dataclass(frozen=True, eq=False)
-class Reception:
+class ReceptionFit:
     """The samples of the learners, and the fit to them."""
 
     method: Method
@@ -83,24 +83,24 @@ class Reception:
     """nu [g]"""
 
 
-def no_counts(method: Method, learners: int) -> Reception:
+def no_counts(method: Method, learners: int) -> ReceptionFit:
     """The fit of learners that have counted no beacon: the prior."""
     return _fit(method, np.zeros((learners, STATISTICS)))
 
 
-def carry(reception: Reception, old: Edges, new: Edges) -> Reception:
+def carry(reception: ReceptionFit, old: Edges, new: Edges) -> ReceptionFit:
     """The learners of the links `new`, from those of the links `old`; a new link has counted no beacon."""
     if new is old:
         return reception
     return _fit(reception.method, new.carry(reception.statistics, old, 0.0))
 
 
-def forget(reception: Reception, restarted: Bools) -> Reception:
+def forget(reception: ReceptionFit, restarted: Bools) -> ReceptionFit:
     """The learners, of which those `restarted` [g] have counted no beacon."""
     return _fit(reception.method, np.where(restarted[:, None], 0.0, reception.statistics))
 
 
-def fade(reception: Reception, dt: float) -> Reception:
+def fade(reception: ReceptionFit, dt: float) -> ReceptionFit:
     """The statistics, a tick of `dt` [s] older."""
     statistics = reception.statistics.copy()
     statistics[:, :3] *= np.exp(-dt / reception.method.short_memory)
@@ -108,7 +108,7 @@ def fade(reception: Reception, dt: float) -> Reception:
     return replace(reception, statistics=statistics)
 
 
-def mix(reception: Reception, edges: Edges, heard: Bools, received: Floats) -> Reception:
+def mix(reception: ReceptionFit, edges: Edges, heard: Bools, received: Floats) -> ReceptionFit:
     """The statistics of robots after a tick's exchange: mixed with those `received` [m, STATISTICS] of peers `heard`.
 
     The exchange comes before the tick's own samples. Hearing a peer is correlated with its beacon having decoded.
@@ -124,7 +124,7 @@ def mix(reception: Reception, edges: Edges, heard: Bools, received: Floats) -> R
     return replace(reception, statistics=mixed)
 
 
-def learn(reception: Reception, rows: Ints, separation: Floats, decoded: Bools, scale: float) -> Reception:
+def learn(reception: ReceptionFit, rows: Ints, separation: Floats, decoded: Bools, scale: float) -> ReceptionFit:
     """Statistics and fit after beacon slots [s] of the learners `rows`, at `separation` [m]; rho_0 is `scale` [m]."""
     n = len(reception.level)
     u = np.log(np.maximum(separation / scale, NEAREST))
@@ -147,7 +147,7 @@ def learn(reception: Reception, rows: Ints, separation: Floats, decoded: Bools, 
     return _fit(reception.method, statistics)
 
 
-def drift(reception: Reception, rows: Ints, estimate: Floats, config: ObjectiveConfig, scale: float) -> Floats:
+def drift(reception: ReceptionFit, rows: Ints, estimate: Floats, config: ObjectiveConfig, scale: float) -> Floats:
     """Speed [l] [m/s] at which estimates [l] [m] of links of learners `rows` climb ln J: a bounded Newton step."""
     exponent = reception.exponent[rows]
     rate = np.exp(reception.level[rows]) * np.power(estimate / scale, exponent)
@@ -167,7 +167,7 @@ def bounded(estimate: Floats, config: ObjectiveConfig) -> Floats:
     return inside
 
 
-def _fit(method: Method, statistics: Floats) -> Reception:
+def _fit(method: Method, statistics: Floats) -> ReceptionFit:
     """The level and the exponent that fit the statistics [g, STATISTICS] and the priors best."""
     prior = method.slope_prior
     exponent = np.clip((statistics[:, 4] + prior[0]) / (statistics[:, 3] + prior[1]), *method.slopes)
@@ -175,4 +175,4 @@ def _fit(method: Method, statistics: Floats) -> Reception:
     level = np.clip(
         (statistics[:, 2] - exponent * statistics[:, 1] + weight * value) / (statistics[:, 0] + weight), LOW, HIGH
     )
-    return Reception(method, statistics, level, exponent)
+    return ReceptionFit(method, statistics, level, exponent)

@@ -13,8 +13,9 @@ NOTES = """`expectations` has one entry per `[[expect]]` table: `of`, `expected`
 `holds`.
 
 A level of `time_to` counts as reached if it holds for 10 s, or to the end if the run ends sooner. It is null if it
-is never reached. r\\* is computed from the channel's formula alone, without shadowing, bursts, jammers and
-partitions. Separations of a formation with a physical dither are averaged over a period of the dither.
+is never reached. r\\* is computed from the channel's formula alone, without the
+[effects](../how-to/change-the-channel.md#choose-the-channel) that a scenario may add to it. Separations of a
+formation with a physical dither are averaged over a period of the dither.
 
 **The digest** is the SHA-256 over all ticks in order. Each tick contributes its number as int64. Then each robot,
 in id order, contributes x, y, heading, linear and angular as float64: the pose at the tick, and the twist held

@@ -6,20 +6,14 @@ import pytest
 
 from tests.support.paths import ROOT
 from tests.support.prose import Prose, prose_of
-from tests.support.words import PRODUCT, files_of, identifiers, offences, offences_of
-
-EXAMPLES = [ROOT / "tests" / "support" / "words.py", Path(__file__).resolve()]
-"""Files that quote what the rules forbid."""
-
-PAGES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")
-FILES = [path for path in files_of(*PRODUCT, "docs", "bench", "tests", *PAGES) if path not in EXAMPLES]
+from tests.support.words import CHECKED, PRODUCT, files_of, identifiers, offences, offences_of
 
 
 def name_of(path: Path) -> str:
     return str(path.relative_to(ROOT))
 
 
-@pytest.mark.parametrize("path", FILES, ids=name_of)
+@pytest.mark.parametrize("path", CHECKED, ids=name_of)
 def test_prose_is_plain_english(path: Path) -> None:
     assert [str(offence) for offence in offences(path)] == []
 

@@ -51,10 +51,10 @@ class Options:
 class Server:
     """The world of one run: it gathers the agents, executes all ticks with them, and dismisses them."""
 
-    def __init__(self, bus: Bus, run: Run, name: str, run_name: str, options: Options | None = None) -> None:
-        """`name` is that of the scenario, `run_name` that of the run in every key."""
+    def __init__(self, bus: Bus, run: Run, scenario_name: str, run_name: str, options: Options | None = None) -> None:
+        """`run_name` is the name of the run in every key."""
         options = Options() if options is None else options
-        self.run, self.name = run, name
+        self.run, self.scenario_name = run, scenario_name
         self.logger = logging.getLogger("world")
         self.drops = DropLog(self.logger)
         robots = run.scenario.robots.number
@@ -64,7 +64,7 @@ class Server:
         self._observe = [
             bus.declare_publisher(keys.observation(run_name, robot), "fes.Observation") for robot in range(robots)
         ]
-        self._reports = ReportPublisher(bus, run_name, name, run.metrics)
+        self._reports = ReportPublisher(bus, run_name, scenario_name, run.metrics)
         members = Membership(excluded=run.excluded)
         if self._checkpoints is not None:
             members = Membership(self._checkpoints.hosts, self._checkpoints.renewed, run.excluded)
@@ -101,7 +101,7 @@ class Server:
         self._gathered = True
         missing = np.flatnonzero(present & ~self._participation.reachable).tolist() if tick else []
         robots = f"all robots but {missing} are here" if missing else "all robots are here"
-        self.logger.info("%s: %s %s", robots, self.name, f"resumes at tick {tick}" if tick else "starts")
+        self.logger.info("%s: %s %s", robots, self.scenario_name, f"resumes at tick {tick}" if tick else "starts")
 
     async def main_loop(self) -> None:
         """Execute all ticks of the scenario; if it is cancelled, the executed ticks count."""
@@ -131,7 +131,7 @@ class Server:
         self._record_tick()
         if self.run.metrics.link_errors.ticks == 0:
             return None
-        return summary.summarize(self.run.metrics, self.name, "processes", self.elapsed)
+        return summary.summarize(self.run.metrics, self.scenario_name, "processes", self.elapsed)
 
     @property
     def elapsed(self) -> float:

@@ -6,7 +6,7 @@ import pytest
 from agents.control import beacon_counting, contacts
 from agents.laws import packet_counting, perturbation
 from agents.laws.draws import SeededDraws
-from agents.laws.packet_counting import ALONE, POOLED, STATISTICS, Reception
+from agents.laws.packet_counting import ALONE, POOLED, STATISTICS, ReceptionFit
 from agents.laws.perturbation import Seeker
 from fes.arrays.edges import Edges
 from fes.model import objective
@@ -63,7 +63,7 @@ def test_of_a_long_silence_the_latest_slots_are_counted() -> None:
 def test_mixing_keeps_what_all_agree_on_and_ages_it() -> None:
     everybody = Edges(np.arange(3), np.array([0, 0, 1, 1, 2, 2]), np.array([1, 2, 0, 2, 0, 1]))
     metrics = np.tile(np.arange(1.0, STATISTICS + 1.0), (3, 1))
-    before = Reception(POOLED, metrics, np.zeros(3), np.ones(3))
+    before = ReceptionFit(POOLED, metrics, np.zeros(3), np.ones(3))
     mixed = packet_counting.mix(before, everybody, np.ones(6, dtype=np.bool_), metrics[everybody.peers])
     after = packet_counting.fade(mixed, 0.02)
     faded = np.array([np.exp(-0.02 / 6.0)] * 3 + [np.exp(-0.02 / 120.0)] * 2)
@@ -72,7 +72,7 @@ def test_mixing_keeps_what_all_agree_on_and_ages_it() -> None:
 
 def test_each_robot_mixes_in_a_tenth_of_what_each_heard_robot_has_more_than_itself() -> None:
     star = Edges(np.arange(2), np.array([0, 0, 1]), np.array([1, 2, 0]))
-    before = Reception(POOLED, np.array([[1.0] * STATISTICS, [5.0] * STATISTICS]), np.zeros(2), np.ones(2))
+    before = ReceptionFit(POOLED, np.array([[1.0] * STATISTICS, [5.0] * STATISTICS]), np.zeros(2), np.ones(2))
     theirs = np.array([[5.0] * STATISTICS, [9.0] * STATISTICS, [1.0] * STATISTICS])
     heard = np.array([True, False, True])
     after = packet_counting.mix(before, star, heard, theirs)
@@ -81,7 +81,7 @@ def test_each_robot_mixes_in_a_tenth_of_what_each_heard_robot_has_more_than_itse
     )  # 1 + 0.1 (5 - 1), 5 + 0.1 (1 - 5)
     crowd = Edges(np.arange(1), np.zeros(19, dtype=np.int64), np.arange(1, 20))
     told = packet_counting.mix(
-        Reception(POOLED, np.zeros((1, STATISTICS)), np.zeros(1), np.ones(1)),
+        ReceptionFit(POOLED, np.zeros((1, STATISTICS)), np.zeros(1), np.ones(1)),
         crowd,
         np.ones(19, dtype=np.bool_),
         np.full((19, STATISTICS), 20.0),
