@@ -4,9 +4,9 @@ FesError                 something a person can act on: one line, exit code 1
 ├── ScenarioError        a scenario or an override that breaks a rule
 ├── MessageError         a payload that is not what its key promises
 ├── TransportError       the bus could not be opened, or broke
-├── Absent               somebody who was waited for did not come, or left
-├── Refused              the world turned a robot away
-│   └── Busy             for now: too many ask at once
+├── Unavailable          a world, router or agent did not appear in time, or left
+├── Rejected             the world rejected a request
+│   └── Overloaded       for now: too many requests at once
 └── Stopped              a signal ended it before its end
 """
 

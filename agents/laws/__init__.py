@@ -1,8 +1,8 @@
 """The laws: pure functions of arrays.
 
 neighbor_rules   graph rules: the contacts that become links.
-formation        distance-based formation control (21), (22).
-perturbation     extremum seeking by perturbation (18), (19), and consensus (20).
+formation        distance-based formation control (6), (7), (9).
+perturbation     extremum seeking by perturbation, with consensus (18).
 collocation      solution of the linear filters over one step.
 packet_counting  packet reception ratio, and the optimum it implies.
 oracle           the performance index computed from the channel, for robots that know it.

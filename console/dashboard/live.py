@@ -83,7 +83,7 @@ def save_picture(path: Path, frame: RenderableType, width: int, height: int, tit
 
 
 async def watch(bus: Bus, run: str, timeout: float, shown: Screen) -> None:
-    """Show a run until its world leaves; raises Absent if none appears within `timeout` [s]."""
+    """Show a run until its world leaves; raises Unavailable if none appears within `timeout` [s]."""
     last_report = time.monotonic()
     async for report in observer.reports(bus, run, timeout, IDLE):
         if report is None:

@@ -188,7 +188,9 @@ def _restore(directory: Path) -> "Authority":
     try:
         authority: Authority = authorities.restore(pem)
     except (ValueError, TypeError):
-        raise FesError(f"--keys {directory}: ca.crt or ca.key is not valid PEM") from None
+        raise FesError(
+            f"--keys {directory}: ca.crt or ca.key is not PEM of an elliptic-curve key without a password"
+        ) from None
     if authority.key.public_key() != authority.certificate.public_key():
         raise FesError(f"{key}: is not the key of {AUTHORITY}.crt")
     return authority

@@ -69,10 +69,6 @@ def sweep_figure(design: Design, rows: list[Row], differences: list[PairedDiffer
     return figure
 
 
-def _contrast(difference: PairedDifference) -> tuple[int, int, int]:
-    return difference.axis, difference.base, difference.compared
-
-
 def _outcomes(design: Design, rows: list[Row]) -> list[str]:
     """The levels reached by at least one run; if there are none, the first level."""
     names = [name for name in comparison.outcomes(design, rows) if name.startswith("time_to.")]

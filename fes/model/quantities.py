@@ -43,7 +43,7 @@ _LOCKSTEP = "the clock is not live"
 
 SUMMARY = (
     Quantity("scenario", "", "Name of the scenario.", kind=TEXT),
-    Quantity("seed", "1", "Seed of every random draw of the run."),
+    Quantity("seed", "", "Seed of every random draw of the run."),
     Quantity("backend", "", "`processes`: one process per agent. `inprocess`: one loop.", kind=TEXT),
     Quantity("clock", "", "Clock of the run: `lockstep` or `live`.", kind=TEXT),
     Quantity("robots", "robots", "Number of robots."),
@@ -126,7 +126,12 @@ SUMMARY = (
         "robot-ticks",
         "Robot-ticks in which a robot took no part although the scenario had it present.",
     ),
-    Quantity("links_lost_at", "s", "Time from which no robot had a link.", "a robot has one at the end"),
+    Quantity(
+        "links_lost_at",
+        "s",
+        "Time from which no robot had a link.",
+        "a robot has one at the end, or no contact could open yet",
+    ),
     Quantity("expectations[].of", "", "Key of the summary that the scenario has an expectation of.", kind=TEXT),
     Quantity("expectations[].expected", "", "The expectation, in words.", kind=TEXT),
     Quantity("expectations[].seen", "", "Value of the key.", "the summary has none", kind="any of these"),

@@ -7,10 +7,11 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from google.protobuf.message import DecodeError, Message
 
 MAX_PAYLOADS = 1 << 21
-"""Most payloads of a message, as a bound on memory: the library takes 30 bytes for an empty payload of two bytes. By
-chance, the byte before a payload occurs 1 << 18 times in the largest record."""
+"""Most bytes in a message that may begin a payload, as a bound on memory: the library takes 30 bytes for an empty
+payload of two bytes. By chance, such a byte occurs 1 << 19 times in the largest record."""
 
-_PAYLOAD = b"\x12"  # field 2, with a length
+_PAYLOAD_TAGS = (b"\x12", b"\x92")
+"""First byte of field 2 with a length; the second one if the number of the field takes more bytes than it needs."""
 
 M = TypeVar("M", bound=Message)
 
@@ -39,10 +40,10 @@ def parse(kind: type[M], data: bytes) -> M:
     [b'a']
     """
     name = kind.DESCRIPTOR.full_name
-    if (most := data.count(_PAYLOAD)) > MAX_PAYLOADS:
-        raise ValueError(f"a message of {most:,} payloads, more than {MAX_PAYLOADS:,}")
+    if (tags := sum(map(data.count, _PAYLOAD_TAGS))) > MAX_PAYLOADS:
+        raise ValueError(f"a message in which {tags:,} bytes may begin a payload, more than {MAX_PAYLOADS:,}")
     try:
         message: M = kind.FromString(data)
-    except DecodeError:
-        raise ValueError(f"{len(data):,} bytes that are not a message of type {name}") from None
+    except DecodeError:  # damage, or a lack of memory
+        raise ValueError(f"{len(data):,} bytes cannot be read as a message of type {name}") from None
     return message

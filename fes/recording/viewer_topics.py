@@ -24,7 +24,7 @@ MAP = "map"
 
 INFO, WARNING = Log.INFO, Log.WARNING
 
-_ORIGIN = {"orientation": {"w": 1.0}}
+_ORIGIN: dict[str, dict[str, float]] = {"position": {}, "orientation": {"w": 1.0}}
 _BODY_COLOR = {"r": 0.25, "g": 0.6, "b": 1.0, "a": 1.0}
 _SHADES = 15  # of the links' colors: few, because each new number takes bytes
 _COLORS = [{"r": shade / _SHADES, "g": 1.0 - shade / _SHADES, "b": 0.2, "a": 1.0} for shade in range(_SHADES + 1)]

@@ -143,7 +143,7 @@ class Bus:
         self._held.append(self._session.liveliness().declare_subscriber(key, callback, history=True))
 
     async def liveliness_get(self, key: str, timeout: float) -> list[str]:
-        """The liveliness tokens on `key` that stand now; Absent if the router does not say in `timeout` [s]."""
+        """The liveliness tokens on `key` now; raises Unavailable if the router does not answer in `timeout` [s]."""
         tokens: set[str] = set()  # one of our own comes twice: from here and from the router
         failed: list[zenoh.Reply] = []
         done = asyncio.Event()

@@ -92,7 +92,7 @@ def default_endpoint(*, secure: bool) -> str:
 
 
 def exposed(endpoint: str) -> bool:
-    """True if another machine of the network can connect to a process that listens there.
+    """True if any machine of the network can connect to a process that listens there; TLS demands a certificate.
 
     >>> exposed("tcp/127.0.0.1:7447"), exposed("tcp/0.0.0.0:7447"), exposed("tls/0.0.0.0:7447")
     (False, True, False)

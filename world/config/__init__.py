@@ -4,7 +4,7 @@ scenario      the typed scenario, from TOML
 builtin       built-in scenarios, by name
 radio         its table [channel]: the formula, shadowing, bursts, jammers
 starts        its table [robots]: where the robots start
-faults        its tables [[event.transmitter]] and [[event.clock]]: faulty transmitters and drifting clocks
+faults        tables [event.transmitter] and [event.clock] of an event: faulty transmitters and skewed clocks
 events        its tables [[event]]: changes during the run
 expectations  its tables [[expect]]: expectations of the summary
 schema        its fields: type, range, default, unit and description; the JSON schema

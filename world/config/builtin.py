@@ -33,13 +33,13 @@ def resolve(scenario: Path) -> Path:
     Raises ScenarioError if it is neither.
     """
     try:
-        is_missing = scenario.is_dir() or not scenario.exists()
-    except (OSError, ValueError):  # reported by the function that opens it
-        is_missing = False
+        is_folder, exists = scenario.is_dir(), scenario.exists()
+    except (OSError, ValueError):
+        return scenario  # the function that opens it reports the error
     known = names()
-    if is_missing and scenario.as_posix() in known:
+    if (is_folder or not exists) and scenario.as_posix() in known:
         return file_of(scenario.as_posix())
-    if scenario.is_dir() or not is_missing:
+    if exists:
         return scenario
     near = difflib.get_close_matches(scenario.with_suffix("").as_posix(), known, 1, SIMILAR)
     near = near or difflib.get_close_matches(scenario.stem, known, 1, SIMILAR)

@@ -20,7 +20,7 @@ MOST = 5
 
 UNNOTICED = (
     "the robots of this run are given the channel (seeking.index = 'oracle') and do not notice the change; "
-    "those of configs/measured-jump.toml measure it"
+    "those of the scenario measured-jump measure it"
 )
 
 

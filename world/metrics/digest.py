@@ -1,4 +1,4 @@
-"""The digest of a run: SHA-256 over its ticks, in the layout that the README gives.
+"""The digest of a run: SHA-256 over its ticks, in the layout that docs/reference/summary.md gives.
 
 The state of a hash cannot be stored. Instead a copy of its input is written to a file, from which a resumed run
 computes the hash again. The stored text of the hash shows whether that file is unchanged.

@@ -82,7 +82,7 @@ def test_a_payload_that_ends_too_soon_is_an_error() -> None:
     message = messages_pb2.Commands(tick=300, payloads=[b"abc"]).SerializeToString()
     assert message == bytes.fromhex("08ac021203616263")
     for size in (1, 2, 4, 6, len(message) - 1):
-        with pytest.raises(ValueError, match=rf"^{size} bytes that are not a message of type fes\.Commands$"):
+        with pytest.raises(ValueError, match=rf"^{size} bytes cannot be read as a message of type fes\.Commands$"):
             protobuf.parse(messages_pb2.Commands, message[:size])
 
 
@@ -92,5 +92,8 @@ def test_more_payloads_than_the_library_can_hold_in_little_memory_are_not_parsed
     monkeypatch.setattr(protobuf, "MAX_PAYLOADS", 10)
     message = messages_pb2.Commands(tick=0, payloads=[b""] * 10).SerializeToString()
     assert len(protobuf.parse(messages_pb2.Commands, message).payloads) == 10
-    with pytest.raises(ValueError, match=r"^a message of 11 payloads, more than 10$"):
-        protobuf.parse(messages_pb2.Commands, message + b"\x12\x00")
+    # An empty payload; the same with a field number of two and of three bytes, which the library reads too
+    for payload in (b"\x12\x00", b"\x92\x00\x00", b"\x92\x80\x00\x00"):
+        assert len(messages_pb2.Commands.FromString(message + payload).payloads) == 11
+        with pytest.raises(ValueError, match=r"^a message in which 11 bytes may begin a payload, more than 10$"):
+            protobuf.parse(messages_pb2.Commands, message + payload)

@@ -68,3 +68,8 @@ def test_a_scenario_that_does_not_exist_is_an_error(
 
 def test_a_shell_completes_names() -> None:
     assert builtin.completions("measured-") == ["measured-coverage", "measured-jump"]
+
+
+def test_a_path_that_the_system_cannot_examine_is_reported_where_it_is_opened() -> None:
+    with pytest.raises(ScenarioError, match=r"cannot be read: File name too long$"):
+        load(builtin.resolve(Path("a" * 5000)))

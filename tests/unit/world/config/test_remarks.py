@@ -110,5 +110,5 @@ def test_a_channel_that_is_set_back_is_the_one_that_the_robots_know() -> None:
 
 
 def test_the_robots_of_the_scenario_in_the_remark_measure() -> None:
-    assert "configs/measured-jump.toml" in remarks.UNNOTICED
+    assert "scenario measured-jump" in remarks.UNNOTICED
     assert load("measured-jump.toml").seeking.index == "measured"
