@@ -7,8 +7,8 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from google.protobuf.message import DecodeError, Message
 
 MAX_PAYLOADS = 1 << 21
-"""Most payloads of a message, as a bound on memory: the library takes 30 bytes for an empty payload of two bytes. By
-chance, the byte before a payload occurs 1 << 18 times in the largest record."""
+"""Largest number of payloads in a message. It bounds memory: an empty payload takes two bytes in a message, and 30
+bytes in the library. By chance, the byte that begins a payload occurs 1 << 18 times in the largest record."""
 
 _PAYLOAD = b"\x12"  # field 2, with a length
 
