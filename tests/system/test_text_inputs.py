@@ -231,7 +231,7 @@ def test_an_invalid_certificate_or_key_is_rejected_in_one_line(content: bytes, t
         whole = path.read_bytes()
         path.write_bytes(content)
         said = line(lambda: identity.security(tmp_path / "keys", identity.WORLD))
-        assert "the certificate or key of the world is none" in said
+        assert "the certificate or key of the world is invalid" in said
         path.write_bytes(whole)
     assert line(lambda: identity.security(tmp_path / "keys", identity.WORLD)) == ""
 
