@@ -3,6 +3,6 @@
 laws      graph rules, formation, seeking, packet counting, the oracle: pure
 control   one step of a crew from what it sensed and heard: pure
 runtime   asyncio and Zenoh: ticks in, beacons and commands out
-process   the shell: fes-agent
+process   the process fes-agent
 __main__  entry point of fes-agent
 """

@@ -1,4 +1,4 @@
-"""The shell of an agent: joins, waits for a tick, collects beacons, steps its crew, publishes."""
+"""The agent process: joins a run, then collects beacons, steps its crew and publishes at each tick."""
 
 import os
 
@@ -54,18 +54,18 @@ class Agent:
         self._late = 0
 
     async def join(self, timeout: float) -> Welcome:
-        """Wait for the world, and ask it for the robots; raises Unavailable or Rejected."""
+        """Wait for the world up to `timeout` [s], and request the robots; raises Unavailable or Rejected."""
         return await self.membership.join_run(timeout)
 
     async def live(self, welcome: Welcome) -> None:
-        """Make one step per tick, until the world ends the run."""
+        """Step the crew at each tick, until the world ends the run; raises Unavailable or Rejected."""
         ids = np.array(welcome.robots, dtype=np.int64)
         robots = crew.create(welcome.config, ids)
         state = crew.start(robots)
         stack = MessageAssembler(ids)
         for robot in self._robots:
             self._bus.declare_subscriber(keys.observation(self._run, robot), self._inbox.put)
-        for robot in self._robots:  # last: a token means that everything above is in place
+        for robot in self._robots:  # last: a token promises that all subscriptions are declared
             self._bus.declare_token(keys.robot_alive(self._run, robot))
         self.logger.info("ready")
         world = self.membership.world
@@ -74,12 +74,12 @@ class Agent:
         async for received in self._ticks.lockstep(world) if lockstep else self._ticks.live(world):
             observations = stack.observations(received)
             joined = np.array([message.since for message in received])
-            if (joined != since).any():  # robots were absent
+            if (joined != since).any():  # these robots were absent
                 state, since = crew.forget(robots, state, joined != since), joined
             heard = self.radio.heard(observations.tick - 1)
             if lockstep:
                 heard = await self._complete(observations, heard)
-            else:  # a late beacon is lost
+            else:  # the live clock does not wait for late beacons
                 self._late += contacts.missing(observations, [beacon.robot for beacon in heard])
             beacons = stack.beacons(observations.tick - 1, heard)
             state, sent, twists = crew.step(robots, state, observations, beacons)
@@ -92,23 +92,23 @@ class Agent:
         self.membership.close()
 
     async def _complete(self, observations: Observations, heard: list[Beacon]) -> list[Beacon]:
-        """All beacons that decoded, by sender; raises Unavailable if a beacon stays missing: digits would change.
+        """All beacons that decoded, ordered by sender. Raises Unavailable if one stays missing: digits would change.
 
-        Links are first-in first-out. A beacon is missing only if junk filled a mailbox, it took a slower path
-        than the tick, or a router died with it. A busy world is asked again while it is reachable.
+        Network connections are first-in first-out. A beacon is missing only if junk filled a mailbox, it took a
+        slower path than the tick, or a router died with it. A busy world is asked again while it is reachable.
         """
         world = self.membership.world
         while absent := contacts.decoded(observations) - {beacon.robot for beacon in heard}:
-            recalled, refused = await self.radio.recall(observations.tick - 1, sorted(absent))
+            recalled, rejected = await self.radio.recall(observations.tick - 1, sorted(absent))
             heard = sorted([*heard, *recalled], key=lambda beacon: beacon.robot)
             if len(recalled) == len(absent):
                 break
-            if not (await world.comes_back() if refused else await world.stays()):
+            if not (await world.comes_back() if rejected else await world.stays()):
                 raise Unavailable(f"a beacon that decoded did not arrive at tick {observations.tick}")
         return heard
 
     def certified(self, endpoints: Endpoints, directory: Path) -> str:
-        """A reason in the certificate of this agent for an absent world; empty if there is none."""
+        """Reason why this agent's certificate may hide the world from it, in words; empty without one."""
         own = Identity(directory, identity.robot_role(self._robots))
         try:
             own.check()  # it was valid when the session opened
@@ -116,11 +116,13 @@ class Agent:
             return str(error)
         if self.membership.world.was_seen or endpoints.mode != "client":
             return ""
-        return f"{endpoints.shown} takes our certificate; a world there logs whether its run has no role '{own.role}'"
+        return (
+            f"{endpoints.shown} accepts our certificate; a world there logs whether its run has no role '{own.role}'"
+        )
 
     @property
     def lag(self) -> str:
-        """Beacons and ticks that the live clock did not wait for, in words; empty if none."""
+        """Numbers of late beacons and skipped ticks of the live clock, in words; empty without any."""
         if self._late or self._ticks.skipped:
             return f"{self._late} beacons came too late, {self._ticks.skipped} ticks were skipped"
         return ""
@@ -132,7 +134,7 @@ class Agent:
 
 
 async def lease(opened: Bus, run: str, timeout: float) -> int:
-    """The lowest robot without an agent, once one is free; raises Unavailable or Rejected after `timeout` [s]."""
+    """The lowest robot without an agent, when one is free. Raises Unavailable or Rejected after `timeout` [s]."""
     end = time.monotonic() + timeout
     while True:
         left = end - time.monotonic()
@@ -140,9 +142,9 @@ async def lease(opened: Bus, run: str, timeout: float) -> int:
             answer = await opened.get(keys.lease(run), b"", max(left, PATIENCE))
         except (Unavailable, Rejected) as error:
             if left <= PATIENCE:
-                never = Unavailable(f"no world of run '{run}' leases robots here (asked for {timeout:g} s)")
-                raise error if isinstance(error, Rejected) else never from None
-            await asyncio.sleep(PATIENCE)  # a world may start, or an agent leave its robot
+                absent = Unavailable(f"no world of run '{run}' leases robots here (asked for {timeout:g} s)")
+                raise error if isinstance(error, Rejected) else absent from None
+            await asyncio.sleep(PATIENCE)  # meanwhile a world may start, or an agent may leave its robot
         else:
             return messages.decode_lease(answer)
 
@@ -180,13 +182,13 @@ def main() -> None:
     parser = process.OneLineParser(
         prog="fes-agent", description="One robot, or a range of robots, of a run.", epilog="example: fes-agent --id 0"
     )
-    parser.add_argument("--id", required=True, metavar="I|A-B|auto", help="the robot, a range, or any that is free")
+    parser.add_argument("--id", required=True, metavar="I|A-B|auto", help="one robot, a range, or any free robot")
     parser.add_argument(
         "--timeout",
         type=process.seconds,
         default=30.0,
         metavar="S",
-        help="longest wait for the world, at the start or after it left (default: %(default)g s)",
+        help="longest wait for the world, at the start and whenever it is absent (default: %(default)g s)",
     )
     process.add_network_flags(parser)
     flags = parser.parse_args()

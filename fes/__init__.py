@@ -1,9 +1,9 @@
-"""Agreements between the world, its robots and its observers.
+"""The base that world, agents and observers share.
 
 arrays     arrays, edges, geometry, keyed random draws
 model      settings, sensing, contacts, the objective and the outage formula
 protocol   key expressions, messages and their encoding
-transport  a Zenoh session, and how samples reach asyncio
+transport  a Zenoh session, and the way of its samples to asyncio
 recording  the log of a run: format, writer and reader
 system     files, signals, output and memory of the machine
 process    exit codes, and Zenoh's command-line flags

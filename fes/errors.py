@@ -1,13 +1,13 @@
 """Every error of the project, on one page.
 
-FesError                 something a person can act on: one line, exit code 1
+FesError                 an error that a person can act on: one line, exit code 1
 ├── ScenarioError        a scenario or an override that breaks a rule
 ├── MessageError         a payload that is not what its key promises
 ├── TransportError       the bus could not be opened, or broke
-├── Unavailable          a world, router or agent did not appear in time, or left
-├── Rejected             the world rejected a request
-│   └── Overloaded       for now: too many requests at once
-└── Stopped              a signal ended it before its end
+├── Unavailable          a process that is needed did not appear or answer, or left
+├── Rejected             the world rejected this process, or its request
+│   └── Overloaded       only for now: too many requests wait
+└── Stopped              a signal ended the program before its end
 """
 
 import errno
@@ -22,8 +22,7 @@ class FesError(Exception):
 def reason(error: OSError, *, with_file: bool = True) -> str:
     """The system's text for an error, in one line; `with_file` adds its file, if it has one.
 
-    Not every error has a text of the system. One of Python's own errors, such as that of a seek in a pipe, has only
-    the text of Python.
+    Python's own errors, such as that of a seek in a pipe, have no text of the system, only Python's.
 
     >>> reason(BrokenPipeError(32, "Broken pipe"))
     'Broken pipe'
@@ -72,16 +71,16 @@ class TransportError(FesError):
 
 
 class Unavailable(FesError):
-    """Somebody who was waited for did not come, or left."""
+    """A process that is needed did not appear or answer, or left."""
 
 
 class Rejected(FesError):
-    """The world turned a robot away."""
+    """The world rejected this process, or its request."""
 
 
 class Overloaded(Rejected):
-    """Too many ask at once: who asks again later may be heard."""
+    """Too many requests wait: the same request may succeed later."""
 
 
 class Stopped(FesError):
-    """A signal ended it before its end."""
+    """A signal ended the program before its end."""

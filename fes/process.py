@@ -26,7 +26,7 @@ FORCED = 130
 YEAR = 3.2e7  # s
 
 SLOWEST = 1e-6
-"""Slowest pace [simulated seconds per second]: a program can still sleep for one tick of it."""
+"""Smallest real-time factor [simulated seconds per second]: a program can still sleep for a tick of it."""
 
 T = TypeVar("T")
 
@@ -38,7 +38,7 @@ def run(name: str, main: Service, *, exit_with_stdin: bool = False) -> NoReturn:
     """Run the service `main` to its exit code, and end the process.
 
     The first signal cancels `main`, the second ends the process at once. With `exit_with_stdin` the end of
-    standard input counts as a signal: a child whose parent is gone, however it went, must not stay.
+    standard input counts as a signal: a child must not outlive its parent, however that ended.
     """
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(output.Formatter("%(asctime)s %(name)s: %(message)s"))
@@ -47,9 +47,9 @@ def run(name: str, main: Service, *, exit_with_stdin: bool = False) -> NoReturn:
 
 
 def leave(name: str, main: Service, *, exit_with_stdin: bool = False, needs_its_end: bool = False) -> NoReturn:
-    """As `run`, without logging: for a person's tools.
+    """As `run`, without logging: for interactive commands.
 
-    With `needs_its_end` a signal makes `main` a failure, because its result is missing.
+    With `needs_its_end` a signal is a failure, because the result of `main` is missing.
     """
     try:
         code = supervise(main, exit_with_stdin=exit_with_stdin)
@@ -68,11 +68,10 @@ def leave(name: str, main: Service, *, exit_with_stdin: bool = False, needs_its_
         complain(name, no_memory(error))
         code = FAILURE
     for stream in (sys.stdout, sys.stderr):
-        with contextlib.suppress(
-            OSError, AttributeError
-        ):  # the terminal may be gone, or the stream closed from the start
+        # The terminal may be gone, or the stream closed from the start.
+        with contextlib.suppress(OSError, AttributeError):
             stream.flush()
-    # A session that Zenoh could not close would keep an ordinary exit waiting for ever.
+    # A session that Zenoh could not close would block an ordinary exit forever.
     os._exit(code)
 
 
@@ -87,7 +86,7 @@ def supervise(main: Callable[[], Coroutine[None, None, T]], *, exit_with_stdin: 
 
 @contextlib.contextmanager
 def interruptible() -> Iterator[None]:
-    """A block without a loop, in which the first signal raises Stopped, and the second ends the process at once."""
+    """A block without an event loop: the first signal raises Stopped, and the second ends the process at once."""
     received: list[int] = []
 
     def stop(number: int, frame: object) -> None:
@@ -110,7 +109,7 @@ async def _until_stopped(main: Callable[[], Coroutine[None, None, T]], exit_with
         received.append(by)
         if len(received) > 1:
             signals.force(FORCED)
-        task.cancel(by)  # the reason, for the task
+        task.cancel(by)  # the task sees the reason
 
     for number in signals.heard():
         loop.add_signal_handler(number, stop, number.name)
@@ -135,9 +134,9 @@ def _at_end_of_stdin(loop: asyncio.AbstractEventLoop, stop: Callable[[str], None
 
 
 def _wake_at_end_of_stdin() -> None:
-    """Have the system continue this process when its standard input ends: a process that is stopped would not see it.
+    """Let the end of standard input resume this process if it is suspended: else it would not see that end.
 
-    Only Linux can.
+    Only Linux can do this.
     """
     if sys.platform == "linux" and not sys.stdin.isatty():
         stdin = sys.stdin.fileno()
@@ -147,12 +146,12 @@ def _wake_at_end_of_stdin() -> None:
 
 
 def complain(name: str, message: str) -> None:
-    """Say what is wrong, in one line."""
+    """Print an error, in one line."""
     tell(f"{name}: error: {message}")
 
 
 def warn(name: str, message: str) -> None:
-    """Print a warning of a program that continues, in one line."""
+    """Print a warning, in one line; the program continues."""
     tell(f"{name}: warning: {message}")
 
 
@@ -182,7 +181,7 @@ def period(text: str) -> float:
 
 
 def real_time_factor(text: str) -> float | None:
-    """The argument of --rtf: a number from SLOWEST on, or `max` for full speed (None); raises ArgumentTypeError."""
+    """The argument of --rtf: at least SLOWEST, or `max` for full speed (None); raises ArgumentTypeError."""
     if text == "max":
         return None
     try:
@@ -195,10 +194,10 @@ def real_time_factor(text: str) -> float | None:
 
 
 class OneLineParser(argparse.ArgumentParser):
-    """Argparse, but a bad argument is one line and exit code 1, as every other error."""
+    """A parser that reports a bad argument in one line with exit code 1, as every other error."""
 
     def error(self, message: str) -> NoReturn:
-        """Say what is wrong, and end the process."""
+        """Print the error, and end the process."""
         complain(self.prog, message)
         raise SystemExit(FAILURE)
 
@@ -216,7 +215,7 @@ def add_network_flags(parser: argparse.ArgumentParser) -> None:
 def world_endpoints(flags: argparse.Namespace, access: Mapping[str, object] | None = None) -> Endpoints:
     """Endpoints of a world: a router that listens, unless the flags or the configuration file say otherwise.
 
-    With `--keys` it speaks TLS only, to the roles that `access` names; raises FesError for bad certificates.
+    With `--keys` it speaks TLS only, to the roles that `access` names; raises FesError for an invalid certificate.
     """
     mode: Mode = flags.mode or "router"
     listen = tuple(flags.listen) or ((default_endpoint(secure=flags.keys is not None),) if mode == "router" else ())
@@ -227,15 +226,15 @@ def world_endpoints(flags: argparse.Namespace, access: Mapping[str, object] | No
         listen,
         flags.config,
         tuple(flags.cfg),
-        by_default=_unasked(flags.connect, flags.listen),
-        security={**own, **(access or {})} if own and mode != "client" else own,  # a client guards nothing
+        by_default=_without_flag(flags.connect, flags.listen),
+        security={**own, **(access or {})} if own and mode != "client" else own,  # a client accepts no connections
     )
 
 
 def agent_endpoints(flags: argparse.Namespace, timeout: float, role: str) -> Endpoints:
     """Endpoints of an agent: a client of the world's router, unless flags or configuration file say otherwise.
 
-    With `--keys` it speaks TLS only, with the certificate of its role; raises FesError if that is a bad one.
+    With `--keys` it speaks TLS only, with the certificate of its role; raises FesError if that is invalid.
     """
     connect = tuple(flags.connect) or (default_endpoint(secure=flags.keys is not None),)
     return Endpoints(
@@ -245,12 +244,12 @@ def agent_endpoints(flags: argparse.Namespace, timeout: float, role: str) -> End
         flags.config,
         tuple(flags.cfg),
         timeout,
-        _unasked(flags.connect, flags.listen),
+        _without_flag(flags.connect, flags.listen),
         identity.security(flags.keys, role),
     )
 
 
-def _unasked(connect: list[str], listen: list[str]) -> frozenset[str]:
+def _without_flag(connect: list[str], listen: list[str]) -> frozenset[str]:
     """The endpoint settings for which no flag was given."""
     given = {"connect/endpoints": connect, "listen/endpoints": listen}
     return frozenset(key for key, endpoints in given.items() if not endpoints)

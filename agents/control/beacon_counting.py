@@ -1,7 +1,7 @@
 """Beacons as samples of the channel: which of a peer's beacons decoded, which were missed, and at which separations.
 
-A beacon slot is one Bernoulli sample of the channel. A decoded beacon is known at once. A missed one shows in the gap
-before the next that decodes, as a receiver infers it from sequence numbers.
+A beacon slot is one Bernoulli sample of the channel. A decoded beacon is known at once. Missed beacons become known
+when the next one decodes: a receiver infers them from the gap in the sequence numbers.
 """
 
 import numpy as np
@@ -12,15 +12,15 @@ from fes.model.config import ObjectiveConfig
 from fes.model.contacts import NEVER, Contacts
 
 MOST_MISSED = 10_000
-"""Most slots of one silence that count, the latest ones: 200 s at 50 Hz, longer than the memory of a robot."""
+"""Largest number of slots that one silence adds, the latest ones: 200 s at 50 Hz, longer than a robot's memory."""
 
 
 def slots(before: Contacts, now: Contacts, tick: int, is_counted: Bools) -> tuple[Ints, Floats, Bools]:
-    """The beacon slots [s] that become known at this tick: position of the contact, separation [m], True if decoded.
+    """The beacon slots that become known at this tick: position of the contact, separation [m], True if decoded.
 
-    Only the contacts `is_counted` [m] are counted. The separation of a missed beacon is interpolated between the
-    decoded beacons before and after it. The first decoded beacon of a contact is not a sample: the number of those
-    missed before it is unknown, so it would always be a success.
+    Each of the three arrays has one entry per slot. Only the contacts `is_counted` [m] are counted. The separation of
+    a missed beacon is interpolated between the decoded beacons before and after it. The first decoded beacon of a
+    contact is not a sample. The number of beacons missed before it is unknown, so it would always be a success.
     """
     transition = now.edges.after(before.edges)
     last = transition.carry(before.heard, NEVER)
@@ -41,7 +41,7 @@ def slots(before: Contacts, now: Contacts, tick: int, is_counted: Bools) -> tupl
 def sample(contacts: Contacts, tick: int, positions: Ints, config: ObjectiveConfig) -> Floats:
     """One sample of J of (16) for the contacts at `positions` [l]: S(r) if the last tick's beacon decoded, else 0.
 
-    Its mean is S(r) p(r) at the true separation r: no radio can give (18) more.
+    Its mean is S(r) p(r) at the true separation r. A real radio cannot give (18) a better sample.
     """
     heard = contacts.heard.take(positions) == tick - 1
     return np.where(heard, objective.preference(contacts.separation.take(positions), config), 0.0)

@@ -14,11 +14,11 @@ class Clocks:
     """The clocks of a crew."""
 
     initial: Floats
-    """Skew of each clock until an event sets it [n] [s]; positive: ahead of the team's."""
+    """Skew of each clock until a fault sets it [n] [s]; positive if it is ahead of the team's."""
     is_exact: bool
     """True if no clock has a skew at any tick."""
     changes: tuple[tuple[int, int, float | None], ...]
-    """Tick, row, and skew from that tick on [s], by time; None restores the initial skew."""
+    """Tick, row, and skew from that tick on [s], in order of time; None restores the initial skew."""
 
 
 def of(config: AgentConfig, ids: Ints, draws: Draws) -> Clocks:

@@ -1,4 +1,4 @@
-"""Contacts: the peers in range of each robot, each with the content of its last decoded beacon."""
+"""Updates of contacts: the peers in range of each robot, each with the content of its last decoded beacon."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -18,16 +18,17 @@ Array = NDArray[Any]
 def no_contacts(ids: Ints) -> Contacts:
     """The contacts of a crew that has heard no beacon."""
     edges = no_edges(ids)
-    nothing, no = np.zeros(0), np.zeros(0, dtype=np.bool_)
+    floats, bools = np.zeros(0), np.zeros(0, dtype=np.bool_)
     lookup = _look_up(edges, no_beacons())
-    return Contacts(edges, lookup, edges.rows, nothing, nothing, nothing, no, nothing, no, nothing, nothing, nothing)
+    return Contacts(edges, lookup, edges.rows, floats, floats, floats, bools, floats, bools, floats, floats, floats)
 
 
 def update(contacts: Contacts, observations: Observations, own: Floats, beacons: Beacons, timeout: int) -> Contacts:
     """The contacts after the beacons of the previous tick.
 
-    `own` holds the robots' poses [n, 3] at that tick. Where both beacons decoded, both ends form a separation from
-    the same two poses, so r_ij = r_ji to the bit. A peer unheard for more than `timeout` [ticks] is unknown again.
+    `own` holds the robots' poses [n, 3] at that tick. Where both beacons decoded, both ends compute the separation
+    from the same two poses, so r_ij = r_ji to the bit. A peer unheard for more than `timeout` [ticks] is no longer
+    known.
     """
     if observations.in_range is not contacts.edges:
         carry = observations.in_range.after(contacts.edges).carry
@@ -43,7 +44,7 @@ def update(contacts: Contacts, observations: Observations, own: Floats, beacons:
         x = np.where(decoded, beacons.poses[:, geometry.X].take(lookup.sender), x)
         y = np.where(decoded, beacons.poses[:, geometry.Y].take(lookup.sender), y)
         received, selected = np.full(len(edges), np.nan), linked
-        if len(beacons.links):  # without links in any beacon, earlier estimates no longer hold
+        if len(beacons.links):  # else no sender has a link, and earlier estimates no longer hold
             received = np.where(linked, beacons.estimates.take(lookup.link, mode="clip"), np.nan)
             selected = beacons.selected.take(lookup.link, mode="clip") & linked
         estimates = np.where(decoded, received, estimates)
@@ -59,13 +60,16 @@ def update(contacts: Contacts, observations: Observations, own: Floats, beacons:
 
 
 def forget(contacts: Contacts, restarted: Bools) -> Contacts:
-    """The contacts, those of the robots `restarted` [n] as before their first beacon."""
+    """The contacts, with those of the robots `restarted` [n] reset to the values before the first beacon."""
     blank = restarted[contacts.edges.rows]
     return _converted(contacts, contacts.edges, lambda values, initial: np.where(blank, initial, values))
 
 
 def mean_estimates(contacts: Contacts, beacons: Beacons) -> Floats:
-    """Mean of the mean estimates of the peers just heard that have links [n] [m]; NaN without such a peer."""
+    """Mean of what each robot's peers estimate on average [n] [m].
+
+    Only peers count that were heard at the tick of `beacons` and have links; NaN without such a peer.
+    """
     links = beacons.links
     if len(links) == 0 or len(contacts.edges) == 0:
         return np.full(len(contacts.edges.ids), np.nan)
@@ -78,27 +82,27 @@ def mean_estimates(contacts: Contacts, beacons: Beacons) -> Floats:
 
 
 def all_here(contacts: Contacts, observations: Observations) -> bool:
-    """True if each beacon that decoded, by the world's account, has arrived: the guarantee of the lockstep."""
+    """True if each beacon that decoded, according to the world, has arrived: the guarantee of the lockstep."""
     present = contacts.lookup.present
     return bool(present.all() or present[observations.reception == DECODED].all())
 
 
 def decoded(observations: Observations) -> set[int]:
-    """The peers whose beacon of the previous tick decoded at a robot of this crew."""
+    """Ids of the peers whose beacon of the previous tick decoded at a robot of this crew."""
     return set(observations.in_range.peers[observations.reception == DECODED].tolist())
 
 
 def missing(observations: Observations, senders: Sequence[int]) -> int:
-    """Number of contacts whose beacon decoded, but is not among those of `senders`."""
+    """Number of contacts whose beacon decoded, but whose peer is not among the `senders` of the beacons received."""
     peers = observations.in_range.peers[observations.reception == DECODED]
     return int(np.count_nonzero(~np.isin(peers, senders)))
 
 
 def _look_up(edges: Edges, beacons: Beacons) -> Lookup:
-    """The place of each contact's beacon among `beacons`."""
+    """The index of each contact's beacon among `beacons`."""
     if len(beacons.ids) == 0:
-        nowhere = np.zeros(len(edges), dtype=np.int64)
-        return Lookup(edges, beacons.ids, beacons.links, nowhere, nowhere > 0, nowhere - 1)
+        zeros = np.zeros(len(edges), dtype=np.int64)
+        return Lookup(edges, beacons.ids, beacons.links, zeros, zeros > 0, zeros - 1)
     sender = np.minimum(np.searchsorted(beacons.ids, edges.peers), len(beacons.ids) - 1)
     present = beacons.ids[sender] == edges.peers
     return Lookup(edges, beacons.ids, beacons.links, sender, present, beacons.links.find(edges.reverse_keys))

@@ -1,7 +1,7 @@
 """A crew of one or more robots: pure functions of arrays with a leading robot axis.
 
-`step` is the table of contents of a robot. Code and digits are the same whether a process hosts one robot or all of
-them.
+`step` is the table of contents of a robot. The code and the digits are the same whether a process hosts one robot or
+all robots.
 """
 
 from dataclasses import replace
@@ -25,13 +25,13 @@ from fes.model.contacts import Contacts
 from fes.model.sensing import MAX_TOLD, MAX_TWIST, Beacons, Observations, Telemetry, bounded
 
 FIRST_EXCHANGE_TICKS = 2
-"""Ticks from a robot's first link until it has heard which peers selected it: its initial graph."""
+"""Ticks from a robot's first link until it has heard which peers selected it. Then its initial graph is complete."""
 
 
 def create(config: AgentConfig, ids: Ints, draws: Draws | None = None) -> Crew:
     """The crew of robots `ids` [n], ascending, of a run with `config`; raises FesError for settings out of bounds.
 
-    Random numbers come from `draws`; without it, from the seed of `config`.
+    Random numbers come from `draws`, by default from the seed of `config`.
     """
     try:
         stability.check(config.dt, config.seeking, config.formation)
@@ -92,7 +92,7 @@ def forget(crew: Crew, state: CrewState, restarted: Bools) -> CrewState:
 
 
 def telemetry(crew: Crew, state: CrewState) -> Telemetry:
-    """The robots' report of themselves: their links and estimates of this tick, and the fits behind them."""
+    """The robots' telemetry: their links and estimates of this tick, and the fits behind them."""
     edges = state.links.edges
     learnt = np.zeros((2, 0))
     if crew.config.seeking.index == "measured":
@@ -101,13 +101,14 @@ def telemetry(crew: Crew, state: CrewState) -> Telemetry:
     return Telemetry(edges, state.links.published, learnt)
 
 
-@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # any settings may occur; twists are checked
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # settings may be extreme; twists are checked
 def step(
     crew: Crew, state: CrewState, observations: Observations, heard: Beacons
 ) -> tuple[CrewState, Beacons, Floats]:
-    """One tick: from what the robots sense now and heard of the last tick, to what they send and do.
+    """One tick: from the observations of this tick and the beacons of the previous one to new beacons and twists.
 
-    Returns the next state, the beacons of this tick as they go on the air, and the twists [n, 2] [m/s, rad/s].
+    Returns the next state, the beacons that are transmitted at this tick, and the twists [n, 2] [m/s, rad/s]. Raises
+    FesError for a twist that is not finite.
     """
     tick, config = observations.tick, crew.config
     since = np.minimum(state.since, tick)
@@ -162,7 +163,7 @@ def _relink(
     edges = known.edges.select(is_link)
     linked_since = np.where(edges.counts > 0, np.minimum(state.linked_since, tick), state.linked_since)
     fresh = tick - linked_since < FIRST_EXCHANGE_TICKS
-    late = fresh & (since > 0)  # at the start of a run all robots are new: their estimates are draws
+    late = fresh & (since > 0)  # at the start of a run the peers' estimates are draws too
     reported = np.full(len(late), np.nan)
     if late.any():
         reported = np.where(late, contacts.mean_estimates(known, heard), np.nan)
@@ -174,13 +175,13 @@ def _relink(
 
 
 def _index(config: AgentConfig) -> Index:
-    """The index that the perturbation law climbs; a measured run uses only the law's dither and its relinking."""
+    """The index that the perturbation law climbs. A measured run uses only the law's dither and its relinking."""
     if config.seeking.index == "measured":
         return np.zeros_like
-    if config.seeking.index == "sampled":  # for the baseline with which a link begins
+    if config.seeking.index == "sampled":  # only for the initial baseline of a link
         return partial(objective.preference, objective=config.objective)
     if config.channel is None:
-        raise FesError("seeking.index = 'oracle' needs the channel, and this agent was not told it")
+        raise FesError("seeking.index = 'oracle' needs the channel, and this agent did not receive it")
     # Imported here, so that a process of a run with another index never loads the channel's formula.
     from agents.laws import oracle
 

@@ -16,7 +16,7 @@ from fes.model.sensing import Beacons
 
 
 def learns_by_link(config: SeekingConfig) -> bool:
-    """True if each link end learns on its own, from its own beacons only."""
+    """True if each link end learns on its own, from the beacons of that link only."""
     return config.index == "measured" and config.pooling == "none"
 
 
@@ -33,7 +33,7 @@ def stagger(crew: Crew, edges: Edges) -> Floats:
 
 
 def desired(crew: Crew, tick: int, links: Links) -> Floats:
-    """The separations to which the robots drive their links [l] [m]: with a physical dither they oscillate."""
+    """The separations to which the robots drive their links [l] [m]. A physical dither makes them oscillate."""
     estimates: Floats = links.state[ESTIMATE]
     if crew.config.seeking.index == "oracle":
         return estimates
@@ -46,7 +46,7 @@ def desired(crew: Crew, tick: int, links: Links) -> Floats:
 def measure(
     crew: Crew, state: CrewState, tick: int, contacts: Contacts, links: Links, heard: Beacons
 ) -> ReceptionFit:
-    """The fit of the channel after the beacons of the last tick; unchanged unless the index is measured."""
+    """The fit of the channel after the beacons of the previous tick; unchanged unless the index is measured."""
     config, reception = crew.config.seeking, state.reception
     if config.index != "measured":
         return reception
@@ -91,5 +91,5 @@ def _climb_fit(crew: Crew, links: Links, reception: ReceptionFit, peer_estimates
 
 
 def _constant(sample: Floats) -> Index:
-    """An index of which only one sample per tick is known [l]."""
+    """An index that has the same `sample` [l] at every separation: a tick gives only one."""
     return lambda separation: np.broadcast_to(sample, separation.shape).copy()

@@ -24,9 +24,9 @@ class Crew:
     draws: Draws
     seeker: Seeker
     contact_timeout: int
-    """[ticks]"""
+    """Ticks without a beacon after which a peer is no longer known."""
     statistics: int
-    """Length of the statistics in a beacon."""
+    """Number of statistics in a beacon; 0 if robots do not pool any."""
     clocks: Clocks
     transmitters: Transmitters
 
@@ -46,4 +46,4 @@ class CrewState:
     since: Ints
     """Tick of each robot's first step [n]; a large number before."""
     unsent: Memory
-    """The beacons that late transmitters have still to send."""
+    """The contents that late transmitters have not sent yet."""

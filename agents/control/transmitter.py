@@ -1,7 +1,7 @@
 """Emulated transmitters, some of them faulty: late, or damaging what they send.
 
-A late transmitter sends what it was given some ticks ago, with the present time stamp: no receiver can tell. A
-damaged beacon decodes at no robot, by the world's account, and every process that gets its bytes rejects them.
+A late transmitter sends data of some ticks ago with the present time stamp, so a receiver cannot tell. By the world's
+account, a damaged beacon decodes at no robot. Every process that gets its bytes rejects them.
 """
 
 from collections.abc import Mapping
@@ -34,7 +34,7 @@ class Transmitters:
 
 
 class BeaconContent(NamedTuple):
-    """The content of the beacon that one transmitter was given at one tick."""
+    """The content that one transmitter was given for its beacon of one tick."""
 
     pose: Floats
     links: Ints
@@ -61,7 +61,7 @@ def of(config: AgentConfig, ids: Ints) -> Transmitters:
 
 
 def send(transmitters: Transmitters, memory: Memory, beacons: Beacons) -> tuple[Beacons, Memory]:
-    """The beacons that go on the air for these `beacons` of the robots, and the memory of late transmitters after it.
+    """The beacons that are transmitted when the robots hand over `beacons`, and the next memory of late transmitters.
 
     A transmitter whose memory is shorter than its delay sends the oldest content that it was given.
     """
@@ -88,7 +88,7 @@ def damaging(transmitters: Transmitters, tick: int) -> set[int]:
 
 
 def on_air(transmitters: Transmitters, tick: int, payloads: list[RobotPayloads]) -> list[RobotPayloads]:
-    """The payloads of a tick, with the beacons of damaging transmitters damaged."""
+    """The payloads of a tick, after damaging transmitters have damaged their beacons."""
     if not transmitters.damaging:
         return payloads
     faulty = damaging(transmitters, tick)
@@ -99,10 +99,10 @@ def on_air(transmitters: Transmitters, tick: int, payloads: list[RobotPayloads])
 
 
 def damage(seed: int, tick: int, robot: int, beacon: bytes) -> bytes:
-    """A beacon's payload with bytes flipped, cut short, or garbage of its length: a function of (seed, tick, robot).
+    """A beacon's payload, cut short, with flipped bits, or as random bytes: a function of (seed, tick, robot).
 
-    The result never decodes as a beacon. Nothing in a beacon is redundant, so most flipped bits would give a valid
-    one with other numbers. A real radio's checksum detects those, so bytes are flipped until decoding fails.
+    The result never decodes as a beacon. A beacon has no redundancy, so most flipped bits would give a valid beacon
+    with other numbers. A real radio's checksum detects these, so bits are flipped until decoding fails.
     """
     counter = np.array([0, tick, robot, 0], dtype=np.uint64)
     numbers = np.random.Generator(np.random.Philox(key=draws.key(seed, "damage"), counter=counter))
@@ -127,7 +127,7 @@ def _content(beacons: Beacons, row: int) -> BeaconContent:
 
 
 def _replaced(beacons: Beacons, old: Mapping[int, BeaconContent]) -> Beacons:
-    """The beacons, those of the rows of `old` with the content given there."""
+    """The beacons, with the contents of `old` in its rows."""
     poses, statistics, links = beacons.poses.copy(), beacons.statistics.copy(), beacons.links
     for row, content in old.items():
         poses[row], statistics[row] = content.pose, content.statistics

@@ -3,10 +3,10 @@
 In (18) only the index is nonlinear. The rest is a washout, a low-pass and an integrator. Their response to an input
 known at Gauss-Legendre nodes is a matrix that is computed once. A fixed number of Picard sweeps then makes the
 estimate's path and the index along it agree. Each sweep evaluates the index at all nodes of all links in one call; a
-classic Runge-Kutta step would need four calls one after the other.
+classic Runge-Kutta step would need four calls in sequence.
 
 Sums over nodes run along the second axis of small arrays, term by term. So a link's digits do not depend on the
-number of links that are computed with it, as those of a matrix product would.
+number of links that are computed together. Those of a matrix product would.
 """
 
 from collections.abc import Callable
@@ -30,13 +30,14 @@ class Step:
     nodes: Floats
     """Times of the nodes within the step [NODES] [s]."""
     washout_start: Floats
-    """eta at the nodes and the end from eta at the start [NODES + 1, 1]."""
+    """Response of eta, at the nodes and the end, to eta at the start [NODES + 1, 1]."""
     washout_input: Floats
-    """eta at the nodes and the end from the index at the nodes [NODES + 1, NODES, 1]."""
+    """Response of eta, at the nodes and the end, to the index at the nodes [NODES + 1, NODES, 1]."""
     path_start: Floats
-    """r_hat at the nodes and the end, and xi at the end, from (r_hat, xi, peer's r_hat) [NODES + 2, 3, 1]."""
+    """Response of r_hat, at the nodes and the end, and of xi at the end, to (r_hat, xi, peer's r_hat) at the start
+    [NODES + 2, 3, 1]."""
     path_input: Floats
-    """The same from the demodulated index at the nodes [NODES + 2, NODES, 1]."""
+    """Response of the same to the demodulated index at the nodes [NODES + 2, NODES, 1]."""
 
 
 def step(length: float, low_pass: float, washout: float, consensus: float, sign: float) -> Step:
@@ -71,7 +72,7 @@ def step(length: float, low_pass: float, washout: float, consensus: float, sign:
 
 
 def _response(system: Floats, gain: Floats, length: float, end: float, shape: Callable[[Floats], Floats]) -> Floats:
-    """Integral over [0, end length] of exp(system (end length - t)) gain shape(t / length) dt."""
+    """Integral over t in [0, end * length] of exp(system * (end * length - t)) gain shape(t / length) dt."""
     points, weights = np.polynomial.legendre.leggauss(_QUADRATURE)
     times = 0.5 * end * (points + 1.0)
     kernels = np.stack([_exponential(system * length * (end - s)) @ gain for s in times], axis=1)

@@ -1,4 +1,4 @@
-"""Random numbers for robots and links, passed in: a law sees neither a seed nor a generator."""
+"""Random numbers for robots and links. The caller passes them in: a law sees neither a seed nor a generator."""
 
 from dataclasses import dataclass
 from typing import Protocol

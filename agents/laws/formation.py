@@ -11,8 +11,8 @@ from fes.model.config import FormationConfig
 def weights(links: Edges, separation_error: Floats) -> Floats:
     """Weights a_ij [l] of each robot's links; equation (9).
 
-    Half the weight goes to the link with the largest |separation error| (among equals the lowest peer id). The rest
-    shares the other half; a single neighbor has weight 1/2. With two or more neighbors the weights sum to 1, so
+    Half the weight goes to the link with the largest |separation error| (among equals the lowest peer id). The other
+    links share the other half; a single link has weight 1/2. With two or more neighbors the weights sum to 1, so
     a_ii = 0, although (1) asks for a_ii > 0. (9) is implemented as printed.
     """
     if len(links) == 0:
@@ -41,7 +41,7 @@ def twist(vector: Floats, heading: Floats, dt: float, config: FormationConfig) -
 
     `vector` [n, 2] [m] is g, held over the tick. (7) then turns the heading by delta' = -mu'|g| sin(delta), with
     delta the bearing of g from the heading. At mu' = 10 that is stiff (hundreds of rad/s). So omega is the mean rate
-    of the exact flow, delta(h) = 2 atan(tan(delta_0 / 2) exp(-mu'|g| h)). v is (6) at the beginning of the tick.
+    of the exact flow, delta(h) = 2 atan(tan(delta_0 / 2) exp(-mu'|g| h)). v is that of (6) at the tick's beginning.
     """
     size = geometry.separation(vector[:, 0], vector[:, 1])
     begin = geometry.wrap(np.arctan2(vector[:, 1], vector[:, 0]) - heading)

@@ -1,4 +1,4 @@
-"""Graph rules: the contacts that a robot selects as neighbors, from the beacons it hears alone.
+"""Graph rules: the contacts that a robot selects as neighbors, only from the beacons that it hears.
 
 Ties break by robot id: pairs are ordered by peer id, and a rule takes the first of equals.
 """
@@ -13,13 +13,13 @@ from fes.arrays.types import Bools, Floats, Ints
 from fes.model.contacts import Contacts
 
 FEW = 4096
-"""Largest number of triples (robot, peer, witness) that are all examined in every tick: selecting costs more."""
+"""Largest number of triples (robot, peer, witness) that are all examined in every tick: a selection costs more."""
 
 BLOCK = 2**16
 """Number of triples examined at once: memory grows with the contacts, not with contacts times degree."""
 
 NEAREST = 16
-"""Number of nearest contacts of a robot that are tried first in a crowd: they exclude most of its pairs."""
+"""Number of a robot's nearest contacts that are tried first as witnesses in a crowd: they exclude most pairs."""
 
 
 class Witnesses:
@@ -30,7 +30,7 @@ class Witnesses:
     """
 
     def __init__(self, edges: Edges, before: "Witnesses | None" = None) -> None:
-        """For the contacts `edges`; those that stay keep their last witness of `before`."""
+        """Witnesses for the contacts `edges`. Contacts that remain keep their last witness of `before`."""
         self.edges = edges
         self.all: tuple[Ints, Ints] | None = None
         self.last: Ints = np.full(len(edges), -1, dtype=np.int64)
@@ -51,7 +51,7 @@ class Witnesses:
         return np.repeat(pairs, counts), np.repeat(first, counts) + offset
 
     def blocks(self, pairs: Ints, counts: Ints) -> Iterator[tuple[Ints, Ints]]:
-        """The same in blocks of consecutive `pairs`, with about BLOCK triples each."""
+        """As `of`, in blocks of consecutive `pairs` with about BLOCK triples each."""
         ends = np.cumsum(counts)
         cuts = np.searchsorted(ends, np.arange(BLOCK, ends[-1], BLOCK))
         return map(self.of, np.split(pairs, cuts), np.split(counts, cuts))
@@ -67,7 +67,7 @@ def disk(contacts: Contacts, witnesses: Witnesses) -> Bools:
 
 
 def two_nearest(contacts: Contacts, witnesses: Witnesses) -> Bools:
-    """The two nearest contacts (the paper's footnote 2); a link stands if either end selected it [m]."""
+    """The two nearest contacts (the paper's footnote 2); a link exists if either end selected it [m]."""
     chosen = np.zeros(len(contacts.edges), dtype=np.bool_)
     chosen[contacts.edges.smallest(np.where(contacts.known, contacts.separation, np.inf), 2)] = True
     chosen &= contacts.known
@@ -77,8 +77,8 @@ def two_nearest(contacts: Contacts, witnesses: Witnesses) -> Bools:
 def relative_neighborhood(contacts: Contacts, witnesses: Witnesses) -> Bools:
     """The contacts to which no third robot is closer from both ends [m].
 
-    Edge i-j stands iff there is no k with max(d_ik, d_jk) < d_ij. Such a k is in range of both i and j, so both
-    select alike from the beacons they hear.
+    Edge i-j exists iff there is no k with max(d_ik, d_jk) < d_ij. Such a k is in range of both i and j, so both
+    select alike from the beacons that they hear.
     """
     known = contacts.known
     reach = np.where(known, contacts.separation, np.inf)
@@ -102,7 +102,7 @@ def relative_neighborhood(contacts: Contacts, witnesses: Witnesses) -> Bools:
 def _candidates(
     contacts: Contacts, reach: Floats, witnesses: Witnesses, suspects: Ints
 ) -> Iterable[tuple[Ints, Ints]]:
-    """All triples of the `suspects`, in blocks; in a crowd, only of suspects that no near robot excludes."""
+    """All triples of the `suspects`, in blocks. In a crowd, only of those suspects that no near robot excludes."""
     counts = witnesses.counts(suspects)
     total = int(counts.sum())
     if total <= BLOCK:
@@ -114,7 +114,7 @@ def _candidates(
 
 
 def _try_nearest(contacts: Contacts, reach: Floats, last: Ints, suspects: Ints) -> Ints:
-    """The `suspects` that no NEAREST contact of their robot excludes; `last` [m] gets those that exclude."""
+    """The `suspects` that none of their robot's NEAREST contacts excludes. `last` [m] gets the others' witness."""
     edges, left = contacts.edges, np.fmin(reach, np.inf)
     for _ in range(NEAREST):
         nearest = edges.first_smallest(left)

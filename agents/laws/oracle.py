@@ -15,19 +15,19 @@ from fes.model.config import ChannelConfig, ObjectiveConfig
 Index = Callable[[Floats], Floats]
 
 NEARLY_ZERO = 1e-9
-"""The smallest separation [m] at which the index is evaluated: an estimate may be thrown below zero."""
+"""The smallest separation [m] at which the index is evaluated: an estimate may overshoot below zero."""
 
 LEAST = -1e9
-"""The smallest logarithm of an index, where the index itself rounds to zero, as it does below exp(-745). Without this
-bound an estimate far off, because of a peer's estimate of 1e12 m say, would meet an infinite slope."""
+"""The smallest logarithm of an index; the index itself rounds to zero below exp(-745). Without this bound the slope
+would be infinite at an estimate that is far off, because of a peer's estimate of 1e12 m, say."""
 
 
 def index(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal["log", "none"]) -> Index:
     """J of (33), or ln J, as a function of separations [m] in an array.
 
     J(r) = S(r) p(r) = [1 - exp(-A)] exp(-q A - c r^nu), with A = (r/r_min)^s and q = (r_min/r_x)^s. It is evaluated
-    at many points per tick, so it saves an exponential of `fes.model.objective` times `fes.model.outage`. For a
-    logistic channel, ln p = -ln(1 + e^z) replaces -c r^nu.
+    at many points per tick, and this form has one exponential less than `fes.model.objective` and `fes.model.outage`.
+    For a logistic channel, ln p = -ln(1 + e^z) replaces -c r^nu.
     """
     shape, scale = objective.shape_exponent, objective.minimum_separation
     reach = -((scale / objective.maximum_separation) ** shape)

@@ -1,13 +1,14 @@
 """Measured reception: a robot's fit of the channel from counted beacons, without its formula.
 
 Each beacon slot of a link is one Bernoulli sample at the link's separation: decoded or missed. With reception
-probability p, ln(-ln p) is over a small range of separations close to a line in u = ln(r / rho_0). Its slope is nu
-(the exponent), its level alpha. The line is fitted by iteratively reweighted regression with two memories, a short
-one (F) for the level and a long one (S) for the slope. The law then seeks (ln J)' = (ln S)' + (ln p)' = 0.
+probability p, ln(-ln p) is close to a line in u = ln(r / rho_0) over a small range of separations. The slope of the
+line is nu (the exponent), and its level is alpha. It is fitted by iteratively reweighted regression with two
+memories, a short one (F) for the level and a long one (S) for the slope. The law then seeks
+(ln J)' = (ln S)' + (ln p)' = 0.
 
 A *learner* is one row of the arrays: a robot with pooling, a link end without. With pooling, each robot mixes its
-statistics with those of the robots it hears, which travel in the Beacon. So every link teaches all robots, and a link
-that ends loses nothing.
+statistics with those of the robots it hears, which travel in the Beacon. So all robots learn from every link, and
+a link that ends loses nothing.
 """
 
 from dataclasses import dataclass, replace
@@ -25,27 +26,27 @@ STATISTICS = 5
 
 @dataclass(frozen=True)
 class Method:
-    """The weights of the samples of one learner."""
+    """The memory, the priors and the gain of a learner."""
 
     short_memory: float
     """Of the level [s]."""
     long_memory: float
     """Of the slope [s]."""
     slope_prior: tuple[float, float]
-    """S1z and S11 of the slope before any sample: small, as estimates are biased towards their ratio. Ten times as
-    much biases estimates by 0.2 m on a channel whose slope is 5.4 instead of 2.5."""
+    """S1z and S11 of the slope before any sample: small, since they bias estimates towards their ratio, 2.5. Ten
+    times as much would bias estimates by 0.2 m on a channel whose slope is 5.4."""
     slopes: tuple[float, float]
     """Bounds of the slope nu."""
     gain: float
-    """Share of Newton's step that is taken per second."""
+    """Share of Newton's step that is taken per second [1/s]."""
 
 
 POOLED = Method(6.0, 120.0, (0.025, 0.01), (0.5, 8.0), 0.3)
-"""For a learner that many links teach."""
+"""For a learner with the samples of many links."""
 
 ALONE = Method(10.0, 30.0, (0.05, 0.02), (-15.0, 20.0), 0.2)
 """For a learner of one link. In a shadow its reception may rise with its length. Samples from some meters away say
-little about where the link is now, so their memory is shorter."""
+little about the link's present place, so the memory of the slope is shorter."""
 
 MIXING = 0.1
 """Share of each heard robot's statistics that is mixed in per tick."""
@@ -57,17 +58,17 @@ NEAREST = 0.1
 """Smallest separation that is distinguished, in units of rho_0: the line is not meant for shorter links."""
 
 LEAST_WEIGHT = 2.0
-"""Weight from which on the short memory's means are good enough to correct the slope."""
+"""Smallest weight of the short memory at which its means are good enough to correct the slope."""
 
 LEVEL_PRIOR = (float(np.log(-np.log(0.9))), 0.1 / 2.25)
 """A reception of 0.9 at rho_0, and its weight."""
 
 SPEED, LEAST_CURVATURE, ESTIMATES = 5.0, 2e-4, (20.0, 145.0)
-"""Bounds on an estimate's speed [m/s], on the curvature [1/m^2] and on an estimate [m], for a team whose maximum
-separation is FARTHEST; for another they scale with it."""
+"""Bounds on an estimate's speed [m/s], on the curvature [1/m^2] and on an estimate [m]. They are for a team whose
+maximum separation is FARTHEST, and scale with that separation."""
 
 FARTHEST = 150.0
-"""[m]"""
+"""Maximum separation to which these bounds belong [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,12 +97,12 @@ def carry(reception: ReceptionFit, old: Edges, new: Edges) -> ReceptionFit:
 
 
 def forget(reception: ReceptionFit, restarted: Bools) -> ReceptionFit:
-    """The learners, of which those `restarted` [g] have counted no beacon."""
+    """The learners, with those `restarted` [g] reset to the prior."""
     return _fit(reception.method, np.where(restarted[:, None], 0.0, reception.statistics))
 
 
 def fade(reception: ReceptionFit, dt: float) -> ReceptionFit:
-    """The statistics, a tick of `dt` [s] older."""
+    """The learners, with their statistics faded by a tick of `dt` [s]."""
     statistics = reception.statistics.copy()
     statistics[:, :3] *= np.exp(-dt / reception.method.short_memory)
     statistics[:, 3:] *= np.exp(-dt / reception.method.long_memory)
@@ -111,8 +112,8 @@ def fade(reception: ReceptionFit, dt: float) -> ReceptionFit:
 def mix(reception: ReceptionFit, edges: Edges, heard: Bools, received: Floats) -> ReceptionFit:
     """The statistics of robots after a tick's exchange: mixed with those `received` [m, STATISTICS] of peers `heard`.
 
-    The exchange comes before the tick's own samples. Hearing a peer is correlated with its beacon having decoded.
-    Statistics mixed afterwards carry that bias (an rmse of 0.32 m instead of 0.27 over the same ten seeds).
+    The exchange comes before the tick's own samples, because hearing a peer means that its beacon decoded. Statistics
+    mixed afterwards carry that bias: over the same ten seeds an rmse of 0.32 m instead of 0.27 m.
     """
     count = edges.sum(heard.astype(np.float64))
     share = np.minimum(MIXING, 1.0 / (1.0 + count))
@@ -161,7 +162,7 @@ def drift(reception: ReceptionFit, rows: Ints, estimate: Floats, config: Objecti
 
 
 def bounded(estimate: Floats, config: ObjectiveConfig) -> Floats:
-    """Estimates [l] [m], clipped to separations that the team can seek: the fitted line does not hold beyond."""
+    """Estimates [l] [m], clipped to ESTIMATES for this team: beyond them the fitted line does not hold."""
     size = config.maximum_separation / FARTHEST
     inside: Floats = np.clip(estimate, ESTIMATES[0] * size, ESTIMATES[1] * size)
     return inside

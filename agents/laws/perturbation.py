@@ -1,10 +1,10 @@
 """The seeking law (18): each robot's estimate of the optimal separation of each of its links.
 
-Each link has three states: the estimate r_hat, its filtered drift xi, and the washout's baseline eta. All links of a
-clock have the same dither. `law = "paper"` integrates (18) as printed. But for the gradient it conserves
-beta_l r_hat + xi, so two estimates that start d apart freeze at 2/(2 + beta_l) d. `law = "consensus"`, the default,
-reverses the sign of the kappa term in xi'. At the paper's own kappa = beta_l^2/4 that makes the derivative of its
-Lyapunov function (28) negative definite.
+Each link has three states: the estimate r_hat, its filtered drift xi, and the washout's baseline eta. All links of
+one clock have the same dither. `law = "paper"` integrates (18) as printed. Apart from the gradient, it conserves
+beta_l r_hat + xi, so two estimates that start d apart remain 2/(2 + beta_l) d apart. `law = "consensus"`, the
+default, reverses the sign of the kappa term in xi'. At the paper's own kappa = beta_l^2/4 that makes the derivative
+of its Lyapunov function (28) negative definite.
 """
 
 import math
@@ -43,7 +43,7 @@ NO_SKEW = np.zeros(1)
 
 @dataclass(frozen=True)
 class Seeker:
-    """The constants of the law for one run: configuration, index, and its linear part over a sub-step."""
+    """The constants of the law for one run: its configuration, its index, and its linear part over a sub-step."""
 
     config: SeekingConfig
     index: Index
@@ -81,7 +81,7 @@ def stagger(seeker: Seeker, draws: Draws, links: Edges) -> Floats:
 
     With one phase for all links, the formation oscillates as a whole, and far from its center robots move by many
     times the amplitude. Under shadowing, which depends on place, a link would then learn how reception changes with
-    its place instead of its length.
+    its place, not with its length.
     """
     low, high = np.minimum(links.robots, links.peers), np.maximum(links.robots, links.peers)
     return 2.0 * math.pi / seeker.config.dither_frequency * draws(STAGGER, low, high)
@@ -107,11 +107,11 @@ def begin(seeker: Seeker, tick: int, estimates: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """The conditions under which new links begin."""
+    """The conditions at the tick at which new links begin."""
 
     tick: int
     is_fresh: Bools
-    """True for a robot whose initial graph still grows: its own mean estimate does not count yet [n]."""
+    """True for a robot whose initial graph is not complete yet: its own mean estimate does not count [n]."""
     reported: Floats
     """Mean estimate that the neighbors of each robot reported [n] [m]; NaN where none did."""
 
@@ -137,9 +137,9 @@ def extrapolate(seeker: Seeker, state: Floats, heard: Floats, age: Floats) -> Fl
     """The peers' estimates now [l] [m], from those `heard` [l] [m] `age` [l] [s] ago.
 
     (18) compares two estimates of the same time, but a beacon is at least a tick old. Both peers climb the same
-    index, so meanwhile the peer's estimate has drifted about as the robot's own: by xi age. Without this term the
-    exchange slows both down, by 15 % at a delay of 20 ms. Of an old beacon, only MAX_EXTRAPOLATION counts. The
-    printed law stays literal: it takes the estimate as it was heard.
+    index, so meanwhile the peer's estimate has drifted about as much as the robot's own: by xi times age. Without
+    this term the exchange slows both down, by 15 % at a delay of 20 ms. A greater age than MAX_EXTRAPOLATION counts
+    as MAX_EXTRAPOLATION. The law as printed takes the estimate as it was heard.
     """
     if seeker.config.law == "paper":
         return heard
@@ -153,7 +153,7 @@ def advance(
     """State [3, l] one tick later; equation (18).
 
     `heard` [l] [m] is the peer's estimate for the link, held over the tick; NaN where none was heard, which is
-    s_ij = 0 of (2). `skew` [l] [s] is that of each link's clock. `index` replaces the seeker's.
+    s_ij = 0 in (2). `skew` [l] [s] is that of each link's clock. `index` replaces the seeker's.
     """
     if state.shape[1] == 0:
         return state

@@ -1,9 +1,9 @@
 """A robot's shell: asyncio and Zenoh.
 
-tick_source           the next tick to answer.
+tick_source           the ticks at which an agent steps.
 beacon_subscriptions  subscriptions to the beacons of peers.
-outbox                publishes, and keeps two ticks for retransmission.
-marshalling           between messages and arrays.
-membership            joins a run, and keeps its lease.
+outbox                publishes beacons and commands, and keeps two ticks for retransmission.
+marshalling           conversion between messages and arrays.
+membership            joins a run, and confirms later that the robots are still assigned.
 world_liveliness      liveliness of the world.
 """

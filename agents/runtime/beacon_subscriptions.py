@@ -1,4 +1,4 @@
-"""The beacon subscriptions of a process: to the peers in range of its robots, and to no others."""
+"""The beacon subscriptions of a process: only to the peers in range of its robots."""
 
 import asyncio
 from collections.abc import Collection
@@ -11,28 +11,31 @@ from fes.transport.bus import Bus, Mailbox
 from fes.transport.drop_log import DropLog
 
 RECALL_TIMEOUT = 2.0
-"""A world that does not resend a beacon within this time [s] is asked again."""
+"""Time [s] that a recall waits for the answer of the world. Then it is repeated."""
 
 
 class BeaconSubscriptions:
     """One mailbox per peer in range."""
 
     def __init__(self, opened: Bus, run: str, robots: str, drops: DropLog) -> None:
-        """`robots` are those of this process, as `fes.protocol.keys.span` writes them."""
+        """`robots` are those of this process, written as by `fes.protocol.keys.span`."""
         self._bus = opened
         self._run, self._robots = run, robots
         self._drops = drops
         self._boxes: dict[int, Mailbox] = {}
         self._early: dict[int, Beacon] = {}
-        """Beacon of a tick that this process has not reached yet: at most one per peer."""
+        """Beacon of the tick after the last one read, by peer."""
 
     @property
     def peers(self) -> list[int]:
-        """The peers whose beacons are subscribed, ascending."""
+        """The peers to whose beacons this process is subscribed, ascending."""
         return list(self._boxes)
 
     def update(self, peers: set[int]) -> None:
-        """Subscribe to `peers` from now on. Each beacon put after this, in tick order, will be received."""
+        """Subscribe to `peers`, and to no others.
+
+        In lockstep the beacons of every later tick are received: peers step only after this robot's next command.
+        """
         for peer in self._boxes.keys() - peers:
             self._boxes.pop(peer).close()
             self._early.pop(peer, None)
@@ -41,15 +44,15 @@ class BeaconSubscriptions:
         self._boxes = dict(sorted(self._boxes.items()))
 
     def heard(self, tick: int) -> list[Beacon]:
-        """The beacons of `tick` that have arrived, by sender; older ones are dropped."""
+        """The beacons of `tick` that have arrived, ordered by sender; older ones are dropped."""
         beacons = (self._beacon(peer, box, tick) for peer, box in self._boxes.items())
         return [beacon for beacon in beacons if beacon is not None]
 
     async def recall(self, tick: int, peers: Collection[int]) -> tuple[list[Beacon], bool]:
-        """The beacons of `peers` from `tick` that the world resends now, and True if it rejected a request finally.
+        """The beacons of `peers` from `tick` that the world resends, and True if it does not have one of them.
 
-        For beacons that junk pushed out of a mailbox, or that took a slower path than the tick. The request goes to
-        the world, not the peer, so that all robots receive the same beacon, even from a hostile sender.
+        Junk may have pushed a beacon out of its mailbox, or the beacon may have taken a slower path than the tick.
+        The request goes to the world, not to the peer: even of a hostile sender all robots receive the same beacon.
         """
         answers = await asyncio.gather(*(self._held(peer, tick) for peer in peers))
         return [answer for answer in answers if isinstance(answer, Beacon)], False in answers
@@ -72,9 +75,9 @@ class BeaconSubscriptions:
         return beacon
 
     def _beacon(self, peer: int, box: Mailbox, tick: int) -> Beacon | None:
-        """The first beacon of `tick` in a box. As in the world's own copy, a beacon beyond the next tick is dropped.
+        """The first beacon of `tick` in a box. Beacons beyond the next tick are dropped, as the world drops them too.
 
-        At most a full box is read, since it may be filled while it is emptied.
+        At most a full box is read, since a sender may fill it while it is emptied.
         """
         early = self._early.pop(peer, None)
         first = early if early is not None and early.tick == tick else None

@@ -12,7 +12,7 @@ from fes.protocol.messages import Beacon, Command, Observation
 
 
 class MessageAssembler:
-    """Stacks the messages of one process; reuses arrays that did not change, so that the crew need not recompute."""
+    """Stacks the messages of one process as arrays. Unchanged arrays are reused, and the crew need not recompute."""
 
     def __init__(self, ids: Ints) -> None:
         self._ids = ids
@@ -22,14 +22,14 @@ class MessageAssembler:
         self._links = Stack()
 
     def observations(self, received: list[Observation]) -> Observations:
-        """One observation of each robot of the crew, in id order, as arrays."""
+        """The observations of one tick as arrays; one per robot of the crew, in id order."""
         edges = self._in_range.edges(self._ids, [message.in_range for message in received])
         poses = np.array([message.pose for message in received])
         reception = np.concatenate([message.reception for message in received])
         return Observations(received[0].tick, poses, edges, reception)
 
     def beacons(self, tick: int, received: list[Beacon]) -> Beacons:
-        """The beacons of one tick, in id order, as arrays."""
+        """The beacons of one tick, in id order of their senders, as arrays."""
         if not received:
             return no_beacons()
         senders = [message.robot for message in received]
@@ -48,15 +48,15 @@ class MessageAssembler:
 
     @staticmethod
     def _statistics(received: list[Floats]) -> Floats:
-        """Statistics [n, q]; those of a sender with another number of them count as not measured (zeros)."""
+        """Statistics [n, q], with q the largest number received; zeros for a sender with fewer, as if unmeasured."""
         q = max(map(len, received))
         return np.array([row if len(row) == q else np.zeros(q) for row in received]).reshape(len(received), q)
 
 
 def encode_tick(beacons: Beacons, twists: Floats, telemetry: Telemetry) -> Iterator[tuple[int, bytes, bytes]]:
-    """For each robot its id, and the payloads of its beacon and its command."""
+    """Id, beacon payload and command payload of each robot."""
     selected = beacons.selected.view(np.uint8)
-    spans = zip(beacons.links.spans, telemetry.links.spans, strict=True)  # these differ if a transmitter is late
+    spans = zip(beacons.links.spans, telemetry.links.spans, strict=True)  # a late transmitter sends other links
     rows = zip(beacons.ids.tolist(), beacons.poses.tolist(), twists.tolist(), spans, beacons.statistics, strict=True)
     for robot, pose, twist, (sent, own), statistics in rows:
         links, estimates = beacons.links.peers[sent], beacons.estimates[sent]

@@ -10,32 +10,32 @@ from fes.transport.drop_log import DropLog
 Put = Callable[[bytes], None]
 
 REMEMBERED = 2
-"""Ticks whose beacons can be recalled: the barrier waits for a missed beacon, so its request comes within a tick."""
+"""Number of ticks whose payloads are stored. The barrier waits for a lost beacon, so its recall comes in time."""
 
 
 class Outbox:
-    """The publishers of a process's robots, and its latest payloads."""
+    """The publishers of a process's robots, and their latest payloads."""
 
     def __init__(self, bus: Bus, run: str, robots: tuple[int, ...], drops: DropLog, mark: bytes = b"") -> None:
-        """`mark` is that of the Join: the world accepts commands from no other process of these robots."""
+        """`mark` is that of the Join: the world accepts commands of these robots only with this mark."""
         self._drops = drops
         self._beacon: dict[int, Put] = {}
         self._command: dict[int, Put] = {}
         self._commands: dict[int, dict[int, bytes]] = {}
         self._beacons: dict[int, dict[int, bytes]] = {}
-        """Both by tick, then by robot."""
+        """Both dictionaries: tick -> robot -> payload."""
         for robot in robots:
             self._beacon[robot] = bus.declare_publisher(keys.beacon(run, robot), "fes.Beacon")
             self._command[robot] = bus.declare_publisher(keys.command(run, robot), "fes.Command", mark=mark)
-            self._listen(bus, keys.recall(run, robot), robot)
+            self._serve_recalls(bus, keys.recall(run, robot), robot)
 
     def publish(self, tick: int, payloads: list[tuple[int, bytes, bytes]]) -> None:
-        """Publish the beacons, then the commands: the world's next tick then follows every beacon of this one."""
-        # Stored before they are published: a peer may ask as soon as the first of them arrives.
+        """Publish the beacons, then the commands: so every beacon of this tick precedes the world's next tick."""
+        # Stored first: the world may recall a beacon as soon as another one arrives.
         self._beacons[tick] = {robot: beacon for robot, beacon, _ in payloads}
         self._commands[tick] = {robot: command for robot, _, command in payloads}
         for stored in (self._beacons, self._commands):
-            for old in [known for known in stored if known <= tick - REMEMBERED]:
+            for old in [earlier for earlier in stored if earlier <= tick - REMEMBERED]:
                 del stored[old]
         for robot, beacon, _ in payloads:
             self._beacon[robot](beacon)
@@ -51,8 +51,8 @@ class Outbox:
         self._beacon[robot](self._beacons[tick][robot])
         self._command[robot](self._commands[tick][robot])
 
-    def _listen(self, bus: Bus, key: str, robot: int) -> None:
-        """Reply to recall queries with the beacon of their tick."""
+    def _serve_recalls(self, bus: Bus, key: str, robot: int) -> None:
+        """Reply to each recall with the robot's beacon of the requested tick."""
 
         def on_query(query: Query) -> None:
             try:

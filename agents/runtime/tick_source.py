@@ -15,11 +15,11 @@ SILENCE_TIMEOUT = 3600.0
 """An agent that receives nothing from a living world for this long [s] exits."""
 
 QUIET = 5.0
-"""After each silence of this length [s] an agent asks the world whether it is still welcome."""
+"""After each silence of this length [s] an agent confirms its membership."""
 
 
 class TickSource:
-    """The observations of each tick to answer, one per robot in id order."""
+    """Iterators over the ticks to answer. Each tick is a list of observations, one per robot in id order."""
 
     def __init__(
         self,
@@ -29,7 +29,7 @@ class TickSource:
         drops: DropLog,
         on_quiet: Callable[[], None] = lambda: None,
     ) -> None:
-        """`on_quiet` is called after each period QUIET without a message."""
+        """`on_quiet` is called after each silence of QUIET [s]."""
         self._robots, self._on_quiet = robots, on_quiet
         self._inbox, self._outbox = inbox, outbox
         self._drops = drops
@@ -37,10 +37,10 @@ class TickSource:
         """The last tick yielded."""
         self._forgotten = -1
         self.skipped = 0
-        """Number of ticks that were not answered, because a newer one had arrived."""
+        """Number of ticks that the live clock skipped, because a newer one had arrived."""
 
     async def lockstep(self, world: WorldLiveliness) -> AsyncIterator[list[Observation]]:
-        """Yield every tick; answer a repeated tick again from the outbox."""
+        """Yield every tick, until the run is over; answer a repeated tick from the outbox. Raises Unavailable."""
         waiting: dict[int, Observation] = {}
         while True:
             async for key, observation in self._received(len(self._robots) - len(waiting)):
@@ -52,12 +52,12 @@ class TickSource:
                 if observation.tick == self.tick + 1:
                     waiting.setdefault(observation.robot, observation)
                 elif observation.tick == self.tick or (world.is_new and observation.tick < self.tick):
-                    # A restarted world repeats the ticks since its checkpoint, at most to the tick before this.
+                    # A restarted world repeats its last tick, or the one before. The outbox still holds both.
                     if self._outbox.has(observation.tick):
                         self._outbox.resend(observation.tick, observation.robot)
                     elif observation.tick < self.tick:
                         self._behind(key, observation.tick)
-                elif self.tick >= 0:  # before its first tick an agent has joined, but does not take part yet
+                elif self.tick >= 0:  # an agent that has joined may have to wait for its first tick
                     self._drops.reject("Observation: is not for this tick", f"{key}: tick {observation.tick}")
             if len(waiting) == len(self._robots):
                 self.tick += 1
@@ -66,7 +66,7 @@ class TickSource:
                 waiting.clear()
 
     async def live(self, world: WorldLiveliness) -> AsyncIterator[list[Observation]]:
-        """Yield the newest tick of which every robot's observation has arrived."""
+        """Yield the newest tick of which all observations have arrived, until the run is over. Raises Unavailable."""
         newest: dict[int, dict[int, Observation]] = {}
         while True:
             async for _, observation in self._received(1):
@@ -88,18 +88,18 @@ class TickSource:
                 yield observations
 
     def _behind(self, key: str, tick: int) -> None:
-        """Handle a restarted world's request for a tick no longer stored; a second one raises Unavailable."""
+        """Handle a restarted world's request for a tick that is not stored; raises Unavailable at the second one."""
         if tick == self._forgotten:
-            raise Unavailable(f"the world is back at tick {tick}, and {self.tick} was answered")
+            raise Unavailable(f"the world is back at tick {tick}, but tick {self.tick} was answered already")
         self._forgotten = tick
         self._drops.reject("Observation: is not for this tick", f"{key}: tick {tick}")
 
     async def _received(self, count: int) -> AsyncIterator[tuple[str, Observation]]:
-        """Wait for `count` messages; yield key and content of all that have arrived and can be decoded."""
+        """Wait for `count` messages; yield key and content of all messages that have arrived and can be decoded."""
         end = time.monotonic() + SILENCE_TIMEOUT
         while not await self._inbox.wait(count, QUIET):
             if time.monotonic() >= end:
-                raise Unavailable(f"the world said nothing for {SILENCE_TIMEOUT:g} s after tick {self.tick}")
+                raise Unavailable(f"the world sent nothing for {SILENCE_TIMEOUT:g} s after tick {self.tick}")
             self._on_quiet()
         for key, payload in self._inbox.drain():
             observation = self._read(key, payload)

@@ -1,4 +1,4 @@
-"""Liveliness of the world: an agent waits for it at the start, and again after it left."""
+"""Liveliness of the world: an agent waits for the world at the start, and again whenever its token is lost."""
 
 import asyncio
 import logging
@@ -7,10 +7,10 @@ from fes.errors import Unavailable
 from fes.transport.inbox import Inbox
 
 GRACE = 5.0
-"""Other processes may take this long [s] to see a restarted world again."""
+"""Time [s] after the world's return in which other processes may still not see it."""
 
 RETRY = 0.2
-"""[s]"""
+"""Pause [s] before a recall is repeated."""
 
 
 class WorldLiveliness:
@@ -18,20 +18,20 @@ class WorldLiveliness:
 
     def __init__(self, name: str, inbox: Inbox) -> None:
         self.is_new = False
-        """True if the world has restarted, but not continued the run yet."""
+        """True if the world has returned, but has not resumed the run yet."""
         self.was_seen = False
-        """True once the world has been alive."""
+        """True once the world's token has been alive."""
         self._name, self._inbox = name, inbox
         self._alive = asyncio.Event()
         self._loop = asyncio.get_running_loop()
         self.patience = 0.0
-        """Longest absence that the agent waits for [s]."""
-        self._came = -GRACE
+        """Longest absence of the world after which the agent still continues [s]."""
+        self._returned_at = -GRACE
         self._timer: asyncio.TimerHandle | None = None
         self._logger = logging.getLogger("agent")
 
     async def appears(self, timeout: float) -> None:
-        """Wait for the world; raises Unavailable after `timeout` [s], the rest of a patience that may be longer."""
+        """Wait for the world; raises Unavailable after `timeout` [s]. Its message gives the whole `patience`."""
         try:
             async with asyncio.timeout(timeout):
                 await self._alive.wait()
@@ -43,7 +43,7 @@ class WorldLiveliness:
         if alive and self._timer is not None:
             self._timer.cancel()
             self._timer, self.is_new = None, True
-            self._came = self._loop.time()
+            self._returned_at = self._loop.time()
             self._logger.info("%s is back", self._name)
         if alive:
             self.was_seen = True
@@ -60,21 +60,27 @@ class WorldLiveliness:
         return self._alive.is_set()
 
     async def stays(self) -> bool:
-        """True, after a pause, if another request makes sense: the world is alive, or restarts in time."""
+        """True if a recall that timed out is worth repeating: the world is alive, or returns in time.
+
+        Returns after a pause, or after the world's absence.
+        """
         if not self._alive.is_set():
             return await self.comes_back()
         await asyncio.sleep(RETRY)
         return True
 
     async def comes_back(self) -> bool:
-        """True if a lost beacon may still be recalled: the world was absent, and has just restarted."""
+        """True if a rejected recall is worth repeating: the world has just returned, or returns in time.
+
+        Until its agents see it again, a restarted world may lack beacons that they will resend.
+        """
         if not self._alive.is_set():
             try:
                 async with asyncio.timeout(self.patience):
                     await self._alive.wait()
             except TimeoutError:
                 return False
-        if self._loop.time() - self._came > GRACE:
+        if self._loop.time() - self._returned_at > GRACE:
             return False
         await asyncio.sleep(RETRY)
         return True

@@ -1,8 +1,8 @@
 """Random numbers as a function of (seed, stream, tick, sender, receiver), and of nothing else.
 
-Philox is a counter-based generator: the number at a counter does not depend on which numbers were asked
-for before it. So the order of arrival, the placement of robots and the load of the machine change no
-draw; another robot changes no other robot's draws; another controller changes no draw of the channel.
+Philox is a counter-based generator: the number at a counter does not depend on the numbers drawn before. So the order
+of arrival, the placement of robots and the load of the machine change no draw. An additional robot changes no draw of
+the others, and another controller changes no draw of the channel.
 """
 
 import hashlib
@@ -23,7 +23,7 @@ def key(seed: int, stream: str) -> Ints:
 
 
 def sub_seed(seed: int, stream: str) -> int:
-    """A seed [0, 2**53) for somebody who must not be able to tell `seed` from it."""
+    """A seed in [0, 2**53) for a process that must not be able to infer `seed` from it."""
     return int.from_bytes(hashlib.sha256(f"{seed}/{stream}/sub".encode()).digest()[:8], "little") >> 11
 
 
@@ -41,11 +41,11 @@ def uniform_ticks(stream_key: Ints, first: int, count: int, senders: Ints, recei
     state = generator.state
     counter = state["state"]["counter"]
     for column, (sender, receiver) in enumerate(zip(senders.tolist(), receivers.tolist(), strict=True)):
-        # The word before the first: the generator counts up before it gives out numbers.
+        # The generator increments its counter before it generates words.
         counter[:] = (first // _PER_COUNTER, sender, receiver, 0)
         generator.state = state
         words[:, column] = generator.random_raw(count)
-    # In place, some ticks at a time: the numbers of a crowd are large, and three times as many would be too large.
+    # In place, some ticks at a time: in a large team, temporary copies would triple a large array.
     words >>= np.uint64(11)
     numbers: Floats = words.view(np.float64)
     rows = max(1, _AT_ONCE // max(1, len(senders)))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from fes.arrays.types import Bools, Floats, Ints
 
 Number = TypeVar("Number", bound=np.generic)
-"""Type of the numbers of an array that is carried: the result has the same."""
+"""Type of the numbers in a carried array, before and after."""
 
 _SHIFT = 32  # a pair's key is robot * 2**32 + peer: unique, and sorted as the pairs are
 
@@ -37,7 +37,7 @@ class Edges:
         return len(self.rows)
 
     def __getstate__(self) -> dict[str, Ints]:
-        # A derived array is computed again where it is needed.
+        # Derived arrays are computed again on demand.
         return {"ids": self.ids, "rows": self.rows, "peers": self.peers}
 
     @staticmethod
@@ -72,7 +72,7 @@ class Edges:
 
     @cached_property
     def undirected(self) -> Ints:
-        """Positions of a single pair for each two robots that are linked in any direction."""
+        """Positions of one pair for each two robots that are linked in either direction."""
         return np.flatnonzero((self.reverse < 0) | (self.robots < self.peers))
 
     @cached_property
@@ -157,14 +157,14 @@ class Edges:
 
 @dataclass(frozen=True, eq=False)
 class Transition:
-    """The way from one set of pairs to the next, by which arrays of one become arrays of the other."""
+    """The transition from one set of pairs to the next, which converts arrays over the old pairs to the new ones."""
 
     positions: Ints
-    """Position of each new pair among the old ones, or -1 for a pair that they lack [m]."""
+    """Position of each new pair among the old ones, or -1 for a pair that is not among them [m]."""
 
     @cached_property
     def is_new(self) -> Bools:
-        """True for a pair that the old ones lack [m]."""
+        """True for a pair that is not among the old ones [m]."""
         return self.positions < 0
 
     def carry(self, values: NDArray[Number], fill: float, axis: int = 0) -> NDArray[Number]:
@@ -181,7 +181,7 @@ class Transition:
 
 
 class Stack:
-    """Edges from one list of peers per robot; the same object while every list is the same object."""
+    """Makes edges from one list of peers per robot; returns the same object while every list is the same object."""
 
     def __init__(self) -> None:
         self._lists: list[Ints] = []
@@ -199,6 +199,6 @@ class Stack:
 
 
 def no_edges(ids: Ints) -> Edges:
-    """A crew without any pair."""
+    """The edges of a crew without any pair."""
     nothing = np.zeros(0, dtype=np.int64)
     return Edges(ids, nothing, nothing)

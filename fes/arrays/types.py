@@ -1,4 +1,4 @@
-"""Type aliases for the arrays that every signature speaks of."""
+"""Type aliases for the arrays in signatures."""
 
 from typing import TypeAlias
 

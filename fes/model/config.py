@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 Exponent = Annotated[float, Field(gt=0, le=20, allow_inf_nan=False)]
-"""Larger exponents have no use, and powers stay finite."""
+"""Bounded, so that powers stay finite; larger exponents have no use."""
 
 Cutoff = Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -47,8 +47,8 @@ class ChannelConfig(Table):
 
     model: Literal["rayleigh", "logistic", "perfect"] = "rayleigh"
     """Reception model. `rayleigh`: beacons decode with the probability of (3). `logistic`: with
-    1 / (1 + exp((r - midpoint) / width)), which no exponent of (3) gives. `perfect`: every beacon in range decodes.
-    """
+    1 / (1 + exp((r - midpoint) / width)), a shape that no exponent gives (3). `perfect`: every beacon in range
+    decodes."""
     reference_snr: Positive = 1e7
     """Signal-to-noise ratio (SNR) at the reference distance [1] (P0/sigma^2)."""
     spectral_efficiency: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] = 2.0
@@ -60,7 +60,7 @@ class ChannelConfig(Table):
     logistic_midpoint: Positive = 100.0
     """Separation at which the logistic channel decodes half of the beacons [m]."""
     logistic_width: Annotated[float, Field(ge=1e-3, le=1e6)] = 12.0
-    """Width of the logistic channel's fall [m]; at the midpoint its reception falls by 1/(4 width) per meter."""
+    """Width of the logistic channel's transition [m]; at the midpoint, reception falls by 1/(4 width) per meter."""
     communication_range: Positive = 150.0
     """Hard cut-off of the radio [m] (r_x)."""
 
@@ -91,8 +91,8 @@ class SeekingConfig(Table):
     index: Literal["oracle", "measured", "sampled"] = "oracle"
     """Source of the performance index. `oracle`: computed from the channel's formula, as in the paper's simulation
     (33). `measured`: learnt from the beacons that decode and those that are lost. Of the gains and filters of (18),
-    only the consensus gain is then used. The dither is physical: the formation breathes with it. `sampled`: (18) with
-    samples of J, S(r) for a decoded beacon and 0 for a lost one; the dither is physical too."""
+    only the consensus gain is then used. The dither is physical: the formation oscillates with it. `sampled`: (18)
+    with samples of J, S(r) for a decoded beacon and 0 for a lost one; the dither is physical too."""
     pooling: Literal["network", "none"] = "network"
     """Pooling of the measured index. `network`: robots mix their counts of beacons, so that each learns from all
     links. `none`: each link learns its own slope, which is better under shadowing."""
@@ -103,7 +103,7 @@ class SeekingConfig(Table):
     reversed."""
     index_transform: Literal["log", "none"] = "log"
     """Transform of the index. `log`: the robots climb ln J, whose curvature at the optimum hardly depends on the
-    objective, so that one gain serves all. `none`: they climb J, as printed."""
+    objective, so that one gain serves all objectives. `none`: they climb J, as printed."""
     index_gain: Positive = 40000.0
     """Gain on the index [1] (k). For J and r_min 50, 44460 = 1/(a^2 |J''|/2) makes the averaged gradient's time
     constant 1 s. With a gain or a dither far above the default, reduce `sub_step`: estimates that move by meters per

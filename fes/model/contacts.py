@@ -1,4 +1,4 @@
-"""Contacts: the peers in range of each robot, and what was last heard of each. Neighbor rules choose among them."""
+"""Contacts: the peers in range of each robot, and the last beacon of each. Neighbor rules choose among them."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from fes.arrays.types import Bools, Floats, Ints
 from fes.model.sensing import Beacons
 
 NEVER = -(2**62)
-"""Tick at which a peer was last heard that was never heard."""
+"""Stands for the tick of the last beacon of a peer that was never heard."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ class Lookup:
 
 @dataclass(frozen=True, eq=False)
 class Contacts:
-    """The peers in range of each robot, and what was last heard of each; arrays over `edges` [m]."""
+    """The peers in range of each robot, and the last beacon of each; arrays over `edges` [m]."""
 
     edges: Edges
     lookup: Lookup
@@ -51,5 +51,5 @@ class Contacts:
     dx: Floats
     dy: Floats
     separation: Floats
-    """Line of sight and its length [m; world frame], from own pose of the previous tick. That is the tick of the
-    beacon too, unless it was lost: then the peer's position is the last one heard."""
+    """Line of sight and its length [m; world frame], from the own pose of the previous tick. The peer's
+    position is that of the same tick, unless its beacon was lost: then it is the last position heard."""

@@ -1,6 +1,6 @@
 """Counts that come from two settings: how often one fits into the other. No other module makes such a division.
 
-A ratio of two floats may be infinite, so none becomes an integer before it is bounded.
+A ratio of two floats may be infinite, so each is bounded before it becomes an integer.
 """
 
 import math
@@ -43,6 +43,6 @@ def steps(dt: float, longest: float) -> int:
 
 
 def check(name: str, whole: float, part: float, most: float) -> None:
-    """Raise ValueError in one line where `part` fits into `whole` more than `most` times."""
+    """Raise ValueError in one line if `part` fits into `whole` more than `most` times."""
     if ratio(whole, part) > most:
         raise ValueError(f"{name} must be at most {most:g}, got {ratio(whole, part):g}")

@@ -1,8 +1,8 @@
-"""The robots' own half of the performance index (16): which separations they prefer, radio aside.
+"""The robots' own half of the performance index (16): the separations that they prefer, radio aside.
 
-Equation (16) is J(r) = S(r) p(r). S is the team's own wish (spread out, but not too far) and known to it;
-p is the reception probability, which belongs to the channel. The paper writes one nu for the shape of S
-and for the path loss inside p; only two exponents, 4 and 3, give its Fig. 3, so they are kept apart.
+Equation (16) is J(r) = S(r) p(r). S is the team's own preference (spread out, but not too far), and robots know it. p
+is the reception probability, a property of the channel. The paper writes one nu for the shape of S and for the path
+loss inside p. Only two exponents, 4 and 3, give its Fig. 3, so they are kept apart.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """Reception and outage of a single-antenna link in closed form: equations (3) and (4), and two that are not Rayleigh.
 
-This is the formula that the paper's robots are said not to know. The world may use it; of the agents' modules
-only `agents.laws.oracle` may import it. `tests/architecture/test_architecture.py` holds them to it.
+According to the paper, its robots do not know this formula. The world may use it. Of the agents' modules only
+`agents.laws.oracle` may import it, as `tests/architecture/test_architecture.py` checks.
 """
 
 import math
@@ -31,20 +31,20 @@ def exponent_scale(channel: ChannelConfig) -> float:
 
 
 def logistic_excess(separation: Floats, channel: ChannelConfig) -> Floats:
-    """z [1] of the logistic reception probability 1 / (1 + e^z): `separation` [m], any shape, past the midpoint."""
+    """z [1] of the logistic reception probability 1 / (1 + e^z) at `separation` [m], any shape."""
     excess: Floats = (separation - channel.logistic_midpoint) / channel.logistic_width
     return excess
 
 
 def reception_probability(separation: Floats, channel: ChannelConfig) -> Floats:
-    """Probability that a beacon decodes at `separation` [m], any shape: 1 - outage, after (3) if Rayleigh."""
+    """Probability that a beacon decodes at `separation` [m], any shape: 1 - outage, by (3) for a Rayleigh channel."""
     if channel.model == "logistic":
         return _logistic(-logistic_excess(separation, channel))
     return np.exp(_log_reception(separation, channel))
 
 
 def outage_probability(separation: Floats, channel: ChannelConfig) -> Floats:
-    """Outage at `separation` [m], any shape; P[C < delta] of (3) if Rayleigh."""
+    """Outage probability at `separation` [m], any shape; P[C < delta] of (3) for a Rayleigh channel."""
     if channel.model == "logistic":
         return _logistic(logistic_excess(separation, channel))
     return -np.expm1(_log_reception(separation, channel))
@@ -62,10 +62,10 @@ def log_reception_slope(separation: Floats, channel: ChannelConfig) -> Floats:
 
 
 def range_at_outage(outage: float, channel: ChannelConfig) -> float:
-    """The separation [m] at which the outage is `outage` in (0, 1); for Rayleigh equation (4) solved for r.
+    """The separation [m] with outage probability `outage` in (0, 1); equation (4) solved for r if Rayleigh.
 
-    Raises ValueError for an outage outside (0, 1), and where no positive separation has it: for a perfect channel
-    any, for a logistic one those below its outage at 0.
+    Raises ValueError for an outage outside (0, 1), and for one that no positive separation has. A perfect channel has
+    none of them, a logistic channel none below its outage at separation 0.
     """
     if not 0.0 < outage < 1.0:
         raise ValueError(f"outage must lie in (0, 1): {outage}")

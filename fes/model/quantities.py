@@ -38,7 +38,7 @@ LEVELS = {
 _NO_LINKS = "no robot has a link at the end"
 _NO_TIME = "no wall-clock time passed"
 _NOT_SETTLED = "the segment ended within 60 s"
-_NO_ANSWER = "this robot does not use the link"
+_NOT_USED = "this robot does not use the link"
 _LOCKSTEP = "the clock is not live"
 
 SUMMARY = (
@@ -59,8 +59,8 @@ SUMMARY = (
     Quantity(
         "edges[].2", "m", "Separation of its two robots; with a physical dither, its mean over a dither period."
     ),
-    Quantity("edges[].3", "m", "Separation estimate of the robot with the lower id.", _NO_ANSWER),
-    Quantity("edges[].4", "m", "Separation estimate of the robot with the higher id.", _NO_ANSWER),
+    Quantity("edges[].3", "m", "Separation estimate of the robot with the lower id.", _NOT_USED),
+    Quantity("edges[].4", "m", "Separation estimate of the robot with the higher id.", _NOT_USED),
     Quantity("separation_error_max", "m", "Largest |separation - r*| over the links at the end.", _NO_LINKS),
     Quantity("separation_error_rms", "m", "Root mean square of separation - r* over the links.", _NO_LINKS),
     Quantity("disagreement", "m", "Sum over the links of the difference of their two estimates.", _NO_LINKS),
@@ -132,7 +132,7 @@ SUMMARY = (
         "Time from which no robot had a link.",
         "a robot has one at the end, or no contact could open yet",
     ),
-    Quantity("expectations[].of", "", "Key of the summary that the scenario has an expectation of.", kind=TEXT),
+    Quantity("expectations[].of", "", "Key of the summary to which the expectation applies.", kind=TEXT),
     Quantity("expectations[].expected", "", "The expectation, in words.", kind=TEXT),
     Quantity("expectations[].seen", "", "Value of the key.", "the summary has none", kind="any of these"),
     Quantity("expectations[].holds", "", "True if the value meets the expectation.", kind=FLAG),

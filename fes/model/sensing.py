@@ -16,17 +16,16 @@ CLOSED, LOST, DECODED = 0, 1, 2
 OPENING_TICKS = 2
 """A contact opens this many ticks after a peer comes in range: the rule of the radio in every backend."""
 
-
 MAX_TOLD = 1e12
-"""Largest magnitude of a number in a Beacon, and of an estimate in a Command. Robots stay within it, and reject
-larger ones: their squares and powers overflow in the law of a peer, which would then have no twist."""
+"""Largest magnitude of a number in a Beacon, and of an estimate in a Command. Robots send no larger numbers, and
+reject them: their squares and powers would overflow in the law of a peer, which would then have no twist."""
 
 MAX_TWIST = 1e9
 """Largest magnitude of a linear [m/s] or angular [rad/s] velocity in a Command, for the same reason."""
 
 
 def bounded(values: Floats, most: float) -> Floats:
-    """The values, each moved to the nearest within `most` of zero; NaN stays."""
+    """The values, clipped to [-`most`, `most`]; NaN remains."""
     return np.minimum(np.maximum(values, -most), most)
 
 

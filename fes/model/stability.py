@@ -1,15 +1,15 @@
 """Rules between the tick and the gains: they reject settings that cannot be stable, or that need unbounded work.
 
-Both sides check them: the world when it reads a scenario, a crew when it is told its settings.
+Both sides check them: the world when it reads a scenario, a crew when it gets its settings.
 
-- (6) is held over a tick (Euler): of two robots that see only each other, each moves mu e dt / 2, so that
-  1 - mu dt of the error e is left. From mu dt = 2 on it grows. In chains of links with alternating errors it may grow
-  from 1 on.
+- (6) is held over a tick (Euler). Of two robots that see only each other, each moves mu e dt / 2, so that
+  (1 - mu dt) e of the error e remains. The error grows from mu dt = 2 on. In chains of links with alternating errors
+  it may grow from mu dt = 1 on.
 - (7) is followed along its exact flow (`agents.laws.formation`), and (18) is integrated with its filters exactly
   (`agents.laws.collocation`): neither bounds mu', beta_h or kappa by itself.
 - Estimates of a measured run step by Euler: r_ij += dt [kappa (r_ji of a tick before - r_ij) - 0.3 G/H]. The
-  disagreement follows d(k+1) = (1 - (kappa + g) dt) d(k) - kappa dt d(k-1), g <= 0.3 /s; by Jury's criterion it dies
-  out iff kappa dt < 1 and g dt < 2.
+  disagreement follows d(k+1) = (1 - (kappa + g) dt) d(k) - kappa dt d(k-1), g <= 0.3 /s. By Jury's criterion it
+  decays iff kappa dt < 1 and g dt < 2.
 """
 
 import math
@@ -18,10 +18,10 @@ from fes.model import counts
 from fes.model.config import FormationConfig, SeekingConfig
 
 MAX_STEPS = 10_000
-"""Most steps of the integration in a tick."""
+"""Largest number of integration steps per tick."""
 
 MAX_TICKS = 1e9
-"""Most ticks of a run, and of one period of a physical dither."""
+"""Largest number of ticks of a run, and of one period of a physical dither."""
 
 MAX_WASHOUT = 100.0
 """Largest washout cut-off times a step of the integration: its quadrature errs by 2e-9 at 100, by 1e-4 at 200."""

@@ -1,4 +1,4 @@
-"""Change: a person to the world, while a run goes on. Effect: what came of it."""
+"""Change: a person's request to the world to change the channel during a run. Effect: the result."""
 
 from typing import Any, NamedTuple
 
@@ -7,15 +7,16 @@ from fes.protocol import wire
 from fes.system import strict_json
 
 LONGEST = 4096
-"""Longest value that can be asked for [characters of JSON]; with defaults filled in it grows."""
+"""Longest value of a Change [characters of JSON]."""
 
 LONGEST_EFFECT = 32 * LONGEST
+"""Longest value of an Effect [characters of JSON]: defaults are filled in."""
 
 LONGEST_PATH = 200
 """Longest path [characters]."""
 
 DEEPEST_PATH = 8
-"""Names in a path; each is a table within the one before."""
+"""Largest number of names in a path; each names a table or a field in the table before it."""
 
 
 class ParameterChange(NamedTuple):
@@ -28,21 +29,21 @@ class ParameterChange(NamedTuple):
 
 
 class ChangeResult(NamedTuple):
-    """The value after the request."""
+    """The value of the field after the request."""
 
     path: str
     value: Any
     """The effective value of the field."""
     tick: int
-    """It holds from this tick on."""
+    """First tick with this value."""
     optimal_separation: float
-    """r* of the channel as it is now [m]."""
+    """r* of the channel with this value [m]."""
     unnoticed: bool = False
-    """True if the robots were told another channel, and do not notice the change."""
+    """True if the robots do not notice the change, because they compute with the channel that they were given."""
 
 
 def encode_change(message: ParameterChange) -> bytes:
-    """The payload of a Change; raises MessageError for a value that JSON has no word for."""
+    """The payload of a Change; raises MessageError for a value that JSON cannot hold."""
     try:
         text = strict_json.dumps(message.value, refuse=True)
     except (TypeError, ValueError):

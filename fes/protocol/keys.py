@@ -5,7 +5,7 @@
 | fes/<run>/world/alive           | liveliness token         | world -> all                        | while up     |
 | fes/<run>/world/claim/<id>      | liveliness token         | world -> worlds                     | while up     |
 | fes/<run>/robot/<i>/alive       | liveliness token         | agent i -> all                      | while up     |
-| fes/<run>/world/welcome/<ids>   | Join, answered by Welcome | agent -> world -> agent            | once a join  |
+| fes/<run>/world/welcome/<ids>   | Join, answered by Welcome | agent -> world -> agent            | once per join |
 | fes/<run>/world/lease           | empty, answered by Lease | agent without an id -> world -> agent | once        |
 | fes/<run>/world/about           | empty, answered by About | person -> world -> person           | when asked   |
 | fes/<run>/robot/<i>/observation | Observation              | world -> agent i                    | each tick    |
@@ -27,7 +27,7 @@ from fes.errors import FesError
 
 DEFAULT_RUN = "main"
 MAX_ROBOTS = 100_000
-"""Robots of a run, at most; ids are below."""
+"""Largest number of robots in a run; ids are below it."""
 
 _RUN = re.compile(r"[A-Za-z0-9_.-]{1,64}")
 _NUMBER = re.compile("[0-9]{1,9}")
@@ -48,7 +48,7 @@ def world_alive(run: str) -> str:
 
 
 def claim(run: str, world: str) -> str:
-    """The token of one world among those that want the run; no two worlds have the same."""
+    """The liveliness token of a world that wants to serve the run; each world has its own."""
     return f"fes/{run}/world/claim/{world}"
 
 
@@ -88,7 +88,7 @@ def span(robots: Sequence[int]) -> str:
 
 
 def parse_span(text: str, flag: str, forms: str = "I or A-B") -> tuple[int, ...]:
-    """The robots that a person names after `flag` in one of these `forms`; raises FesError.
+    """The robots in the value of `flag`, written in one of these `forms`; raises FesError.
 
     >>> parse_span("3", "--id"), parse_span("2-4", "--id")
     ((3,), (2, 3, 4))
@@ -128,12 +128,12 @@ def beacon(run: str, robot: int | str) -> str:
 
 
 def recall(run: str, robot: int | str) -> str:
-    """Key on which the world asks a robot to repeat a beacon that the world did not get."""
+    """The key on which the world asks a robot to resend a beacon that the world did not get."""
     return f"fes/{run}/robot/{robot}/recall"
 
 
 def held_beacon(run: str, robot: int | str, robots: str) -> str:
-    """Key on which the agent of `robots`, as `span` writes them, asks the world for its copy of a robot's beacon."""
+    """Key on which the agent of `robots`, as `span` writes them, asks for the world's copy of a robot's beacon."""
     return f"fes/{run}/world/beacon/{robot}/{robots}"
 
 

@@ -14,21 +14,24 @@ from fes.model.sensing import DECODED, MAX_TOLD, MAX_TWIST
 from fes.protocol import wire
 
 MAX_STATISTICS = 64
+"""Largest number of statistics in a Beacon."""
+
 MAX_AGENT = 2**62
+"""Largest number of an agent in a Join."""
+
 MAX_ARITHMETIC = 200
 """Longest description of an arithmetic [characters]."""
 
 
 class Join(NamedTuple):
-    """An agent's question for a Welcome, also where it has one already and was not seen for a while."""
+    """An agent's request for a Welcome. It is repeated later, to confirm that the Welcome still holds."""
 
     robots: tuple[int, ...]
-    """Those it wants to host, ascending."""
+    """The robots that it wants to host, ascending."""
     agent: int
     """A number that it has drawn, from 0 to MAX_AGENT: no other agent of these robots has the same."""
-
     arithmetic: str = ""
-    """The agent's arithmetic, as `fes.system.fingerprint.text` describes it; empty if the agent does not tell."""
+    """The agent's arithmetic, as `fes.system.fingerprint.text` describes it; empty if the agent does not state it."""
 
     @property
     def mark(self) -> bytes:
@@ -37,14 +40,14 @@ class Join(NamedTuple):
 
 
 class Welcome(NamedTuple):
-    """World to agent, once per join: which robots it hosts, and all it may know."""
+    """World to agent, once per join: the robots that it hosts, and all that it may know."""
 
     robots: tuple[int, ...]
     config: AgentConfig
 
 
 class Observation(NamedTuple):
-    """World to robot, each tick: what it senses. `over` ends the run and expects no answer."""
+    """World to robot, each tick: the robot's measurements. `over` ends the run and expects no answer."""
 
     tick: int
     robot: int
@@ -56,8 +59,7 @@ class Observation(NamedTuple):
     """Reception of their beacons of the previous tick: CLOSED, LOST or DECODED [c]."""
     over: bool
     since: int
-    """The tick from which on the robot takes part. Where it is another than before, the robot was away: it begins
-    anew."""
+    """Tick from which the robot takes part. If it has changed, the robot was absent, and starts without state."""
 
 
 class Beacon(NamedTuple):
@@ -68,7 +70,7 @@ class Beacon(NamedTuple):
     pose: tuple[float, float, float]
     """x, y, heading [m, m, rad; world frame]."""
     links: Ints
-    """Peers it has a link to, ascending [l]."""
+    """Peers to which it has a link, ascending [l]."""
     estimates: Floats
     """Its separation estimate of each link [l] [m]."""
     selected: Bytes
@@ -78,7 +80,7 @@ class Beacon(NamedTuple):
 
 
 class Command(NamedTuple):
-    """Robot to its body, each tick: the twist to hold; and telemetry for observers, which moves nothing."""
+    """Robot to its body, each tick: the twist to hold, and telemetry for observers, which does not affect motion."""
 
     tick: int
     robot: int
@@ -165,14 +167,14 @@ def decode_command(payload: bytes) -> Command:
     name = "Command"
     tick, robot, linear, angular, links, estimates, learnt = wire.unpack(name, payload, 7)
     peers = wire.ids(name, links)
-    beliefs = wire.some_numbers(name, learnt, 2 * len(peers), MAX_TOLD)
-    wire.check(name, len(beliefs) in (0, 2 * len(peers)), "expects two numbers a link, or none", len(beliefs))
+    parameters = wire.some_numbers(name, learnt, 2 * len(peers), MAX_TOLD)
+    wire.check(name, len(parameters) in (0, 2 * len(peers)), "expects two numbers per link, or none", len(parameters))
     return Command(
         *wire.stamp(name, tick, robot),
         wire.finite(name, (linear, angular), MAX_TWIST),
         peers,
         wire.numbers(name, estimates, len(peers), MAX_TOLD),
-        beliefs,
+        parameters,
     )
 
 
@@ -220,7 +222,7 @@ def decode_lease(payload: bytes) -> int:
 
 
 def encode_recall(tick: int) -> bytes:
-    """The payload of a question to a robot for its beacon of a tick, which got lost on its way."""
+    """The payload of a Recall: a request to resend a robot's beacon of a tick."""
     return wire.pack(tick)
 
 

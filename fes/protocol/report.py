@@ -1,4 +1,4 @@
-"""Report: the world to observers, as often as they can use it. The truth, and what robots say of themselves.
+"""Report: world to observers, several times per second. It holds the truth, and the telemetry of the robots.
 
 No agent subscribes to it. Quantities that do not exist yet (such as an estimate of a robot without links) are NaN.
 """
@@ -41,12 +41,12 @@ _NUMBERS = (
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Report:
-    """One look at the whole team."""
+    """The state of the team at one tick."""
 
     scenario: str
     tick: int
     ticks: int
-    """Ticks that the run has in all."""
+    """Total number of ticks of the run."""
     dt: float
     """Tick length [s]."""
     optimal_separation: float
@@ -74,15 +74,15 @@ class Report:
     sent: Floats
     """Beacons sent since the contact opened, both ways together [l]."""
     decoded: Floats
-    """Of them, decoded [l]."""
+    """Those of them that decoded [l]."""
     longest_gap: Floats
     """Most beacons lost in a row since the contact opened, of both ways [l]."""
     learnt_reception: Floats
     """Reception at this separation as the robots estimate it from their counts [l]; NaN if they do not."""
     learnt_level: Floats
-    """alpha of what they have learnt, ln(-ln p) = alpha + nu ln(r / rho_0), mean of both ends [l]."""
+    """alpha of their fit ln(-ln p) = alpha + nu ln(r / rho_0), mean of both ends [l]."""
     learnt_exponent: Floats
-    """nu of it [l]."""
+    """nu of the same fit, mean of both ends [l]."""
     beacons_sent: int
     beacons_decoded: int
     disagreement: float
@@ -104,7 +104,7 @@ class Report:
     missed: Ints
     """Deadlines of the live clock that each robot missed [n]; [0] in lockstep."""
     late: Ints
-    """Commands of each robot that came after their deadline [n]; [0] in lockstep."""
+    """Commands of each robot that arrived after their deadline [n]; [0] in lockstep."""
     disk_connected: bool
     """True if the graph of all robots in range is connected."""
 
@@ -137,11 +137,11 @@ def decode_report(payload: bytes) -> Report:
     wire.check(name, type(scenario) is str, "expects the scenario's name", scenario)
     wire.check(name, type(numbers) is list and len(numbers) == len(_NUMBERS), "expects numbers", numbers)
     wire.check(name, all(type(value) is float for value in numbers), "expects numbers", numbers)
-    wire.check(name, type(alive) is bytes, "expects a code a robot", alive)
+    wire.check(name, type(alive) is bytes, "expects one code per robot", alive)
     robots = len(alive)
     wire.check(name, type(arrays) is list and len(arrays) == len(_LINK_ARRAYS), "expects link arrays", arrays)
     lower, higher = _ids(name, a, robots), _ids(name, b, robots)
-    wire.check(name, len(lower) == len(higher), "expects two ends a link", len(higher))
+    wire.check(name, len(lower) == len(higher), "expects two ends per link", len(higher))
     links: dict[str, Any] = {
         key: _floats(name, blob, len(lower)) for key, blob in zip(_LINK_ARRAYS, arrays, strict=True)
     }
@@ -179,6 +179,6 @@ def _counts(name: str, blob: Any, robots: int) -> Ints:
 
 
 def _floats(name: str, blob: Any, count: int) -> Floats:
-    """Numbers [count], NaN where there is none."""
+    """Numbers [count]; NaN stands for one that does not exist."""
     wire.check(name, type(blob) is bytes and len(blob) == 8 * count, f"expects {count} float64", blob)
     return np.frombuffer(blob, dtype="<f8")

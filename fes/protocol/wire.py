@@ -19,17 +19,17 @@ from fes.arrays.types import Bytes, Floats, Ints
 from fes.errors import MessageError
 
 PROTOCOL = 2
-"""Version of the messages: raise it with each change of a message, or of the mark beside one."""
+"""Version of the messages: increase it with each change of a message, or of the mark beside one."""
 MAX_PAYLOAD = 1 << 20
-"""Longest payload [bytes] that is looked at."""
+"""Longest payload that is decoded [bytes]."""
 
 T = TypeVar("T", bound=tuple[float, ...])
 
 LONGEST_CACHED = 4096
-"""Longest list of ids [bytes] whose array is kept."""
+"""Longest list of ids whose array is cached [bytes]."""
 
 MAX_LIST = 100_000
-"""Longest list of ids that a join or a welcome may have; no run has as many robots."""
+"""Longest list of robots in a Join or a Welcome; no run has more robots."""
 
 MAX_TICK = 2**53
 MAX_ID = 2**31 - 1
@@ -62,7 +62,7 @@ def unpack(name: str, payload: bytes, count: int) -> list[Any]:
 
 
 def peek(payload: bytes) -> tuple[int, int] | None:
-    """Tick and robot of an Observation, Beacon or Command, with nothing else of it looked at; None if it is junk."""
+    """Tick and robot of an Observation, Beacon or Command, whose other fields are not checked; None for junk."""
     try:
         version, tick_, robot = msgpack.unpackb(payload)[:3]
     except (ValueError, TypeError, msgpack.UnpackException, RecursionError):
@@ -144,7 +144,7 @@ def _ascending(blob: bytes) -> Ints | None:
 
 
 def id_bytes(robots: Ints) -> bytes:
-    """Ids [m] as they travel."""
+    """Ids [m] as a message carries them."""
     return robots.astype("<i4").tobytes()
 
 

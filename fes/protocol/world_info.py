@@ -1,4 +1,4 @@
-"""About: what a world says of itself to who asks: for `fes doctor`, and no part of a run."""
+"""About: a world's description of itself, on request. `fes doctor` asks for it; no run depends on it."""
 
 import time
 from importlib import metadata
@@ -51,7 +51,7 @@ def encode_world_info(message: WorldInfo) -> bytes:
 
 
 def decode_world_info(payload: bytes) -> WorldInfo:
-    """The About in a payload; raises MessageError, whose value is the version if that is what differs."""
+    """The About in a payload; raises MessageError, which names the other version if the protocol versions differ."""
     name = "About"
     package, zenoh, robots, clock = wire.unpack(name, payload, 4)
     for text in (package, zenoh):

@@ -6,7 +6,7 @@ mcap_file      the file as it is written: topics, schemas, chunks
 records        the file as it is read, with bounds and checksums
 ticks          the ticks of a log, from its messages
 reader         a log with its scenario and summary
-viewer_topics  what viewers show of a report
+viewer_topics  messages for viewers, made from a Report
 protobuf       message types described, and messages read within bounds
 messages_pb2   message types of the log, generated from messages.proto
 hashed_file    files hashed while they are written, and checked at the end

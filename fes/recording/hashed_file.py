@@ -1,7 +1,6 @@
-"""Files that a run writes: hashed while they are written, and at the end checked for removal and cuts.
+"""Files that a run writes: hashed while they are written, and checked at the end for removal and truncation.
 
-They are opened for appending. In a file that is written at a given offset, a cut would become a hole, and the size
-would not show it.
+They are opened for appending. Writing at an offset would turn a truncation into a hole, which the size does not show.
 """
 
 import hashlib
@@ -11,23 +10,23 @@ from pathlib import Path
 
 
 class HashedFile:
-    """A new file, with the hash of all that was written to it."""
+    """A new file, with the hash of all bytes written to it."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self._file = open(path, "wb", opener=append)  # noqa: SIM115
         self._hash = hashlib.sha256()
         self.size = 0
-        """Bytes that were written."""
+        """Number of bytes written."""
 
     @property
     def closed(self) -> bool:
-        """True once the file was closed."""
+        """True once the file is closed."""
         return self._file.closed
 
     @property
     def sha256(self) -> str:
-        """SHA-256 of all that was written, in hexadecimal."""
+        """SHA-256 of all bytes written, in hexadecimal."""
         return self._hash.hexdigest()
 
     def write(self, data: bytes) -> int:
@@ -41,7 +40,7 @@ class HashedFile:
         return self.size
 
     def flush(self) -> None:
-        """Hand all that was written to the system."""
+        """Hand all bytes written to the system."""
         self._file.flush()
 
     def fileno(self) -> int:
@@ -49,17 +48,17 @@ class HashedFile:
         return self._file.fileno()
 
     def close(self) -> None:
-        """Write no more."""
+        """Close the file."""
         self._file.close()
 
 
 def append(path: str, flags: int) -> int:
-    """An opener for `open`: all that is written goes to the end of the file, wherever that is then."""
+    """Opener for `open`: every write appends to the file, wherever its end is then."""
     return os.open(path, flags | os.O_APPEND, 0o666)
 
 
 def loss(path: Path, fileno: int, size: int) -> str | None:
-    """Loss of a file to which `size` bytes were written and handed to the system, in words; None if it is whole.
+    """Damage by other programs to a file after `size` bytes were written and flushed, in words; None without any.
 
     >>> import tempfile
     >>> with tempfile.NamedTemporaryFile(buffering=0) as file:

@@ -26,23 +26,23 @@ from fes.system import strict_json
 PROFILE = "fes"
 
 CHUNK = 1 << 21
-"""A chunk is closed when it holds this much [bytes, not compressed]; then about 400 ticks of ten robots. The index of
-all chunks stays in memory until the end, about 2 kB each."""
+"""A chunk is closed when it holds this much [bytes, uncompressed], about 400 ticks of ten robots. The index of all
+chunks stays in memory until the end, about 2 kB per chunk."""
 
 CHUNK_AGE = 2.0
-"""A chunk is closed when it is this old [s; wall clock], which is how much a run that is killed may lose."""
+"""A chunk is closed when it is this old [s; wall clock]: a run that is killed loses at most this much."""
 
 LARGEST = records.LIMIT - (records.LIMIT >> 6)
-"""A chunk holds at most this much [bytes, not compressed]; so a reader takes it even if it does not compress."""
+"""A chunk holds at most this much [bytes, uncompressed]. So a reader accepts it even if it does not compress."""
 
 _MESSAGE_HEADER = 31  # bytes
 
 Schema = type[Message] | dict[str, Any]
-"""Of a topic: a type of Protocol Buffers, or a JSON schema."""
+"""Schema of a topic: a message type of Protocol Buffers, or a JSON schema."""
 
 
 class McapFile:
-    """A file of messages, in the order in which they are put; raises FesError where it cannot be written."""
+    """A file of messages, in the order in which they are put; raises FesError if it cannot be written."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -52,7 +52,7 @@ class McapFile:
         self._begun = time.monotonic()
         self._broken = False
         self.loss: str | None = None
-        """Loss of the file to other programs, in words; None if it is as it was written, or not finished yet."""
+        """Damage by other programs to the finished file, in words; None without any, or before the end."""
         with self._writing():
             self._file = HashedFile(path)
             # Chunks are closed by `settle`, between two ticks, and not by the library in the middle of one.
@@ -75,9 +75,9 @@ class McapFile:
         self._waiting += len(payload) + _MESSAGE_HEADER
 
     def settle(self, at_once: bool = False) -> None:
-        """Close the chunk if it is large or old enough, or `at_once`: a reader finds what it holds from then on."""
+        """Close the chunk if it is large or old enough, or `at_once`: from then on a reader finds its messages."""
         if self._broken:
-            return  # it was said once
+            return  # the error was raised before
         if at_once or self._waiting >= CHUNK or time.monotonic() - self._begun >= CHUNK_AGE:
             self._check_size()
             with self._writing():
@@ -97,7 +97,7 @@ class McapFile:
             raise FesError(f"cannot write {self._path}: {why}: --no-record runs without a log")
 
     def close_chunk(self) -> int:
-        """Close the chunk; returns how many bytes there are then, all of them whole records."""
+        """Close the chunk; returns the size of the file [bytes], which then consists of whole records."""
         self.settle(at_once=True)
         return self._file.size
 
@@ -112,7 +112,7 @@ class McapFile:
         return self._file.sha256
 
     def copy(self, path: Path, size: int) -> None:
-        """Take over all messages in the first `size` bytes of another log, chunk by chunk, and read the copy back.
+        """Copy all messages in the first `size` bytes of another log, chunk by chunk, and verify the copy.
 
         Raises FesError, also if the other log is damaged.
         """
@@ -120,7 +120,7 @@ class McapFile:
         try:
             for block in Reader(path, size):
                 for message, channel, schema in copied.messages(block):
-                    self._again(message, channel, schema)
+                    self._add_copy(message, channel, schema)
                 self.settle(at_once=True)
             for block in Reader(self._path, self.close_chunk()):
                 deque(written.messages(block), maxlen=0)
@@ -154,10 +154,10 @@ class McapFile:
         channel = self._channels[topic] = self._writer.register_channel(topic, encoding, self._schemas[name])
         return channel
 
-    def _again(self, message: McapMessage, like: McapChannel, schema: McapSchema) -> None:
-        channel = self._channels.get(like.topic)
+    def _add_copy(self, message: McapMessage, source: McapChannel, schema: McapSchema) -> None:
+        channel = self._channels.get(source.topic)
         if channel is None:
-            channel = self._declare(like.topic, like.message_encoding, schema.name, schema.encoding, schema.data)
+            channel = self._declare(source.topic, source.message_encoding, schema.name, schema.encoding, schema.data)
         self._writer.add_message(channel, message.log_time, message.data, message.publish_time, message.sequence)
 
     @contextlib.contextmanager
@@ -170,7 +170,7 @@ class McapFile:
 
 
 class _Contents:
-    """Contents of a log, as far as it was read: its messages, each with its topic and schema."""
+    """The messages of a log, as far as it was read, each with its topic and schema."""
 
     def __init__(self) -> None:
         self._channels = dict[int, McapChannel]()

@@ -1,6 +1,6 @@
 """Logs of runs, read back; docs/reference/log.md describes their format.
 
-The caller defines a scenario: `load` takes the function that parses its tables.
+The caller defines the type of a scenario: `load` takes the function that parses its tables.
 """
 
 import tomllib
@@ -25,7 +25,7 @@ class RobotNumber(Protocol):
 
     @property
     def number(self) -> int:
-        """Their number."""
+        """Number of robots."""
 
 
 class Recorded(Protocol):
@@ -37,7 +37,7 @@ class Recorded(Protocol):
 
     @property
     def ticks(self) -> int:
-        """The number of its ticks."""
+        """Number of ticks."""
 
 
 S = TypeVar("S", bound=Recorded)
@@ -49,15 +49,15 @@ class Log(Generic[S]):
 
     path: Path
     name: str
-    """Of the scenario."""
+    """Name of the scenario."""
     backend: str
     scenario: S
     summary: dict[str, Any] | None
-    """Of what was reached; None if the log has no end."""
+    """Summary of the ticks that were run; None if the log has no end."""
     ended: str | None
     """Reason for the end of the run; None if the log has no end."""
     arithmetic: Mapping[str, str] = field(default_factory=fingerprint.table)
-    """The arithmetic with which it was recorded."""
+    """Arithmetic of the process that recorded it."""
 
     def ticks(self) -> Iterator[LoggedTick]:
         """Its ticks, in order; of a log without an end the complete ones. Raises FesError."""
@@ -77,7 +77,7 @@ class Log(Generic[S]):
         if self.summary is not None and count != self.summary.get("ticks"):
             raise FesError(f"{self.path}: {count} ticks are there, and its summary is of {self.summary.get('ticks')}")
         if self.ended == AT_ITS_END and count != self.scenario.ticks:
-            raise FesError(f"{self.path}: {count} of {self.scenario.ticks} ticks are there, and no reason why")
+            raise FesError(f"{self.path}: {count} of {self.scenario.ticks} ticks are there, and no reason for it")
 
     @property
     def complaint(self) -> str | None:
@@ -90,16 +90,16 @@ class Log(Generic[S]):
 
 
 def find(target: Path) -> Path | None:
-    """The log that is meant by a file or by a run directory; None for a run directory without one."""
+    """The log at `target`, a file or a run directory; None for a run directory without a log."""
     if not target.is_dir():
         return target
     return target / NAME if (target / NAME).is_file() else None
 
 
 def load(target: Path, parse: Callable[[dict[str, Any], str], S]) -> Log[S]:
-    """A log with a tick at least: a file, or that of a run directory; raises FesError in one line.
+    """A log with at least one tick, from a file or a run directory; raises FesError in one line.
 
-    `parse` makes the scenario of its tables and of the file's name, which its errors are to name.
+    `parse` makes the scenario from its tables. Its second argument is the file, which its errors name.
     """
     path = find(target)
     if path is None:
@@ -114,7 +114,7 @@ def load(target: Path, parse: Callable[[dict[str, Any], str], S]) -> Log[S]:
         if summary is not None and not isinstance(summary, dict):
             raise TypeError("its summary is not a table")
         scenario = parse(tomllib.loads(header["scenario"]), str(path))
-        fingerprint.text(header["arithmetic"])  # raises one of these errors where it names none
+        fingerprint.text(header["arithmetic"])  # raises one of these errors if it is invalid
         if not all(isinstance(header[key], str) for key in ("name", "backend")):
             raise TypeError("its name and backend are texts")
         how = ended["ended"] if ended else None

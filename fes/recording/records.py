@@ -1,7 +1,7 @@
 """Records of an MCAP file, read in order: the only reader of logs, with bounds on what they may hold.
 
-Every checksum must be there and right: that of each chunk, of the data, and of the index at the end. mcap parses the
-records. Their frames are read here, since mcap's readers trust every length, and a chunk may unpack to any size.
+Every checksum must be present and correct: that of each chunk, of the data, and of the index at the end. mcap parses
+the records. Their frames are read here, since mcap's readers trust every length, and a chunk may unpack to any size.
 """
 
 import struct
@@ -87,7 +87,7 @@ class Reader:
         self._channels: set[int] = set()
 
     def __iter__(self) -> Iterator[Block]:
-        """Its blocks in order; only the whole ones, if the file was cut."""
+        """The blocks of the file, in order; only the whole ones if the file was cut."""
         try:
             with files.opened(self.path) as file:
                 if file.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
@@ -147,17 +147,17 @@ class Reader:
         return head, None
 
     def _end(self, opcode: int, head: bytes, content: bytes) -> None:
-        """Verify the checksum of all records since the previous checksum, and begin another one."""
+        """Verify the checksum of all records since the previous checksum, and begin a new one."""
         end = len(content) - 4
         if opcode == Opcode.FOOTER:
             self._checksum = zlib.crc32(content[:end], zlib.crc32(head, self._checksum))
         if self._data_ended != (opcode == Opcode.FOOTER) or content[end:] != self._checksum.to_bytes(4, "little"):
-            what = "its index" if opcode == Opcode.FOOTER else "what stands before it"
+            what = "its index" if opcode == Opcode.FOOTER else "the data before it"
             raise Damaged(self.path, self._place, f"the checksum of {what} differs")
         self._checksum, self._data_ended = 0, True
 
     def _finish(self, file: BinaryIO) -> None:
-        """Read the bytes after the last record."""
+        """Verify the bytes after the last record."""
         rest = file.read(len(MCAP0_MAGIC) + 1)
         if not MCAP0_MAGIC.startswith(rest):
             raise Damaged(self.path, self._place, "its end is followed by something else")
@@ -190,7 +190,7 @@ class Reader:
             raise Damaged(self.path, place, f"it unpacks to more than {FREE:,} bytes and {RATIO} times its size")
         data = chunk.data
         if chunk.compression == "zstd":
-            # If the data themselves promise a length, the library uses that one.
+            # If the compressed data state a length, the library uses it.
             if zstandard.frame_content_size(data) not in (-1, size):
                 raise Damaged(self.path, place, "a chunk does not have the length that it states")
             data = zstandard.ZstdDecompressor(max_window_size=LIMIT).decompress(data, max_output_size=size)

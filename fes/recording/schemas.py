@@ -24,13 +24,13 @@ SCENARIO = {
 EVENT = {
     "title": "fes.Event",
     "type": "object",
-    "description": "Something that happened at a tick, beside what the robots did",
+    "description": "An event at a tick, other than the steps of the robots",
     "required": ["tick", "what"],
     "properties": {
         "tick": {"type": "integer"},
         "what": {
             "enum": ["set", "present", "excluded", "end"],
-            "description": "the channel was changed; robots came or went otherwise than by schedule; robots were "
+            "description": "the channel was changed; robots joined or left, not by schedule; robots were "
             "excluded for a fault of theirs; the run is over",
         },
         "by": {"enum": ["schedule", "person"]},

@@ -31,7 +31,7 @@ _TOPICS = (*_TEAM_TOPICS, "/scenario", "/report", "/events")
 _MAX_EVENTS = 10_000  # per tick
 
 UNREADABLE = (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError, OverflowError)
-"""Errors of a message that its topic does not allow."""
+"""Errors that a message raises if it is not what its topic promises."""
 
 
 class LoggedTick(NamedTuple):
@@ -44,9 +44,9 @@ class LoggedTick(NamedTuple):
     scheduled: list[tuple[str, Any]]
     """Changes of the channel by the schedule: path and value."""
     attended: list[list[int]]
-    """The robots that take part from this tick on, in order of the changes that were not scheduled."""
+    """Robots that take part from this tick on, for each unscheduled change of participation, in order."""
     report: Report | None
-    """At one of several ticks."""
+    """The Report of this tick; most ticks have none."""
 
 
 def read(path: Path, robots: int) -> Iterator[LoggedTick]:

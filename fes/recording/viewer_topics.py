@@ -1,4 +1,4 @@
-"""Messages of the topics for viewers, made from a Report: frames, scenes, remarks and states.
+"""Messages on the topics for viewers, made from a Report: frames, scenes, remarks and states.
 
 Frames are after ROS REP 103 and 105: `map`, x to the east and z up, and `robot_3/base_link`, x forward.
 """
@@ -26,7 +26,7 @@ INFO, WARNING = Log.INFO, Log.WARNING
 
 _ORIGIN: dict[str, dict[str, float]] = {"position": {}, "orientation": {"w": 1.0}}
 _BODY_COLOR = {"r": 0.25, "g": 0.6, "b": 1.0, "a": 1.0}
-_SHADES = 15  # of the links' colors: few, because each new number takes bytes
+_SHADES = 15  # of the links' colors: few, because each distinct number takes bytes
 _COLORS = [{"r": shade / _SHADES, "g": 1.0 - shade / _SHADES, "b": 0.2, "a": 1.0} for shade in range(_SHADES + 1)]
 _ROBOT_FIELDS = tuple(field.name for field in RobotState.DESCRIPTOR.fields)
 _LINK_FIELDS = tuple(field.name for field in LinkState.DESCRIPTOR.fields)
@@ -54,7 +54,7 @@ def transforms(report: Report, time: Timestamp) -> FrameTransforms:
 
 
 def bodies(robots: int, time: Timestamp) -> SceneUpdate:
-    """An arrow and a number for each robot in its own frame, so that one message is enough."""
+    """An arrow and a number for each robot in its own frame, so that one message is enough for a run."""
     message = SceneUpdate()
     for robot in range(robots):
         entity = message.entities.add(timestamp=time, frame_id=_frame(robot), id=f"robot {robot}", frame_locked=True)

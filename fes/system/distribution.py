@@ -48,7 +48,7 @@ def install(extra: str = "") -> str:
 
 
 def separate() -> str:
-    """The commands that install this project where no other package can stand in its way."""
+    """The commands that install this project where no other package can conflict with it."""
     return f"use an environment of its own: python3 -m venv .venv && .venv/bin/{install()}"
 
 

@@ -17,10 +17,10 @@ LONGEST_NAME = 255
 """Longest name of a scenario [characters], the same as that of a file."""
 
 DEEPEST = 100
-"""Most tables and lists within each other; a scenario has five."""
+"""Largest depth of tables and lists within each other; a scenario has five."""
 
 MOST_OPEN = 1000
-"""Most open brackets that a parser in C or Rust is given [measured: Zenoh's ends the process at 20,000]."""
+"""Largest depth of brackets that a parser in C or Rust is given: at 20,000 Zenoh's ends the process."""
 
 _OTHERS = (
     (codecs.BOM_UTF32_LE, "UTF-32"),
@@ -32,7 +32,7 @@ _OTHERS = (
 
 
 def read(path: Path) -> str:
-    """The text of a file, as `decode` has it; raises OSError if it cannot be read, ValueError if it is not text."""
+    """The text of a file, by `decode`; raises OSError if it cannot be read, and ValueError if it is not text."""
     with path.open("rb") as file:
         data = file.read(LONGEST_FILE + 1)
     if len(data) > LONGEST_FILE:
@@ -50,7 +50,7 @@ def decode(data: bytes) -> str:
         if data.startswith(mark):
             raise ValueError(f"is {name} text: save it as UTF-8")
     if b"\0" in data:
-        raise ValueError("has bytes of zero, as UTF-16 text or a binary file has: save it as UTF-8 text")
+        raise ValueError("has zero bytes, as UTF-16 text or a binary file has: save it as UTF-8 text")
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -88,7 +88,7 @@ def argument(text: str) -> str:
 
 
 def file_name(text: str) -> str:
-    """Valid text as the name of a file: in UTF-8 also where the locale cannot encode it.
+    """Valid text as the name of a file: in UTF-8 even if the locale cannot encode it.
 
     >>> file_name("pair")
     'pair'
@@ -97,7 +97,7 @@ def file_name(text: str) -> str:
 
 
 def as_bytes(text: str) -> bytes:
-    """An argument of a process or a name of a file in bytes: in UTF-8 where the locale cannot encode it."""
+    """An argument of a process or a name of a file in bytes: in UTF-8 if the locale cannot encode it."""
     try:
         return os.fsencode(text)
     except UnicodeEncodeError:
@@ -105,7 +105,7 @@ def as_bytes(text: str) -> bytes:
 
 
 def name_of(path: Path) -> str:
-    """The name of a scenario, after its file: valid text that can be printed.
+    """The name of a scenario, taken from its file: valid text that can be printed.
 
     >>> name_of(Path("configs/pair.toml")), name_of(Path("a\\x1b[2J\\udcff.toml"))
     ('pair', 'a?[2J\ufffd')

@@ -1,4 +1,4 @@
-"""Files from others: read with a bound on their size, and refused in one line."""
+"""Files from others: read with a bound on their size, or rejected in one line."""
 
 import hashlib
 import os
@@ -10,15 +10,14 @@ from fes.errors import FesError, reason
 from fes.system import strict_json
 
 MAX_TABLE = 1 << 20
-"""Size of a file that holds a table as JSON [bytes]."""
-
+"""Largest size of a file that holds a table as JSON [bytes]."""
 
 _BLOCK = 1 << 20  # bytes
 
 
 def opened(path: Path) -> BinaryIO:
     """A regular file, open for reading; raises OSError, and FesError for a pipe or device, which may have no end."""
-    if not stat.S_ISREG(path.stat().st_mode):  # before it is opened: a pipe without a writer would be waited for
+    if not stat.S_ISREG(path.stat().st_mode):  # checked first: open() waits for the writer of a pipe
         raise FesError(f"{path}: is not a regular file")
     return path.open("rb")
 

@@ -1,7 +1,7 @@
 """Fingerprint of the arithmetic: other processors and libraries round some results differently.
 
-numpy, the C library and the linear algebra pick their code by the processor. Two machines with one fingerprint and
-one version of numpy give the same digits, as far as a sample can show.
+numpy, the C library and the linear algebra pick their code by the processor. Two machines with the same
+fingerprint and the same version of numpy give the same digits, as far as a sample can show.
 """
 
 import hashlib
@@ -17,7 +17,7 @@ CORE = "numpy"
 """The implementation that computes a run."""
 
 _SAMPLES = 16_411
-"""A prime: loops over vectors leave a remainder. With fewer, the C library's variants of one processor agree."""
+"""A prime, so that vectorized loops leave a remainder. Fewer samples do not tell the C library's variants apart."""
 
 _SCALARS = 1_000
 _LONGEST = 40  # characters
@@ -32,7 +32,7 @@ def table() -> dict[str, str]:
 
 
 def text(arithmetic: Arithmetic | None = None) -> str:
-    """An arithmetic in a few words, this process's own unless another is given; equal texts mean equal digits.
+    """An arithmetic in a few words, by default that of this process; equal texts mean equal digits.
 
     Raises KeyError, TypeError or ValueError for anything that is not an arithmetic.
 

@@ -10,7 +10,7 @@ CGROUP = Path("/sys/fs/cgroup")
 
 
 def available() -> int:
-    """Memory that can be had without swapping [bytes]: of the machine, of a container, and of a limit (ulimit -v)."""
+    """Memory available without swapping [bytes]: the least that machine, container and limit (ulimit -v) allow."""
     return max(0, min(_machine(), _container(), _limit()))
 
 
@@ -33,7 +33,7 @@ def _machine() -> int:
 
 
 def _container() -> int:
-    """The rest of the limit of this process's control group (version 2) [bytes]; cached files can be dropped."""
+    """Unused part of the limit of this process's control group (version 2) [bytes]; cached files count as unused."""
     try:
         limit, used = ((CGROUP / f"memory.{name}").read_text(encoding="ascii") for name in ("max", "current"))
         return int(limit) - max(0, int(used) - _cached())
@@ -52,7 +52,7 @@ def _cached() -> int:
 
 
 def _limit() -> int:
-    """The rest of the address space of this process [bytes]."""
+    """Unused part of the limit on this process's address space [bytes]."""
     soft, _ = resource.getrlimit(resource.RLIMIT_AS)
     if soft == resource.RLIM_INFINITY:
         return 2**63

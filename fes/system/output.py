@@ -7,11 +7,11 @@ import sys
 from collections.abc import Callable, Iterator
 
 _erasers: list[Callable[[], None]] = []
-"""Each erases a line of progress."""
+"""Functions that erase a line of progress."""
 
 
 def configure() -> None:
-    """Have standard output and standard error print `?` for a character that their encoding does not have."""
+    """Let standard output and standard error print `?` for a character that their encoding does not have."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")

@@ -1,6 +1,6 @@
 """Stop signals: during the imports of a program, and when a second signal ends it at once.
 
-Python's own answer to a SIGINT during an import is a traceback out of that module. So an entry point calls `hold`
+Python answers a SIGINT during an import with a traceback from within that module. So an entry point calls `hold`
 before it imports anything heavy, and this module imports nothing heavy either.
 """
 

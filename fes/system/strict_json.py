@@ -1,4 +1,4 @@
-"""JSON as its standard has it: no NaN, no Infinity. The only module that imports `json`."""
+"""JSON according to its standard: no NaN, no Infinity. The only module that imports `json`."""
 
 import json
 import math
@@ -23,7 +23,7 @@ def finite(value: Any) -> Any:
 def dumps(value: Any, indent: int | None = None, sort_keys: bool = False, refuse: bool = False) -> str:
     """`value` as JSON, with null for every number that is not finite.
 
-    Raises TypeError for what JSON cannot hold; with `refuse`, ValueError for a number that is not finite.
+    Raises TypeError for a value that JSON cannot hold; with `refuse`, ValueError for a number that is not finite.
     """
     return json.dumps(value if refuse else finite(value), indent=indent, sort_keys=sort_keys, allow_nan=False)
 

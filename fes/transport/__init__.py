@@ -1,4 +1,4 @@
-"""Zenoh: one session per process, and its way to asyncio.
+"""Zenoh: one session per process, and the way of its samples to asyncio.
 
 bus                   everything that a session declares
 session               how a session is opened
@@ -7,7 +7,7 @@ network_flags         flags that say how a program reaches a run
 endpoints             how a process takes part in the network
 addresses             rules of an endpoint's address, and names that do not resolve
 identity              certificates: the role of a process
-connection_diagnosis  why a session did not open
+connection_diagnosis  the reason why a session did not open
 drop_log              rejected and missing messages: counted, and logged once per kind
-health                health checks: whether a port listens, or a connection stands
+health                health checks: a port with a listener, or an open connection
 """

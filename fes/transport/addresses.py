@@ -1,4 +1,4 @@
-"""Addresses of endpoints: their rules, and the names of hosts.
+"""Addresses of endpoints: their rules, and the resolution of host names.
 
 Zenoh reports the same error for an unresolved name, an impossible port, and an address where nothing listens. So the
 text of an endpoint is checked before anything waits for it, and names are resolved apart from Zenoh.
@@ -90,7 +90,7 @@ def place(endpoint: str) -> Place | None:
 def unresolved(endpoint: str, patience: float = PATIENCE) -> str:
     """Reason why the host of an endpoint has no address, in a few words; empty if it has one, or needs none.
 
-    It takes at most `patience` [s].
+    The answer takes at most `patience` [s].
     """
     where = place(endpoint)
     if where is None or _is_literal(where.host):
@@ -106,7 +106,7 @@ def unresolved(endpoint: str, patience: float = PATIENCE) -> str:
         except UnicodeError:
             results.append(f"'{where.host}' is not the name of a host")
 
-    # A thread of its own, which nothing waits for: the system's resolver cannot be interrupted.
+    # In a daemon thread, since the system's resolver cannot be interrupted.
     thread = threading.Thread(target=resolve, name="resolve", daemon=True)
     thread.start()
     thread.join(patience)

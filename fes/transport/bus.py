@@ -1,7 +1,7 @@
-"""One session of Zenoh, everything it declared, and the way from its threads to asyncio.
+"""One session of Zenoh, everything that it declares, and the way from its threads to asyncio.
 
-Zenoh calls handlers in threads of its own. A handler given here must only hand over (append, wake), never
-decode or compute: an exception there would be lost, and time spent there holds up every other message.
+Zenoh calls handlers in threads of its own. A handler must only hand over (append, wake), never decode or compute. An
+exception in it would be lost, and time spent in it holds up every other message.
 docs/explanation/reliability.md lists the queues, ours and Zenoh's, and the effect of each when it is full.
 """
 
@@ -21,23 +21,23 @@ from fes.transport import session
 from fes.transport.endpoints import Endpoints
 
 MAILBOX = 64
-"""Samples that may wait in a mailbox; peers are a tick ahead at most, and 64 of the longest are 64 MiB."""
+"""Largest number of samples in a mailbox: peers are at most one tick ahead, and 64 of the longest take 64 MiB."""
 
 QUESTIONS = 64
-"""Questions of one asker that may wait for one handler; a further one is refused at once, before it is decoded."""
+"""Largest number of queries of one client that wait for one handler; further ones are rejected at once, undecoded."""
 
 ASKERS = 1024
-"""Askers whose questions may wait for one handler at once."""
+"""Largest number of clients whose queries wait for one handler."""
 
 REFUSED = b"refused: "
 """Prefix of a reply that rejects a query."""
 
 CROWDED = "too many questions at once"
-"""Why it is, where it may ask again."""
+"""Reason of a rejection after which the same query may succeed later."""
 
 LOCKSTEP = zenoh.Priority.INTERACTIVE_HIGH
-"""Priority of all messages of the lockstep, because order holds only within one priority. Messages of strangers have
-Zenoh's default priority and another queue on each link: a flood of them delays no tick and closes no link."""
+"""Priority of all messages of the lockstep, because order holds only within one priority. Other messages
+have Zenoh's default priority and another queue on each link: a flood of them delays no tick and closes no link."""
 
 Handler = Callable[[str, bytes | None], None]
 """Called with the key and the payload of a sample (None for a deletion), in a thread of Zenoh."""
@@ -55,7 +55,7 @@ class Query:
     _query: Any
 
     def reply(self, payload: bytes, schema: str) -> None:
-        """Answer it."""
+        """Reply to the query."""
         with self._query as query:
             query.reply(self.key, payload, encoding=_encoding(schema))
 
@@ -72,7 +72,7 @@ class Mailbox:
         self._subscriber = subscriber
 
     def close(self) -> None:
-        """Listen no more."""
+        """End the subscription."""
         self._subscriber.undeclare()
 
     def take(self) -> tuple[str, bytes | None] | None:
@@ -97,8 +97,8 @@ class Bus:
     ) -> Callable[[bytes], None]:
         """A function that puts a payload on `key`, with the `mark` of its sender beside it if there is one.
 
-        It waits where the network is congested, since one lost message would stop the lockstep; with `drop`
-        the message is lost instead, since an observer must never hold up a tick.
+        The function waits while the network is congested, since one lost message would stop the lockstep. With `drop`
+        it drops the message instead, since an observer must never hold up a tick.
         """
         control = zenoh.CongestionControl.DROP if drop else zenoh.CongestionControl.BLOCK
         priority = zenoh.Priority.DATA if drop else LOCKSTEP
@@ -124,16 +124,16 @@ class Bus:
         return declared.undeclare
 
     def mailbox(self, key: str) -> "Mailbox":
-        """A box in which samples on `key` wait to be taken: they arrive without waking Python at all."""
+        """A mailbox for samples on `key`, which arrive without waking Python."""
         channel: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(MAILBOX)
         return Mailbox(self._session.declare_subscriber(key, channel))
 
     def declare_token(self, key: str) -> None:
-        """Declare a liveliness token: it stands until the session closes or the process dies."""
+        """Declare a liveliness token. It lasts until the session closes or the process dies."""
         self._held.append(self._session.liveliness().declare_token(key))
 
     def declare_liveliness_subscriber(self, key: str, handler: Callable[[str, bool], None]) -> None:
-        """Call `handler(key, alive)` on the loop for each token on `key`, also for those that stand already."""
+        """Call `handler(key, alive)` on the loop when a token on `key` appears or is lost, and for present tokens."""
 
         def on_change(sample: zenoh.Sample) -> None:
             alive = sample.kind == zenoh.SampleKind.PUT
@@ -143,8 +143,8 @@ class Bus:
         self._held.append(self._session.liveliness().declare_subscriber(key, callback, history=True))
 
     async def liveliness_get(self, key: str, timeout: float) -> list[str]:
-        """The liveliness tokens on `key` now; raises Unavailable if the router does not answer in `timeout` [s]."""
-        tokens: set[str] = set()  # one of our own comes twice: from here and from the router
+        """The present liveliness tokens on `key`; raises Unavailable without the router's answer in `timeout` [s]."""
+        tokens: set[str] = set()  # one of this session arrives twice: from itself and from the router
         failed: list[zenoh.Reply] = []
         done = asyncio.Event()
         callback: zenoh.handlers.Callback[zenoh.Reply] = zenoh.handlers.Callback(
@@ -159,17 +159,17 @@ class Bus:
         return sorted(tokens)
 
     def declare_queryable(self, key: str, handler: Callable[[Query], None]) -> None:
-        """Call `handler` on the loop with each question asked on `key`.
+        """Call `handler` on the loop with each query on `key`.
 
-        QUESTIONS of one asker may wait. The last part of a key names the asker, so that a flood of one robot does not
-        crowd out the others. A FesError that the handler raises refuses the question.
+        At most QUESTIONS of one client wait. The last part of a key names the client, so that a flood of one robot
+        does not crowd out the others. A FesError that the handler raises rejects the query.
         """
         waiting: dict[str, deque[Query]] = {}
 
-        def answer(asker: str, asked: deque[Query]) -> None:
-            query = asked.popleft()
-            if not asked:
-                waiting.pop(asker, None)
+        def answer(client: str, queue: deque[Query]) -> None:
+            query = queue.popleft()
+            if not queue:
+                waiting.pop(client, None)
             try:
                 handler(query)
             except FesError as error:
@@ -177,16 +177,16 @@ class Bus:
 
         def on_query(query: zenoh.Query) -> None:
             name = str(query.key_expr)
-            asker = name.rpartition("/")[2]
-            asked = waiting.get(asker)
-            if (asked is None and len(waiting) >= ASKERS) or (asked is not None and len(asked) >= QUESTIONS):
+            client = name.rpartition("/")[2]
+            queue = waiting.get(client)
+            if (queue is None and len(waiting) >= ASKERS) or (queue is not None and len(queue) >= QUESTIONS):
                 Query(name, b"", query).reply_err(CROWDED)
                 return
-            if asked is None:
-                asked = waiting.setdefault(asker, deque())
+            if queue is None:
+                queue = waiting.setdefault(client, deque())
             payload = query.payload.to_bytes() if query.payload is not None else b""
-            asked.append(Query(name, payload, query))
-            self._loop.call_soon_threadsafe(answer, asker, asked)
+            queue.append(Query(name, payload, query))
+            self._loop.call_soon_threadsafe(answer, client, queue)
 
         self._held.append(self._session.declare_queryable(key, zenoh.handlers.Callback(on_query, indirect=False)))
 
@@ -213,14 +213,13 @@ class Bus:
         if answer.startswith(REFUSED):
             why = answer.removeprefix(REFUSED).decode(errors="replace")
             raise Overloaded(why) if why == CROWDED else Rejected(why)
-        raise Unavailable(
-            f"no process answered on {key} within {timeout:g} s"
-        )  # Zenoh's own word for it is an error reply
+        # Zenoh reports a timeout as an error reply.
+        raise Unavailable(f"no process answered on {key} within {timeout:g} s")
 
 
 @asynccontextmanager
 async def opened(endpoints: Endpoints) -> AsyncIterator[Bus]:
-    """An open bus, closed at the end.
+    """An open bus, closed at the end of the block.
 
     Raises TransportError in one line: port taken, no process listening, bad flag.
     """
@@ -229,7 +228,7 @@ async def opened(endpoints: Endpoints) -> AsyncIterator[Bus]:
 
 
 def log(levels: str) -> None:
-    """Let Zenoh log to the standard output, in this process and from now on; RUST_LOG goes before `levels`."""
+    """Let Zenoh log to standard output, in this process from now on; RUST_LOG takes precedence over `levels`."""
     zenoh.init_log_from_env_or(levels)
 
 

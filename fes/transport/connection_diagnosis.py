@@ -1,4 +1,4 @@
-"""Why a session did not open: Zenoh says little of it, so the connection is tried once more without Zenoh."""
+"""The reason why a session did not open. Zenoh reports little, so the connection is tried once more without it."""
 
 import re
 import socket
@@ -16,13 +16,13 @@ PATIENCE = 2.0
 KEYLESS = "it asks for a certificate, and we have none: a world with --keys wants --keys"
 """Diagnosis of any error over TLS without certificates of our own."""
 
-MUTE = "somebody listens there, but opens no session"
+MUTE = "a process listens there, but opens no session"
 SLOW = "or it is suspended or overloaded"
 """Diagnosis of a listener that does not answer."""
 
 
 def reason(endpoints: Endpoints, message: str) -> str:
-    """Why a session did not open, in one line; `message` is what Zenoh says of it."""
+    """Reason why a session did not open, in one line; `message` is that of Zenoh's error."""
     if "in use" in message.lower():
         return f"cannot listen on {', '.join(endpoints.listen)}: the address is already in use"
     for endpoint in endpoints.listen:
@@ -40,8 +40,9 @@ def reason(endpoints: Endpoints, message: str) -> str:
 
 
 def first_line(message: str) -> str:
-    """The first line of a Zenoh error, without the places in its source. If the error draws its place in a text, that
-    place and the last line, which gives the reason.
+    """The first line of a Zenoh error, without locations in Zenoh's source.
+
+    For an error that points into a text: the line and column in the text, and the error's last line, its reason.
 
     >>> first_line(" --> 1:2\\n  |\\n1 | {\\n  |  ^---\\n  |\\n  = expected identifier or string at /src/lib.rs:14.")
     'line 1, column 2: expected identifier or string'
@@ -60,9 +61,7 @@ def complaint(endpoint: str, security: Mapping[str, object]) -> str | None:
     try:
         with socket.create_connection(address, PATIENCE) as connection:
             if protocol == "tcp":
-                return (
-                    f"somebody listens there, but opens no session: a world with --keys wants tls/ and --keys, {SLOW}"
-                )
+                return f"{MUTE}: a world with --keys wants tls/ and --keys, {SLOW}"
             return _over_tls(connection, host, security)
     except ConnectionRefusedError:
         return None
@@ -100,7 +99,7 @@ def _over_tls(connection: socket.socket, host: str, security: Mapping[str, objec
         with context.wrap_socket(connection, server_hostname=host) as secure:
             answered = True
             secure.settimeout(PATIENCE)
-            secure.recv(1)  # who listens judges our certificate after we have judged its own
+            secure.recv(1)  # the listener verifies our certificate after we have verified its own
     except ssl.SSLCertVerificationError as error:
         return f"its certificate is not to be trusted: {error.verify_message}" if files else KEYLESS
     except ssl.SSLError as error:

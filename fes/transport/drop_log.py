@@ -10,7 +10,7 @@ MAX_KINDS = 100
 """Default number of kinds that are counted separately."""
 
 LONGEST_LINE = 300
-"""Longest line, and kind, [characters] of a message; its key may be 65,535 bytes of anything."""
+"""Longest line and longest kind [characters]; a key may have 65,535 bytes of any content."""
 
 
 class DropLog:
@@ -25,7 +25,7 @@ class DropLog:
         """Number of missing messages by kind."""
 
     def reject(self, kind: str, line: str) -> None:
-        """Count one; the first of its kind is logged with `line`. A sender may have a part in both."""
+        """Count a dropped message; the first of its `kind` is logged with `line`. A sender may influence both."""
         kind, further = shown(kind), "further ones of this kind"
         if kind not in self.counts and len(self.counts) >= self._most:
             kind, further = self._rest, "further kinds"
@@ -38,7 +38,7 @@ class DropLog:
         self.reject(f"{error.schema}: {error.rule}", f"{key}: {error}")
 
     def note_missing(self, kind: str, line: str) -> None:
-        """Count one that did not come; the first of its `kind`, one of a few fixed words, is logged with `line`."""
+        """Count a missing message; the first of its `kind`, one of a few fixed words, is logged with `line`."""
         self.missing[kind] += 1
         if self.missing[kind] == 1:
             self._logger.warning("%s (further ones of this kind are counted, not shown)", shown(line))

@@ -17,10 +17,10 @@ DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 SECURE_ENDPOINT = "tls/127.0.0.1:7447"
 
 MAX_MESSAGE = MAX_PAYLOAD
-"""Bytes; larger messages are dropped by the transport."""
+"""Longest message [bytes]; the transport drops longer ones."""
 
 _OPEN = re.compile(r"(tcp|udp|ws)/(?P<host>\S+):\d{1,5}")
-"""An endpoint that neither encrypts nor asks who comes."""
+"""An endpoint without encryption and authentication."""
 
 Mode = Literal["router", "client", "peer"]
 
@@ -44,7 +44,7 @@ class Endpoints:
 
     @property
     def shown(self) -> str:
-        """The endpoints as a person reads them."""
+        """The endpoints as messages show them."""
         return ", ".join(self.connect or self.listen) or "no endpoint"
 
     def __post_init__(self) -> None:
@@ -54,7 +54,7 @@ class Endpoints:
                 raise FesError(f"--keys needs an endpoint like {SECURE_ENDPOINT}: {endpoint}")
 
     def house_rules(self) -> dict[str, object]:
-        """The session's settings, by Zenoh's key: the lockstep relies on them."""
+        """The settings, by Zenoh's key, on which the lockstep relies."""
         retry = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5}
         return {
             "mode": self.mode,
@@ -66,10 +66,10 @@ class Endpoints:
             "connect/timeout_ms": round(1000 * self.timeout),
             "connect/retry": retry,
             "listen/timeout_ms": 0,
-            # Shared memory goes around the size limit below, and may drop without a word.
+            # Shared memory bypasses the size limit below, and may drop messages silently.
             "transport/shared_memory/enabled": False,
             "transport/link/tx/lease": 2000,
-            # The default lets one put wait 5 s for a cut link; with much less a flood closes links of slow robots.
+            # By default one put waits 5 s for a cut link; a far shorter wait lets a flood close links of slow robots.
             "transport/link/tx/queue/congestion_control/block/wait_before_close": 2_000_000,
             "transport/link/rx/max_message_size": MAX_MESSAGE,
             "transport/unicast/open_timeout": 2000,
@@ -78,7 +78,7 @@ class Endpoints:
         }
 
     def own_settings(self) -> list[tuple[str, str]]:
-        """The person's settings, as key and JSON5 value; raises FesError for one without a colon."""
+        """The settings of --cfg, as key and JSON5 value; raises FesError for one without a colon."""
         pairs = [encoding.argument(setting).partition(":") for setting in self.settings]
         for key, colon, _ in pairs:
             if not colon:

@@ -1,6 +1,6 @@
 """Health check of a container: a port with a listener, or a connection to one.
 
-`python -m fes.transport.health listens 7447` and `python -m fes.transport.health connected 7447` end with 0 if so,
+`python -m fes.transport.health listens 7447` and `python -m fes.transport.health connected 7447` exit with 0 if so,
 else with 1. They read the kernel's table of sockets in their own network namespace, the container's. So a
 check every other second costs a run nothing and sends nothing. They need Linux.
 """

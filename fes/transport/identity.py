@@ -4,8 +4,8 @@
 |-------------|-------------------------------------------------|------------------------|
 | world       | the world; the only one that may serve          | world.{crt,key}        |
 | robot-<ids> | an agent, of robot 3 or of the crew 0-4         | robot-3.{crt,key}      |
-| observer    | who looks on                                    | observer.{crt,key}     |
-| operator    | who looks on and may change the channel         | operator.{crt,key}     |
+| observer    | a program that watches a run                    | observer.{crt,key}     |
+| operator    | an observer that may change the channel         | operator.{crt,key}     |
 """
 
 import logging
@@ -22,7 +22,7 @@ from fes.system.distribution import install
 
 WORLD, OBSERVER, OPERATOR = "world", "observer", "operator"
 AUTHORITY = "ca"
-"""Name of the files of who vouches for all of them."""
+"""Name of the files of the authority that issues all certificates of a run."""
 
 _NOT_FOR_OTHERS = stat.S_IRWXO | stat.S_IWGRP
 
@@ -41,7 +41,7 @@ def robot_role(robots: Sequence[int]) -> str:
 
 
 def robots_of(role: str) -> range | None:
-    """The robots of an agent's role, or None if it is the role of somebody else.
+    """The robots of an agent's role, or None for another role.
 
     >>> robots_of("robot-3"), robots_of("robot-0-2"), robots_of("observer")
     (range(3, 4), range(0, 3), None)
@@ -88,11 +88,11 @@ class Identity:
 
     @property
     def authority(self) -> Path:
-        """The file of the certificate of who vouches for it."""
+        """The file of the authority's certificate."""
         return self.directory / f"{AUTHORITY}.crt"
 
     def check(self) -> None:
-        """Raises FesError, in one line, if its certificate is missing, expired, foreign, of another name or key."""
+        """Raise FesError if its certificate is missing, invalid, expired, or of another issuer, name or key."""
         for path in (self.authority, self.certificate, self.key):
             if not path.is_file():
                 raise FesError(f"--keys {self.directory}: the {self.role} needs {path.name}, and there is none")
@@ -108,7 +108,9 @@ class Identity:
             certificate = x509.load_pem_x509_certificate(self.certificate.read_bytes())
             of_key = load_pem_private_key(self.key.read_bytes(), password=None).public_key()
         except (ValueError, TypeError) as error:
-            raise FesError(f"{self.directory}: the certificate or key of the {self.role} is none: {error}") from None
+            raise FesError(
+                f"{self.directory}: the certificate or key of the {self.role} is invalid: {error}"
+            ) from None
         if of_key != certificate.public_key():
             raise FesError(f"{self.key}: is not the key of {self.certificate.name}")
         try:
@@ -116,7 +118,7 @@ class Identity:
         except (ValueError, TypeError, InvalidSignature):
             raise FesError(f"{self.certificate}: was not issued by {self.authority.name} beside it") from None
         names = [name.value for name in certificate.subject.get_attributes_for_oid(NameOID.COMMON_NAME)]
-        if names != [self.role]:  # the world's rules go by this name
+        if names != [self.role]:  # the world's access rules refer to this name
             raise FesError(f"{self.certificate}: is that of '{', '.join(map(str, names))}', not of '{self.role}'")
         now = datetime.now(UTC)
         for path, checked in ((self.authority, authority), (self.certificate, certificate)):
@@ -144,13 +146,13 @@ class Identity:
 
 
 def security(directory: Path | None, role: str) -> dict[str, object]:
-    """Zenoh's settings for a role with a certificate in `directory`, none without one; raises FesError."""
+    """Zenoh's settings for a role with a certificate in `directory`; empty without one. Raises FesError."""
     if directory is None:
         return {}
-    who = Identity(directory, role)
-    who.check()
-    warn_if_open(who.key)
-    return who.settings()
+    own = Identity(directory, role)
+    own.check()
+    warn_if_open(own.key)
+    return own.settings()
 
 
 def warn_if_open(key: Path) -> None:

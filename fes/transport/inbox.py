@@ -1,4 +1,4 @@
-"""From Zenoh's threads to the loop: one wake-up when enough messages have come.
+"""The way from Zenoh's threads to the loop: one wake-up when enough messages have arrived.
 
 A full inbox drops and counts further messages, good or bad. None is lost permanently: the world resends a tick to
 robots whose command is missing, and an agent that has answered a tick answers it again.
@@ -12,10 +12,10 @@ from fes.errors import FesError
 Item = tuple[str, bytes | None]
 
 LIMIT = 100_000
-"""Messages that may wait; what comes beyond is dropped and counted."""
+"""Largest number of messages that wait; further ones are dropped and counted."""
 
 LIMIT_BYTES = 1 << 26
-"""Bytes that may wait."""
+"""Largest size of the messages that wait [bytes]."""
 
 
 class Inbox:
@@ -44,7 +44,7 @@ class Inbox:
             self._loop.call_soon_threadsafe(self._wake)
 
     def nudge(self) -> None:
-        """End the present wait, or the next one, before its time."""
+        """End the present wait early, or the next one."""
         self._nudged = True
         self._wake()
 
@@ -54,14 +54,14 @@ class Inbox:
         self._wake()
 
     async def wait(self, count: int, timeout: float) -> bool:
-        """Wait until `count` messages are here; False if `timeout` [s] passed first, or after a nudge.
+        """Wait until `count` messages have arrived; False if `timeout` [s] passed first, or after a nudge.
 
-        After a failure: True as long as any message is left to be read, then raises it.
+        After a failure: True while a message is left to be read; then raises the failure.
         """
         end = self._loop.time() + timeout
         timer = self._loop.call_later(timeout, self._wake)
         try:
-            # A wake-up may be one that was on its way when an earlier wait ended: look again each time.
+            # A wake-up may belong to an earlier wait that has ended: check the condition each time.
             while len(self._items) < count and not self._over() and self._loop.time() < end:
                 self._waiter = self._loop.create_future()
                 self._wanted = count
@@ -71,7 +71,7 @@ class Inbox:
         finally:
             timer.cancel()
             self._wanted, self._nudged = 0, False
-        # Messages before a failure are still to be read: a world says that the run is over, then leaves.
+        # Messages before a failure are read first: a world announces that the run is over, then leaves.
         if len(self._items) >= count or (self._items and self._failure is not None):
             return True
         if self._failure is not None:
@@ -82,10 +82,10 @@ class Inbox:
         return self._nudged or self._failure is not None
 
     def drain(self) -> list[Item]:
-        """All messages that are here, in the order they came."""
+        """All waiting messages, in order of arrival."""
         items = self._items
         taken = [items.popleft() for _ in range(len(items))]
-        self._bytes = 0  # a bound, not an account: what is being put just now may not be counted
+        self._bytes = 0  # only a bound: a message that is put meanwhile may not be counted
         return taken
 
     def _wake(self) -> None:

@@ -7,8 +7,8 @@ import threading
 from dataclasses import replace
 from pathlib import Path
 
-# Set before the first session opens. One thread only sends. Else all threads may wait for room in full queues, none
-# empties them, and Zenoh closes links of healthy robots. Eight threads do the rest, because each may wait up to 10 s
+# Set before the first session opens. One thread only sends. Else all threads may wait for room in full queues that
+# none empties, and Zenoh closes links of healthy robots. Eight threads do the rest, because each may wait up to 10 s
 # while Zenoh closes a session that ended silently. With two threads, two robots that hang would delay all robots.
 os.environ.setdefault(
     "ZENOH_RUNTIME",
@@ -42,7 +42,7 @@ async def begin(endpoints: Endpoints) -> zenoh.Session:
 
 
 async def _open(config: zenoh.Config) -> zenoh.Session:
-    """Open a session in a thread: Zenoh blocks while it tries to connect, and signals must be heard meanwhile."""
+    """Open a session in a thread: Zenoh blocks while it tries to connect, and signals must be handled meanwhile."""
     loop = asyncio.get_running_loop()
     future: asyncio.Future[zenoh.Session] = loop.create_future()
 
@@ -69,7 +69,7 @@ async def _open(config: zenoh.Config) -> zenoh.Session:
         return await future
     except asyncio.CancelledError:
         if future.done() and not future.cancelled() and future.exception() is None:
-            future.result().close()  # it opened just when we were told to stop
+            future.result().close()  # it opened just as this task was cancelled
         raise
 
 
@@ -114,7 +114,7 @@ def _read(path: Path) -> zenoh.Config:
 
 
 def _effective(endpoints: Endpoints, config: zenoh.Config) -> Endpoints:
-    """The endpoints in effect: a configuration file or a setting may have given others; raises FesError."""
+    """The endpoints in effect: a configuration file or a setting may override the flags. Raises FesError."""
 
     def given(key: str) -> tuple[str, ...]:
         value = strict_json.loads(config.get_json(key))

@@ -180,7 +180,7 @@ def test_a_certificate_that_is_not_of_this_run_opens_no_session(
                 ),
                 (world.endpoint, naked, "it refuses our certificate: certificate required"),
                 (world.endpoint, team_keys.security(elsewhere, "robot-0"), "its certificate is not to be trusted"),
-                (plain, {}, "somebody listens there, but opens no session"),
+                (plain, {}, "a process listens there, but opens no session"),
             ]
             for endpoint, own, said in attempts:
                 with pytest.raises(TransportError) as caught:

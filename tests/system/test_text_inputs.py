@@ -74,7 +74,7 @@ def test_a_byte_order_mark_and_any_line_endings_are_accepted(content: bytes, tmp
         (PAIR.encode("utf-16"), "is UTF-16 text: save it as UTF-8"),
         (b"\xfe\xff" + PAIR.encode("utf-16-be"), "is UTF-16 text: save it as UTF-8"),
         (PAIR.encode("utf-32"), "is UTF-32 text: save it as UTF-8"),
-        (PAIR.encode("utf-16-le"), "has bytes of zero, as UTF-16 text or a binary file has: save it as UTF-8 text"),
+        (PAIR.encode("utf-16-le"), "has zero bytes, as UTF-16 text or a binary file has: save it as UTF-8 text"),
         (b"# one\n# caf\xe9\n" + PAIR.encode(), "is not UTF-8, line 2 has the byte 0xe9: save it as UTF-8"),
     ],
     ids=["UTF-16", "UTF-16 BE", "UTF-32", "without a mark", "Latin-1"],
@@ -231,7 +231,7 @@ def test_an_invalid_certificate_or_key_is_rejected_in_one_line(content: bytes, t
         whole = path.read_bytes()
         path.write_bytes(content)
         said = line(lambda: identity.security(tmp_path / "keys", identity.WORLD))
-        assert "the certificate or key of the world is none" in said
+        assert "the certificate or key of the world is invalid" in said
         path.write_bytes(whole)
     assert line(lambda: identity.security(tmp_path / "keys", identity.WORLD)) == ""
 

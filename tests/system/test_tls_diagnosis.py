@@ -43,7 +43,7 @@ def test_an_agent_without_a_role_in_the_run_names_the_log_to_read(
 
     line, world = asyncio.run(main())
     assert line == (
-        f"fes-agent: error: no world of run 'main' appeared within 10 s: {world.endpoint} takes our certificate; "
+        f"fes-agent: error: no world of run 'main' appeared within 10 s: {world.endpoint} accepts our certificate; "
         f"a world there logs whether its run has no role 'robot-{robots}'"
     )
     assert "no role of this run has its certificate's name" in world.log()

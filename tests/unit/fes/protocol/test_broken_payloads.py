@@ -26,7 +26,7 @@ BROKEN: list[tuple[str, int, Any, str]] = [
     *(("Beacon", 7, found, "2 float64") for found in (b"", float64(1.0), float64(1.0) + b"1", [60.0, 70.0])),
     *(("Beacon", 7, float64(1.0, bad), "finite") for bad in (math.nan, math.inf, -math.inf)),
     *(("Command", 6, float64(1.0, bad), "finite") for bad in (math.nan, math.inf)),
-    *(("Command", 7, found, "two numbers a link") for found in (float64(1.0), float64(1.0, 2.0, 3.0))),
+    *(("Command", 7, found, "two numbers per link") for found in (float64(1.0), float64(1.0, 2.0, 3.0))),
     *(("Command", 7, found, "4 float64") for found in (b"1", float64(1, 2, 3, 4, 5), [1.0] * 4)),
     *(("Command", 7, float64(1.0, 2.0, 3.0, bad), "finite") for bad in (math.nan, math.inf)),
     *(("Beacon", 9, found, "64 float64") for found in (b"1", [1.0], float64(*range(65)))),

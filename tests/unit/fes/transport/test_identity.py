@@ -63,7 +63,7 @@ def test_certificates_of_another_authority_of_none_and_of_another_key_are_distin
     shutil.copy(keys / "robot-0-2.key", keys / "world.key")
     assert wrong(keys, "world") == f"{keys}/world.key: is not the key of world.crt"
     (keys / "world.crt").write_text("no certificate")
-    assert wrong(keys, "world").startswith(f"{keys}: the certificate or key of the world is none")
+    assert wrong(keys, "world").startswith(f"{keys}: the certificate or key of the world is invalid")
 
 
 def test_a_certificate_under_anothers_name_is_named(keys: Path) -> None:
