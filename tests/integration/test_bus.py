@@ -144,7 +144,7 @@ def test_a_query_is_answered_rejected_or_ignored() -> None:
     run(main)
 
 
-def test_a_taken_port_an_unreachable_endpoint_and_bad_settings_are_one_clear_line_each() -> None:
+def test_a_taken_port_an_unreachable_endpoint_and_bad_settings_are_reported_in_one_line_each() -> None:
     async def main() -> None:
         async with router() as (_, endpoint):
             with pytest.raises(TransportError, match=f"^cannot listen on {endpoint}: .*in use$"):

@@ -89,7 +89,7 @@ def any_command(choose: np.random.Generator, tick: int) -> bytes:
 
 @pytest.mark.parametrize("law", ["corrected", "log index", "measured"])
 @pytest.mark.parametrize("seed", range(8))
-def test_no_beacon_and_no_command_that_is_valid_stops_a_peer_or_the_world(law: str, seed: int) -> None:
+def test_no_valid_beacon_or_command_stops_a_peer_or_the_world(law: str, seed: int) -> None:
     """25 ticks of such messages, encoded and decoded, with all steps of the world on them."""
     choose, (name, settings) = np.random.default_rng(seed), LAWS[law]
     what = load(name, run__duration=0.9, run__seed=seed, **settings)

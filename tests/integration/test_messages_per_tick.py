@@ -9,7 +9,7 @@ from tests.support.loop import load
 
 
 @pytest.mark.skipif(shutil.which("ss") is None, reason="growth: skipped, because there is no ss (iproute2)")
-def test_a_tick_is_an_observation_a_beacon_and_a_command_for_each_robot_and_a_delivery_for_each_contact(
+def test_a_tick_takes_an_observation_a_beacon_and_a_command_per_robot_and_a_delivery_per_contact(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     # A robot that pauses would get, and count, an observation twice.

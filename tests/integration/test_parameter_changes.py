@@ -149,7 +149,7 @@ def test_a_change_that_would_invalidate_a_scheduled_event_is_rejected_and_the_ru
     assert server.run.scenario == scenario
 
 
-def test_a_value_that_no_message_can_carry_is_one_line() -> None:
+def test_a_value_that_no_message_can_carry_is_reported_in_one_line() -> None:
     with pytest.raises(MessageError, match="expects finite numbers, words, lists or tables"):
         channel_change.encode_change(ParameterChange("channel.reference_snr", datetime.date(2020, 1, 1)))
 

@@ -174,7 +174,7 @@ def test_compare_names_the_first_difference(recorded: Recorded, tampered: Path, 
     assert shorter.describe("in A", "in B") == "tick 50, run: this tick is 'there' in A and 'nothing' in B"
 
 
-def test_compare_and_replay_return_1_where_something_differs(recorded: Recorded, tampered: Path) -> None:
+def test_compare_and_replay_return_1_if_anything_differs(recorded: Recorded, tampered: Path) -> None:
     one, other = str(recorded[0]), str(tampered)
     same = subprocess.run(fes("compare", one, one), capture_output=True, text=True, timeout=PATIENCE)
     assert (same.returncode, same.stdout) == (0, "every message of every tick is the same to the bit\n")

@@ -89,7 +89,7 @@ def test_a_run_can_be_resumed_after_every_tick(tmp_path: Path, name: str, record
         assert len(found) == len(whole_log)
 
 
-def test_a_damaged_log_is_one_line(tmp_path: Path) -> None:
+def test_a_damaged_log_is_reported_in_one_line(tmp_path: Path) -> None:
     scenario = load("pair.toml", run__duration=0.2)
     team, checkpoints = Team(scenario), CheckpointWriter(tmp_path, 1e9, "pair", "main")
     with suppress(FesError), Recorder(tmp_path / NAME, scenario, "pair", "processes") as recorder:

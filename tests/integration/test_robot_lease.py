@@ -142,7 +142,7 @@ def test_without_a_world_there_is_nothing_to_lease() -> None:
     asyncio.run(main())
 
 
-def test_an_agent_that_takes_any_robot_has_no_certificate_of_one() -> None:
+def test_an_agent_without_an_id_cannot_use_the_certificate_of_a_robot() -> None:
     words = ["-m", "agents.process", "--id", "auto", "--keys", "keys"]
     done = subprocess.run([sys.executable, *words], capture_output=True, text=True, timeout=60)
     assert done.returncode == 1

@@ -86,7 +86,7 @@ def test_the_first_of_successive_worlds_starts() -> None:
     assert asyncio.run(main()) == [True, False, False]
 
 
-def test_at_most_one_of_two_worlds_starts_whose_routers_connect() -> None:
+def test_at_most_one_of_two_worlds_with_connected_routers_starts() -> None:
     async def main() -> list[int]:
         started = []
         for _ in range(3):

@@ -78,7 +78,7 @@ def test_two_robots_keep_one_minus_mu_dt_of_their_error(gain_per_tick: float) ->
 
 
 @pytest.mark.parametrize(("gain", "dt"), [(100.0, 0.02), (1000.0, 0.02), (2.0, 1.0), (1e308, 0.02)])
-def test_a_linear_gain_that_cannot_be_stable_is_refused(gain: float, dt: float) -> None:
+def test_a_linear_gain_that_cannot_be_stable_is_rejected(gain: float, dt: float) -> None:
     with pytest.raises(
         ScenarioError, match=r"formation\.linear_gain x run\.dt must be below 2, got .*cannot be stable"
     ):
@@ -100,7 +100,7 @@ def test_the_disagreement_of_a_measured_pair_dies_out_iff_kappa_dt_is_below_one(
     assert (abs(now) + abs(before) < 1e-9) == (mixing < 1.0)
 
 
-def test_gains_of_a_measured_index_that_cannot_be_stable_are_refused() -> None:
+def test_gains_of_a_measured_index_that_cannot_be_stable_are_rejected() -> None:
     with pytest.raises(
         ScenarioError, match=r"seeking\.consensus_gain x run\.dt of a measured index must be below 1, got 1"
     ):
@@ -119,7 +119,7 @@ def test_the_washout_is_integrated_exactly_up_to_its_bound(cutoff: float, error:
     assert error / 1e3 < missed < error
 
 
-def test_a_washout_beyond_its_integration_is_refused() -> None:
+def test_a_washout_that_cannot_be_integrated_accurately_is_rejected() -> None:
     with pytest.raises(
         ScenarioError, match=r"washout_cutoff x a step of the integration must be at most 100, got 200"
     ):

@@ -181,7 +181,7 @@ def test_a_world_whose_directory_was_removed_is_still_named(tmp_path: Path) -> N
     assert said == [f"fes: error: fes-world ended with exit code 1 ({unread})"]
 
 
-def test_respawn_is_for_processes(tmp_path: Path) -> None:
+def test_respawn_is_rejected_without_processes(tmp_path: Path) -> None:
     words = ["run", str(CONFIGS / "pair.toml"), "--backend", "inprocess", "--respawn"]
     done = subprocess.run(fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
     rule = "--respawn needs --backend processes: one loop has no processes of its own"

@@ -68,7 +68,7 @@ FORGERIES = [
 """Forbidden operations: role, operation, key expression."""
 
 
-def test_each_forgery_is_refused_and_logged_once_and_the_run_is_the_same(
+def test_each_forgery_is_rejected_and_logged_once_and_the_run_is_the_same(
     tmp_path: Path, expected: str, issuer: certificates.Authority
 ) -> None:
     keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
@@ -153,7 +153,7 @@ def test_robots_observers_and_operators_have_the_rights_of_their_roles(
     assert asyncio.run(main()).log().count("dropped") == 0
 
 
-def test_a_certificate_that_is_not_of_this_run_opens_no_session(
+def test_a_certificate_of_another_run_opens_no_session(
     tmp_path: Path, expected: str, issuer: certificates.Authority
 ) -> None:
     keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)

@@ -37,7 +37,7 @@ def test_a_run_prints_one_summary_and_leaves_it_in_the_latest_run_directory(tmp_
     assert json.loads((runs / "pair-1" / "summary.json").read_text()) == first
 
 
-def test_the_directory_asked_for_is_made_and_never_overwritten(tmp_path: Path) -> None:
+def test_the_requested_directory_is_created_and_never_overwritten(tmp_path: Path) -> None:
     out = tmp_path / "a" / "b"
     found = run_json(tmp_path, "--duration", "1", "--out", str(out), "--rtf", "5")
     assert json.loads((out / "summary.json").read_text()) == found
@@ -98,7 +98,9 @@ def test_the_tables_show_the_whole_digest_and_the_units(part: str) -> None:
         (["view", "--run", "a b"], ["run's name", "'a b'"]),
     ],
 )
-def test_bad_input_is_one_line_with_rule_and_value(words: list[str], said: list[str], tmp_path: Path) -> None:
+def test_bad_input_is_reported_in_one_line_with_rule_and_value(
+    words: list[str], said: list[str], tmp_path: Path
+) -> None:
     line = complaint(call(tmp_path, "fes", *words), "fes")
     assert [word for word in said if word not in line] == []
     assert list(tmp_path.iterdir()) == []
@@ -123,7 +125,7 @@ def test_bad_input_is_one_line_with_rule_and_value(words: list[str], said: list[
         ("fes-agent", ["--id", "1", "--run", "a/b"], ["run's name", "'a/b'"]),
     ],
 )
-def test_a_service_refuses_bad_input_in_one_line(
+def test_a_service_rejects_bad_input_in_one_line(
     program: str, words: list[str], said: list[str], tmp_path: Path
 ) -> None:
     line = complaint(call(tmp_path, program, *words), program)
@@ -145,7 +147,7 @@ def test_an_unanswered_agent_reports_the_world_and_time_it_waited_for(tmp_path: 
         ["fes-agent", "--id", "1", "--timeout", "nan"],
     ],
 )
-def test_a_bad_endpoint_or_timeout_is_one_line(words: list[str], tmp_path: Path) -> None:
+def test_a_bad_endpoint_or_timeout_is_reported_in_one_line(words: list[str], tmp_path: Path) -> None:
     assert words[-1] in complaint(call(tmp_path, *words), words[0])
 
 

@@ -119,7 +119,7 @@ def test_an_installed_wheel_needs_no_clone(installed: Environment, tmp_path: Pat
     assert (tmp_path / "figures" / "fig5-formation.svg").is_file()
 
 
-def test_an_unknown_scenario_of_an_installed_wheel_is_one_line_with_the_nearest_name(
+def test_an_unknown_scenario_of_an_installed_wheel_is_reported_in_one_line_with_the_nearest_name(
     installed: Environment, tmp_path: Path
 ) -> None:
     for program, *words in (
@@ -143,7 +143,7 @@ def test_a_wheel_states_its_systems_and_that_it_is_typed(wheel: Path) -> None:
         assert f"Classifier: Operating System :: {system}\n" in text
 
 
-def test_another_project_that_wrote_over_a_package_of_ours_fails(wheel: Path, tmp_path: Path) -> None:
+def test_a_package_of_ours_that_another_project_overwrote_is_a_failure(wheel: Path, tmp_path: Path) -> None:
     environment = Environment(tmp_path / "venv")
     environment.install(wheel)
     environment.install(wheel_of_another_project(tmp_path))
@@ -155,7 +155,7 @@ def test_another_project_that_wrote_over_a_package_of_ours_fails(wheel: Path, tm
     assert environment.call(tmp_path, "fes", "doctor").returncode == 1
 
 
-def test_another_project_over_which_ours_was_installed_is_a_warning(wheel: Path, tmp_path: Path) -> None:
+def test_a_package_of_another_project_that_ours_overwrote_is_a_warning(wheel: Path, tmp_path: Path) -> None:
     environment = Environment(tmp_path / "venv")
     environment.install(wheel_of_another_project(tmp_path))
     environment.install(wheel)

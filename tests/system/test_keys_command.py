@@ -40,7 +40,7 @@ def test_keys_are_readable_by_their_owner_only_and_valid(tmp_path: Path) -> None
         Identity(keys, role).check()
 
 
-def test_a_second_authority_is_refused_and_issue_adds_and_replaces(tmp_path: Path) -> None:
+def test_a_second_authority_is_rejected_and_issue_adds_and_replaces(tmp_path: Path) -> None:
     assert call(tmp_path, "fes", "keys", "init").returncode == 0
     line = complaint(call(tmp_path, "fes", "keys", "init"), "fes")
     assert line == "--keys keys: the folder has an authority already; fes keys issue adds certificates to it"
@@ -127,7 +127,7 @@ def test_no_rules_are_printed_for_missing_certificates(tmp_path: Path) -> None:
     assert line == "--keys keys: the world needs ca.crt, and there is none"
 
 
-def test_without_the_extra_one_line_names_it(tmp_path: Path) -> None:
+def test_a_missing_extra_is_named_in_one_line(tmp_path: Path) -> None:
     call(tmp_path, "fes", "keys", "init", "--robots", "1")
     for module, words in (
         ("console.cli", ["keys", "issue", "world"]),

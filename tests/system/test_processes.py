@@ -134,7 +134,7 @@ def test_a_world_told_to_stop_dismisses_its_agents(tmp_path: Path) -> None:
         assert process.returncode == 0
 
 
-def test_a_taken_port_is_one_line(tmp_path: Path) -> None:
+def test_a_taken_port_is_reported_in_one_line(tmp_path: Path) -> None:
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     first = start(command("world.process", str(CONFIGS / "pair.toml"), "-l", endpoint), tmp_path)
     assert first.stderr is not None

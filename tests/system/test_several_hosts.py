@@ -152,7 +152,7 @@ def spread(team: Team, net: Internet, at: tuple[str, str], seconds: float) -> No
         team.agent(f"{site}-{robot // 5}", str(robot), net.hosts[f"{site}-router"].endpoint())
 
 
-def test_two_sites_with_a_router_each_lose_no_beacon_and_come_to_the_same_digest(team: Team, net: Internet) -> None:
+def test_two_sites_with_a_router_each_lose_no_beacon_and_reach_the_same_digest(team: Team, net: Internet) -> None:
     sites(net, team.where, ("east", "west"))
     spread(team, net, ("east", "west"), SECONDS)
     assert team.summary()["digest"] == digest("paper.toml")

@@ -182,7 +182,9 @@ def test_a_failed_run_is_in_the_table_with_its_reason_and_the_others_are_there(t
         (["--seeds", "0:2", "--scheduler", "tcp://127.0.0.1:1", "--jobs", "2"], ["--jobs", "--scheduler"]),
     ],
 )
-def test_bad_input_is_one_line_and_leaves_nothing(words: list[str], said: list[str], tmp_path: Path) -> None:
+def test_bad_input_is_reported_in_one_line_and_leaves_nothing(
+    words: list[str], said: list[str], tmp_path: Path
+) -> None:
     line = complaint(call(tmp_path, "fes", "sweep", PAIR, *words), "fes")
     assert [word for word in said if word not in line] == []
     assert list(tmp_path.iterdir()) == []

@@ -87,7 +87,7 @@ async def reached(endpoint: str, tick: int) -> None:
                 return
 
 
-def test_a_stopped_and_started_world_resumes_and_its_robots_have_waited(tmp_path: Path) -> None:
+def test_a_world_that_is_stopped_and_started_resumes_and_its_robots_have_waited(tmp_path: Path) -> None:
     what = (CONFIGS / "pair.toml").read_text(encoding="utf-8")
     (tmp_path / "scenario.toml").write_text(re.sub(r"(?m)^duration = \S+", f"duration = {SECONDS}", what))
     endpoint = f"tcp/127.0.0.1:{free_port()}"

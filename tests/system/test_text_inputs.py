@@ -92,7 +92,7 @@ def test_an_endless_file_is_rejected(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("text", DEEP.values(), ids=DEEP)
-def test_toml_that_is_nested_too_deeply_is_one_line(text: str, tmp_path: Path) -> None:
+def test_toml_that_is_nested_too_deeply_is_reported_in_one_line(text: str, tmp_path: Path) -> None:
     for said in (load(tmp_path, f"x = {text}".encode()), line(lambda: parse_override(f"run.dt={text}"))):
         assert said.endswith(("is nested too deeply", "expects one value, got"))
 
@@ -201,7 +201,7 @@ def test_an_announcement_of_an_impossible_process_is_ignored(
 
 
 @pytest.mark.parametrize("text", JSON[:5])
-def test_a_summary_and_a_sweep_that_cannot_be_read_are_one_line(text: str, tmp_path: Path) -> None:
+def test_a_summary_and_a_sweep_that_cannot_be_read_are_reported_in_one_line(text: str, tmp_path: Path) -> None:
     (tmp_path / "summary.json").write_text(text)
     assert line(lambda: processes.read_summary(tmp_path)) == f"{tmp_path} has no summary"
     (tmp_path / "summary.json").write_text("[1]")

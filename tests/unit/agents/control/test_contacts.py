@@ -79,7 +79,7 @@ def test_a_peer_that_left_range_is_forgotten_and_the_others_are_not() -> None:
     assert back.known.tolist() == [True, False, True, False, False, False]
 
 
-def test_a_beacon_tells_its_estimate_and_choice_for_the_link_to_its_hearer_only() -> None:
+def test_a_beacon_tells_each_receiver_only_the_estimate_and_choice_for_the_link_to_it() -> None:
     links = layouts.edges(IDS, [(0, 1), (1, 0), (1, 2)])  # estimates 60, 61, 62; named: yes, no, yes
     known = hear(contacts.no_contacts(IDS), 1, WHERE, [DECODED] * 6, links=links)
     # pairs (0,1), (0,2), (1,0), (1,2), (2,0), (2,1) hear of links (1,0), -, (0,1), -, -, (1,2)
@@ -87,7 +87,7 @@ def test_a_beacon_tells_its_estimate_and_choice_for_the_link_to_its_hearer_only(
     assert known.selected_by_peer.tolist() == [False, False, True, False, False, True]
 
 
-def test_two_robots_in_one_place_drive_apart() -> None:
+def test_two_robots_at_the_same_point_drive_apart() -> None:
     config = AgentConfig(
         dt=0.02,
         seed=1,

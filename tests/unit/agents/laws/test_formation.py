@@ -84,7 +84,9 @@ def test_for_a_vanishing_tick_the_twist_is_the_sums_of_6_and_7(
 @pytest.mark.parametrize("dt", [0.02, 0.05])
 @pytest.mark.parametrize("size", [1e-6, 0.01, 1.0, 40.0])
 @pytest.mark.parametrize("begin", [-3.1, -1.0, -1e-3, 0.0, 0.5, math.pi / 2, 3.14])
-def test_the_heading_turns_along_the_flow_of_7_with_the_pull_held(begin: float, size: float, dt: float) -> None:
+def test_the_heading_turns_along_the_flow_of_7_for_a_constant_formation_vector(
+    begin: float, size: float, dt: float
+) -> None:
     after = witness.flow(lambda t, x: (-10.0 * size * math.sin(x[0]),), [begin], 0.0, dt)[0]
     heading = 2.5  # any
     pull = size * unit(np.array([heading + begin])).T
@@ -95,7 +97,7 @@ def test_the_heading_turns_along_the_flow_of_7_with_the_pull_held(begin: float, 
     assert v == pytest.approx(size * math.cos(begin), abs=1e-13)  # roundings of 40 m/s
 
 
-def test_a_large_pull_turns_the_heading_onto_it_and_not_beyond() -> None:
+def test_a_large_formation_vector_turns_the_heading_onto_it_and_not_beyond() -> None:
     # Euler would turn by 10 * 40 * sin(1) * 0.02 = 6.7 rad; the exact flow by 1 rad
     _, omega = formation.twist(np.array([[40.0, 0.0]]), np.array([-1.0]), 0.02, CONFIG)[0]
     assert omega * 0.02 == pytest.approx(1.0, abs=2e-3)  # rad; e^{-8} of it is left

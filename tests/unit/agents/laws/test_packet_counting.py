@@ -45,7 +45,7 @@ def test_misses_are_learnt_from_the_gap_at_separations_in_between() -> None:
     assert found[4] == ([0] * 4, [64.0, 61.0, 62.0, 63.0], [True, False, False, False])
 
 
-def test_of_a_long_silence_the_latest_slots_are_counted() -> None:
+def test_only_the_latest_slots_of_a_long_silence_are_counted() -> None:
     """A peer moves from 60 to 160 m in a million ticks in which no beacon decodes."""
     near, ids, silent = layouts.edges([0], [(0, 1)]), np.array([1]), 10**6
     before = now = contacts.no_contacts(near.ids)
@@ -70,7 +70,7 @@ def test_mixing_keeps_what_all_agree_on_and_ages_it() -> None:
     np.testing.assert_allclose(after.statistics, metrics * faded, rtol=1e-14)  # roundings
 
 
-def test_each_robot_mixes_in_a_tenth_of_what_each_heard_robot_has_more_than_itself() -> None:
+def test_each_robot_mixes_in_a_tenth_of_the_difference_to_each_heard_robot() -> None:
     star = Edges(np.arange(2), np.array([0, 0, 1]), np.array([1, 2, 0]))
     before = ReceptionFit(POOLED, np.array([[1.0] * STATISTICS, [5.0] * STATISTICS]), np.zeros(2), np.ones(2))
     theirs = np.array([[5.0] * STATISTICS, [9.0] * STATISTICS, [1.0] * STATISTICS])
@@ -100,7 +100,7 @@ def test_bounds_of_estimates_grow_with_the_objective() -> None:
     assert packet_counting.bounded(estimates, wide).tolist() == [40.0, 80.0, 290.0]
 
 
-def test_robots_on_one_point_learn_nothing_strange() -> None:
+def test_robots_at_the_same_point_learn_finite_values() -> None:
     known = packet_counting.learn(
         packet_counting.no_counts(POOLED, 1), np.array([0]), np.array([0.0]), np.array([True]), 75.0
     )
@@ -108,7 +108,7 @@ def test_robots_on_one_point_learn_nothing_strange() -> None:
     assert np.isfinite(known.exponent).all()
 
 
-def test_the_curvature_of_the_wish_is_the_derivative_of_its_slope() -> None:
+def test_the_curvature_of_the_preference_is_the_derivative_of_its_slope() -> None:
     r, h = np.linspace(20.0, 145.0, 60), 1e-4
     for wish in (ObjectiveConfig(), ObjectiveConfig(minimum_separation=100.0, shape_exponent=3.0)):
         rise = objective.log_preference_slope(r + h, wish) - objective.log_preference_slope(r - h, wish)
@@ -134,7 +134,7 @@ def test_links_without_pooling_learn_their_own_slope_and_keep_it_while_others_op
     assert packet_counting.carry(known, before, before) is known
 
 
-def test_a_sample_of_the_index_is_what_the_team_prefers_if_the_beacon_decoded_and_nothing_if_not() -> None:
+def test_a_sample_of_the_index_is_the_preference_if_the_beacon_decoded_and_zero_otherwise() -> None:
     near, wish = layouts.edges([0], [(0, 1), (0, 2)]), ObjectiveConfig()
     said = layouts.silent_beacons(4, np.array([1, 2]), layouts.poses([(60.0, 0.0), (0.0, 70.0)]))
     sensed = Observations(5, layouts.poses([(0.0, 0.0)]), near, np.array([2, 1], dtype=np.uint8))
@@ -143,7 +143,7 @@ def test_a_sample_of_the_index_is_what_the_team_prefers_if_the_beacon_decoded_an
     assert sample.tolist() == [objective.preference(np.array([60.0]), wish)[0], 0.0]
 
 
-def test_the_dithers_of_links_that_learn_alone_are_staggered_alike_at_both_ends() -> None:
+def test_the_dithers_of_links_that_learn_alone_are_staggered_equally_at_both_ends() -> None:
     seeker = Seeker(SeekingConfig(index="measured", dither_frequency=0.5), np.zeros_like, 0.02)
     pairs = [(i, j) for i in range(30) for j in range(30) if i != j]
     links = layouts.edges(range(30), pairs)

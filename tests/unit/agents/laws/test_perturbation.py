@@ -70,7 +70,7 @@ def test_the_default_sub_step_errs_by_a_four_thousandth_of_the_travel() -> None:
     assert integration_error([50.0, 90.0], TWO) <= 2.5e-4
 
 
-def test_even_an_unheard_estimate_errs_by_less_than_a_thousandth_of_its_travel() -> None:
+def test_an_estimate_without_exchange_errs_by_less_than_a_thousandth_of_its_travel() -> None:
     # Far from r* the slope of J varies most: 8.3e-4 from 50 m (measured), 3.0e-4 near r*.
     coarse = integration_error([50.0], ALONE)
     assert coarse <= 1e-3
@@ -148,7 +148,7 @@ def test_a_link_begins_with_its_first_sample_as_baseline_and_without_drift() -> 
     np.testing.assert_allclose(state[BASELINE], expected, rtol=1e-13)  # roundings
 
 
-def test_advancing_leaves_the_state_before_alone() -> None:
+def test_advancing_does_not_change_the_previous_state() -> None:
     one = seeker()
     state = perturbation.begin(one, 0, np.array([70.0]))
     kept = state.copy()

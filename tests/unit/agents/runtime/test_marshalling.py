@@ -107,7 +107,7 @@ def test_a_sender_that_falls_silent_makes_new_edges_without_it() -> None:
     assert layouts.pairs_of(part.links) == {(0, 3), (3, 0)}
 
 
-def test_no_beacon_at_all_is_silence() -> None:
+def test_a_tick_without_beacons_is_silence() -> None:
     nothing = MessageAssembler(np.array([5])).beacons(7, [])
     assert (len(nothing.ids), len(nothing.links), nothing.poses.shape) == (0, 0, (0, 3))
 

@@ -11,7 +11,7 @@ from console.backends.managed_process import ManagedProcess
 from tests.support.process_groups import FAILURE, child, family
 
 
-def test_a_signal_that_meets_an_interpreter_that_only_just_starts_waits_for_its_handler(tmp_path: Path) -> None:
+def test_a_signal_to_an_interpreter_that_is_starting_waits_for_its_handler(tmp_path: Path) -> None:
     """Before it is set, Python would die of the signal, or print a traceback of its own start."""
 
     async def main() -> ManagedProcess:

@@ -53,12 +53,12 @@ def test_batches_hold_every_run_once_and_keep_all_workers_equally_busy(workers: 
     assert len(sizes) % workers == 0
 
 
-def test_a_big_team_is_not_stacked() -> None:
+def test_a_large_team_is_not_stacked() -> None:
     batches = work.batches("hundred", runs(load("hundred.toml", robots__count=300)), 2)
     assert {len(batch.keys) for batch in batches} == {1}
 
 
-def test_a_run_that_fails_takes_no_other_with_it() -> None:
+def test_a_failed_run_does_not_stop_the_others_of_its_stack() -> None:
     # A single link weighs 1/2, and the square of half an estimate beyond 2.7e154 m is not finite. Of seed 1 both
     # estimates begin below that (and then out of reach of each other), of seed 0 one does not.
     scenarios = [

@@ -70,7 +70,7 @@ def seen(timeout: float, *acts: tuple[float, bool | bytes], busy: float = 0.0) -
 
 
 @pytest.mark.parametrize(("timeout", "waits"), [(5.0, 15.0), (15.0, 15.0), (30.0, 30.0), (60.0, 60.0)])
-def test_a_world_that_left_is_waited_for_as_long_as_one_that_is_to_come(timeout: float, waits: float) -> None:
+def test_an_observer_waits_as_long_for_a_world_that_left_as_for_a_future_one(timeout: float, waits: float) -> None:
     ticks, error, when = seen(timeout, (1.0, True), (2.0, report(7)), (3.0, False))
     assert ticks == [7]
     assert str(error) == "the world of run 'test' left after tick 7"
@@ -90,7 +90,7 @@ def test_a_world_is_not_missed_while_the_reader_is_busy() -> None:
     assert (ticks, error) == ([7, TICKS - 1], None)
 
 
-def test_a_world_that_does_not_follow_is_missed_from_when_the_reader_is_back() -> None:
+def test_the_wait_for_a_world_that_does_not_return_begins_when_the_busy_reader_continues() -> None:
     _, error, when = seen(5.0, (1.0, True), (2.0, report(7)), (3.0, False), busy=20.0)
     assert isinstance(error, Unavailable)
     assert observer.RETURN < when - 22.0 <= observer.RETURN + 2 * IDLE
@@ -123,7 +123,7 @@ def test_junk_of_another_version_between_reports_hides_no_report() -> None:
     ],
     ids=["lost from sight", "over"],
 )
-def test_a_robot_that_is_to_wake_is_not_killed_when_the_world_is_lost_from_sight(
+def test_a_robot_that_is_due_to_wake_is_not_killed_when_contact_with_the_world_is_lost(
     monkeypatch: pytest.MonkeyPatch, lost: bool, did: list[str]
 ) -> None:
     scenario = load("paper.toml", event=[{"at": 2.0, "hang": [2, 3]}, {"at": 30.0, "wake": [2]}])

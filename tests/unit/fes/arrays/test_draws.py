@@ -22,7 +22,7 @@ def numbers(pairs: list[tuple[int, int]], first: int, count: int, key: Ints = KE
 
 
 @given(pairs=pair_lists, blocks=st.lists(st.sampled_from([4, 8, 16, 64]), min_size=1, max_size=6))
-def test_however_the_ticks_are_cut_into_blocks_the_numbers_are_the_same(
+def test_the_numbers_do_not_depend_on_how_ticks_are_cut_into_blocks(
     pairs: list[tuple[int, int]], blocks: list[int]
 ) -> None:
     whole = numbers(pairs, 0, sum(blocks))
@@ -44,7 +44,7 @@ def test_draws_depend_neither_on_other_requested_links_nor_on_their_order(
     assert whole[:, 0].tolist() == single[:, 0].tolist()
 
 
-def test_a_number_is_numpys_own_at_the_counter_of_its_coordinates() -> None:
+def test_a_number_is_that_of_numpy_at_the_counter_of_its_coordinates() -> None:
     found = numbers([(5, 9), (9, 5)], 12, 8)
     for column, (sender, receiver) in enumerate([(5, 9), (9, 5)]):
         # counter (tick / 4, sender, receiver): Philox counts up before its first block of four words
@@ -53,7 +53,7 @@ def test_a_number_is_numpys_own_at_the_counter_of_its_coordinates() -> None:
         assert found[:, column].tolist() == generator.random(8).tolist()
 
 
-def test_a_pair_is_not_its_reverse() -> None:
+def test_a_pair_and_its_reverse_have_different_numbers() -> None:
     found = numbers([(5, 9), (9, 5)], 0, 64)
     assert not set(found[:, 0].tolist()) & set(found[:, 1].tolist())
 
@@ -86,7 +86,7 @@ def test_ticks_come_in_blocks_of_four(first: int, count: int) -> None:
         numbers([(0, 1)], first, count)
 
 
-def test_asking_for_no_pair_gives_no_number() -> None:
+def test_a_request_for_no_pairs_gives_no_numbers() -> None:
     assert numbers([], 0, 8).shape == (8, 0)
 
 

@@ -187,12 +187,12 @@ def test_a_fill_that_the_type_of_the_values_cannot_hold_is_an_error() -> None:
 
 
 @pytest.mark.parametrize("largest", [99_999])
-def test_the_keys_of_the_largest_team_stay_apart(largest: int) -> None:
+def test_the_keys_of_pairs_in_the_largest_team_do_not_collide(largest: int) -> None:
     among = edges([0, 1, largest], [(0, 1), (0, largest), (1, 0), (largest, 0), (largest, 1)])
     assert among.reverse.tolist() == [2, 3, 0, 1, -1]
 
 
-def test_a_stack_of_lists_is_the_same_edges_until_a_list_is_another() -> None:
+def test_a_stack_returns_the_same_edges_until_one_of_its_lists_is_replaced() -> None:
     stack, ids = Stack(), np.array([3, 5])
     lists = [np.array([1, 5]), np.array([3])]
     first = stack.edges(ids, lists)

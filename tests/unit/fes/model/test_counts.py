@@ -101,7 +101,7 @@ def test_a_physical_dither_with_an_infinite_period_is_rejected() -> None:
     load("pair.toml", seeking__dither_frequency=1e-300)  # an oracle's estimates dither, its robots do not
 
 
-def test_a_crew_refuses_settings_that_the_world_should_have_refused() -> None:
+def test_a_crew_rejects_settings_that_the_world_should_have_rejected() -> None:
     told = agent_config(load("pair.toml"))
     endless = told.model_copy(update={"seeking": SeekingConfig(sub_step=1e-9)})
     with pytest.raises(FesError, match=r"^the run's settings: run\.dt / seeking\.sub_step must be at most 10000"):
@@ -128,7 +128,7 @@ def test_a_pace_too_slow_for_a_sleep_is_rejected() -> None:
     assert real_time_factor("0.5") == 0.5
 
 
-def test_every_count_is_made_by_the_one_function() -> None:
+def test_only_one_function_computes_counts() -> None:
     """No other module rounds a quotient by a tick or a step."""
     divisors, rounding = {"dt", "_dt", "sub_step", "dither_frequency"}, {"round", "ceil", "floor", "int"}
     found = []

@@ -104,18 +104,18 @@ def test_a_perfect_channel_has_no_outage_at_any_separation() -> None:
     assert outage.outage_probability(r, PERFECT).tolist() == [0.0, 0.0, 0.0, 0.0]
 
 
-def test_a_perfect_channel_reaches_no_outage() -> None:
+def test_a_perfect_channel_has_no_range_at_an_outage() -> None:
     with pytest.raises(ValueError, match="perfect channel"):
         outage.range_at_outage(0.5, PERFECT)
 
 
 @pytest.mark.parametrize("probability", [0.0, 1.0, -0.1, 1.5, math.nan])
-def test_an_outage_outside_zero_to_one_is_refused(probability: float) -> None:
+def test_an_outage_outside_zero_to_one_is_rejected(probability: float) -> None:
     with pytest.raises(ValueError, match=r"outage must lie in \(0, 1\)"):
         outage.range_at_outage(probability, PAPER)
 
 
-def test_a_channel_beyond_what_floats_hold_is_its_limit() -> None:
+def test_a_channel_beyond_the_range_of_floats_is_its_limit() -> None:
     r = np.array([0.0, 1e-3, 1.0, 1e300])
     deaf = ChannelConfig(reference_snr=5e-324)
     perfect = ChannelConfig(model="perfect")

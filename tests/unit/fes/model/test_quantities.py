@@ -78,7 +78,7 @@ def test_every_quantity_occurs_in_some_summary() -> None:
     assert occurring >= {quantity.name for quantity in SUMMARY}
 
 
-def test_only_a_quantity_with_a_condition_is_null() -> None:
+def test_only_quantities_that_state_when_they_are_null_are_null() -> None:
     conditions = {quantity.name: quantity.null for quantity in SUMMARY}
     null = {key for name in SCENARIOS for key, found in values(summary(name)).items() if None in found}
     assert "disagreement" in null

@@ -69,7 +69,7 @@ def test_the_layout_is_the_version_and_the_fields_in_order(name: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "at", "value", "rule"), BROKEN)
-def test_a_broken_field_is_refused_with_its_rule(name: str, at: int, value: Any, rule: str) -> None:
+def test_a_broken_field_is_rejected_with_its_rule(name: str, at: int, value: Any, rule: str) -> None:
     fields = PLAIN[name].copy()
     fields[at] = value
     said = refusal(name, msgpack.packb(fields))
@@ -78,7 +78,7 @@ def test_a_broken_field_is_refused_with_its_rule(name: str, at: int, value: Any,
 
 
 @pytest.mark.parametrize("name", PLAIN)
-def test_a_missing_or_an_additional_field_is_refused(name: str) -> None:
+def test_a_missing_or_an_additional_field_is_rejected(name: str) -> None:
     for fields in (PLAIN[name][:-1], [*PLAIN[name], 0]):
         assert f"expects {len(PLAIN[name]) - 1} fields" in str(refusal(name, msgpack.packb(fields)))
 
@@ -95,13 +95,13 @@ def test_a_missing_or_an_additional_field_is_refused(name: str) -> None:
         ([0], b"{}", "JSON"),
     ],
 )
-def test_a_welcome_without_a_configuration_is_refused(robots: list[int], config: object, rule: str) -> None:
+def test_a_welcome_without_a_configuration_is_rejected(robots: list[int], config: object, rule: str) -> None:
     assert rule in str(refusal("Welcome", msgpack.packb([2, robots, config])))
 
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("depth", [10, 200, 1000, 1020, 100_000])
-def test_a_deep_nest_of_lists_is_refused(name: str, depth: int) -> None:
+def test_deeply_nested_lists_are_rejected(name: str, depth: int) -> None:
     fields = CODECS[name].fields
     assert refusal(name, b"\x91" * depth + b"\xc0")
     assert refusal(name, bytes([0x91 + fields, 1]) + b"\x91" * depth + b"\xc0" * fields)

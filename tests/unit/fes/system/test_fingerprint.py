@@ -37,7 +37,9 @@ USED += ["einsum", "bincount", "linalg.eigvalsh"]
 
 
 @pytest.mark.parametrize("name", USED)
-def test_one_bit_of_one_result_of_one_function_changes_it(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_one_bit_of_one_result_of_one_function_changes_the_fingerprint(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     *path, last = name.split(".")
     module: Any = getattr(np, path[0]) if path else np
     function = getattr(module, last)
@@ -61,7 +63,7 @@ def test_an_invalid_arithmetic_is_rejected() -> None:
     assert fingerprint.text({**OTHER, "core": "compiled"}) == "numpy 1.0.0, arithmetic 0123456789ab (compiled)"
 
 
-def test_a_summary_has_the_arithmetic_and_can_be_expected_to(tmp_path: Path) -> None:
+def test_a_summary_has_the_arithmetic_and_an_expectation_can_name_it(tmp_path: Path) -> None:
     wanted = {"of": "arithmetic.numpy", "equals": np.__version__}
     found = written(tmp_path, inprocess.run(load("pair.toml", run__duration=0.1, expect=[wanted]), "pair"))
     assert found["arithmetic"] == fingerprint.table()
@@ -144,7 +146,7 @@ def test_replay_and_compare_distinguish_another_processor_from_an_edited_log(
     assert json.loads(capsys.readouterr().out)["arithmetic"] == [fingerprint.table(), OTHER]
 
 
-def test_a_summary_of_another_arithmetic_than_its_log_is_named(tmp_path: Path) -> None:
+def test_a_summary_whose_arithmetic_is_not_that_of_its_log_is_named(tmp_path: Path) -> None:
     summary = recordings.record(tmp_path / "a.mcap", load("pair.toml", run__duration=0.1))
     recordings.rewrite(
         tmp_path / "a.mcap", tmp_path / "b.mcap", lambda *words: words[2], {**summary, "arithmetic": OTHER}

@@ -93,7 +93,7 @@ EXTENTS = st.floats(0.0, 20.0).map(lambda power: 10.0**power) | st.sampled_from(
     spacing=EXTENTS,
     jitter=EXTENTS | st.just(0.0),
 )
-def test_a_generated_start_is_refused_or_is_where_floats_resolve_a_millimeter(
+def test_a_generated_start_is_rejected_or_is_where_floats_resolve_a_millimeter(
     kind: str, count: int, spacing: float, jitter: float
 ) -> None:
     fields = {"kind": kind, "count": count, "spacing": spacing, "jitter": jitter}

@@ -20,7 +20,7 @@ from world.execution.run import Run
 from world.process import main
 
 
-def test_the_last_note_may_be_torn(tmp_path: Path) -> None:
+def test_the_last_journal_entry_may_be_torn(tmp_path: Path) -> None:
     path = tmp_path / "journal"
     kept = journal.Journal(path)
     notes: list[list[Any]] = [["attend", 3, [0, 1]], ["tick", 3, [b"\x00\xff", b""], []]]
@@ -35,7 +35,7 @@ def test_the_last_note_may_be_torn(tmp_path: Path) -> None:
         assert list(journal.notes(path)) == notes[: sum(end <= length for end in ends)]
 
 
-def test_a_flipped_bit_anywhere_in_a_note_is_damage_and_a_cut_is_not(tmp_path: Path) -> None:
+def test_a_flipped_bit_anywhere_in_a_journal_is_damage_and_so_are_zeros_at_its_end(tmp_path: Path) -> None:
     # If a last note with a wrong checksum were dropped, a confirmed change by a person would be lost silently.
     path = tmp_path / "journal"
     kept = journal.Journal(path)
@@ -54,7 +54,7 @@ def test_a_flipped_bit_anywhere_in_a_note_is_damage_and_a_cut_is_not(tmp_path: P
             list(journal.notes(path))
 
 
-def test_notes_that_are_lost_moved_or_of_another_run_are_damage(tmp_path: Path) -> None:
+def test_journal_entries_that_are_lost_moved_or_of_another_run_are_damage(tmp_path: Path) -> None:
     first, second = tmp_path / "journal-1", tmp_path / "journal-2"
     ends, checksum = list[int](), 7
     for number, path in enumerate((first, second), 1):
@@ -100,7 +100,7 @@ class Full:
         self._file.close()
 
 
-def test_no_note_follows_one_that_did_not_fit_on_the_disk(tmp_path: Path) -> None:
+def test_no_journal_entry_follows_one_that_did_not_fit_on_the_disk(tmp_path: Path) -> None:
     kept = journal.Journal(tmp_path / "journal")
     kept.add(["set", 1, "first", 1.0])
     full = kept._file = Full(kept._file)  # type: ignore[assignment]
@@ -211,7 +211,7 @@ def test_an_unusable_checkpoint_is_rejected_in_one_line(tmp_path: Path) -> None:
         (["--resume", "nowhere", "--seed", "3"], "--resume continues the run as it was"),
     ],
 )
-def test_flags_that_exclude_each_other_are_one_line(
+def test_flags_that_exclude_each_other_are_reported_in_one_line(
     words: list[str], complaint: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sys.argv", ["fes-world", *words])

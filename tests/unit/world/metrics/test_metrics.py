@@ -59,7 +59,7 @@ def times(
     return errors.times()
 
 
-def test_the_digest_is_the_contracts_sum_over_ticks_and_robots() -> None:
+def test_the_digest_is_the_hash_over_ticks_and_robots_as_defined() -> None:
     rng = np.random.default_rng(3)
     ticks = [(layouts.scatter(rng, 4, 90.0), rng.normal(size=(4, 2))) for _ in range(20)]
     ticks[5] = (
@@ -103,7 +103,7 @@ def test_the_digest_of_a_run_is_that_of_its_true_poses_and_twists(monkeypatch: p
         ([math.inf] * 2 + [0.5] * 40, 1.0),
     ],
 )
-def test_a_level_is_reached_at_the_start_of_ten_seconds_within_it(
+def test_a_level_is_reached_at_the_start_of_the_ten_seconds_for_which_it_holds(
     errors: list[float], expected: float | None
 ) -> None:
     found = times(separations=errors)
@@ -116,7 +116,7 @@ def test_a_level_is_reached_at_the_start_of_ten_seconds_within_it(
 
 
 @given(series=st.lists(st.integers(1, 45).map(lambda n: "." * n) | st.just("x"), max_size=8).map("".join))
-def test_the_time_is_that_of_the_first_hold_long_enough(series: str) -> None:
+def test_the_time_to_a_level_is_that_of_the_first_hold_that_lasts_long_enough(series: str) -> None:
     series += "x" * 25  # no hold at the end, and no short run
     hold = re.search(r"\.{21}", series)
     expected = None if hold is None else hold.start() * DT
@@ -165,7 +165,7 @@ def test_links_count_as_connected_from_the_first_tick_with_open_contacts(story: 
     assert errors.disk_always
 
 
-def test_the_disk_graph_is_connected_always_only_if_at_every_tick() -> None:
+def test_the_disk_graph_is_always_connected_only_if_it_is_at_every_tick() -> None:
     near, far = layouts.poses([(0.0, 0.0), (149.0, 0.0)]), layouts.poses([(0.0, 0.0), (151.0, 0.0)])
     errors, nothing = LinkErrors(DT), layouts.edges([0, 1], [])
     seen = []

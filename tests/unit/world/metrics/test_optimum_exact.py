@@ -90,7 +90,7 @@ def test_the_optimum_does_not_depend_on_a_maximum_separation_far_above_it(
 
 
 @pytest.mark.parametrize("limit", [1e7, 1e9, 1e15, 1e20, 1e30, 1e308])
-def test_no_upper_bound_written_as_a_large_number_leaves_the_optimum_alone(limit: float) -> None:
+def test_a_huge_maximum_separation_acts_as_none(limit: float) -> None:
     found = optimal_separation(ObjectiveConfig(maximum_separation=limit), ChannelConfig())
     assert found == pytest.approx(70.41375740114329, rel=1e-15)  # by mpmath, of (16) without its r_x
 

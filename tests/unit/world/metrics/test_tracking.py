@@ -41,7 +41,7 @@ def test_the_optimum_is_found_from_the_first_tick_that_holds_for_ten_seconds(
     assert follow(errors)[0]["time_to_1m"] == expected
 
 
-def test_after_a_change_five_seconds_count_and_times_start_there() -> None:
+def test_after_a_change_five_seconds_suffice_and_times_count_from_the_change() -> None:
     errors = [0.0] * 30 + [2.5] * 8 + [0.5] * 10
     first, second = follow(errors, changes=[30])
     assert (first["at"], first["time_to_1m"]) == (0.0, 0.0)

@@ -101,7 +101,7 @@ class WarmUp:
         return [(messages.decode_command(payload), payload), None], np.array([True, False])
 
 
-def test_the_first_ticks_of_a_live_clock_are_in_lockstep_and_their_last_command_holds_on() -> None:
+def test_the_first_ticks_of_a_live_clock_are_in_lockstep_and_their_last_command_is_held() -> None:
     state, deadlines, participation = world_of_two()
     warm_up = WarmUp()
 
@@ -205,7 +205,7 @@ class SilentBus:
     def declare_queryable(self, key: str, handler: Any) -> None: ...
 
 
-def test_an_outbox_that_skips_ticks_forgets_as_much() -> None:
+def test_an_outbox_whose_agent_skips_ticks_still_forgets_old_ones() -> None:
     outbox = Outbox(SilentBus(), "test", (0,), DropLog(logging.getLogger("test")))  # type: ignore[arg-type]
     for tick in range(0, 3000, 3):
         outbox.publish(tick, [(0, b"beacon", b"command")])
@@ -213,7 +213,9 @@ def test_an_outbox_that_skips_ticks_forgets_as_much() -> None:
     assert len(outbox._beacons) <= 2
 
 
-def test_a_world_that_is_late_slips_and_gives_every_robot_a_whole_tick(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_clock_of_a_late_world_slips_and_gives_every_robot_a_complete_tick(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     _, deadlines, participation = world_of_two()
     wall = Clock(monkeypatch, "world.server.live", lambda sleep: 0.5 if sleep == 2 else 0.001)
 

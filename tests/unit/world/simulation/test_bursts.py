@@ -128,7 +128,7 @@ def verdicts(states: list[State], n: int) -> dict[tuple[int, int], list[tuple[in
     return said
 
 
-def test_another_robot_standing_by_or_passing_changes_no_other_pairs_chain() -> None:
+def test_another_robot_nearby_or_passing_changes_no_chain_of_other_pairs() -> None:
     def team(*more: list[float]) -> Scenario:
         poses = [[0.0, 0.0, 0.0], [120.0, 0.0, 0.0], [60.0, 90.0, 0.0], *more]
         return parse({"schema": 1, "robots": {"poses": poses}, "channel": {"bursts": BURSTS}}, "here")

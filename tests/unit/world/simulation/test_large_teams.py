@@ -109,7 +109,7 @@ def test_a_crowd_takes_memory_in_proportion_to_its_contacts(rule: str) -> None:
         assert peak < pairs[0] * (numbers + 140 * 8) + 10 * 8 * neighbor_rules.BLOCK
 
 
-def test_the_radios_numbers_are_drawn_in_place() -> None:
+def test_the_random_numbers_of_the_radio_are_drawn_in_place() -> None:
     senders = np.arange(2000)
     draws.uniform_ticks(draws.key(1, "channel"), 0, 128, senders[:2], senders[:2])
     tracemalloc.start()
@@ -132,7 +132,7 @@ def test_a_crowd_that_does_not_fit_into_memory_is_rejected_in_one_line(monkeypat
     assert str(refused.value) == expected
 
 
-def test_many_robots_that_are_not_in_range_of_each_other_are_not_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_many_robots_that_are_not_in_range_of_each_other_are_not_rejected(monkeypatch: pytest.MonkeyPatch) -> None:
     spread = dense(3000, "disk")
     robots = spread.robots.model_copy(update={"spacing": 78.0})
     monkeypatch.setattr(memory, "available", lambda: 40_000_000)  # 8 contacts each are 24 MB
@@ -157,7 +157,7 @@ def test_a_range_that_turns_a_team_into_a_crowd_is_rejected_whether_scheduled_or
         crowd.check(scenario.load(CONFIGS / "hundred.toml", {**fields, "event": [later]}))
 
 
-def test_fes_run_refuses_a_crowd_before_it_makes_a_run_directory(
+def test_fes_run_rejects_a_crowd_before_it_makes_a_run_directory(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(memory, "available", lambda: 1_000_000)

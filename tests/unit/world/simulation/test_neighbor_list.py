@@ -97,7 +97,7 @@ def test_range_is_inclusive() -> None:
 
 
 @pytest.mark.parametrize("n", [1, 70])
-def test_robots_out_of_everybodys_range_have_no_pairs(n: int) -> None:
+def test_robots_that_are_out_of_range_of_all_others_have_no_pairs(n: int) -> None:
     where = layouts.poses([(1e3 * k, -1e3 * k) for k in range(n)])
     near = neighbor_list.measure(np.arange(n), where, REACH, None)
     assert len(near.edges) == 0

@@ -108,7 +108,7 @@ def test_the_correlation_of_short_links_is_that_of_a_field_made_reciprocal() -> 
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_the_places_of_one_seed_have_the_law_of_all_seeds(seed: int) -> None:
+def test_gains_over_the_places_of_one_seed_are_distributed_as_over_seeds(seed: int) -> None:
     rng, n = np.random.default_rng(seed), 4000
     poses = np.zeros((3 * n, 3))  # links of 200 m, one end of which then goes 20 m
     poses[:n, :2] = rng.uniform(-1e6, 1e6, (n, 2))
