@@ -116,8 +116,8 @@ def test_a_crew_with_a_silent_robot_is_excluded_until_that_robot_answers(
     path = tmp_path / "run.mcap"
     summary = live_through(three(), path, story, groups=GROUPS)
     assert len(unsaid) == 1
-    told = [line for line in caplog.messages if "does not answer" in line]
-    assert told == [
+    logged = [line for line in caplog.messages if "does not answer" in line]
+    assert logged == [
         "robot 1 does not answer"
     ]  # the world did not wait for robot 0, which could not answer without robot 1
     assert summary["ticks"] == 200

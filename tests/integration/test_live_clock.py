@@ -51,12 +51,12 @@ def test_an_agent_that_is_suspended_past_its_lease_rejoins(tmp_path: Path) -> No
             agents[1].send_signal(signal.SIGCONT)
 
     asyncio.run(suspend())
-    _, told = world.communicate(timeout=PATIENCE)
+    _, output = world.communicate(timeout=PATIENCE)
     for agent in agents:
         agent.communicate(timeout=PATIENCE)
         assert agent.returncode == 0
-    assert "robot 1 is not there from tick" in told
-    assert "robot 1 is back from tick" in told
+    assert "robot 1 is not there from tick" in output
+    assert "robot 1 is back from tick" in output
     kept = json.loads((tmp_path / "out" / "summary.json").read_text())["deadlines"]
     assert kept["due"][0] == 700 > kept["due"][1] > 300
 
@@ -96,12 +96,12 @@ def test_a_run_takes_as_long_as_it_simulates_and_its_world_can_be_executed_again
     assert summary["clock"] == "live"
     assert kept["due"] == [150, 150]
     assert sum(kept["missed"]) < 300
-    found = log.load(tmp_path / "run.mcap")
-    assert replay_command.rerun(found) == json.loads(json.dumps(summary))
+    loaded = log.load(tmp_path / "run.mcap")
+    assert replay_command.rerun(loaded) == json.loads(json.dumps(summary))
     with pytest.raises(
         FesError, match=r"is of the live clock: the log does not show which inputs a robot received in time$"
     ):
-        replay_command.rerun(found, all_robots=True)
+        replay_command.rerun(loaded, all_robots=True)
 
 
 def test_a_silent_robot_stops_and_delays_no_tick(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -62,12 +62,12 @@ def test_a_dead_robot_stands_still_rejoins_as_a_new_process_and_its_run_can_be_r
     assert seen["moved"]
     assert seen["ticks"][1] > seen["ticks"][0] + 60
     assert summary["ticks"] == 300
-    found = log.load(tmp_path / "run.mcap")
-    again = replay_command.rerun(found, all_robots=True)
-    absent = sum(not tick.payloads.commands[4] for tick in found.ticks())
+    loaded = log.load(tmp_path / "run.mcap")
+    again = replay_command.rerun(loaded, all_robots=True)
+    absent = sum(not tick.payloads.commands[4] for tick in loaded.ticks())
     assert summary["unscheduled_absences"] == again["unscheduled_absences"] == absent > 60
     assert again["digest"] == summary["digest"] != inprocess.run(scenario, "test")["digest"]
-    assert replay_command.rerun_robot(found, 4) == 300
+    assert replay_command.rerun_robot(loaded, 4) == 300
 
 
 def test_a_hung_robot_is_excluded_after_the_deadline_and_rejoins_when_it_answers(
@@ -157,9 +157,9 @@ def test_a_log_of_scheduled_deaths_in_one_loop_can_be_reexecuted(tmp_path: Path)
     dying = load("measured.toml", run__duration=2.4, event=DEADS)
     with Recorder(tmp_path / "run.mcap", dying, "test", "inprocess") as recorder:
         summary = inprocess.run(dying, "test", recorder=recorder)
-    found = log.load(tmp_path / "run.mcap")
-    assert replay_command.rerun(found, all_robots=True)["digest"] == summary["digest"]
-    assert [replay_command.rerun_robot(found, robot) for robot in (4, 5)] == [120, 120]
+    loaded = log.load(tmp_path / "run.mcap")
+    assert replay_command.rerun(loaded, all_robots=True)["digest"] == summary["digest"]
+    assert [replay_command.rerun_robot(loaded, robot) for robot in (4, 5)] == [120, 120]
 
 
 def test_fes_run_kills_processes_as_scheduled_and_the_digest_is_the_same(tmp_path: Path) -> None:

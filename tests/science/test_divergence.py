@@ -65,8 +65,8 @@ def after(gain_per_tick: float, ticks: int) -> Floats:
         apart = poses[1, 0] - poses[0, 0]
         errors.append(apart - wanted)
         bearing = np.array([[1.0, -1.0], [0.0, 0.0]])
-        pull = formation.formation_vector(PAIR, np.full(2, apart - wanted), bearing)
-        poses = unicycle.move(poses, formation.twist(pull, poses[:, geometry.HEADING], dt, config), dt)
+        vector = formation.formation_vector(PAIR, np.full(2, apart - wanted), bearing)
+        poses = unicycle.move(poses, formation.twist(vector, poses[:, geometry.HEADING], dt, config), dt)
     return np.array(errors)
 
 
@@ -147,9 +147,9 @@ def test_no_setting_makes_numpy_warn(field: str, index: str) -> None:
 def error_of(settings: dict[str, Any]) -> str:
     """Run six ticks of the pair to their summary; the error, or an empty text."""
     try:
-        what = load("pair.toml", **settings)
-        metrics = MetricsCollector(what)
-        for tick in itertools.islice(inprocess.ticks(what), 6):
+        scenario = load("pair.toml", **settings)
+        metrics = MetricsCollector(scenario)
+        for tick in itertools.islice(inprocess.ticks(scenario), 6):
             metrics.add(tick.state, tick.twists, tick.telemetry)
         summaries.summarize(metrics, "pair", "inprocess", 1.0)
     except FesError as error:
@@ -169,10 +169,10 @@ def links_by_tick(what: Scenario) -> list[int]:
 
 
 def test_the_summary_of_a_diverging_team_has_the_time_of_its_last_link() -> None:
-    what = load(
+    scenario = load(
         "pair.toml", run__duration=4.0, seeking__index_gain=1e10, expect=[{"of": "links_lost_at", "below": 4}]
     )
-    links, result = links_by_tick(what), inprocess.run(what, "pair")
+    links, result = links_by_tick(scenario), inprocess.run(scenario, "pair")
     last = max(tick for tick, count in enumerate(links) if count)
     assert 0 < last < len(links) - 1
     assert result["links_lost_at"] == pytest.approx((last + 1) * 0.02)

@@ -225,10 +225,10 @@ def soak(out: Path, minutes: float, seed: int) -> dict[str, Any]:
     finally:
         team.end()
     summary = json.loads((out / "summary.json").read_text())
-    whole = log.load(out / NAME)
-    changes = sum(bool(tick.attended) for tick in whole.ticks())
-    assert summary["ticks"] == whole.scenario.ticks == sum(1 for _ in whole.ticks())
-    assert replay_command.rerun(whole, all_robots=True)["digest"] == summary["digest"]
+    loaded = log.load(out / NAME)
+    changes = sum(bool(tick.attended) for tick in loaded.ticks())
+    assert summary["ticks"] == loaded.scenario.ticks == sum(1 for _ in loaded.ticks())
+    assert replay_command.rerun(loaded, all_robots=True)["digest"] == summary["digest"]
     assert summary["separation_error_rms"] < 0.5, summary["separation_error_rms"]
     assert summary["algebraic_connectivity"] > 0.0
     assert not (out / "checkpoint").exists()

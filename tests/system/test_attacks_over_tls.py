@@ -135,7 +135,7 @@ def test_robots_observers_and_operators_have_the_rights_of_their_roles(
             reports = observer.mailbox(keys.report(RUN))
             looking = Endpoints("client", (world.endpoint,), security=team_keys.security(keyed, "observer"))
             findings, robots = await network.examine(looking, RUN, True)
-            others = [found.check for found in findings if found.status is not Status.OK]
+            others = [result.check for result in findings if result.status is not Status.OK]
             assert (robots, others) == (2, ["alive"])  # both robots have not joined yet
             world.agent(0)
             world.agent(1)

@@ -35,9 +35,9 @@ def test_a_worker_killed_midway_loses_no_run_and_repeats_none(dask: LocalCluster
     until_some_are_done(tmp_path / "out", sweep)
     assert len(finished(tmp_path / "out")) < RUNS
     os.kill(dask.workers[0].pid, signal.SIGKILL)
-    said, complained = sweep.communicate(timeout=60)
+    output, complained = sweep.communicate(timeout=60)
     assert (sweep.returncode, complained) == (0, "")
-    assert "out/table.csv" in said
+    assert "out/table.csv" in output
     assert len(finished(tmp_path / "out")) == len(set(finished(tmp_path / "out"))) == RUNS
 
     here = call(tmp_path, "fes", *LONG, "--out", "here")
@@ -58,10 +58,10 @@ def test_a_worker_with_another_version_of_fes_is_rejected(
 
 
 def test_a_worker_with_another_arithmetic_is_rejected(dask: LocalCluster, monkeypatch: pytest.MonkeyPatch) -> None:
-    here = fingerprint.text()
+    own = fingerprint.text()
     monkeypatch.setattr(fingerprint, "table", lambda: dict(OTHER))  # of this side only
     planned = design.plan(Path(PAIR), [], "0:1", ["run.duration=1"])
-    wanted = rf"^a Dask worker has {here}, and the sweep is of {fingerprint.text()}$"
+    wanted = rf"^a Dask worker has {own}, and the sweep is of {fingerprint.text()}$"
     with cluster.connected(dask.scheduler_address) as workers, pytest.raises(FesError, match=wanted):
         list(workers.carry_out(work.batches("pair", planned.runs, 2), work.ignore))
 

@@ -147,11 +147,11 @@ def test_a_package_of_ours_that_another_project_overwrote_is_a_failure(wheel: Pa
     environment = Environment(tmp_path / "venv")
     environment.install(wheel)
     environment.install(wheel_of_another_project(tmp_path))
-    found = environment.names(tmp_path)
-    assert found["status"] == "failed"
-    assert "agents/__init__.py is not what fes-robots" in found["seen"]
-    assert "robot-agents wrote over it" in found["seen"]
-    assert found["remedy"] == distribution.separate()
+    result = environment.names(tmp_path)
+    assert result["status"] == "failed"
+    assert "agents/__init__.py is not what fes-robots" in result["seen"]
+    assert "robot-agents wrote over it" in result["seen"]
+    assert result["remedy"] == distribution.separate()
     assert environment.call(tmp_path, "fes", "doctor").returncode == 1
 
 
@@ -159,16 +159,19 @@ def test_a_package_of_another_project_that_ours_overwrote_is_a_warning(wheel: Pa
     environment = Environment(tmp_path / "venv")
     environment.install(wheel_of_another_project(tmp_path))
     environment.install(wheel)
-    found = environment.names(tmp_path)
-    assert (found["status"], found["seen"]) == ("warning", "robot-agents has the package 'agents' too")
-    assert distribution.separate() in found["remedy"]
+    result = environment.names(tmp_path)
+    assert (result["status"], result["seen"]) == ("warning", "robot-agents has the package 'agents' too")
+    assert distribution.separate() in result["remedy"]
 
 
 def test_a_distribution_called_fes_is_a_warning(tmp_path: Path) -> None:
     world_info = tmp_path / "fes-1.0.62.dist-info"
     world_info.mkdir()
     (world_info / "METADATA").write_text("Metadata-Version: 2.1\nName: fes\nVersion: 1.0.62\n")
-    said = with_path(tmp_path, tmp_path, "fes", "doctor", "--json").stdout
-    [found] = [one for one in json.loads(said) if one["check"] == "our names"]
-    assert (found["status"], found["seen"]) == ("warning", "'fes' 1.0.62 is installed; this project is 'fes-robots'")
-    assert "pip uninstall fes" in found["remedy"]
+    output = with_path(tmp_path, tmp_path, "fes", "doctor", "--json").stdout
+    [result] = [finding for finding in json.loads(output) if finding["check"] == "our names"]
+    assert (result["status"], result["seen"]) == (
+        "warning",
+        "'fes' 1.0.62 is installed; this project is 'fes-robots'",
+    )
+    assert "pip uninstall fes" in result["remedy"]

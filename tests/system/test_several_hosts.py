@@ -70,10 +70,10 @@ class Team:
         back = max(map(int, re.findall(r"is back from tick (\d+)", self.said())))
         self.reaches(back + 10, host, endpoint)
         self.processes[0].send_signal(signal.SIGINT)
-        found = self.summary()
+        result = self.summary()
         assert "robot 0 is not there" not in self.said()
         recorded = log.load(self.where / "out/run.mcap")
-        assert replay_command.rerun(recorded, all_robots=True)["digest"] == found["digest"]
+        assert replay_command.rerun(recorded, all_robots=True)["digest"] == result["digest"]
 
     def said(self, who: str = "world") -> str:
         return (self.where / f"{who}.log").read_text()
@@ -85,8 +85,8 @@ class Team:
         """The summary, once all processes have ended without error."""
         codes = [process.wait(PATIENCE) for process in self.processes]
         assert not any(codes), self.all_said()
-        found: dict[str, Any] = json.loads((self.where / "out/summary.json").read_text())
-        return found
+        run_summary: dict[str, Any] = json.loads((self.where / "out/summary.json").read_text())
+        return run_summary
 
 
 @pytest.fixture

@@ -60,9 +60,9 @@ def test_systemd_accepts_the_units(tmp_path: Path, secure: bool) -> None:
 
 def command(unit: str, environment: dict[str, str], instance: str = "") -> list[str]:
     """The command of a unit, with variables and instance expanded as by systemd; the last ExecStart holds."""
-    *_, found = re.findall(r"^ExecStart=((?:.*\\\n)*.*)", unit, re.MULTILINE)
+    *_, result = re.findall(r"^ExecStart=((?:.*\\\n)*.*)", unit, re.MULTILINE)
     words = []
-    for word in shlex.split(found.replace("\\\n", " ")):
+    for word in shlex.split(result.replace("\\\n", " ")):
         if word.startswith("$") and word[1:] in environment:  # alone, it is split
             words += environment[word[1:]].split()
         else:
@@ -113,8 +113,8 @@ def test_a_world_that_is_stopped_and_started_resumes_and_its_robots_have_waited(
                 process.kill()
                 process.wait()
     assert "scenario resumes at tick" in said.read_text()
-    found = json.loads((tmp_path / "run/summary.json").read_text())
-    assert found["digest"] == inprocess.run(load("pair.toml", run__duration=SECONDS), "pair")["digest"]
+    summary = json.loads((tmp_path / "run/summary.json").read_text())
+    assert summary["digest"] == inprocess.run(load("pair.toml", run__duration=SECONDS), "pair")["digest"]
 
 
 def variables(unit: str) -> dict[str, str]:
@@ -165,8 +165,8 @@ def test_with_the_drop_ins_a_run_uses_tls_and_each_unit_its_own_files(tmp_path: 
     assert ends == [0, 0], said
     assert "others on this machine" not in said
     assert f"tls/127.0.0.1:{port}" in said
-    found = json.loads((tmp_path / "run/summary.json").read_text())
-    assert found["digest"] == inprocess.run(load("pair.toml", run__duration=SECONDS), "pair")["digest"]
+    summary = json.loads((tmp_path / "run/summary.json").read_text())
+    assert summary["digest"] == inprocess.run(load("pair.toml", run__duration=SECONDS), "pair")["digest"]
     names = {role: {path.name for path in (tmp_path / role).iterdir()} for role in units}
     assert names == {
         "world": {"ca.crt", "world.crt", "world.key", "robot-0-1.crt"},

@@ -133,14 +133,14 @@ def test_after_a_run_the_last_frame_and_the_headline_are_on_the_terminal_togethe
     assert shown.end() == 0
     lines = shown.left.rstrip("\n").split("\n")
     assert len(lines) < rows  # and the prompt
-    found = json.loads((tmp_path / "out" / "summary.json").read_text())
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert lines[0].startswith("pair ")  # of the frame
     end = [line.strip() for line in lines[-6:]]
     for line, word in zip(
         end, ("estimate error", "separation error", "r*", "time", "digest", "run dir"), strict=True
     ):
         assert line.startswith(word)
-    assert end[-2] == f"digest  {found['digest']}"
+    assert end[-2] == f"digest  {summary['digest']}"
     assert end[-1] == "run directory: out"
 
 

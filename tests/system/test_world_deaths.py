@@ -93,12 +93,12 @@ def test_a_resumed_world_remembers_changes_and_deaths_since_the_checkpoint(run: 
     summary = run.finish()
     assert summary["ticks"] == 2000
     assert "2000000.0" in (run.out / "scenario.toml").read_text()
-    found = log.load(run.out / NAME)
-    assert [change for tick in found.ticks() for change in tick.changes] == [("channel.reference_snr", 2e6)]
-    [gone, back] = [tick for tick in found.ticks() if tick.attended]
+    loaded = log.load(run.out / NAME)
+    assert [change for tick in loaded.ticks() for change in tick.changes] == [("channel.reference_snr", 2e6)]
+    [gone, back] = [tick for tick in loaded.ticks() if tick.attended]
     assert 1 not in gone.attended[-1]
     assert 1 in back.attended[-1]
-    assert replay_command.rerun(found, all_robots=True)["digest"] == summary["digest"]
+    assert replay_command.rerun(loaded, all_robots=True)["digest"] == summary["digest"]
 
 
 def test_a_resumed_world_repeats_joins_and_leaves_since_the_checkpoint(run: Run) -> None:
@@ -126,9 +126,9 @@ def test_a_resumed_world_repeats_joins_and_leaves_since_the_checkpoint(run: Run)
     run.world.communicate()
     run.start("--resume", str(run.out))
     summary = run.finish()
-    found = log.load(run.out / NAME)
-    assert replay_command.rerun(found, all_robots=True)["digest"] == summary["digest"]
-    assert len([tick for tick in found.ticks() if tick.attended]) == 2
+    loaded = log.load(run.out / NAME)
+    assert replay_command.rerun(loaded, all_robots=True)["digest"] == summary["digest"]
+    assert len([tick for tick in loaded.ticks() if tick.attended]) == 2
 
 
 def test_a_world_behind_its_robots_reports_it_and_they_end(run: Run, tmp_path: Path) -> None:

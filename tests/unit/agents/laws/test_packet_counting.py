@@ -32,17 +32,17 @@ def test_misses_are_learnt_from_the_gap_at_separations_in_between() -> None:
     """A peer moves away by 1 m a tick; of ticks 0 to 4 only the beacons of 0 and 4 decode."""
     near = layouts.edges([0], [(0, 1)])
     now, ids = contacts.no_contacts(near.ids), np.array([1])
-    found = []
+    result = []
     for tick in range(1, 6):
-        said = layouts.silent_beacons(tick - 1, ids, layouts.poses([(60.0 + tick - 1, 0.0)]))
+        beacons = layouts.silent_beacons(tick - 1, ids, layouts.poses([(60.0 + tick - 1, 0.0)]))
         before, code = now, 2 if tick in (1, 5) else 1
         sensed = Observations(tick, layouts.poses([(0.0, 0.0)]), near, np.array([code], dtype=np.uint8))
-        now = contacts.update(before, sensed, layouts.poses([(0.0, 0.0)]), said, 50)
+        now = contacts.update(before, sensed, layouts.poses([(0.0, 0.0)]), beacons, 50)
         at, separation, decoded = beacon_counting.slots(before, now, tick, np.ones(1, dtype=np.bool_))
-        found.append((at.tolist(), separation.tolist(), decoded.tolist()))
-    assert found[0] == ([], [], [])  # the number missed before the first is unknown
-    assert found[1:4] == [([], [], [])] * 3
-    assert found[4] == ([0] * 4, [64.0, 61.0, 62.0, 63.0], [True, False, False, False])
+        result.append((at.tolist(), separation.tolist(), decoded.tolist()))
+    assert result[0] == ([], [], [])  # the number missed before the first is unknown
+    assert result[1:4] == [([], [], [])] * 3
+    assert result[4] == ([0] * 4, [64.0, 61.0, 62.0, 63.0], [True, False, False, False])
 
 
 def test_only_the_latest_slots_of_a_long_silence_are_counted() -> None:
@@ -50,9 +50,9 @@ def test_only_the_latest_slots_of_a_long_silence_are_counted() -> None:
     near, ids, silent = layouts.edges([0], [(0, 1)]), np.array([1]), 10**6
     before = now = contacts.no_contacts(near.ids)
     for tick, place in ((1, 60.0), (silent, 160.0)):
-        said = layouts.silent_beacons(tick - 1, ids, layouts.poses([(place, 0.0)]))
+        beacons = layouts.silent_beacons(tick - 1, ids, layouts.poses([(place, 0.0)]))
         sensed = Observations(tick, layouts.poses([(0.0, 0.0)]), near, np.array([2], dtype=np.uint8))
-        before, now = now, contacts.update(now, sensed, layouts.poses([(0.0, 0.0)]), said, 50)
+        before, now = now, contacts.update(now, sensed, layouts.poses([(0.0, 0.0)]), beacons, 50)
     _, separation, decoded = beacon_counting.slots(before, now, silent, np.ones(1, dtype=np.bool_))
     assert len(separation) == 1 + beacon_counting.MOST_MISSED
     assert decoded.tolist() == [True] + [False] * beacon_counting.MOST_MISSED
@@ -110,10 +110,14 @@ def test_robots_at_the_same_point_learn_finite_values() -> None:
 
 def test_the_curvature_of_the_preference_is_the_derivative_of_its_slope() -> None:
     r, h = np.linspace(20.0, 145.0, 60), 1e-4
-    for wish in (ObjectiveConfig(), ObjectiveConfig(minimum_separation=100.0, shape_exponent=3.0)):
-        rise = objective.log_preference_slope(r + h, wish) - objective.log_preference_slope(r - h, wish)
+    for team_objective in (ObjectiveConfig(), ObjectiveConfig(minimum_separation=100.0, shape_exponent=3.0)):
+        rise = objective.log_preference_slope(r + h, team_objective) - objective.log_preference_slope(
+            r - h, team_objective
+        )
         # central differences: h^2 times the third derivative, and 1e-16/h of rounding
-        np.testing.assert_allclose(objective.log_preference_curvature(r, wish), rise / (2.0 * h), atol=1e-10)
+        np.testing.assert_allclose(
+            objective.log_preference_curvature(r, team_objective), rise / (2.0 * h), atol=1e-10
+        )
 
 
 def test_links_without_pooling_learn_their_own_slope_and_keep_it_while_others_open_and_close() -> None:
@@ -135,12 +139,12 @@ def test_links_without_pooling_learn_their_own_slope_and_keep_it_while_others_op
 
 
 def test_a_sample_of_the_index_is_the_preference_if_the_beacon_decoded_and_zero_otherwise() -> None:
-    near, wish = layouts.edges([0], [(0, 1), (0, 2)]), ObjectiveConfig()
-    said = layouts.silent_beacons(4, np.array([1, 2]), layouts.poses([(60.0, 0.0), (0.0, 70.0)]))
+    near, team_objective = layouts.edges([0], [(0, 1), (0, 2)]), ObjectiveConfig()
+    beacons = layouts.silent_beacons(4, np.array([1, 2]), layouts.poses([(60.0, 0.0), (0.0, 70.0)]))
     sensed = Observations(5, layouts.poses([(0.0, 0.0)]), near, np.array([2, 1], dtype=np.uint8))
-    known = contacts.update(contacts.no_contacts(near.ids), sensed, layouts.poses([(0.0, 0.0)]), said, 50)
-    sample = beacon_counting.sample(known, 5, np.arange(2), wish)
-    assert sample.tolist() == [objective.preference(np.array([60.0]), wish)[0], 0.0]
+    known = contacts.update(contacts.no_contacts(near.ids), sensed, layouts.poses([(0.0, 0.0)]), beacons, 50)
+    sample = beacon_counting.sample(known, 5, np.arange(2), team_objective)
+    assert sample.tolist() == [objective.preference(np.array([60.0]), team_objective)[0], 0.0]
 
 
 def test_the_dithers_of_links_that_learn_alone_are_staggered_equally_at_both_ends() -> None:

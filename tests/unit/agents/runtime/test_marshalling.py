@@ -73,11 +73,11 @@ def test_each_command_holds_its_own_robots_twist_and_telemetry(crew: set[int], p
     said, twists = say(crew, pairs, seed)
     estimates = dict(zip(sorted(layouts.pairs_of(said.links)), said.estimates.tolist(), strict=True))
     learnt = np.stack([said.estimates, -said.estimates])
-    for at, (robot, _, payload) in enumerate(encode_tick(said, twists, told(said, learnt))):
+    for index, (robot, _, payload) in enumerate(encode_tick(said, twists, told(said, learnt))):
         command = messages.decode_command(payload)
-        assert (command.robot, command.tick, robot) == (sorted(crew)[at], 7, sorted(crew)[at])
+        assert (command.robot, command.tick, robot) == (sorted(crew)[index], 7, sorted(crew)[index])
         assert bits(command.learnt) == bits(np.concatenate([command.estimates, -command.estimates]))
-        assert np.array(command.twist).tobytes() == twists[at].tobytes()
+        assert np.array(command.twist).tobytes() == twists[index].tobytes()
         peers = sorted(peer for own, peer in pairs if own == robot)
         assert command.links.tolist() == peers
         assert command.estimates.tolist() == [estimates[robot, peer] for peer in peers]

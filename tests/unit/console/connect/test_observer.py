@@ -65,8 +65,8 @@ def seen(timeout: float, *acts: tuple[float, bool | bytes], busy: float = 0.0) -
             await acting
         return ticks, None, loop.time()
 
-    found: tuple[list[int], Any, float] = jumps.run(story())
-    return found
+    result: tuple[list[int], Any, float] = jumps.run(story())
+    return result
 
 
 @pytest.mark.parametrize(("timeout", "waits"), [(5.0, 15.0), (15.0, 15.0), (30.0, 30.0), (60.0, 60.0)])
@@ -97,20 +97,20 @@ def test_the_wait_for_a_world_that_does_not_return_begins_when_the_busy_reader_c
 
 
 def test_an_observer_that_receives_only_another_version_reports_it() -> None:
-    strange = [(1.0 + 0.1 * at, of_another_version(at)) for at in range(50)]
+    strange = [(1.0 + 0.1 * index, of_another_version(index)) for index in range(50)]
     ticks, error, when = seen(30.0, (0.5, True), *strange)
     assert (ticks, str(error)) == ([], "Report: speaks protocol 2, got version: 1")
     assert when <= 1.0 + observer.FOREIGN_PERIOD + IDLE  # as soon as the world has said enough, for long enough
 
 
 def test_a_flood_of_another_version_before_the_first_report_hides_no_report() -> None:
-    strange = [(1.0 + 0.001 * at, of_another_version(at)) for at in range(500)]
+    strange = [(1.0 + 0.001 * index, of_another_version(index)) for index in range(500)]
     ticks, error, _ = seen(5.0, (0.5, True), *strange, (2.0, report(7)), (6.0, report(TICKS - 1)), (7.0, False))
     assert (ticks, error) == ([7, TICKS - 1], None)
 
 
 def test_junk_of_another_version_between_reports_hides_no_report() -> None:
-    strange = [(3.0 + 0.1 * at, of_another_version(at)) for at in range(20)]
+    strange = [(3.0 + 0.1 * index, of_another_version(index)) for index in range(20)]
     ticks, error, _ = seen(5.0, (1.0, True), (2.0, report(7)), *strange, (6.0, report(TICKS - 1)), (7.0, False))
     assert (ticks, error) == ([7, TICKS - 1], None)
 

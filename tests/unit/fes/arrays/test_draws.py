@@ -45,17 +45,17 @@ def test_draws_depend_neither_on_other_requested_links_nor_on_their_order(
 
 
 def test_a_number_is_that_of_numpy_at_the_counter_of_its_coordinates() -> None:
-    found = numbers([(5, 9), (9, 5)], 12, 8)
+    result = numbers([(5, 9), (9, 5)], 12, 8)
     for column, (sender, receiver) in enumerate([(5, 9), (9, 5)]):
         # counter (tick / 4, sender, receiver): Philox counts up before its first block of four words
         counter = np.array([12 // 4, sender, receiver, 0], dtype=np.uint64)
         generator = np.random.Generator(np.random.Philox(key=KEY, counter=counter))
-        assert found[:, column].tolist() == generator.random(8).tolist()
+        assert result[:, column].tolist() == generator.random(8).tolist()
 
 
 def test_a_pair_and_its_reverse_have_different_numbers() -> None:
-    found = numbers([(5, 9), (9, 5)], 0, 64)
-    assert not set(found[:, 0].tolist()) & set(found[:, 1].tolist())
+    result = numbers([(5, 9), (9, 5)], 0, 64)
+    assert not set(result[:, 0].tolist()) & set(result[:, 1].tolist())
 
 
 def test_numbers_are_uniform_along_ticks_and_across_pairs() -> None:
@@ -91,8 +91,8 @@ def test_a_request_for_no_pairs_gives_no_numbers() -> None:
 
 
 def test_sub_seeds_are_seeds_of_their_own() -> None:
-    found = [draws.sub_seed(seed, stream) for seed in range(500) for stream in ("agents", "world")]
-    assert len(set(found)) == 1000
-    assert all(type(seed) is int and 0 <= seed < 2**53 for seed in found)
-    assert witness.uniform_p_value(np.array(found) / 2.0**53) > 1e-3  # nothing of the seed shows
+    result = [draws.sub_seed(seed, stream) for seed in range(500) for stream in ("agents", "world")]
+    assert len(set(result)) == 1000
+    assert all(type(seed) is int and 0 <= seed < 2**53 for seed in result)
+    assert witness.uniform_p_value(np.array(result) / 2.0**53) > 1e-3  # nothing of the seed shows
     assert draws.sub_seed(3, "agents") == draws.sub_seed(3, "agents")

@@ -74,8 +74,8 @@ def test_find_gives_the_position_of_a_pair_or_minus_one(
     pairs: set[tuple[int, int]], wanted: set[tuple[int, int]]
 ) -> None:
     ordered = sorted(pairs)
-    found = edges(CREW, pairs).find(edges(CREW, wanted).keys).tolist()
-    assert found == [ordered.index(pair) if pair in pairs else -1 for pair in sorted(wanted)]
+    result = edges(CREW, pairs).find(edges(CREW, wanted).keys).tolist()
+    assert result == [ordered.index(pair) if pair in pairs else -1 for pair in sorted(wanted)]
 
 
 @given(pairs=pair_sets)
@@ -100,8 +100,8 @@ def test_smallest_finds_the_k_smallest_of_each_robot_and_among_equals_the_lowest
     for robot in CREW:
         mine = [pair for pair in ordered if pair[0] == robot]
         expected |= set(sorted(mine, key=lambda pair: (level[pair], pair[1]))[:k])
-    found = among.smallest(np.array([level[pair] for pair in ordered]), k)
-    assert {ordered[at] for at in found.tolist()} == expected
+    result = among.smallest(np.array([level[pair] for pair in ordered]), k)
+    assert {ordered[at] for at in result.tolist()} == expected
     if k == 1:
         values = np.array([level[pair] for pair in ordered])
         assert {ordered[at] for at in among.first_smallest(values).tolist()} == expected

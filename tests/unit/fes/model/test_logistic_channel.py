@@ -67,9 +67,9 @@ def test_range_at_outage_equals_the_root_of_a_root_finder(channel: ChannelConfig
         with pytest.raises(ValueError, match="larger outage at every separation"):
             outage.range_at_outage(probability, channel)
         return
-    found = outage.range_at_outage(probability, channel)
+    result = outage.range_at_outage(probability, channel)
     # tanh near 1 knows 1 - outage >= 1e-6 to 1e-16, so r to 1e-10 widths
-    assert found == pytest.approx(witness.root(excess, 0.0, 2000.0), abs=1e-9 * channel.logistic_width + 1e-10)
+    assert result == pytest.approx(witness.root(excess, 0.0, 2000.0), abs=1e-9 * channel.logistic_width + 1e-10)
 
 
 @given(channel=channels, separation=st.floats(1.0, 300.0))
@@ -77,8 +77,8 @@ def test_the_slope_of_ln_p_is_its_derivative(channel: ChannelConfig, separation:
     z = (separation - channel.logistic_midpoint) / channel.logistic_width
     # by hand from p = 1/(1 + e^z): p'/p = -e^z/(1 + e^z)/w, written so that e^-600 does not overflow
     expected = -1.0 / (1.0 + math.exp(-z)) / channel.logistic_width if z > -700 else 0.0
-    found = float(outage.log_reception_slope(np.array([separation]), channel)[0])
-    assert found == pytest.approx(expected, rel=1e-12, abs=1e-300)
+    result = float(outage.log_reception_slope(np.array([separation]), channel)[0])
+    assert result == pytest.approx(expected, rel=1e-12, abs=1e-300)
 
 
 @pytest.mark.parametrize("channel", [ChannelConfig(), LOGISTIC, ChannelConfig(model="perfect")])
@@ -90,14 +90,14 @@ def test_the_slope_of_ln_p_is_that_of_differences_for_every_model(channel: Chann
 
 @given(preferred=objectives, channel=channels)
 def test_no_separation_is_better_than_the_optimum(preferred: ObjectiveConfig, channel: ChannelConfig) -> None:
-    found = optimum.optimal_separation(preferred, channel)
+    best = optimum.optimal_separation(preferred, channel)
     expected = witness.maximizer(
         lambda r: log_index(r, preferred, channel),
         1.0,
         preferred.maximum_separation,
     )
     # a maximum read off values is known to sqrt(2e-16 |ln J|/(ln J)'') = 1e-7 of r or so
-    assert found == pytest.approx(expected, rel=2e-6)
+    assert best == pytest.approx(expected, rel=2e-6)
 
 
 @pytest.mark.parametrize("preferred", [NEAR, FAR])

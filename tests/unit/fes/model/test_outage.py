@@ -25,8 +25,8 @@ channels = st.builds(
 
 @pytest.mark.parametrize(("separation", "percent"), [(68.0, 9.0017), (105.0, 29.340), (150.0, 63.669)])
 def test_outage_at_the_points_of_figure_1_is_the_published_one(separation: float, percent: float) -> None:
-    found = 100.0 * float(outage.outage_probability(np.array(separation), PAPER))
-    assert found == pytest.approx(percent, abs=5e-4 if percent > 10 else 5e-5)  # half of the last digit
+    result = 100.0 * float(outage.outage_probability(np.array(separation), PAPER))
+    assert result == pytest.approx(percent, abs=5e-4 if percent > 10 else 5e-5)  # half of the last digit
 
 
 @pytest.mark.parametrize(("probability", "separation"), [(0.09, 67.995), (0.30, 105.938), (0.60, 145.090)])

@@ -69,10 +69,10 @@ def test_any_well_formed_change_is_applied_or_rejected_in_one_line(data: st.Data
     path = data.draw(st.sampled_from([change.path, f"channel.{field}", f"channel.{field}.x"]))
     try:
         changed = events.changed(RadioConfig(), {path: change.value}, 0.02)
-        said = str(
+        text = str(
             CODECS["Effect"].decode(encode_result(ChangeResult(path, events.effective(changed, path), 1, 68.0))).tick
         )
     except FesError as error:
-        said = str(error)
-    assert 0 < len(said) < 400
-    assert said.isprintable()
+        text = str(error)
+    assert 0 < len(text) < 400
+    assert text.isprintable()

@@ -45,9 +45,9 @@ def test_one_bit_of_one_result_of_one_function_changes_the_fingerprint(
     function = getattr(module, last)
 
     def rounded_otherwise(*words: Any) -> Any:
-        found = np.array(function(*words))
-        found[-1] = np.nextafter(found[-1], np.inf)
-        return found
+        result = np.array(function(*words))
+        result[-1] = np.nextafter(result[-1], np.inf)
+        return result
 
     compute = fingerprint._fingerprint.__wrapped__  # without what it remembers
     before = compute()
@@ -65,10 +65,10 @@ def test_an_invalid_arithmetic_is_rejected() -> None:
 
 def test_a_summary_has_the_arithmetic_and_an_expectation_can_name_it(tmp_path: Path) -> None:
     wanted = {"of": "arithmetic.numpy", "equals": np.__version__}
-    found = written(tmp_path, inprocess.run(load("pair.toml", run__duration=0.1, expect=[wanted]), "pair"))
-    assert found["arithmetic"] == fingerprint.table()
-    assert found["arithmetic"]["core"] == "numpy"
-    assert [one["holds"] for one in found["expectations"]] == [True]
+    summary = written(tmp_path, inprocess.run(load("pair.toml", run__duration=0.1, expect=[wanted]), "pair"))
+    assert summary["arithmetic"] == fingerprint.table()
+    assert summary["arithmetic"]["core"] == "numpy"
+    assert [one["holds"] for one in summary["expectations"]] == [True]
 
 
 def test_a_checkpoint_is_not_resumed_with_another_arithmetic(tmp_path: Path, elsewhere: None) -> None:
@@ -124,15 +124,15 @@ def test_replay_and_compare_distinguish_another_processor_from_an_edited_log(
         recordings.record(there, pair)
     # The digits are the same: no line about the arithmetic.
     assert log.load(there).arithmetic == OTHER
-    found = replay_command.rerun(log.load(there), all_robots=True)
-    assert found["arithmetic"] == OTHER  # as it was recorded
+    result = replay_command.rerun(log.load(there), all_robots=True)
+    assert result["arithmetic"] == OTHER  # as it was recorded
     assert compare.compare(here, there) == 0
     assert capsys.readouterr().out == "every message of every tick is the same to the bit\n"
     # With a difference, there is one.
 
     def farther(payload: bytes) -> bytes:
-        found = messages.decode_command(payload)
-        return messages.encode_command(found._replace(estimates=found.estimates + 1.0))
+        result = messages.decode_command(payload)
+        return messages.encode_command(result._replace(estimates=result.estimates + 1.0))
 
     recordings.rewrite(there, edited, recordings.edited("/commands", 6, 1, farther))
     with pytest.raises(Mismatch, match=r"^tick 6, Command of robot 1: estimates") as caught:
@@ -140,8 +140,8 @@ def test_replay_and_compare_distinguish_another_processor_from_an_edited_log(
     assert caught.value.__notes__ == [f"recorded with {THERE}; executed with {HERE}"]
     assert "\n" not in str(caught.value)
     assert compare.compare(here, edited) == 1
-    said = capsys.readouterr().out.splitlines()
-    assert said[1:] == [f"A was recorded with {HERE}; B was recorded with {THERE}"]
+    output = capsys.readouterr().out.splitlines()
+    assert output[1:] == [f"A was recorded with {HERE}; B was recorded with {THERE}"]
     assert compare.compare(here, edited, json_=True) == 1
     assert json.loads(capsys.readouterr().out)["arithmetic"] == [fingerprint.table(), OTHER]
 

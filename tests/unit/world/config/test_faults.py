@@ -71,9 +71,9 @@ def test_a_late_transmitter_sends_old_data_and_its_oldest_until_the_delay_has_pa
         return now.state.poses[3].tobytes(), told.links.peers[span].tobytes(), told.estimates[span].tobytes()
 
     def sent(tick: int, robot: int = 3) -> tuple[bytes, ...]:
-        said = run[tick].beacons
-        span = said.links.spans[robot]
-        return said.poses[robot].tobytes(), said.links.peers[span].tobytes(), said.estimates[span].tobytes()
+        beacons = run[tick].beacons
+        span = beacons.links.spans[robot]
+        return beacons.poses[robot].tobytes(), beacons.links.peers[span].tobytes(), beacons.estimates[span].tobytes()
 
     then = [*range(10), *[10] * 6, *range(11, 25), *[24] * 5, *range(25, 40), *range(50, 75)]
     assert len(then) == len(run)
@@ -186,8 +186,8 @@ def test_an_agent_receives_the_faults_of_its_own_robots_only_and_no_losses() -> 
         ],
     )
     whole = agent_config(faulty)
-    found = [(fault.tick, fault.robot, fault.delay, fault.corrupt, fault.skew) for fault in whole.faults]
-    assert found == [(75, 5, 0, True, None), (100, 3, 10, False, None), (100, 3, 10, False, 0.1)]
+    result = [(fault.tick, fault.robot, fault.delay, fault.corrupt, fault.skew) for fault in whole.faults]
+    assert result == [(75, 5, 0, True, None), (100, 3, 10, False, None), (100, 3, 10, False, 0.1)]
     assert [fault.robot for fault in config.own(whole, (3, 4)).faults] == [3, 3]
     assert config.own(whole, (0,)).faults == []
     again = messages.decode_welcome(messages.encode_welcome(messages.Welcome((3,), whole)))

@@ -106,9 +106,9 @@ def test_the_digest_of_a_run_is_that_of_its_true_poses_and_twists(monkeypatch: p
 def test_a_level_is_reached_at_the_start_of_the_ten_seconds_for_which_it_holds(
     errors: list[float], expected: float | None
 ) -> None:
-    found = times(separations=errors)
-    assert found["separation_1m"] == expected
-    assert found["separation_0_1m"] is None
+    result = times(separations=errors)
+    assert result["separation_1m"] == expected
+    assert result["separation_0_1m"] is None
     assert times(separations=[error / 10.0 for error in errors])["separation_0_1m"] == expected
     assert times(estimates=[(0.0, error) for error in errors])["estimate_1m"] == expected
     assert times(estimates=[(error / 10.0, 0.0) for error in errors])["estimate_0_1m"] == expected

@@ -104,12 +104,12 @@ def test_a_client_that_fills_the_log_with_made_up_keys_and_names_hides_no_other(
     nobody = [denied(f"nobody-{number}", KEY) for number in range(10 * KINDS_PER_NAME)]
     no_tls = f"{TRACE} zenoh_link_tls::unicast: received corrupt message"
     audit = fed(*made_up, *nobody, denied("operator", KEY), denied("operator", KEY), no_tls)
-    said = [record.getMessage() for record in caplog.records]
-    lines = [sum(name in line for line in said) for name in ("robot-3's", "nobody", "operator's")]
+    logged = [record.getMessage() for record in caplog.records]
+    lines = [sum(name in line for line in logged) for name in ("robot-3's", "nobody", "operator's")]
     assert lines == [KINDS_PER_NAME + 1, KINDS_PER_NAME + 1, 1]
     last = f"dropped robot-3's put on made/up/{KINDS_PER_NAME}: it has no right to it"
-    assert f"{last} (further kinds are counted, not shown)" in said
-    assert "dropped a connection: it does not speak TLS" in said[-1]
+    assert f"{last} (further kinds are counted, not shown)" in logged
+    assert "dropped a connection: it does not speak TLS" in logged[-1]
     caplog.clear()
     audit.log_total()
     totals = [record.getMessage() for record in caplog.records]

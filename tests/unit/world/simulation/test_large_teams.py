@@ -53,8 +53,8 @@ def all_triples(known: Contacts) -> Bools:
 def heard_again(known: Contacts, where: Floats, decoded: Bools, tick: int) -> Contacts:
     """The contacts a tick later: robots at `where` [n, 3], beacons `decoded` [m]."""
     codes = np.where(decoded, DECODED, LOST).astype(np.uint8)
-    said = layouts.silent_beacons(tick - 1, np.arange(len(where)), where)
-    return contacts.update(known, Observations(tick, where, known.edges, codes), where, said, 2)
+    beacons = layouts.silent_beacons(tick - 1, np.arange(len(where)), where)
+    return contacts.update(known, Observations(tick, where, known.edges, codes), where, beacons, 2)
 
 
 @pytest.mark.parametrize("layout", sorted(LAYOUTS))
@@ -71,8 +71,8 @@ def test_links_found_in_blocks_are_those_of_all_triples_at_once(
     known = layouts.hear(where, range(60))
     witnesses = Witnesses(known.edges)
     for tick in range(2, 8):
-        found = neighbor_rules.relative_neighborhood(known, witnesses)
-        assert found.tolist() == all_triples(known).tolist()
+        result = neighbor_rules.relative_neighborhood(known, witnesses)
+        assert result.tolist() == all_triples(known).tolist()
         where = where + np.column_stack([rng.normal(0.0, 2.0, (60, 2)), np.zeros(60)])
         known = heard_again(known, where, rng.random(len(known.edges)) < 0.7, tick)
 
@@ -97,10 +97,10 @@ def test_pairs_found_in_blocks_are_those_of_a_search_of_all_pairs(
 def test_a_crowd_takes_memory_in_proportion_to_its_contacts(rule: str) -> None:
     """For any number of contacts: their triples with third robots are 80 and 160 times as many."""
     for robots in (80, 160):
-        what, numbers = dense(robots, rule), 128 * 8
+        configured, numbers = dense(robots, rule), 128 * 8
         tracemalloc.start()
         try:
-            pairs = [len(tick.state.radio.edges) for tick in inprocess.ticks(what)]
+            pairs = [len(tick.state.radio.edges) for tick in inprocess.ticks(configured)]
             _, peak = tracemalloc.get_traced_memory()
         finally:
             tracemalloc.stop()

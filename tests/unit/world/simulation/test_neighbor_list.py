@@ -89,10 +89,10 @@ def test_the_edges_are_the_same_object_while_the_pairs_in_range_stay_the_same(n:
 
 
 def test_range_is_inclusive() -> None:
-    at, beyond = (
+    index, beyond = (
         neighbor_list.measure(np.arange(2), layouts.poses([(0, 0), (x, 0)]), REACH, None) for x in (100.0, 100.1)
     )
-    assert layouts.pairs_of(at.edges) == {(0, 1), (1, 0)}
+    assert layouts.pairs_of(index.edges) == {(0, 1), (1, 0)}
     assert len(beyond.edges) == 0
 
 

@@ -61,9 +61,9 @@ def test_the_gain_is_the_sum_of_its_waves_written_out() -> None:
     summed = math.sqrt(2.0 / shadowing.MODES) * (f(complex(*a), complex(*b)) + f(complex(*b), complex(*a)))
     expected = summed / math.sqrt(2.0 * (1.0 + math.exp(-2.0 * apart / 20.0)))
     poses = np.array([[*a, 0.3], [*b, -2.0]])
-    found = shadowing.gain(waves, UNIT, poses, np.array([0]), np.array([1]), np.array([apart]))
+    result = shadowing.gain(waves, UNIT, poses, np.array([0]), np.array([1]), np.array([apart]))
     # angles of up to 1e4 rad are rounded to 1e-12, and 256 of them add up as their root
-    assert float(found[0]) == pytest.approx(expected, abs=1e-11)
+    assert float(result[0]) == pytest.approx(expected, abs=1e-11)
 
 
 def test_the_gain_has_mean_zero_and_unit_variance_at_any_separation() -> None:
@@ -93,8 +93,8 @@ def test_the_correlation_is_gudmundsons_when_one_end_or_both_move() -> None:
         (((12.0, 16.0), (140.0, 30.0)), 50.0),
     ]
     drawn = samples([still, *(link for link, _ in moved)])
-    for at, (_, walked) in enumerate(moved, start=1):
-        assert_mean(drawn[:, :, 0] * drawn[:, :, at], math.exp(-walked / 20.0))
+    for index, (_, walked) in enumerate(moved, start=1):
+        assert_mean(drawn[:, :, 0] * drawn[:, :, index], math.exp(-walked / 20.0))
 
 
 def test_the_correlation_of_short_links_is_that_of_a_field_made_reciprocal() -> None:
@@ -153,9 +153,9 @@ def scattered(n: int) -> Floats:
 def probabilities(poses: Floats, config: RadioConfig, seed: int = 6) -> dict[tuple[int, int], float]:
     """The true reception probability of each (receiver, sender)."""
     near = neighbor_list.measure(np.arange(len(poses)), poses, config.communication_range, None)
-    found = channel.reception_probability(channel.medium(seed, 0.02), config, poses, near)
+    result = channel.reception_probability(channel.medium(seed, 0.02), config, poses, near)
     return dict(
-        zip(zip(near.edges.rows.tolist(), near.edges.peers.tolist(), strict=True), found.tolist(), strict=True)
+        zip(zip(near.edges.rows.tolist(), near.edges.peers.tolist(), strict=True), result.tolist(), strict=True)
     )
 
 
@@ -164,9 +164,9 @@ SHADED = RadioConfig(shadowing=ShadowingConfig(deviation=8.0))
 
 def test_the_gain_is_the_same_to_the_bit_from_either_end() -> None:
     poses = scattered(100)
-    found = probabilities(poses, SHADED)
-    assert len(found) > 500
-    assert all(found[sender, receiver] == p for (receiver, sender), p in found.items())
+    result = probabilities(poses, SHADED)
+    assert len(result) > 500
+    assert all(result[sender, receiver] == p for (receiver, sender), p in result.items())
     a, b = np.triu_indices(100, 1)
     apart = np.hypot(*(poses[a, :2] - poses[b, :2]).T)
     waves = shadowing.modes(6)
@@ -190,8 +190,8 @@ def test_a_robot_that_returns_to_a_place_has_the_same_shadowing() -> None:
 
 def test_a_gain_multiplies_the_snr_of_equation_3() -> None:
     poses = scattered(40)
-    found, gains = probabilities(poses, SHADED), 0
-    for (i, j), p in found.items():
+    result, gains = probabilities(poses, SHADED), 0
+    for (i, j), p in result.items():
         r = math.hypot(*(poses[i, :2] - poses[j, :2]).tolist())
         gain = shadowing.gain(
             shadowing.modes(6), SHADED.shadowing or UNIT, poses, np.array([i]), np.array([j]), np.array([r])
@@ -235,6 +235,6 @@ def test_shadows_move_the_midpoint_of_a_logistic_channel() -> None:
 def test_an_extreme_channel_stays_finite() -> None:
     wild = RadioConfig(path_loss_exponent=0.01, shadowing=ShadowingConfig(deviation=50.0))
     together = np.zeros((4, 3))
-    found = list(probabilities(np.concatenate([together, scattered(30)]), wild).values())
-    assert np.isfinite(found).all()
-    assert 0.0 <= min(found) <= max(found) <= 1.0
+    result = list(probabilities(np.concatenate([together, scattered(30)]), wild).values())
+    assert np.isfinite(result).all()
+    assert 0.0 <= min(result) <= max(result) <= 1.0
