@@ -35,12 +35,12 @@ def test_crafted_files_are_rejected_in_one_line_each_and_with_little_memory(tmp_
         check=True,
     )
     result = json.loads(done.stdout)
-    tried = {(kind, what) for kind, made in crafted.FILES.items() for what in made}
-    assert {(kind, what) for kind, what, _ in result["ends"]} == tried
-    for kind, what, said in result["ends"]:
-        assert said, f"{kind}, {what}: not refused"
-        assert "\n" not in said
-        assert said.isprintable()
+    tried = {(kind, name) for kind, made in crafted.FILES.items() for name in made}
+    assert {(kind, name) for kind, name, _ in result["ends"]} == tried
+    for kind, name, line in result["ends"]:
+        assert line, f"{kind}, {name}: not refused"
+        assert "\n" not in line
+        assert line.isprintable()
     assert result["peak"] < MOST
 
 

@@ -87,11 +87,11 @@ def test_a_crew_with_a_silent_robot_is_excluded_until_that_robot_answers(
     mute, say, repeat = asyncio.Event(), Outbox.publish, Outbox.resend
     unsaid: list[tuple[Outbox, int, Any]] = []
 
-    def half_said(outbox: Outbox, tick: int, said: Any) -> None:
-        if mute.is_set() and said[0][0] == 0:
-            unsaid.append((outbox, tick, said[1:]))
-            said = said[:1]
-        say(outbox, tick, said)
+    def half_said(outbox: Outbox, tick: int, answers: Any) -> None:
+        if mute.is_set() and answers[0][0] == 0:
+            unsaid.append((outbox, tick, answers[1:]))
+            answers = answers[:1]
+        say(outbox, tick, answers)
 
     monkeypatch.setattr(Outbox, "publish", half_said)
     monkeypatch.setattr(Outbox, "resend", lambda *asked: None if mute.is_set() else repeat(*asked))

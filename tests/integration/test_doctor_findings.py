@@ -38,9 +38,9 @@ def test_examining_a_run_changes_no_digit_and_sees_every_robot() -> None:
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         begin.set()
         for _ in range(3):
-            result, robots = await network.examine(client_of(endpoint), RUN, True)
+            findings, robots = await network.examine(client_of(endpoint), RUN, True)
             assert robots == 10
-            seen.append(result)
+            seen.append(findings)
 
     async def bounded() -> Any:
         async with asyncio.timeout(60.0):
@@ -50,10 +50,10 @@ def test_examining_a_run_changes_no_digit_and_sees_every_robot() -> None:
     assert summary["digest"] == inprocess.run(paper, "test")["digest"]
     assert not server.drops.counts
     assert not any(agent.drops.counts for agent in agents)
-    for result in seen:
-        assert [one.check for one in result] == ["endpoint", "alive", "version", "world's clock"]
-        assert {one.status for one in result} == {Status.OK}  # one clock, one installation
-        assert "robots 0-9 of 10" in result[1].seen
+    for findings in seen:
+        assert [finding.check for finding in findings] == ["endpoint", "alive", "version", "world's clock"]
+        assert {finding.status for finding in findings} == {Status.OK}  # one clock, one installation
+        assert "robots 0-9 of 10" in findings[1].seen
 
 
 def test_a_missing_robot_is_named() -> None:
@@ -138,7 +138,7 @@ def test_a_world_that_does_not_answer_is_a_warning() -> None:
             async with client(endpoint):
                 return (await network.examine(client_of(endpoint), RUN, True))[0]
 
-    assert [one.status for one in asyncio.run(main())][-1] == Status.WARNING
+    assert [finding.status for finding in asyncio.run(main())][-1] == Status.WARNING
 
 
 @pytest.mark.parametrize(

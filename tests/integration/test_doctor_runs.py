@@ -44,15 +44,15 @@ def test_the_doctor_does_not_advise_a_second_world_where_one_may_be_suspended(pr
     """A suspended process still accepts connections, and does not answer."""
     with socket.create_server(("127.0.0.1", 0)) as mute:
         endpoint = f"{protocol}/127.0.0.1:{mute.getsockname()[1]}"
-        said = connection_diagnosis.complaint(endpoint, {})
-        assert said is not None
-        assert said.endswith("or it is suspended or overloaded")
+        complaint = connection_diagnosis.complaint(endpoint, {})
+        assert complaint is not None
+        assert complaint.endswith("or it is suspended or overloaded")
         looked = Endpoints("client", (endpoint,), timeout=0.5)
-        [findings], _ = asyncio.run(network.examine(looked, "main", is_requested=True))
-    assert findings.status is Status.FAILED
-    assert "suspended or overloaded" in findings.seen
-    assert "check again" in findings.remedy
-    assert "start" not in findings.remedy
+        [finding], _ = asyncio.run(network.examine(looked, "main", is_requested=True))
+    assert finding.status is Status.FAILED
+    assert "suspended or overloaded" in finding.seen
+    assert "check again" in finding.remedy
+    assert "start" not in finding.remedy
 
 
 def test_a_run_whose_process_was_killed_is_not_announced() -> None:

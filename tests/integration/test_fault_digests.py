@@ -52,10 +52,10 @@ def faulty(name: str, fault: str) -> Scenario:
     return load(name, run__duration=2.4, event=FAULTS[fault])
 
 
-def over_zenoh(what: Scenario, groups: list[list[int]], recorder: Recorder | None = None) -> Any:
+def over_zenoh(scenario: Scenario, groups: list[list[int]], recorder: Recorder | None = None) -> Any:
     async def bounded() -> Any:
         async with asyncio.timeout(60.0):
-            return await session.run(what, groups, None, recorder)
+            return await session.run(scenario, groups, None, recorder)
 
     return asyncio.run(bounded())
 

@@ -37,7 +37,7 @@ def test_an_agent_that_is_suspended_past_its_lease_rejoins(tmp_path: Path) -> No
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     words = [str(CONFIGS / "pair.toml"), "--set", "run.clock=live", "--duration", "14", "--out", "out"]
     world = start(command_line("world.process", *words, "-l", endpoint), tmp_path)
-    agents = [start(command_line("agents.process", "--id", str(at), "-e", endpoint), tmp_path) for at in (0, 1)]
+    agents = [start(command_line("agents.process", "--id", str(robot), "-e", endpoint), tmp_path) for robot in (0, 1)]
 
     async def suspend() -> None:
         async with session.client(endpoint, PATIENCE) as observer, asyncio.timeout(PATIENCE):
@@ -109,7 +109,9 @@ def test_a_silent_robot_stops_and_delays_no_tick(tmp_path: Path, monkeypatch: py
     mute, say = asyncio.Event(), Outbox.publish
     unsaid: list[tuple[Outbox, int, Any]] = []
     monkeypatch.setattr(
-        Outbox, "publish", lambda *what: unsaid.append(what) if mute.is_set() and what[2][0][0] == 1 else say(*what)
+        Outbox,
+        "publish",
+        lambda *message: unsaid.append(message) if mute.is_set() and message[2][0][0] == 1 else say(*message),
     )
     seen: dict[str, Any] = {}
 

@@ -33,7 +33,7 @@ def test_a_dead_robot_stands_still_rejoins_as_a_new_process_and_its_run_can_be_r
     monkeypatch.setattr(
         Outbox,
         "publish",
-        lambda *what: unsaid.append(what[1]) if dying.is_set() and what[2][0][0] == 4 else say(*what),
+        lambda *message: unsaid.append(message[1]) if dying.is_set() and message[2][0][0] == 4 else say(*message),
     )
     seen: dict[str, Any] = {}
 
@@ -76,11 +76,11 @@ def test_a_hung_robot_is_excluded_after_the_deadline_and_rejoins_when_it_answers
     asleep, say = asyncio.Event(), Outbox.publish
     delayed: list[tuple[Outbox, int, Any]] = []
 
-    def sleepy(outbox: Outbox, tick: int, said: Any) -> None:
-        if asleep.is_set() and said[0][0] == 1:
-            delayed.append((outbox, tick, said))
+    def sleepy(outbox: Outbox, tick: int, answers: Any) -> None:
+        if asleep.is_set() and answers[0][0] == 1:
+            delayed.append((outbox, tick, answers))
         else:
-            say(outbox, tick, said)
+            say(outbox, tick, answers)
 
     repeat = Outbox.resend
     monkeypatch.setattr(Outbox, "publish", sleepy)
@@ -131,15 +131,15 @@ def test_late_answers_of_a_scheduled_dead_robot_are_accepted_after_it_rejoins(
 ) -> None:
     delayed, say = [], Outbox.publish
 
-    def slow(outbox: Outbox, tick: int, said: Any) -> None:
+    def slow(outbox: Outbox, tick: int, answers: Any) -> None:
         if (
-            said[0][0] == 6 and 70 <= tick < 80
+            answers[0][0] == 6 and 70 <= tick < 80
         ):  # the world does not wait for these; the robot takes part from tick 80 on
-            delayed.append((outbox, tick, said))
+            delayed.append((outbox, tick, answers))
             return
-        while said[0][0] == 6 and delayed:
+        while answers[0][0] == 6 and delayed:
             say(*delayed.pop(0))
-        say(outbox, tick, said)
+        say(outbox, tick, answers)
 
     monkeypatch.setattr(Outbox, "publish", slow)
     dying = load("paper.toml", run__duration=2.4, event=DEADS)
@@ -180,7 +180,9 @@ def test_a_team_that_hangs_as_one_rejoins_when_it_answers(tmp_path: Path, monkey
     """All that the world can then wait for are hung robots."""
     asleep, say, repeat = asyncio.Event(), Outbox.publish, Outbox.resend
     delayed: list[tuple[Outbox, int, Any]] = []
-    monkeypatch.setattr(Outbox, "publish", lambda *what: delayed.append(what) if asleep.is_set() else say(*what))
+    monkeypatch.setattr(
+        Outbox, "publish", lambda *message: delayed.append(message) if asleep.is_set() else say(*message)
+    )
     monkeypatch.setattr(Outbox, "resend", lambda *asked: None if asleep.is_set() else repeat(*asked))
 
     async def story(server: Server, agents: Any, endpoint: str) -> None:

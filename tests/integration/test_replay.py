@@ -154,41 +154,41 @@ def test_a_summary_that_the_log_does_not_yield_is_named(recorded: Recorded, tmp_
 
 
 def test_compare_names_the_first_difference(recorded: Recorded, tampered: Path, tmp_path: Path) -> None:
-    one = log.load(recorded[0])
-    assert compare.first_difference(one, one) is None
-    assert list(compare.of_scenarios(one, one)) == []
+    first = log.load(recorded[0])
+    assert compare.first_difference(first, first) is None
+    assert list(compare.of_scenarios(first, first)) == []
 
-    loaded = compare.first_difference(one, log.load(tampered))
+    loaded = compare.first_difference(first, log.load(tampered))
     assert loaded is not None
     assert (loaded.tick, loaded.message, loaded.robot, loaded.field) == (40, "Command", 3, "twist.angular")
     assert loaded.second == loaded.first + SHIFT
 
     recordings.record(tmp_path / "seed.mcap", load("measured.toml", **SHORT, run__seed=7))
-    other = log.load(tmp_path / "seed.mcap")
-    assert list(compare.of_scenarios(one, other)) == [("run.seed", 1, 7)]
-    assert compare.first_difference(one, other) is not None
+    second = log.load(tmp_path / "seed.mcap")
+    assert list(compare.of_scenarios(first, second)) == [("run.seed", 1, 7)]
+    assert compare.first_difference(first, second) is not None
 
     recordings.record(tmp_path / "shorter.mcap", load("measured.toml", run__duration=1.0))
-    shorter = compare.first_difference(one, log.load(tmp_path / "shorter.mcap"))
+    shorter = compare.first_difference(first, log.load(tmp_path / "shorter.mcap"))
     assert shorter is not None
     assert shorter.describe("in A", "in B") == "tick 50, run: this tick is 'there' in A and 'nothing' in B"
 
 
 def test_compare_and_replay_return_1_if_anything_differs(recorded: Recorded, tampered: Path) -> None:
-    one, other = str(recorded[0]), str(tampered)
-    same = subprocess.run(fes("compare", one, one), capture_output=True, text=True, timeout=PATIENCE)
+    first, second = str(recorded[0]), str(tampered)
+    same = subprocess.run(fes("compare", first, first), capture_output=True, text=True, timeout=PATIENCE)
     assert (same.returncode, same.stdout) == (0, "every message of every tick is the same to the bit\n")
-    unlike = subprocess.run(fes("compare", one, other), capture_output=True, text=True, timeout=PATIENCE)
+    unlike = subprocess.run(fes("compare", first, second), capture_output=True, text=True, timeout=PATIENCE)
     assert unlike.returncode == 1
     assert unlike.stdout.startswith("tick 40, Command of robot 3: twist.angular is ")
     own = fingerprint.text()
     assert unlike.stdout.splitlines()[1:] == [f"A was recorded with {own}; B was recorded with {own}"]
-    again = subprocess.run(fes("replay", other, "--all", "--json"), capture_output=True, text=True, timeout=PATIENCE)
+    again = subprocess.run(fes("replay", second, "--all", "--json"), capture_output=True, text=True, timeout=PATIENCE)
     assert (again.returncode, again.stdout) == (1, "")
     assert again.stderr.startswith("fes: error: tick 40, Command of robot 3: twist.angular is ")
     assert again.stderr.splitlines()[1:] == [f"fes: recorded with {own}; executed with {own}"]
-    whole = subprocess.run(fes("replay", one, "--json"), capture_output=True, text=True, timeout=PATIENCE)
-    assert (whole.returncode, json.loads(whole.stdout), whole.stderr) == (0, as_json(recorded[1]), "")
+    complete = subprocess.run(fes("replay", first, "--json"), capture_output=True, text=True, timeout=PATIENCE)
+    assert (complete.returncode, json.loads(complete.stdout), complete.stderr) == (0, as_json(recorded[1]), "")
 
 
 def read_without_an_index(path: Path) -> list[int]:

@@ -25,7 +25,7 @@ def messages_of(path: Path) -> list[tuple[str, int, bytes]]:
     with path.open("rb") as file:
         read = make_reader(file).iter_messages(log_time_order=False)
         result = [(channel.topic, message.sequence, message.data) for _, channel, message in read]
-    [end] = [index for index, (topic, _, told) in enumerate(result) if topic == "/events" and b'"end"' in told]
+    [end] = [index for index, (topic, _, data) in enumerate(result) if topic == "/events" and b'"end"' in data]
     return result[:end]
 
 

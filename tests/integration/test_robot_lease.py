@@ -51,13 +51,13 @@ def test_agents_without_an_id_take_the_lowest_free_robots_and_the_digest_is_the_
     async def main() -> Any:
         async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
             server = Server(opened, Run(scenario), "test", RUN)
-            named = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 3)]
+            joined = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 3)]
             await here(server, 0, 3)
             others = [asyncio.ensure_future(any_robot(endpoint)) for _ in range(8)]
             await server.gather()
             await server.main_loop()
             server.dismiss()
-            await asyncio.gather(*named)
+            await asyncio.gather(*joined)
             return sorted(await asyncio.gather(*others)), server.summarize()
 
     taken, summary = asyncio.run(main())

@@ -52,7 +52,7 @@ def test_only_one_module_of_the_product_touches_the_json_library() -> None:
     users = set()
     for name, path in modules(*PACKAGES).items():
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            imported = [one.name for one in node.names] if isinstance(node, ast.Import) else []
+            imported = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             if isinstance(node, ast.ImportFrom):
                 imported = [node.module or ""]
             users |= {name} if {"json", "simplejson", "orjson", "ujson"} & set(imported) else set()

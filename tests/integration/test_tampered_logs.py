@@ -34,7 +34,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def on(topic: str, tick: int, change: Callable[[bytes], bytes | None]) -> Edit:
     """An edit of one topic's message at one tick."""
-    return lambda result, at, data: change(data) if (result, at) == (topic, tick) else data
+    return lambda result, number, data: change(data) if (result, number) == (topic, tick) else data
 
 
 def team(change: Callable[[list[bytes]], list[bytes]], tick: int | None = 10) -> Callable[[bytes], bytes]:
@@ -115,9 +115,9 @@ def farther(data: bytes) -> bytes:
     payload = messages_pb2.Report.FromString(data).payload
     decoded = decode_report(payload)
     report = encode_report(decoded)
-    at = report.index(decoded.poses.tobytes())
+    position = report.index(decoded.poses.tobytes())
     moved = decoded.poses + 1.0
-    payload = report.replace(report[at : at + moved.nbytes], moved.tobytes())
+    payload = report.replace(report[position : position + moved.nbytes], moved.tobytes())
     return bytes(messages_pb2.Report(payload=payload).SerializeToString())
 
 
@@ -176,16 +176,16 @@ def test_every_reexecution_names_a_summary_that_the_log_does_not_yield(
 def test_compare_checks_reports_changes_and_the_summary(
     recorded: Path, tmp_path: Path, edit: Edit, summary: dict[str, Any] | None, expected: Any
 ) -> None:
-    one = log.load(recorded)
-    recordings.rewrite(recorded, tmp_path / "run.mcap", edit, (one.summary or {}) | (summary or {}))
-    loaded = compare.first_difference(one, log.load(tmp_path / "run.mcap"))
+    original = log.load(recorded)
+    recordings.rewrite(recorded, tmp_path / "run.mcap", edit, (original.summary or {}) | (summary or {}))
+    loaded = compare.first_difference(original, log.load(tmp_path / "run.mcap"))
     assert (loaded and (loaded.tick, loaded.message, loaded.field)) == expected
 
 
 def test_compare_checks_messages_first_and_finds_a_missing_end(recorded: Path, tmp_path: Path) -> None:
-    one = log.load(recorded)
+    original = log.load(recorded)
     recordings.rewrite(recorded, tmp_path / "killed.mcap", lambda topic, tick, data: data, ended=False)
-    loaded = compare.first_difference(one, log.load(tmp_path / "killed.mcap"))
+    loaded = compare.first_difference(original, log.load(tmp_path / "killed.mcap"))
     assert loaded is not None
     assert loaded.describe("in A", "in B") == "tick 49, end: how it ended is 'at its end' in A and 'nothing' in B"
 
@@ -194,7 +194,7 @@ def test_compare_checks_messages_first_and_finds_a_missing_end(recorded: Path, t
         return None if moved is None else on("/events", 10, told(value=4e6))(topic, tick, moved)
 
     recordings.rewrite(recorded, tmp_path / "both.mcap", both)
-    loaded = compare.first_difference(one, log.load(tmp_path / "both.mcap"))
+    loaded = compare.first_difference(original, log.load(tmp_path / "both.mcap"))
     assert loaded is not None
     assert (loaded.tick, loaded.message, loaded.robot) == (40, "Command", 1)
 

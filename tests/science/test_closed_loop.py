@@ -129,8 +129,8 @@ def test_every_link_of_a_robots_first_exchange_begins_with_its_own_draw(name: st
 
 
 def test_another_seed_gives_another_run() -> None:
-    other = loop.run(loop.load("paper.toml", run__seed=2), ticks=200)
-    assert not np.array_equal(other.poses[-1], history("paper.toml").poses[199])
+    second = loop.run(loop.load("paper.toml", run__seed=2), ticks=200)
+    assert not np.array_equal(second.poses[-1], history("paper.toml").poses[199])
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -163,9 +163,9 @@ def test_a_dither_far_too_large_runs_without_a_warning(amplitude: float) -> None
     assert result["estimate_error_max"] > 1.0
 
 
-def links_by_tick(what: Scenario) -> list[int]:
+def links_by_tick(scenario: Scenario) -> list[int]:
     """Number of links at each tick."""
-    return [len(tick.telemetry.links) for tick in inprocess.ticks(what)]
+    return [len(tick.telemetry.links) for tick in inprocess.ticks(scenario)]
 
 
 def test_the_summary_of_a_diverging_team_has_the_time_of_its_last_link() -> None:

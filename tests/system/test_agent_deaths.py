@@ -35,14 +35,14 @@ class Run:
         """Process id of the current agent of `robots`."""
 
         def found() -> list[int]:
-            here = children(self.running.pid)
-            self.seen |= set(here)
-            return [pid for pid, line in here.items() if f" -m agents --id {robots} " in line and alive(pid)]
+            pids = children(self.running.pid)
+            self.seen |= set(pids)
+            return [pid for pid, line in pids.items() if f" -m agents --id {robots} " in line and alive(pid)]
 
         return int(until(found)[0])
 
     def kill(self, *robots: str, how: signal.Signals = signal.SIGKILL) -> None:
-        pids = [self.pid(one) for one in robots]
+        pids = [self.pid(robot) for robot in robots]
         for pid in pids:
             os.kill(pid, how)
         until(lambda: not any(alive(pid) for pid in pids))
@@ -73,8 +73,8 @@ def under_way(where: Path, scenario: str, *words: str, begun: bool = True) -> It
 def warned(robots: str, how: str) -> str:
     ids = robots.split()[-1]
     whom = "them" if "-" in ids else "it"
-    said = f"fes-agent --id {ids} {how} (its log: out/agent-{ids}.log)"
-    return f"fes: warning: {robots}: {said}; the run continues without {whom}"
+    line = f"fes-agent --id {ids} {how} (its log: out/agent-{ids}.log)"
+    return f"fes: warning: {robots}: {line}; the run continues without {whom}"
 
 
 def test_dead_agents_do_not_end_a_run_and_the_summary_counts_them(tmp_path: Path) -> None:

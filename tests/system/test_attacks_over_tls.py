@@ -182,11 +182,11 @@ def test_a_certificate_of_another_run_opens_no_session(
                 (world.endpoint, team_keys.security(elsewhere, "robot-0"), "its certificate is not to be trusted"),
                 (plain, {}, "somebody listens there, but opens no session"),
             ]
-            for endpoint, own, said in attempts:
+            for endpoint, own, complaint in attempts:
                 with pytest.raises(TransportError) as caught:
                     async with bus.opened(Endpoints("client", (endpoint,), timeout=0.5, security=own)):
                         pass
-                assert str(caught.value).startswith(f"cannot join the network at {endpoint}: {said}")
+                assert str(caught.value).startswith(f"cannot join the network at {endpoint}: {complaint}")
             world.agent(0)
             world.agent(1)
             assert await world.over(), world.log()

@@ -40,8 +40,8 @@ def test_a_worker_killed_midway_loses_no_run_and_repeats_none(dask: LocalCluster
     assert "out/table.csv" in output
     assert len(finished(tmp_path / "out")) == len(set(finished(tmp_path / "out"))) == RUNS
 
-    here = call(tmp_path, "fes", *LONG, "--out", "here")
-    assert here.returncode == 0
+    local = call(tmp_path, "fes", *LONG, "--out", "here")
+    assert local.returncode == 0
     for name in ("table.csv", "cells.csv"):
         assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "here" / name).read_bytes()
 

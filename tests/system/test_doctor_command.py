@@ -76,11 +76,11 @@ def test_fes_doctor_prints_json_or_a_table_and_exits_with_1_after_a_failure(tmp_
     endpoint = vacant()
     done = call(tmp_path, "fes", "doctor", "-e", endpoint, "--json")
     assert (done.returncode, done.stderr) == (1, "")
-    result = json.loads(done.stdout)
-    assert [one["check"] for one in result if one["check"] != "extras"] == CHECKS
-    assert all(set(one) == {"check", "status", "seen", "remedy"} for one in result)
-    assert [one["check"] for one in result if one["status"] == "failed"] == ["endpoint"]
-    assert all(bool(one["remedy"]) == (one["status"] != "ok") for one in result)
+    findings = json.loads(done.stdout)
+    assert [finding["check"] for finding in findings if finding["check"] != "extras"] == CHECKS
+    assert all(set(finding) == {"check", "status", "seen", "remedy"} for finding in findings)
+    assert [finding["check"] for finding in findings if finding["status"] == "failed"] == ["endpoint"]
+    assert all(bool(finding["remedy"]) == (finding["status"] != "ok") for finding in findings)
     assert list(tmp_path.iterdir()) == []  # it leaves nothing behind
 
     healthy = call(tmp_path, "fes", "doctor")

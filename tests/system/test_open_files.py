@@ -35,9 +35,9 @@ def test_a_run_with_too_few_open_files_fails_with_the_command_that_raises_the_li
     done = limited(12, tmp_path)
     assert done.returncode == 1
     least = 18 + 2 * machine.FILES_PER_CHILD
-    said = f"12 per process: 2 robots with a process each take {least}"
-    said += "; raise the hard limit of 12, or --agents-per-process"
-    assert done.stderr == f"fes: error: open files: {said}\n"
+    rule = f"12 per process: 2 robots with a process each take {least}"
+    rule += "; raise the hard limit of 12, or --agents-per-process"
+    assert done.stderr == f"fes: error: open files: {rule}\n"
     assert not (tmp_path / "runs").exists()
 
 

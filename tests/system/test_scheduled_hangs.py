@@ -84,8 +84,8 @@ def watch(tmp_path: Path) -> Iterator[Watch]:
         return begun[-1]
 
     yield begin
-    for one in begun:
-        one.end()
+    for process in begun:
+        process.end()
 
 
 @pytest.mark.parametrize("wake", [14.0, 26.0], ids=["briefly", "longer than its lease"])

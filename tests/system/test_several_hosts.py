@@ -131,9 +131,9 @@ def sites(net: Internet, where: Path, *links: tuple[str, str]) -> None:
     for name in names:
         net.switch(f"{name}-router", f"{name}-world", f"{name}-0", f"{name}-1")
     reached: dict[str, list[str]] = {name: [] for name in names}
-    for number, (one, other) in enumerate(links):
-        net.cable(f"{one}-router", f"{other}-router")
-        reached[other].append(f"tcp/10.77.{len(names) + number}.1:7447")
+    for number, (first, second) in enumerate(links):
+        net.cable(f"{first}-router", f"{second}-router")
+        reached[second].append(f"tcp/10.77.{len(names) + number}.1:7447")
     for name in names:
         net.router(f"{name}-router", where / f"router-{name}.log", *reached[name])
         until(partial(_ready, where / f"router-{name}.log"))

@@ -99,20 +99,20 @@ def test_a_world_that_is_stopped_and_started_resumes_and_its_robots_have_waited(
     world = start(text("fes-world.service"), environment, tmp_path / "world.log")
     running = [world, *(start(text("fes-agent@.service"), own, tmp_path / "agents.log", robot) for robot in "01")]
     try:
-        said = tmp_path / "world.log"
-        until(lambda: "scenario starts" in said.read_text())
+        log_path = tmp_path / "world.log"
+        until(lambda: "scenario starts" in log_path.read_text())
         asyncio.run(reached(endpoint, 20))
         world.terminate()
         assert world.wait(PATIENCE) == 0
         assert (tmp_path / "run" / FOLDER / STATE).exists()
-        running.append(start(text("fes-world.service"), environment, said))
-        assert [process.wait(PATIENCE) for process in running] == [0, 0, 0, 0], said.read_text()
+        running.append(start(text("fes-world.service"), environment, log_path))
+        assert [process.wait(PATIENCE) for process in running] == [0, 0, 0, 0], log_path.read_text()
     finally:
         for process in running:
             if process.poll() is None:
                 process.kill()
                 process.wait()
-    assert "scenario resumes at tick" in said.read_text()
+    assert "scenario resumes at tick" in log_path.read_text()
     summary = json.loads((tmp_path / "run/summary.json").read_text())
     assert summary["digest"] == inprocess.run(load("pair.toml", run__duration=SECONDS), "pair")["digest"]
 
@@ -161,10 +161,10 @@ def test_with_the_drop_ins_a_run_uses_tls_and_each_unit_its_own_files(tmp_path: 
             if process.poll() is None:
                 process.kill()
                 process.wait()
-    said = "".join((tmp_path / f"{role}.log").read_text() for role in units)
-    assert ends == [0, 0], said
-    assert "others on this machine" not in said
-    assert f"tls/127.0.0.1:{port}" in said
+    logs = "".join((tmp_path / f"{role}.log").read_text() for role in units)
+    assert ends == [0, 0], logs
+    assert "others on this machine" not in logs
+    assert f"tls/127.0.0.1:{port}" in logs
     summary = json.loads((tmp_path / "run/summary.json").read_text())
     assert summary["digest"] == inprocess.run(load("pair.toml", run__duration=SECONDS), "pair")["digest"]
     names = {role: {path.name for path in (tmp_path / role).iterdir()} for role in units}

@@ -43,9 +43,9 @@ def test_a_run_whose_world_is_killed_and_stopped_has_the_same_digest(run: Run) -
         assert all(agent.poll() is None for agent in run.agents.values())
         run.start("--resume", str(run.out))
     summary = run.finish()
-    whole = inprocess.run(load("neighborhood.toml", run__duration=40), "neighborhood")
-    assert {**summary, **dict.fromkeys(MACHINE)} == {**whole, **dict.fromkeys(MACHINE)}
-    assert replay_command.rerun(log.load(run.out / NAME), all_robots=True)["digest"] == whole["digest"]
+    undisturbed = inprocess.run(load("neighborhood.toml", run__duration=40), "neighborhood")
+    assert {**summary, **dict.fromkeys(MACHINE)} == {**undisturbed, **dict.fromkeys(MACHINE)}
+    assert replay_command.rerun(log.load(run.out / NAME), all_robots=True)["digest"] == undisturbed["digest"]
 
 
 def test_fes_run_kills_the_world_as_scheduled_and_the_digest_is_the_same(tmp_path: Path) -> None:
@@ -79,10 +79,10 @@ def test_a_resumed_world_remembers_changes_and_deaths_since_the_checkpoint(run: 
         run.join(robot)
     state = run.out / FOLDER / "state"
     until(state.exists)
-    told = subprocess.run(
+    done = subprocess.run(
         fes("set", "channel.reference_snr=2e6", "-e", run.endpoint), capture_output=True, text=True, check=False
     )
-    assert told.returncode == 0, told.stderr
+    assert done.returncode == 0, done.stderr
     run.come_to_rest(1)  # so that no beacon of robot 1 is in transit, which would be lost with it
     run.world.kill()
     run.world.communicate()

@@ -87,8 +87,8 @@ def test_a_resumed_run_keeps_its_name(pair: Run) -> None:
         text=True,
         timeout=PATIENCE,
     )
-    said = "fes-world: error: --resume continues run 'main', not run 'other'\n"
-    assert (other.returncode, other.stderr) == (1, said)
+    message = "fes-world: error: --resume continues run 'main', not run 'other'\n"
+    assert (other.returncode, other.stderr) == (1, message)
     pair.start("--resume", str(pair.out), "--run", "main", rtf="max")
     assert pair.finish()["digest"] == whole()
 

@@ -31,10 +31,10 @@ def hear(
     """The contacts at `tick` after the beacons of the tick before, sent from `where`."""
     linked = links or no_edges(IDS)
     estimates = np.array([60.0 + k for k in range(len(linked))])
-    named = np.array([k % 2 == 0 for k in range(len(linked))], dtype=np.bool_)
-    said = Beacons(tick - 1, IDS, where, linked, estimates, named, np.zeros((len(IDS), 0)))
+    selected = np.array([k % 2 == 0 for k in range(len(linked))], dtype=np.bool_)
+    beacons = Beacons(tick - 1, IDS, where, linked, estimates, selected, np.zeros((len(IDS), 0)))
     sensed = Observations(tick, where + 1.0, near, np.array(codes, dtype=np.uint8))
-    return contacts.update(before, sensed, where, said, TIMEOUT)
+    return contacts.update(before, sensed, where, beacons, TIMEOUT)
 
 
 def test_separations_are_formed_from_two_poses_of_one_tick_and_equal_from_both_ends() -> None:
@@ -101,10 +101,10 @@ def test_two_robots_at_the_same_point_drive_apart() -> None:
     where = layouts.poses([(7.0, 7.0), (7.0, 7.0)])
     sensed = Observations(3, where, near, np.full(2, DECODED, dtype=np.uint8))
     ids = np.arange(2)
-    said = Beacons(2, ids, where, no_edges(ids), np.zeros(0), np.zeros(0, dtype=np.bool_), np.zeros((len(ids), 0)))
+    beacons = Beacons(2, ids, where, no_edges(ids), np.zeros(0), np.zeros(0, dtype=np.bool_), np.zeros((len(ids), 0)))
     state = crew.start(team)
     state = dataclasses.replace(state, poses=where)
-    _, _, twists = crew.step(team, state, sensed, said)
+    _, _, twists = crew.step(team, state, sensed, beacons)
     # psi_ji = pi + psi_ij: the lower id sees the other along +x and backs off; 50 to 90 m, weight 1/2
     assert np.isfinite(twists).all()
     assert -45.0 <= twists[0, 0] <= -25.0

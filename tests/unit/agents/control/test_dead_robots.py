@@ -66,8 +66,8 @@ def test_a_dead_robot_stands_still_and_silent_and_its_contacts_reopen_when_it_re
     for tick in inprocess.ticks(scenario):
         radio = tick.state.radio
         poses.append(tick.state.poses[4])
-        at = radio.edges.find(radio.edges.key(np.array([2, 4]), np.array([4, 2])))
-        codes.append(radio.reception[at].tolist() if (at >= 0).all() else None)
+        positions = radio.edges.find(radio.edges.key(np.array([2, 4]), np.array([4, 2])))
+        codes.append(radio.reception[positions].tolist() if (positions >= 0).all() else None)
         if 200 <= tick.state.tick < 400:
             assert tick.twists[4].tolist() == [0.0, 0.0]
             assert 4 not in tick.telemetry.links.rows

@@ -80,14 +80,14 @@ def test_each_robot_mixes_in_a_tenth_of_the_difference_to_each_heard_robot() -> 
         after.statistics, [[1.4] * STATISTICS, [4.6] * STATISTICS], rtol=1e-14
     )  # 1 + 0.1 (5 - 1), 5 + 0.1 (1 - 5)
     crowd = Edges(np.arange(1), np.zeros(19, dtype=np.int64), np.arange(1, 20))
-    told = packet_counting.mix(
+    mixed = packet_counting.mix(
         ReceptionFit(POOLED, np.zeros((1, STATISTICS)), np.zeros(1), np.ones(1)),
         crowd,
         np.ones(19, dtype=np.bool_),
         np.full((19, STATISTICS), 20.0),
     )
     np.testing.assert_allclose(
-        told.statistics, [[19.0] * STATISTICS], rtol=1e-14
+        mixed.statistics, [[19.0] * STATISTICS], rtol=1e-14
     )  # 19 of 20 parts: no robot gives more than all that it has
 
 

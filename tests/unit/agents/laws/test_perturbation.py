@@ -18,12 +18,12 @@ NO_INDEX = 1e-12
 UNHEARD = math.nan
 
 
-def coast(one: Seeker, state: Floats, ticks: int, peer: Floats) -> list[Floats]:
+def coast(seeking: Seeker, state: Floats, ticks: int, peer: Floats) -> list[Floats]:
     """The states of some ticks; `peer` [l] is the position of the link that each link hears, or -1 for none."""
     states = [state]
     for tick in range(ticks):
         heard = np.where(peer >= 0, states[-1][ESTIMATE][peer.astype(int)], np.nan)
-        states.append(perturbation.advance(one, tick, states[-1], heard))
+        states.append(perturbation.advance(seeking, tick, states[-1], heard))
     return states
 
 

@@ -39,12 +39,12 @@ class World:
 
     async def act(self, *acts: tuple[float, bool | bytes]) -> None:
         """At each time [s] a token that comes or goes, or a payload."""
-        for at, what in acts:
-            await asyncio.sleep(at - asyncio.get_running_loop().time())
-            if isinstance(what, bool):
-                self._seen(self._alive, what)
+        for time, event in acts:
+            await asyncio.sleep(time - asyncio.get_running_loop().time())
+            if isinstance(event, bool):
+                self._seen(self._alive, event)
             else:
-                self._heard(self._report, what)
+                self._heard(self._report, event)
 
 
 def seen(timeout: float, *acts: tuple[float, bool | bytes], busy: float = 0.0) -> tuple[list[int], Any, float]:

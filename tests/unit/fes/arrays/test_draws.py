@@ -25,11 +25,11 @@ def numbers(pairs: list[tuple[int, int]], first: int, count: int, key: Ints = KE
 def test_the_numbers_do_not_depend_on_how_ticks_are_cut_into_blocks(
     pairs: list[tuple[int, int]], blocks: list[int]
 ) -> None:
-    whole = numbers(pairs, 0, sum(blocks))
+    together = numbers(pairs, 0, sum(blocks))
     firsts = [sum(blocks[:k]) for k in range(len(blocks))]
     parts = [numbers(pairs, first, count) for first, count in zip(firsts, blocks, strict=True)]
-    assert np.concatenate(parts).tolist() == whole.tolist()
-    assert len(set(whole.ravel().tolist())) == whole.size  # and they are different numbers
+    assert np.concatenate(parts).tolist() == together.tolist()
+    assert len(set(together.ravel().tolist())) == together.size  # and they are different numbers
 
 
 @given(pairs=pair_lists, data=st.data())
@@ -37,11 +37,11 @@ def test_draws_depend_neither_on_other_requested_links_nor_on_their_order(
     pairs: list[tuple[int, int]], data: st.DataObject
 ) -> None:
     shuffled = data.draw(st.permutations(pairs))
-    whole, other = numbers(pairs, 8, 8), numbers(shuffled, 8, 8)
+    ordered, reordered = numbers(pairs, 8, 8), numbers(shuffled, 8, 8)
     single = numbers(pairs[:1], 8, 8)
     for column, pair in enumerate(pairs):
-        assert whole[:, column].tolist() == other[:, shuffled.index(pair)].tolist()
-    assert whole[:, 0].tolist() == single[:, 0].tolist()
+        assert ordered[:, column].tolist() == reordered[:, shuffled.index(pair)].tolist()
+    assert ordered[:, 0].tolist() == single[:, 0].tolist()
 
 
 def test_a_number_is_that_of_numpy_at_the_counter_of_its_coordinates() -> None:
@@ -71,9 +71,9 @@ def test_numbers_are_uniform_along_ticks_and_across_pairs() -> None:
 
 @pytest.mark.parametrize("other", [draws.key(7, "first estimate"), draws.key(8, "channel")])
 def test_another_stream_or_seed_gives_unrelated_numbers(other: Ints) -> None:
-    here, there = numbers([(0, 1)], 0, 20_000)[:, 0], numbers([(0, 1)], 0, 20_000, other)[:, 0]
-    assert not set(here.tolist()) & set(there.tolist())
-    assert abs(np.corrcoef(here, there)[0, 1]) < 4.0 / math.sqrt(20_000)  # 4 sigma
+    first, second = numbers([(0, 1)], 0, 20_000)[:, 0], numbers([(0, 1)], 0, 20_000, other)[:, 0]
+    assert not set(first.tolist()) & set(second.tolist())
+    assert abs(np.corrcoef(first, second)[0, 1]) < 4.0 / math.sqrt(20_000)  # 4 sigma
 
 
 def test_the_same_seed_and_stream_give_the_same_key() -> None:

@@ -23,15 +23,15 @@ BROKEN: list[tuple[str, int, Any, str]] = [
     *((name, 3, x, "finite") for name in NAMES[:3] for x in (math.nan, math.inf, -math.inf, 1, True)),
     *(("Beacon", 6, ids, "ascend") for ids in (int32(9, 2), int32(-1, 2), int32(2, 2))),
     *(("Beacon", 6, ids, "int32") for ids in (b"123", [2, 9], "abcd", None)),
-    *(("Beacon", 7, found, "2 float64") for found in (b"", float64(1.0), float64(1.0) + b"1", [60.0, 70.0])),
+    *(("Beacon", 7, value, "2 float64") for value in (b"", float64(1.0), float64(1.0) + b"1", [60.0, 70.0])),
     *(("Beacon", 7, float64(1.0, bad), "finite") for bad in (math.nan, math.inf, -math.inf)),
     *(("Command", 6, float64(1.0, bad), "finite") for bad in (math.nan, math.inf)),
-    *(("Command", 7, found, "two numbers a link") for found in (float64(1.0), float64(1.0, 2.0, 3.0))),
-    *(("Command", 7, found, "4 float64") for found in (b"1", float64(1, 2, 3, 4, 5), [1.0] * 4)),
+    *(("Command", 7, value, "two numbers a link") for value in (float64(1.0), float64(1.0, 2.0, 3.0))),
+    *(("Command", 7, value, "4 float64") for value in (b"1", float64(1, 2, 3, 4, 5), [1.0] * 4)),
     *(("Command", 7, float64(1.0, 2.0, 3.0, bad), "finite") for bad in (math.nan, math.inf)),
-    *(("Beacon", 9, found, "64 float64") for found in (b"1", [1.0], float64(*range(65)))),
+    *(("Beacon", 9, value, "64 float64") for value in (b"1", [1.0], float64(*range(65)))),
     *(("Beacon", 9, float64(bad), "finite") for bad in (math.nan, math.inf)),
-    *(("Beacon", 8, named, "codes") for named in (b"\1", b"\1\2", b"\1\0\0", [1, 0])),
+    *(("Beacon", 8, value, "codes") for value in (b"\1", b"\1\2", b"\1\0\0", [1, 0])),
     *(("Observation", 7, codes, "codes") for codes in (b"", b"\1\3", "\1\1")),
     *(("Observation", 8, over, "flag") for over in (0, 1, None, "")),
     *(("Observation", 9, since, "tick") for since in (-1, 1.0, None)),
@@ -72,9 +72,9 @@ def test_the_layout_is_the_version_and_the_fields_in_order(name: str) -> None:
 def test_a_broken_field_is_rejected_with_its_rule(name: str, at: int, value: Any, rule: str) -> None:
     fields = PLAIN[name].copy()
     fields[at] = value
-    said = refusal(name, msgpack.packb(fields))
-    assert said is not None
-    assert rule in said
+    message = refusal(name, msgpack.packb(fields))
+    assert message is not None
+    assert rule in message
 
 
 @pytest.mark.parametrize("name", PLAIN)

@@ -35,8 +35,8 @@ def test_a_payload_that_is_not_a_list_of_fields_is_rejected(name: str, payload: 
 def test_a_payload_with_arbitrary_fields_is_rejected_or_decodes_to_a_message(name: str, data: st.DataObject) -> None:
     codec = CODECS[name]
     fields = msgpack.unpackb(codec.encode(data.draw(codec.messages)))
-    for at in data.draw(st.sets(st.integers(0, codec.fields), min_size=1, max_size=3)):
-        fields[at] = data.draw(values)
+    for position in data.draw(st.sets(st.integers(0, codec.fields), min_size=1, max_size=3)):
+        fields[position] = data.draw(values)
     assert_refused_or_a_message(name, msgpack.packb(fields))
 
 

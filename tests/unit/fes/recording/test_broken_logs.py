@@ -41,8 +41,8 @@ def bad(path: Path, good: Path, what: str) -> Path:
         def edit(topic: str, tick: int, payload: bytes) -> bytes | None:
             if topic != "/scenario":
                 return payload
-            told = {**json.loads(payload), "log": 9}
-            return json.dumps(told).encode() if what == "another version" else None
+            header = {**json.loads(payload), "log": 9}
+            return json.dumps(header).encode() if what == "another version" else None
 
         recordings.rewrite(good, path, edit)
     return path

@@ -55,7 +55,7 @@ def test_a_robot_tick_takes_at_most_200_bytes(recorded: Recorded) -> None:
 def test_the_readers_of_the_mcap_library_accept_a_log_and_its_checksums(recorded: Recorded) -> None:
     path, summary = recorded
     with path.open("rb") as file:
-        linear = [one for one in StreamReader(file, validate_crcs=True).records if isinstance(one, Message)]
+        linear = [record for record in StreamReader(file, validate_crcs=True).records if isinstance(record, Message)]
         file.seek(0)
         reader = make_reader(file, validate_crcs=True)
         indexed = list(reader.iter_messages())
@@ -105,8 +105,8 @@ def test_a_tick_holds_every_robots_messages_as_they_cross_the_bus(recorded: Reco
     }
     for topic, tick, payload in recordings.messages(path):
         if topic in decoders and tick % 100 == 0:
-            result: list[Any] = [decoders[topic](one) for one in recordings.payloads(payload)]
-            assert [(one.tick, one.robot) for one in result] == [(tick, robot) for robot in range(10)]
+            result: list[Any] = [decoders[topic](message) for message in recordings.payloads(payload)]
+            assert [(message.tick, message.robot) for message in result] == [(tick, robot) for robot in range(10)]
 
 
 def test_json_in_a_log_has_only_finite_numbers_and_all_required_fields(recorded: Recorded) -> None:
@@ -122,16 +122,16 @@ def test_json_in_a_log_has_only_finite_numbers_and_all_required_fields(recorded:
         assert channel.topic in ("/scenario", "/events")
         assert schema is not None
         rules = json.loads(schema.data)
-        told = json.loads(message.data, parse_constant=refuse)
-        assert set(rules["required"]) <= told.keys() <= rules["properties"].keys()
+        content = json.loads(message.data, parse_constant=refuse)
+        assert set(rules["required"]) <= content.keys() <= rules["properties"].keys()
 
 
 def test_frames_turn_as_the_robots_do(recorded: Recorded) -> None:
     path, summary = recorded
-    said = {(topic, tick): payload for topic, tick, payload in recordings.messages(path)}
+    payloads = {(topic, tick): payload for topic, tick, payload in recordings.messages(path)}
     tick = summary["ticks"] - 1
-    transforms = FrameTransforms.FromString(said["/tf", tick]).transforms
-    sensed = [messages.decode_observation(one) for one in recordings.payloads(said["/observations", tick])]
+    transforms = FrameTransforms.FromString(payloads["/tf", tick]).transforms
+    sensed = [messages.decode_observation(one) for one in recordings.payloads(payloads["/observations", tick])]
     for transform, observation in zip(transforms, sensed, strict=True):
         frames = (transform.parent_frame_id, transform.child_frame_id)
         assert frames == ("map", f"robot_{observation.robot}/base_link")

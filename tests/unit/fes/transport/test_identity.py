@@ -89,7 +89,10 @@ def test_only_the_world_can_serve_and_under_the_names_it_was_given(issuer: certi
     assert names.get_values_for_type(x509.DNSName) == ["localhost", "lab.example"]
     assert [str(ip) for ip in names.get_values_for_type(x509.IPAddress)] == ["127.0.0.1", "10.0.0.7"]
     robot = x509.load_pem_x509_certificate(certificates.issue(issuer, "robot-3", 1.0).certificate)
-    purposes = [list(one.extensions.get_extension_for_class(x509.ExtendedKeyUsage).value) for one in (world, robot)]
+    purposes = [
+        list(certificate.extensions.get_extension_for_class(x509.ExtendedKeyUsage).value)
+        for certificate in (world, robot)
+    ]
     assert ExtendedKeyUsageOID.SERVER_AUTH in purposes[0]
     assert purposes[1] == [ExtendedKeyUsageOID.CLIENT_AUTH]
     assert [name.value for name in robot.subject.get_attributes_for_oid(NameOID.COMMON_NAME)] == ["robot-3"]

@@ -103,12 +103,12 @@ def test_a_wait_that_times_out_returns_false_and_keeps_the_arrived_messages() ->
 def test_a_failure_ends_the_current_wait_and_every_later_one() -> None:
     async def scene(inbox: Inbox) -> list[str]:
         asyncio.get_running_loop().call_soon(inbox.fail, Unavailable("the world left"))
-        said = []
+        errors = []
         for _ in range(2):
             with pytest.raises(Unavailable) as caught:
                 await inbox.wait(1, LONG)
-            said.append(str(caught.value))
-        return said
+            errors.append(str(caught.value))
+        return errors
 
     assert play(scene) == ["the world left"] * 2
 

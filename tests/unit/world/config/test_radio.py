@@ -53,19 +53,19 @@ def test_a_robot_is_jammed_where_it_is_at_the_tick_of_the_beacon() -> None:
     # robot 0 drives through the disc at 1 m per tick: inside from -2 m to 2 m, at ticks 3 to 7
     jam = {"x": 0.0, "y": 0.0, "radius": 2.0}
     world, state = started(team([(-5, 0), (0, 60)], model="perfect", jammers=[jam]))
-    said = []
+    reports = []
     for _ in range(12):
         state = truth.step(world, state, np.array([[50.0, 0.0], [0.0, 0.0]]))
-        said.append(ledger(state, "reception")[0, 1])
+        reports.append(ledger(state, "reception")[0, 1])
     # tick + 1 reports beacons of tick, so LOST is reported at ticks 4 to 8
-    assert said == [CLOSED, DECODED, DECODED, *[LOST] * 5, *[DECODED] * 4]
+    assert reports == [CLOSED, DECODED, DECODED, *[LOST] * 5, *[DECODED] * 4]
 
 
 def report_outage(state: State, what: Scenario, pairs: list[Pair]) -> list[float]:
     """Outage in the report, of links (a, b), a < b, that both robots use."""
     links = layouts.edges(range(len(state.poses)), [*pairs, *((b, a) for a, b in pairs)])
-    metrics, said = MetricsCollector(what), Telemetry(links, np.full(len(links), 70.0), np.zeros((2, 0)))
-    metrics.add(state, np.zeros((len(state.poses), 2)), said)
+    metrics, telemetry = MetricsCollector(what), Telemetry(links, np.full(len(links), 70.0), np.zeros((2, 0)))
+    metrics.add(state, np.zeros((len(state.poses), 2)), telemetry)
     report = report_builder.build(metrics, "test", np.ones(len(state.poses), dtype=np.uint8), 1.0, 1.0)
     assert list(zip(report.a.tolist(), report.b.tolist(), strict=True)) == pairs
     return [float(outage) for outage in report.outage]

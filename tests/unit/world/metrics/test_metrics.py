@@ -130,10 +130,10 @@ def test_errors_and_disagreement_of_three_robots_are_those_computed_by_hand(
     one_sided: tuple[int, int],
 ) -> None:
     where = layouts.poses([(0.0, 0.0), (60.0, 0.0), (60.0, 32.0)])  # 0-1: 60 m, 1-2: 32 m, 0-2: 68 m
-    said = {(0, 1): 67.0, (1, 0): 69.5, (0, 2): 68.25, (2, 0): 67.0, one_sided: 75.0}
-    links = layouts.edges(range(3), said)
+    estimates = {(0, 1): 67.0, (1, 0): 69.5, (0, 2): 68.25, (2, 0): 67.0, one_sided: 75.0}
+    links = layouts.edges(range(3), estimates)
     errors = LinkErrors(DT)
-    add(errors, where, links, [said[pair] for pair in sorted(said)])
+    add(errors, where, links, [estimates[pair] for pair in sorted(estimates)])
     assert errors.errors == {
         "disagreement": 2.5 + 1.25,  # a link that one robot uses has no disagreement
         "estimate_error": 7.0,  # it has an estimate

@@ -62,10 +62,10 @@ def test_the_index_at_the_optimum_has_the_settled_value_slope_and_curvature(
     best = optimum.optimal_separation(team_objective, PAPER)
     index = oracle.index(team_objective, PAPER, "none")
     h = 0.05  # m; stencils of fourth order leave about J'''''' h^4 = 1e-13, roundings 1e-16/h^2, 1e-16/h^3
-    back, far, near, here, ahead, beyond, forth = index(best + h * np.arange(-3.0, 4.0))
-    assert here == pytest.approx(value, abs=5e-7)  # half a digit, as below
+    back, far, near, middle, ahead, beyond, forth = index(best + h * np.arange(-3.0, 4.0))
+    assert middle == pytest.approx(value, abs=5e-7)  # half a digit, as below
     assert (far - 8 * near + 8 * ahead - beyond) / (12 * h) == pytest.approx(0.0, abs=1e-11)
-    second = (-far + 16 * near - 30 * here + 16 * ahead - beyond) / (12 * h * h)
+    second = (-far + 16 * near - 30 * middle + 16 * ahead - beyond) / (12 * h * h)
     assert second == pytest.approx(curvature, abs=5e-9 if team_objective is NEAR else 5e-10)
     third = (back - 8 * far + 13 * near - 13 * ahead + 8 * beyond - forth) / (8 * h**3)
     assert third == pytest.approx(skew, abs=5e-10 if team_objective is NEAR else 5e-11)
@@ -157,6 +157,6 @@ def test_the_curvature_of_the_log_index_hardly_depends_on_the_objective() -> Non
     """(ln J)'' = -1.3327e-3 and -1.1763e-3 at the two optima, where J'' differs by a factor of 2.4."""
     h = 0.01  # m; central differences of ln J are then exact to 1e-8
     for team_objective, curvature in ((NEAR, -1.3327e-3), (ObjectiveConfig(minimum_separation=100.0), -1.1763e-3)):
-        at = optimum.optimal_separation(team_objective, PAPER) + h * np.array([-1.0, 0.0, 1.0])
-        below, here, above = oracle.index(team_objective, PAPER, "log")(at)
-        assert (below - 2.0 * here + above) / h**2 == pytest.approx(curvature, rel=1e-4)
+        points = optimum.optimal_separation(team_objective, PAPER) + h * np.array([-1.0, 0.0, 1.0])
+        below, middle, above = oracle.index(team_objective, PAPER, "log")(points)
+        assert (below - 2.0 * middle + above) / h**2 == pytest.approx(curvature, rel=1e-4)

@@ -45,12 +45,12 @@ channels = st.builds(
 )
 
 
-def rises(r: float, preferred: ObjectiveConfig, channel: ChannelConfig) -> bool:
+def rises(r: float, team_objective: ObjectiveConfig, channel: ChannelConfig) -> bool:
     """True if ln J of (16) rises at r: r (ln J)' by hand, in 60 digits."""
     with mpmath.workdps(60):
-        x, shape = mpmath.mpf(r), mpmath.mpf(preferred.shape_exponent)
-        spread = (x / preferred.minimum_separation) ** shape
-        reach = (x / preferred.maximum_separation) ** shape
+        x, shape = mpmath.mpf(r), mpmath.mpf(team_objective.shape_exponent)
+        spread = (x / team_objective.minimum_separation) ** shape
+        reach = (x / team_objective.maximum_separation) ** shape
         vector = shape * spread * (mpmath.exp(-spread) / -mpmath.expm1(-spread))
         loss = mpmath.mpf(0)
         if channel.model == "logistic":
@@ -64,17 +64,17 @@ def rises(r: float, preferred: ObjectiveConfig, channel: ChannelConfig) -> bool:
 
 
 @settings(max_examples=3 * EXAMPLES // 2)
-@given(preferred=objectives, channel=channels)
-@example(preferred=ObjectiveConfig(), channel=ChannelConfig())
-@example(preferred=ObjectiveConfig(maximum_separation=LARGEST), channel=ChannelConfig(model="perfect"))
-@example(preferred=ObjectiveConfig(), channel=ChannelConfig(reference_snr=SMALLEST))
+@given(team_objective=objectives, channel=channels)
+@example(team_objective=ObjectiveConfig(), channel=ChannelConfig())
+@example(team_objective=ObjectiveConfig(maximum_separation=LARGEST), channel=ChannelConfig(model="perfect"))
+@example(team_objective=ObjectiveConfig(), channel=ChannelConfig(reference_snr=SMALLEST))
 def test_the_index_rises_below_the_optimum_and_falls_above_it(
-    preferred: ObjectiveConfig, channel: ChannelConfig
+    team_objective: ObjectiveConfig, channel: ChannelConfig
 ) -> None:
-    best = optimal_separation(preferred, channel)
+    best = optimal_separation(team_objective, channel)
     below, above = math.nextafter(best, 0.0), math.nextafter(best, math.inf)
-    assert below == 0.0 or rises(below, preferred, channel)
-    assert not rises(above, preferred, channel)
+    assert below == 0.0 or rises(below, team_objective, channel)
+    assert not rises(above, team_objective, channel)
 
 
 @settings(max_examples=30)

@@ -102,8 +102,8 @@ def test_a_link_keeps_its_average_while_it_exists(period: int, story: list[set[t
         average.add(links, np.array([values[pair] for pair in now]))
         end = (tick + 1) % length  # ticks since the last whole block
         for pair, mean in zip(now, average.mean.tolist() if len(average.mean) else [math.nan] * 9, strict=False):
-            stretch = since[pair][: len(since[pair]) - end]
-            if len(stretch) >= period + length:  # it existed in all blocks, even if it appeared within one
-                assert mean == pytest.approx(float(np.mean(stretch[-period:])))
-            elif len(stretch) < period:
+            segment = since[pair][: len(since[pair]) - end]
+            if len(segment) >= period + length:  # it existed in all blocks, even if it appeared within one
+                assert mean == pytest.approx(float(np.mean(segment[-period:])))
+            elif len(segment) < period:
                 assert math.isnan(mean)

@@ -101,9 +101,9 @@ def test_a_client_that_fills_the_log_with_made_up_keys_and_names_hides_no_other(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     made_up = [denied("robot-3", f"made/up/{number}") for number in range(10 * KINDS_PER_NAME)]
-    nobody = [denied(f"nobody-{number}", KEY) for number in range(10 * KINDS_PER_NAME)]
+    strangers = [denied(f"nobody-{number}", KEY) for number in range(10 * KINDS_PER_NAME)]
     no_tls = f"{TRACE} zenoh_link_tls::unicast: received corrupt message"
-    audit = fed(*made_up, *nobody, denied("operator", KEY), denied("operator", KEY), no_tls)
+    audit = fed(*made_up, *strangers, denied("operator", KEY), denied("operator", KEY), no_tls)
     logged = [record.getMessage() for record in caplog.records]
     lines = [sum(name in line for line in logged) for name in ("robot-3's", "nobody", "operator's")]
     assert lines == [KINDS_PER_NAME + 1, KINDS_PER_NAME + 1, 1]

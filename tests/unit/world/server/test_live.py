@@ -67,7 +67,7 @@ def warm(participation: Any, deadlines: Deadlines) -> tuple[Inbox, LiveClock]:
     return inbox, clock
 
 
-def spoken(said: dict[int, list[bytes]], ticks: int) -> tuple[list[list[int]], Deadlines, StubParticipation]:
+def spoken(commands: dict[int, list[bytes]], ticks: int) -> tuple[list[list[int]], Deadlines, StubParticipation]:
     """Per tick: the tick of the command that each of two robots follows, -1 for none; `said` are commands by tick."""
     state, deadlines, participation = world_of_two()
     result: list[list[int]] = []
@@ -76,7 +76,7 @@ def spoken(said: dict[int, list[bytes]], ticks: int) -> tuple[list[list[int]], D
         inbox, clock = warm(participation, deadlines)
         clock._end_of_tick = lambda: asyncio.sleep(0)  # type: ignore[method-assign]
         for tick in range(ticks):
-            for payload in said.get(tick, []):
+            for payload in commands.get(tick, []):
                 inbox.put(keys.command("test", messages.decode_command(payload).robot), payload)
             now = replace(state, tick=tick)
             answers, present = await clock.collect(now, [b"", b""])
@@ -136,13 +136,13 @@ def test_the_last_command_is_held_until_it_is_too_old_and_then_the_robot_stops()
 
 
 def test_a_late_command_is_counted_once_and_then_obeyed() -> None:
-    said = {
+    commands = {
         0: [command(0, 0), command(1, 0)],
         1: [command(0, 1)],
         2: [command(1, 1), command(0, 2), command(0, 2), command(0, 1)],  # late, in time, and again
         3: [command(0, 3), command(1, 3)],
     }
-    result, deadlines, _ = spoken(said, 4)
+    result, deadlines, _ = spoken(commands, 4)
     assert result == [[0, 0], [1, 0], [2, 1], [3, 3]]
     assert deadlines.missed.tolist() == [0, 2]
     assert deadlines.late.tolist() == [0, 1]
@@ -178,7 +178,7 @@ def test_an_agent_answers_the_newest_tick_and_counts_those_it_skipped() -> None:
         sense(1, 0)
         sense(1, 1)  # robot 1's observation of tick 2 is on its way
         async for observations in ticks.live(world):
-            assert {one.tick for one in observations} == {ticks.tick}
+            assert {observation.tick for observation in observations} == {ticks.tick}
             answered.append(ticks.tick)
             if ticks.tick == 1:
                 for tick in (2, 3, 4, 5):

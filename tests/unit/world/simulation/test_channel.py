@@ -23,13 +23,13 @@ def team(positions: list[tuple[float, float]], model: str = "rayleigh", seed: in
     return parse(tables, "test")
 
 
-def listen(what: Scenario, speeds: list[Floats]) -> tuple[Codes, list[State]]:
+def listen(scenario: Scenario, speeds: list[Floats]) -> tuple[Codes, list[State]]:
     """The radio's verdicts at each tick, the robots moving along +x with `speeds` [n] of each tick."""
-    world = truth.create(what)
+    world = truth.create(scenario)
     states = [truth.start(world)]
     for speed in speeds:
         states.append(truth.step(world, states[-1], np.column_stack([speed, np.zeros_like(speed)])))
-    n = what.robots.number
+    n = scenario.robots.number
     codes: Codes = {(i, j): [-1] * len(states) for i in range(n) for j in range(n) if i != j}
     for tick, state in enumerate(states):
         sensed = truth.observe(state)

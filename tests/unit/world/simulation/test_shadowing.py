@@ -53,9 +53,9 @@ def test_the_gain_is_the_sum_of_its_waves_written_out() -> None:
     k = [complex(x, y) / 20.0 for x, y in waves.vectors.T.tolist()]
     q = [*k[1:], k[0]]
 
-    def f(one: complex, other: complex) -> float:
+    def f(p: complex, other: complex) -> float:
         angles = zip(k, q, waves.phase.tolist(), strict=True)
-        return sum(math.cos((u.conjugate() * one + v.conjugate() * other).real + phi) for u, v, phi in angles)
+        return sum(math.cos((u.conjugate() * p + v.conjugate() * other).real + phi) for u, v, phi in angles)
 
     apart = math.hypot(a[0] - b[0], a[1] - b[1])
     summed = math.sqrt(2.0 / shadowing.MODES) * (f(complex(*a), complex(*b)) + f(complex(*b), complex(*a)))
@@ -116,14 +116,14 @@ def test_gains_over_the_places_of_one_seed_are_distributed_as_over_seeds(seed: i
     a = np.arange(n)
     apart = np.full(n, 200.0)
     waves = shadowing.modes(seed)
-    here, there = (shadowing.gain(waves, UNIT, poses, a, a + far, apart) for far in (n, 2 * n))
+    first, second = (shadowing.gain(waves, UNIT, poses, a, a + far, apart) for far in (n, 2 * n))
     # over places cov = sum of cos(k d)/K, of variance (1 - exp(-2 d/d0))/(2 K), beside that of n samples
     sampling = 2.0 / n
-    assert here.mean() == pytest.approx(0.0, abs=4.0 * math.sqrt(sampling))
-    assert (here**2).mean() == pytest.approx(1.0, abs=4.0 * math.sqrt(sampling))
+    assert first.mean() == pytest.approx(0.0, abs=4.0 * math.sqrt(sampling))
+    assert (first**2).mean() == pytest.approx(1.0, abs=4.0 * math.sqrt(sampling))
     waves_of_one_seed = (1.0 - math.exp(-2.0)) / (2.0 * shadowing.MODES)
     expected = pytest.approx(math.exp(-1.0), abs=4.0 * math.sqrt(sampling + waves_of_one_seed))
-    assert (here * there).mean() == expected
+    assert (first * second).mean() == expected
 
 
 def test_the_correlation_at_the_decorrelation_distance_is_1_over_e() -> None:
@@ -134,8 +134,8 @@ def test_the_correlation_at_the_decorrelation_distance_is_1_over_e() -> None:
 
 def test_links_far_away_are_independent() -> None:
     drawn = samples([((0.0, 0.0), (60.0, 0.0)), ((0.0, 900.0), (60.0, 900.0)), ((0.0, 0.0), (60.0, 900.0))])
-    for one, other in ((0, 1), (0, 2), (1, 2)):
-        assert_mean(drawn[:, :, one] * drawn[:, :, other], 0.0)
+    for first, second in ((0, 1), (0, 2), (1, 2)):
+        assert_mean(drawn[:, :, first] * drawn[:, :, second], 0.0)
 
 
 def test_the_gain_in_db_is_the_deviation_times_a_field_of_the_seed() -> None:
@@ -182,10 +182,10 @@ def test_another_robot_changes_no_digit_between_the_others(others: int) -> None:
 
 
 def test_a_robot_that_returns_to_a_place_has_the_same_shadowing() -> None:
-    here, there = scattered(6), scattered(6) + np.array([37.0, -12.0, 1.0])
-    assert probabilities(here, SHADED) == probabilities(here, SHADED)
-    assert probabilities(here, SHADED) != probabilities(there, SHADED)
-    assert probabilities(here, SHADED, seed=7) != probabilities(here, SHADED)
+    first, second = scattered(6), scattered(6) + np.array([37.0, -12.0, 1.0])
+    assert probabilities(first, SHADED) == probabilities(first, SHADED)
+    assert probabilities(first, SHADED) != probabilities(second, SHADED)
+    assert probabilities(first, SHADED, seed=7) != probabilities(first, SHADED)
 
 
 def test_a_gain_multiplies_the_snr_of_equation_3() -> None:

@@ -74,7 +74,7 @@ def test_wrap_changes_an_angle_by_full_turns_only(angle: float) -> None:
 
 @given(a=st.tuples(angles, angles), b=st.tuples(angles, angles))
 def test_separation_is_the_same_to_the_bit_from_either_end(a: tuple[float, float], b: tuple[float, float]) -> None:
-    there, back = (geometry.separation(np.array([p[0] - q[0]]), np.array([p[1] - q[1]])) for p, q in ((a, b), (b, a)))
-    assert there.tolist() == back.tolist()
+    forth, back = (geometry.separation(np.array([p[0] - q[0]]), np.array([p[1] - q[1]])) for p, q in ((a, b), (b, a)))
+    assert forth.tolist() == back.tolist()
     # abs: below 1e-154 the squares underflow
-    assert float(there[0]) == pytest.approx(math.dist(a, b), rel=1e-15, abs=1e-150)
+    assert float(forth[0]) == pytest.approx(math.dist(a, b), rel=1e-15, abs=1e-150)
