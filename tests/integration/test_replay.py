@@ -158,10 +158,15 @@ def test_compare_names_the_first_difference(recorded: Recorded, tampered: Path, 
     assert compare.first_difference(first, first) is None
     assert list(compare.of_scenarios(first, first)) == []
 
-    loaded = compare.first_difference(first, log.load(tampered))
-    assert loaded is not None
-    assert (loaded.tick, loaded.message, loaded.robot, loaded.field) == (40, "Command", 3, "twist.angular")
-    assert loaded.second == loaded.first + SHIFT
+    difference = compare.first_difference(first, log.load(tampered))
+    assert difference is not None
+    assert (difference.tick, difference.message, difference.robot, difference.field) == (
+        40,
+        "Command",
+        3,
+        "twist.angular",
+    )
+    assert difference.second == difference.first + SHIFT
 
     recordings.record(tmp_path / "seed.mcap", load("measured.toml", **SHORT, run__seed=7))
     second = log.load(tmp_path / "seed.mcap")

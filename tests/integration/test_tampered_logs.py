@@ -178,25 +178,25 @@ def test_compare_checks_reports_changes_and_the_summary(
 ) -> None:
     original = log.load(recorded)
     recordings.rewrite(recorded, tmp_path / "run.mcap", edit, (original.summary or {}) | (summary or {}))
-    loaded = compare.first_difference(original, log.load(tmp_path / "run.mcap"))
-    assert (loaded and (loaded.tick, loaded.message, loaded.field)) == expected
+    difference = compare.first_difference(original, log.load(tmp_path / "run.mcap"))
+    assert (difference and (difference.tick, difference.message, difference.field)) == expected
 
 
 def test_compare_checks_messages_first_and_finds_a_missing_end(recorded: Path, tmp_path: Path) -> None:
     original = log.load(recorded)
     recordings.rewrite(recorded, tmp_path / "killed.mcap", lambda topic, tick, data: data, ended=False)
-    loaded = compare.first_difference(original, log.load(tmp_path / "killed.mcap"))
-    assert loaded is not None
-    assert loaded.describe("in A", "in B") == "tick 49, end: how it ended is 'at its end' in A and 'nothing' in B"
+    difference = compare.first_difference(original, log.load(tmp_path / "killed.mcap"))
+    assert difference is not None
+    assert difference.describe("in A", "in B") == "tick 49, end: how it ended is 'at its end' in A and 'nothing' in B"
 
     def both(topic: str, tick: int, data: bytes) -> bytes | None:
         moved = recordings.edited("/commands", 40, 1, links)(topic, tick, data)
         return None if moved is None else on("/events", 10, told(value=4e6))(topic, tick, moved)
 
     recordings.rewrite(recorded, tmp_path / "both.mcap", both)
-    loaded = compare.first_difference(original, log.load(tmp_path / "both.mcap"))
-    assert loaded is not None
-    assert (loaded.tick, loaded.message, loaded.robot) == (40, "Command", 1)
+    difference = compare.first_difference(original, log.load(tmp_path / "both.mcap"))
+    assert difference is not None
+    assert (difference.tick, difference.message, difference.robot) == (40, "Command", 1)
 
 
 def test_an_untouched_log_passes_every_check(recorded: Path, tmp_path: Path) -> None:

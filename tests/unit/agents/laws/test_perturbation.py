@@ -56,7 +56,7 @@ def integration_error(start: list[float], peer: Floats, sub_step: float = 0.01) 
     exact = states[0].copy()
     error = 0.0
     for tick in range(300):
-        heard = [exact[ESTIMATE, int(at)] if at >= 0 else UNHEARD for at in peer.tolist()]
+        heard = [exact[ESTIMATE, int(number)] if number >= 0 else UNHEARD for number in peer.tolist()]
         for link, value in enumerate(heard):
             rate = equation_18("consensus", 44460.0, value)
             exact[:, link] = witness.flow(rate, exact[:, link].tolist(), tick * DT, (tick + 1) * DT, 1e-10)

@@ -120,7 +120,9 @@ def test_observations_are_decoded_in_id_order_and_keep_their_edges_while_no_peer
         first = Observation(tick, 3, (1.0, -0.0, math.pi), np.array(near), codes, over=False, since=0)
         second = first._replace(robot=8, pose=(5.0, 6.0, 7.0), in_range=near_ids(3))
         second = second._replace(reception=np.array([1], dtype=np.uint8))
-        return [messages.decode_observation(messages.encode_observation(one)) for one in (first, second)]
+        return [
+            messages.decode_observation(messages.encode_observation(observation)) for observation in (first, second)
+        ]
 
     first, again, changed = (stack.observations(sense(tick, near)) for tick, near in CASES)
     assert (first.tick, again.tick) == (4, 5)

@@ -67,9 +67,9 @@ def test_port_zero_can_be_listened_on_but_not_connected_to() -> None:
 def test_a_silent_name_server_delays_no_process(monkeypatch: pytest.MonkeyPatch) -> None:
     answer = threading.Event()
     monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: answer.wait(60.0))
-    warnings = addresses.unresolved("tcp/lab.example:7447", patience=0.05)
+    warning = addresses.unresolved("tcp/lab.example:7447", patience=0.05)
     answer.set()
-    assert warnings == "the name 'lab.example' does not resolve: no name server answers within 0.05 s"
+    assert warning == "the name 'lab.example' does not resolve: no name server answers within 0.05 s"
 
 
 def test_an_address_is_not_looked_up(monkeypatch: pytest.MonkeyPatch) -> None:
