@@ -1,7 +1,7 @@
 """Draw the layers of the packages, and the imports between them: `python -m docs.draw_layers` writes docs/layers.svg.
 
-The layers are those of tests/architecture, the arrows those of the source. The picture omits an arrow that a chain of
-others implies, and each `__main__`, the entry point of a package.
+The layers are those of tests/architecture, the arrows those of the source. The picture omits arrows that a chain of
+others implies, and `__main__` modules, the entry points of packages.
 """
 
 from collections import Counter

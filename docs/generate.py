@@ -1,6 +1,6 @@
 """Generate the reference pages that come from the code: `python -m docs.generate`, or with `--check` compare them.
 
-The texts stand in the code: flags in the commands, fields in the pydantic models, messages in `fes.protocol`.
+The texts come from the code: flags from the commands, fields from the pydantic models, messages from `fes.protocol`.
 """
 
 import sys
@@ -24,12 +24,12 @@ def pages() -> dict[Path, str]:
 
 
 def stale() -> list[Path]:
-    """The pages whose file is not the text that the code gives now."""
+    """Pages whose file differs from the text that the code gives now."""
     return [path for path, text in pages().items() if not path.exists() or path.read_text(encoding="utf-8") != text]
 
 
 def main() -> int:
-    """Write the pages; with `--check` only name those that are not current, and return 1 if there is one."""
+    """Write the pages. With `--check`, only name pages that are not current, and return 1 if there are any."""
     if "--check" in sys.argv[1:]:
         old = stale()
         print(*(f"not current: {path.name}" for path in old), f"{len(old)} pages to generate", sep="\n")

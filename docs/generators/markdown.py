@@ -10,7 +10,7 @@ def cell(text: str) -> str:
 
 
 def code(text: str) -> str:
-    """A text as code in a cell; nothing stays nothing."""
+    """A text as code in a cell; an empty text stays empty."""
     return f"`{text}`" if text else ""
 
 

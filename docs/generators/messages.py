@@ -72,7 +72,7 @@ def _messages(module: ModuleType) -> list[str]:
 
 
 def _fields(node: ast.ClassDef) -> list[list[str]]:
-    """Name, type and docstring of each field of a message; a line of its class if it has no docstring."""
+    """Name, type and docstring of each field of a message; the docstring may be empty."""
     rows = []
     following = [*node.body[1:], None]
     for statement, after in zip(node.body, following, strict=True):
@@ -83,6 +83,6 @@ def _fields(node: ast.ClassDef) -> list[list[str]]:
 
 
 def names() -> set[str]:
-    """The messages that the table of keys names as payloads."""
-    found = re.findall(r"\b[A-Z][a-z]+\b", " ".join(line.split("|")[2] for line in _keys()[2:] if line))
-    return set(found)
+    """The messages that are payloads in the table of keys."""
+    payloads = " ".join(line.split("|")[2] for line in _keys()[2:] if line)
+    return set(re.findall(r"\b[A-Z][a-z]+\b", payloads))

@@ -1,4 +1,4 @@
-"""docs/explanation/reliability.md names tests that are there, and figures that are those of the code."""
+"""docs/explanation/reliability.md names tests that exist, and its figures are those of the code."""
 
 import ast
 from re import findall
@@ -37,7 +37,7 @@ FIGURES = [
     f"in lockstep it waits {lockstep.RETURN_TIMEOUT:g} s, then ends with one line",
     f"the world asks again after {lockstep.RESEND_AFTER:g} s, {2 * lockstep.RESEND_AFTER:g} s, ...",
     f"is leased the lowest free robot, for {registry.LEASE:g} s",
-    f"A robot that died meanwhile is waited for {registry.RESUME_TIMEOUT:g} s",
+    f"The world waits {registry.RESUME_TIMEOUT:g} s for a robot that died meanwhile",
     f"the next checkpoint, {checkpoint.PERIOD:g} s of wall clock later",
     f"if the last command is older than {deadlines.COMMAND_TIMEOUT:g} s, the robot stops",
     f"A robot that is silent for {live.HANG_TIMEOUT:g} s is excluded",

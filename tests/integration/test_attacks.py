@@ -44,8 +44,8 @@ def test_a_bad_payload_on_every_key_is_counted_with_one_line_per_kind_and_change
     with caplog.at_level(logging.WARNING):
         server, agents = attacked(disturb)
     assert server.drops.counts[kind] >= ROBOTS - 1  # robot 3 is allowed the message on its own key
-    said = [record for record in caplog.records if record.name == "world" and kind in record.getMessage()]
-    assert len(said) == 1
+    logged = [record for record in caplog.records if record.name == "world" and kind in record.getMessage()]
+    assert len(logged) == 1
     assert all(agent.drops.counts for agent in agents)
 
 

@@ -47,7 +47,7 @@ def test_a_subscription_declared_before_a_command_receives_every_beacon_after_th
     """The order that makes the lockstep exact: declare, then answer. A put after the next tick is received."""
 
     async def main() -> None:
-        async with router() as (world, endpoint), client(endpoint) as one, client(endpoint) as two:
+        async with router() as (world, endpoint), client(endpoint) as first, client(endpoint) as second:
             ticks: dict[str, asyncio.Queue[bytes | None]] = {"one": asyncio.Queue(), "two": asyncio.Queue()}
             commands: asyncio.Queue[bytes | None] = asyncio.Queue()
             loop = asyncio.get_running_loop()
@@ -59,11 +59,11 @@ def test_a_subscription_declared_before_a_command_receives_every_beacon_after_th
                 return hand_over
 
             world.declare_subscriber("command", to(commands))
-            one.declare_subscriber("tick/one", to(ticks["one"]))
-            two.declare_subscriber("tick/two", to(ticks["two"]))
+            first.declare_subscriber("tick/one", to(ticks["one"]))
+            second.declare_subscriber("tick/two", to(ticks["two"]))
             tick = {name: world.declare_publisher(f"tick/{name}", "x") for name in ticks}
-            answer = {"one": one.declare_publisher("command", "x"), "two": two.declare_publisher("command", "x")}
-            beacon = two.declare_publisher("beacon/0", "x"), two.declare_publisher("beacon/1", "x")
+            answer = {"one": first.declare_publisher("command", "x"), "two": second.declare_publisher("command", "x")}
+            beacon = second.declare_publisher("beacon/0", "x"), second.declare_publisher("beacon/1", "x")
             await until(lambda: _settled(tick, ticks))
             for round_ in range(300):
                 for put in tick.values():
@@ -71,7 +71,7 @@ def test_a_subscription_declared_before_a_command_receives_every_beacon_after_th
                 await ticks["two"].get()
                 await ticks["one"].get()
                 # The first session declares a subscription per tick; the second one publishes from the next tick on.
-                box = one.mailbox(f"beacon/{round_ % 2}")
+                box = first.mailbox(f"beacon/{round_ % 2}")
                 answer["one"](b"done")
                 answer["two"](b"done")
                 await commands.get()
@@ -144,7 +144,7 @@ def test_a_query_is_answered_rejected_or_ignored() -> None:
     run(main)
 
 
-def test_a_taken_port_an_unreachable_endpoint_and_bad_settings_are_one_clear_line_each() -> None:
+def test_a_taken_port_an_unreachable_endpoint_and_bad_settings_are_reported_in_one_line_each() -> None:
     async def main() -> None:
         async with router() as (_, endpoint):
             with pytest.raises(TransportError, match=f"^cannot listen on {endpoint}: .*in use$"):

@@ -34,14 +34,14 @@ def test_crafted_files_are_rejected_in_one_line_each_and_with_little_memory(tmp_
         timeout=PATIENCE,
         check=True,
     )
-    found = json.loads(done.stdout)
-    tried = {(kind, what) for kind, made in crafted.FILES.items() for what in made}
-    assert {(kind, what) for kind, what, _ in found["ends"]} == tried
-    for kind, what, said in found["ends"]:
-        assert said, f"{kind}, {what}: not refused"
-        assert "\n" not in said
-        assert said.isprintable()
-    assert found["peak"] < MOST
+    result = json.loads(done.stdout)
+    tried = {(kind, name) for kind, made in crafted.FILES.items() for name in made}
+    assert {(kind, name) for kind, name, _ in result["ends"]} == tried
+    for kind, name, line in result["ends"]:
+        assert line, f"{kind}, {name}: not refused"
+        assert "\n" not in line
+        assert line.isprintable()
+    assert result["peak"] < MOST
 
 
 def test_endless_files_are_rejected_without_waiting(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -100,9 +100,9 @@ def test_a_summary_too_large_for_a_reader_is_written_to_the_run_directory_only(
     for limit, kept in ((layout.MAX_JSON, True), (recorder._ENDED + 100, False)):
         monkeypatch.setattr(recorder, "MAX_JSON", limit)
         recordings.record(path, pair)
-        found = log.load(path)
-        assert found.ended == "at its end"
-        assert (found.summary is not None) == kept
+        loaded = log.load(path)
+        assert loaded.ended == "at its end"
+        assert (loaded.summary is not None) == kept
     with pytest.raises(FesError, match="a reason"), Recorder(path, pair, "x", "inprocess"):
         raise FesError("a reason " + "x" * 1_000_000)
     assert recordings.messages(path)[-1][0] == "/log"

@@ -87,11 +87,11 @@ def test_a_crew_with_a_silent_robot_is_excluded_until_that_robot_answers(
     mute, say, repeat = asyncio.Event(), Outbox.publish, Outbox.resend
     unsaid: list[tuple[Outbox, int, Any]] = []
 
-    def half_said(outbox: Outbox, tick: int, said: Any) -> None:
-        if mute.is_set() and said[0][0] == 0:
-            unsaid.append((outbox, tick, said[1:]))
-            said = said[:1]
-        say(outbox, tick, said)
+    def half_said(outbox: Outbox, tick: int, answers: Any) -> None:
+        if mute.is_set() and answers[0][0] == 0:
+            unsaid.append((outbox, tick, answers[1:]))
+            answers = answers[:1]
+        say(outbox, tick, answers)
 
     monkeypatch.setattr(Outbox, "publish", half_said)
     monkeypatch.setattr(Outbox, "resend", lambda *asked: None if mute.is_set() else repeat(*asked))
@@ -116,8 +116,8 @@ def test_a_crew_with_a_silent_robot_is_excluded_until_that_robot_answers(
     path = tmp_path / "run.mcap"
     summary = live_through(three(), path, story, groups=GROUPS)
     assert len(unsaid) == 1
-    told = [line for line in caplog.messages if "does not answer" in line]
-    assert told == [
+    logged = [line for line in caplog.messages if "does not answer" in line]
+    assert logged == [
         "robot 1 does not answer"
     ]  # the world did not wait for robot 0, which could not answer without robot 1
     assert summary["ticks"] == 200

@@ -38,9 +38,9 @@ def test_examining_a_run_changes_no_digit_and_sees_every_robot() -> None:
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         begin.set()
         for _ in range(3):
-            found, robots = await network.examine(client_of(endpoint), RUN, True)
+            findings, robots = await network.examine(client_of(endpoint), RUN, True)
             assert robots == 10
-            seen.append(found)
+            seen.append(findings)
 
     async def bounded() -> Any:
         async with asyncio.timeout(60.0):
@@ -50,18 +50,18 @@ def test_examining_a_run_changes_no_digit_and_sees_every_robot() -> None:
     assert summary["digest"] == inprocess.run(paper, "test")["digest"]
     assert not server.drops.counts
     assert not any(agent.drops.counts for agent in agents)
-    for found in seen:
-        assert [one.check for one in found] == ["endpoint", "alive", "version", "world's clock"]
-        assert {one.status for one in found} == {Status.OK}  # one clock, one installation
-        assert "robots 0-9 of 10" in found[1].seen
+    for findings in seen:
+        assert [finding.check for finding in findings] == ["endpoint", "alive", "version", "world's clock"]
+        assert {finding.status for finding in findings} == {Status.OK}  # one clock, one installation
+        assert "robots 0-9 of 10" in findings[1].seen
 
 
 def test_a_missing_robot_is_named() -> None:
-    found = network.alive(RUN, [keys.world_alive(RUN), *(keys.robot_alive(RUN, i) for i in (0, 1, 4))], [], 6, True)
-    assert found.status == Status.WARNING
+    finding = network.alive(RUN, [keys.world_alive(RUN), *(keys.robot_alive(RUN, i) for i in (0, 1, 4))], [], 6, True)
+    assert finding.status == Status.WARNING
     effect = "the first tick waits for all robots; later, robots without an agent stand still"
-    assert found.remedy == f"fes-agent --id 2-3, 5: {effect}"
-    assert "robots 0-1, 4 of 6" in found.seen
+    assert finding.remedy == f"fes-agent --id 2-3, 5: {effect}"
+    assert "robots 0-1, 4 of 6" in finding.seen
 
 
 @pytest.mark.parametrize(
@@ -81,18 +81,18 @@ def test_a_missing_robot_is_named() -> None:
 def test_no_world_or_several_worlds_are_a_failure(
     standing: list[str], others: list[str], status: Status, said: str
 ) -> None:
-    found = network.alive(RUN, standing, others, None, True)
-    assert found.status == status
-    assert said in found.seen
-    assert found.remedy
+    finding = network.alive(RUN, standing, others, None, True)
+    assert finding.status == status
+    assert said in finding.seen
+    assert finding.remedy
 
 
 def test_a_world_of_another_version_is_a_finding_with_both_versions() -> None:
     newer = msgpack.packb([1, "9.0", "3.0", 5, 1.0, "a field more"])
     with pytest.raises(MessageError) as caught:
         world_info.decode_world_info(newer)
-    [found] = network.versions(caught.value)
-    assert (found.status, found.seen) == (Status.FAILED, "About: speaks protocol 2, got version: 1")
+    [finding] = network.versions(caught.value)
+    assert (finding.status, finding.seen) == (Status.FAILED, "About: speaks protocol 2, got version: 1")
     package, *_ = network.versions(Answer(0.0, 0.0, WorldInfo("0.0.1", "1.0", 3, 0.0)))
     assert package.status == Status.WARNING
     assert "fes 0.0.1" in package.seen
@@ -109,15 +109,15 @@ def test_a_world_of_another_version_is_a_finding_with_both_versions() -> None:
 )
 def test_clock_skew_is_measured_from_the_middle_of_the_query(offset: float, took: float, status: Status) -> None:
     own = world_info.of_this_process(1)
-    *_, found = network.versions(Answer(100.0, 100.0 + took, own._replace(clock=100.0 + took / 2 + offset)))
-    assert found.status == status
-    assert f"{1e3 * offset:+.1f} ms from ours, within {500 * took:.1f} ms" in found.seen
+    *_, finding = network.versions(Answer(100.0, 100.0 + took, own._replace(clock=100.0 + took / 2 + offset)))
+    assert finding.status == status
+    assert f"{1e3 * offset:+.1f} ms from ours, within {500 * took:.1f} ms" in finding.seen
 
 
 def test_an_unreachable_endpoint_fails_only_where_a_run_is_expected() -> None:
     for wanted, status in ((True, Status.FAILED), (False, Status.OK)):
-        found, robots = asyncio.run(network.examine(client_of(vacant()), RUN, wanted))
-        assert ([one.status for one in found], robots) == ([status], None)
+        findings, robots = asyncio.run(network.examine(client_of(vacant()), RUN, wanted))
+        assert ([finding.status for finding in findings], robots) == ([status], None)
 
 
 @pytest.mark.parametrize(("wanted", "status"), [(True, Status.FAILED), (False, Status.WARNING)])
@@ -125,9 +125,9 @@ def test_a_silent_listener_does_not_delay_the_doctor(wanted: bool, status: Statu
     with socket.create_server(("127.0.0.1", 0)) as mute:
         begun = time.monotonic()
         endpoints = Endpoints("client", (f"tcp/127.0.0.1:{mute.getsockname()[1]}",), timeout=600.0)
-        found, _ = asyncio.run(network.examine(endpoints, RUN, wanted))
+        findings, _ = asyncio.run(network.examine(endpoints, RUN, wanted))
         assert time.monotonic() - begun < endpoints.timeout / 2.0  # Zenoh's own timeout
-    assert [(one.status, bool(one.remedy)) for one in found] == [(status, True)]
+    assert [(finding.status, bool(finding.remedy)) for finding in findings] == [(status, True)]
 
 
 def test_a_world_that_does_not_answer_is_a_warning() -> None:
@@ -138,7 +138,7 @@ def test_a_world_that_does_not_answer_is_a_warning() -> None:
             async with client(endpoint):
                 return (await network.examine(client_of(endpoint), RUN, True))[0]
 
-    assert [one.status for one in asyncio.run(main())][-1] == Status.WARNING
+    assert [finding.status for finding in asyncio.run(main())][-1] == Status.WARNING
 
 
 @pytest.mark.parametrize(
@@ -153,9 +153,9 @@ def test_a_world_that_does_not_answer_is_a_warning() -> None:
     ],
 )
 def test_a_listener_on_a_network_is_a_warning(endpoint: str, table: str, status: Status) -> None:
-    found = network.exposure(endpoint, table)
-    assert found.status == status
-    assert bool(found.remedy) == (status != Status.OK)
+    finding = network.exposure(endpoint, table)
+    assert finding.status == status
+    assert bool(finding.remedy) == (status != Status.OK)
 
 
 def test_the_default_address_is_the_same_with_tls() -> None:

@@ -33,9 +33,9 @@ def test_a_certificate_that_the_world_rejects_stays_a_failure_during_its_run() -
 
 
 def test_a_world_that_does_not_report_its_number_of_robots_is_a_finding() -> None:
-    found = network.alive("main", [keys.world_alive("main"), keys.robot_alive("main", 0)], [], None, True)
-    assert found.status is Status.WARNING
-    assert "robots 0 of ?" in found.seen
+    finding = network.alive("main", [keys.world_alive("main"), keys.robot_alive("main", 0)], [], None, True)
+    assert finding.status is Status.WARNING
+    assert "robots 0 of ?" in finding.seen
     assert network.alive("main", [keys.world_alive("main"), keys.robot_alive("main", 0)], [], 1, True).remedy == ""
 
 
@@ -44,31 +44,31 @@ def test_the_doctor_does_not_advise_a_second_world_where_one_may_be_suspended(pr
     """A suspended process still accepts connections, and does not answer."""
     with socket.create_server(("127.0.0.1", 0)) as mute:
         endpoint = f"{protocol}/127.0.0.1:{mute.getsockname()[1]}"
-        said = connection_diagnosis.complaint(endpoint, {})
-        assert said is not None
-        assert said.endswith("or it is suspended or overloaded")
+        complaint = connection_diagnosis.complaint(endpoint, {})
+        assert complaint is not None
+        assert complaint.endswith("or it is suspended or overloaded")
         looked = Endpoints("client", (endpoint,), timeout=0.5)
-        [found], _ = asyncio.run(network.examine(looked, "main", is_requested=True))
-    assert found.status is Status.FAILED
-    assert "suspended or overloaded" in found.seen
-    assert "check again" in found.remedy
-    assert "start" not in found.remedy
+        [finding], _ = asyncio.run(network.examine(looked, "main", is_requested=True))
+    assert finding.status is Status.FAILED
+    assert "suspended or overloaded" in finding.seen
+    assert "check again" in finding.remedy
+    assert "start" not in finding.remedy
 
 
 def test_a_run_whose_process_was_killed_is_not_announced() -> None:
     gone = subprocess.Popen([sys.executable, "-c", ""])
     gone.wait()
-    here = announce("pair-1", os.getpid())
+    announced = announce("pair-1", os.getpid())
     announce("pair-2", gone.pid)
     (run_directory.ROOT / run_directory.LATEST).symlink_to("pair-2")
-    assert run_directory.announced(keys.DEFAULT_RUN) == (Path("runs/pair-1/endpoint.json"), here)
-    assert run_directory.find(keys.DEFAULT_RUN) == here
+    assert run_directory.announced(keys.DEFAULT_RUN) == (Path("runs/pair-1/endpoint.json"), announced)
+    assert run_directory.find(keys.DEFAULT_RUN) == announced
     assert run_directory.announced("other") is None
 
 
 def test_a_run_is_announced_by_its_own_directory_and_not_by_the_latest() -> None:
     announce("pair-1", os.getpid())
     (run_directory.ROOT / run_directory.LATEST).symlink_to("pair-1")
-    found = run_directory.announced(keys.DEFAULT_RUN)
-    assert found is not None
-    assert found[0] == Path("runs/pair-1/endpoint.json")
+    announced = run_directory.announced(keys.DEFAULT_RUN)
+    assert announced is not None
+    assert announced[0] == Path("runs/pair-1/endpoint.json")

@@ -56,9 +56,9 @@ CASES = [(law, field) for law in LAWS for field in ("poses", "estimates")] + [("
 def test_no_number_in_a_beacon_leaves_a_peer_without_a_twist(law: str, field: str, value: float) -> None:
     """crew.step raises if a twist is not finite, and numpy's warnings are errors here."""
     name, settings = LAWS[law]
-    what = load(name, **settings)
-    world = truth.create(what)
-    state, robots = truth.start(world), crew.create(agent_config(what), world.ids)
+    scenario = load(name, **settings)
+    world = truth.create(scenario)
+    state, robots = truth.start(world), crew.create(agent_config(scenario), world.ids)
     minds, said = crew.start(robots), no_beacons()
     for tick in range(TICKS):
         minds, said, twists = crew.step(robots, minds, truth.observe(state), said)
@@ -89,18 +89,18 @@ def any_command(choose: np.random.Generator, tick: int) -> bytes:
 
 @pytest.mark.parametrize("law", ["corrected", "log index", "measured"])
 @pytest.mark.parametrize("seed", range(8))
-def test_no_beacon_and_no_command_that_is_valid_stops_a_peer_or_the_world(law: str, seed: int) -> None:
+def test_no_valid_beacon_or_command_stops_a_peer_or_the_world(law: str, seed: int) -> None:
     """25 ticks of such messages, encoded and decoded, with all steps of the world on them."""
     choose, (name, settings) = np.random.default_rng(seed), LAWS[law]
-    what = load(name, run__duration=0.9, run__seed=seed, **settings)
-    run, stack = Run(what), MessageAssembler(np.arange(10))
-    robots = crew.create(agent_config(what), run.world.ids)
+    scenario = load(name, run__duration=0.9, run__seed=seed, **settings)
+    run, stack = Run(scenario), MessageAssembler(np.arange(10))
+    robots = crew.create(agent_config(scenario), run.world.ids)
     minds, heard = crew.start(robots), no_beacons()
     while not run.is_over:
         tick, sent = run.state.tick, run.observations(run.state.present)
-        minds, said, twists = crew.step(robots, minds, truth.observe(run.state), heard)
+        minds, beacons, twists = crew.step(robots, minds, truth.observe(run.state), heard)
         telemetry = crew.telemetry(robots, minds)
-        spoken = [[beacon, order] for _, beacon, order in agent_marshalling.encode_tick(said, twists, telemetry)]
+        spoken = [[beacon, order] for _, beacon, order in agent_marshalling.encode_tick(beacons, twists, telemetry)]
         if tick >= 20:
             spoken[HOSTILE] = [any_beacon(choose, tick, robots.statistics), any_command(choose, tick)]
         heard = stack.beacons(tick, [messages.decode_beacon(beacon) for beacon, _ in spoken])
@@ -110,17 +110,17 @@ def test_no_beacon_and_no_command_that_is_valid_stops_a_peer_or_the_world(law: s
         run.advance(sent, answers, [beacon for beacon, _ in spoken], ALIVE, 0.1)
         run.record_tick()
         decode_report(encode_report(report_builder.build(run.metrics, "test", ALIVE, 0.0, 0.0)))
-    assert summary.summarize(run.metrics, "test", "test", 1.0)["ticks"] == what.ticks
+    assert summary.summarize(run.metrics, "test", "test", 1.0)["ticks"] == scenario.ticks
 
 
 @pytest.mark.parametrize("twist", [[MAX_TWIST, 0.0], [-MAX_TWIST, MAX_TWIST], [0.0, -MAX_TWIST]])
 def test_no_command_makes_a_pose_or_a_report_that_is_not_finite(twist: list[float]) -> None:
-    what = load("measured.toml", run__duration=4.0)
-    world, metrics = truth.create(what), MetricsCollector(what)
-    state, robots = truth.start(world), crew.create(agent_config(what), world.ids)
-    minds, said = crew.start(robots), no_beacons()
-    for tick in range(what.ticks):
-        minds, said, twists = crew.step(robots, minds, truth.observe(state), said)
+    scenario = load("measured.toml", run__duration=4.0)
+    world, metrics = truth.create(scenario), MetricsCollector(scenario)
+    state, robots = truth.start(world), crew.create(agent_config(scenario), world.ids)
+    minds, beacons = crew.start(robots), no_beacons()
+    for tick in range(scenario.ticks):
+        minds, beacons, twists = crew.step(robots, minds, truth.observe(state), beacons)
         if tick >= FIRST:
             twists[HOSTILE] = twist
         metrics.add(state, twists, crew.telemetry(robots, minds))
@@ -161,7 +161,7 @@ def test_a_command_holds_numbers_up_to_a_bound(field: str, most: float, sign: fl
 
 def test_bounded_keeps_values_within_the_bounds_to_the_bit() -> None:
     values = np.array([-0.0, 0.0, 1.5, -3e11, MAX_TOLD, 2e12, -2e12, np.inf, -np.inf, np.nan])
-    found = bounded(values, MAX_TOLD)
-    assert found[:5].tobytes() == values[:5].tobytes()
-    assert found[5:9].tolist() == [MAX_TOLD, -MAX_TOLD, MAX_TOLD, -MAX_TOLD]
-    assert np.isnan(found[9])
+    result = bounded(values, MAX_TOLD)
+    assert result[:5].tobytes() == values[:5].tobytes()
+    assert result[5:9].tolist() == [MAX_TOLD, -MAX_TOLD, MAX_TOLD, -MAX_TOLD]
+    assert np.isnan(result[9])

@@ -26,7 +26,8 @@ async def end_with(fault: str, seconds: float) -> tuple[float, object]:
     async with session.router() as (opened, endpoint), link(endpoint) as faulty, asyncio.timeout(PATIENCE):
         server = Server(opened, Run(scenario), "test", RUN)
         agents = [
-            asyncio.ensure_future(session.live(one, [robot])) for robot, one in enumerate((endpoint, faulty.endpoint))
+            asyncio.ensure_future(session.live(address, [robot]))
+            for robot, address in enumerate((endpoint, faulty.endpoint))
         ]
         await server.gather()
         await server.main_loop()

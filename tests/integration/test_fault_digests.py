@@ -52,10 +52,10 @@ def faulty(name: str, fault: str) -> Scenario:
     return load(name, run__duration=2.4, event=FAULTS[fault])
 
 
-def over_zenoh(what: Scenario, groups: list[list[int]], recorder: Recorder | None = None) -> Any:
+def over_zenoh(scenario: Scenario, groups: list[list[int]], recorder: Recorder | None = None) -> Any:
     async def bounded() -> Any:
         async with asyncio.timeout(60.0):
-            return await session.run(what, groups, None, recorder)
+            return await session.run(scenario, groups, None, recorder)
 
     return asyncio.run(bounded())
 
@@ -68,9 +68,9 @@ def over_zenoh(what: Scenario, groups: list[list[int]], recorder: Recorder | Non
 def test_each_fault_has_a_digest_of_its_own_equal_in_one_loop_and_over_zenoh(
     name: str, fault: str, crew: str
 ) -> None:
-    what = faulty(name, fault)
-    summary, server, agents = over_zenoh(what, CREWS[crew])
-    assert summary["digest"] == inprocess.run(what, "test")["digest"]
+    scenario = faulty(name, fault)
+    summary, server, agents = over_zenoh(scenario, CREWS[crew])
+    assert summary["digest"] == inprocess.run(scenario, "test")["digest"]
     assert summary["digest"] != inprocess.run(load(name, run__duration=2.4), "calm")["digest"]
     if fault == "all hang" and crew == "many":
         return  # no robot holds the world up, so it runs ahead of crews, which drop observations that they missed
@@ -92,8 +92,8 @@ def test_each_fault_has_a_digest_of_its_own_equal_in_one_loop_and_over_zenoh(
 @pytest.mark.parametrize("fault", FAULTS)
 def test_stacked_runs_with_faults_have_the_summaries_that_they_have_alone(name: str, fault: str) -> None:
     scenarios = [load(name, run__seed=seed, run__duration=2.4, event=FAULTS[fault]) for seed in (3, 0)]
-    found = [without_wall_clock(summary) for summary in stacked.run(scenarios, "x")]
-    assert found == alone(scenarios)
+    result = [without_wall_clock(summary) for summary in stacked.run(scenarios, "x")]
+    assert result == alone(scenarios)
 
 
 def test_runs_with_different_faults_are_not_stacked_and_teams_of_different_sizes_are() -> None:
@@ -114,16 +114,16 @@ def test_runs_with_different_faults_are_not_stacked_and_teams_of_different_sizes
 def test_a_log_of_faults_is_executed_again_and_is_the_same_from_one_loop_and_over_zenoh(
     fault: str, tmp_path: Path
 ) -> None:
-    what = faulty("measured.toml", fault)
-    recordings.record(tmp_path / "loop.mcap", what)
-    with Recorder(tmp_path / "bus.mcap", what, "test", "processes") as recorder:
-        summary, *_ = over_zenoh(what, CREWS["one"], recorder)
+    scenario = faulty("measured.toml", fault)
+    recordings.record(tmp_path / "loop.mcap", scenario)
+    with Recorder(tmp_path / "bus.mcap", scenario, "test", "processes") as recorder:
+        summary, *_ = over_zenoh(scenario, CREWS["one"], recorder)
         recorder.conclude(summary)
     loop, over = (log.load(tmp_path / name) for name in ("loop.mcap", "bus.mcap"))
     assert compare.first_difference(loop, over) is None
-    for found in (loop, over):
-        assert replay_command.rerun(found, all_robots=True)["digest"] == summary["digest"]
-        assert [replay_command.rerun_robot(found, robot) for robot in (0, 4, 5)] == [120] * 3
+    for result in (loop, over):
+        assert replay_command.rerun(result, all_robots=True)["digest"] == summary["digest"]
+        assert [replay_command.rerun_robot(result, robot) for robot in (0, 4, 5)] == [120] * 3
 
 
 def test_a_damaged_beacon_is_an_empty_payload_in_the_log(tmp_path: Path) -> None:

@@ -162,9 +162,9 @@ def test_more_queries_than_the_queue_holds_are_rejected_at_once(monkeypatch: pyt
             outcomes = await asyncio.gather(*asked, return_exceptions=True)
             return [str(outcome) for outcome in outcomes]
 
-    said = asyncio.run(main())
-    assert said.count("b'yes'") == bus.QUESTIONS
-    assert said.count("too many questions at once") == 4 * bus.QUESTIONS
+    answers = asyncio.run(main())
+    assert answers.count("b'yes'") == bus.QUESTIONS
+    assert answers.count("too many questions at once") == 4 * bus.QUESTIONS
 
 
 def test_agents_that_query_a_new_world_all_at_once_retry(

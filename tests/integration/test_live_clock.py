@@ -37,7 +37,7 @@ def test_an_agent_that_is_suspended_past_its_lease_rejoins(tmp_path: Path) -> No
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     words = [str(CONFIGS / "pair.toml"), "--set", "run.clock=live", "--duration", "14", "--out", "out"]
     world = start(command_line("world.process", *words, "-l", endpoint), tmp_path)
-    agents = [start(command_line("agents.process", "--id", str(at), "-e", endpoint), tmp_path) for at in (0, 1)]
+    agents = [start(command_line("agents.process", "--id", str(robot), "-e", endpoint), tmp_path) for robot in (0, 1)]
 
     async def suspend() -> None:
         async with session.client(endpoint, PATIENCE) as observer, asyncio.timeout(PATIENCE):
@@ -51,12 +51,12 @@ def test_an_agent_that_is_suspended_past_its_lease_rejoins(tmp_path: Path) -> No
             agents[1].send_signal(signal.SIGCONT)
 
     asyncio.run(suspend())
-    _, told = world.communicate(timeout=PATIENCE)
+    _, output = world.communicate(timeout=PATIENCE)
     for agent in agents:
         agent.communicate(timeout=PATIENCE)
         assert agent.returncode == 0
-    assert "robot 1 is not there from tick" in told
-    assert "robot 1 is back from tick" in told
+    assert "robot 1 is not there from tick" in output
+    assert "robot 1 is back from tick" in output
     kept = json.loads((tmp_path / "out" / "summary.json").read_text())["deadlines"]
     assert kept["due"][0] == 700 > kept["due"][1] > 300
 
@@ -96,12 +96,12 @@ def test_a_run_takes_as_long_as_it_simulates_and_its_world_can_be_executed_again
     assert summary["clock"] == "live"
     assert kept["due"] == [150, 150]
     assert sum(kept["missed"]) < 300
-    found = log.load(tmp_path / "run.mcap")
-    assert replay_command.rerun(found) == json.loads(json.dumps(summary))
+    loaded = log.load(tmp_path / "run.mcap")
+    assert replay_command.rerun(loaded) == json.loads(json.dumps(summary))
     with pytest.raises(
         FesError, match=r"is of the live clock: the log does not show which inputs a robot received in time$"
     ):
-        replay_command.rerun(found, all_robots=True)
+        replay_command.rerun(loaded, all_robots=True)
 
 
 def test_a_silent_robot_stops_and_delays_no_tick(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -109,7 +109,9 @@ def test_a_silent_robot_stops_and_delays_no_tick(tmp_path: Path, monkeypatch: py
     mute, say = asyncio.Event(), Outbox.publish
     unsaid: list[tuple[Outbox, int, Any]] = []
     monkeypatch.setattr(
-        Outbox, "publish", lambda *what: unsaid.append(what) if mute.is_set() and what[2][0][0] == 1 else say(*what)
+        Outbox,
+        "publish",
+        lambda *message: unsaid.append(message) if mute.is_set() and message[2][0][0] == 1 else say(*message),
     )
     seen: dict[str, Any] = {}
 

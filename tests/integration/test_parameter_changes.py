@@ -42,8 +42,8 @@ def test_the_later_of_two_events_of_one_tick_wins_and_other_events_act_in_order_
         return EventConfig.model_validate({"at": at, "set": {path: value}})
 
     snr, exponent = "channel.reference_snr", "channel.path_loss_exponent"
-    found = events.schedule([event(2.0, snr, 1.0), event(1.0, snr, 2.0), event(1.004, exponent, 2.5)], 0.02)
-    assert list(found.items()) == [(50, {snr: 2.0, exponent: 2.5}), (100, {snr: 1.0})]
+    result = events.schedule([event(2.0, snr, 1.0), event(1.0, snr, 2.0), event(1.004, exponent, 2.5)], 0.02)
+    assert list(result.items()) == [(50, {snr: 2.0, exponent: 2.5}), (100, {snr: 1.0})]
     assert events.schedule([event(1.0, snr, 1.0), event(1.0, snr, 2.0)], 0.02) == {50: {snr: 2.0}}
     table, part = "channel.shadowing", "channel.shadowing.deviation"
     [again] = events.schedule([event(1.0, part, 6.0), event(1.0, table, {}), event(1.0, part, 6.0)], 0.02).values()
@@ -114,7 +114,7 @@ def test_a_run_changed_by_fes_set_can_be_repeated_from_its_recorded_changes() ->
                 await ask("channel.reference_snr", -5)
             with pytest.raises(Rejected, match="only fields like"):
                 await ask("seeking.law", "paper")
-            jammers = [{"x": float(at), "y": 0.0, "radius": 1.0} for at in range(100)]
+            jammers = [{"x": float(index), "y": 0.0, "radius": 1.0} for index in range(100)]
             answers.append(await ask("channel.jammers", jammers))
             with pytest.raises(Rejected, match="expects 2 fields"):
                 await terminal.get(keys.change(session.RUN), wire.pack("x"), session.PATIENCE)
@@ -149,7 +149,7 @@ def test_a_change_that_would_invalidate_a_scheduled_event_is_rejected_and_the_ru
     assert server.run.scenario == scenario
 
 
-def test_a_value_that_no_message_can_carry_is_one_line() -> None:
+def test_a_value_that_no_message_can_carry_is_reported_in_one_line() -> None:
     with pytest.raises(MessageError, match="expects finite numbers, words, lists or tables"):
         channel_change.encode_change(ParameterChange("channel.reference_snr", datetime.date(2020, 1, 1)))
 

@@ -33,7 +33,7 @@ def test_a_dead_robot_stands_still_rejoins_as_a_new_process_and_its_run_can_be_r
     monkeypatch.setattr(
         Outbox,
         "publish",
-        lambda *what: unsaid.append(what[1]) if dying.is_set() and what[2][0][0] == 4 else say(*what),
+        lambda *message: unsaid.append(message[1]) if dying.is_set() and message[2][0][0] == 4 else say(*message),
     )
     seen: dict[str, Any] = {}
 
@@ -62,12 +62,12 @@ def test_a_dead_robot_stands_still_rejoins_as_a_new_process_and_its_run_can_be_r
     assert seen["moved"]
     assert seen["ticks"][1] > seen["ticks"][0] + 60
     assert summary["ticks"] == 300
-    found = log.load(tmp_path / "run.mcap")
-    again = replay_command.rerun(found, all_robots=True)
-    absent = sum(not tick.payloads.commands[4] for tick in found.ticks())
+    loaded = log.load(tmp_path / "run.mcap")
+    again = replay_command.rerun(loaded, all_robots=True)
+    absent = sum(not tick.payloads.commands[4] for tick in loaded.ticks())
     assert summary["unscheduled_absences"] == again["unscheduled_absences"] == absent > 60
     assert again["digest"] == summary["digest"] != inprocess.run(scenario, "test")["digest"]
-    assert replay_command.rerun_robot(found, 4) == 300
+    assert replay_command.rerun_robot(loaded, 4) == 300
 
 
 def test_a_hung_robot_is_excluded_after_the_deadline_and_rejoins_when_it_answers(
@@ -76,11 +76,11 @@ def test_a_hung_robot_is_excluded_after_the_deadline_and_rejoins_when_it_answers
     asleep, say = asyncio.Event(), Outbox.publish
     delayed: list[tuple[Outbox, int, Any]] = []
 
-    def sleepy(outbox: Outbox, tick: int, said: Any) -> None:
-        if asleep.is_set() and said[0][0] == 1:
-            delayed.append((outbox, tick, said))
+    def sleepy(outbox: Outbox, tick: int, answers: Any) -> None:
+        if asleep.is_set() and answers[0][0] == 1:
+            delayed.append((outbox, tick, answers))
         else:
-            say(outbox, tick, said)
+            say(outbox, tick, answers)
 
     repeat = Outbox.resend
     monkeypatch.setattr(Outbox, "publish", sleepy)
@@ -131,15 +131,15 @@ def test_late_answers_of_a_scheduled_dead_robot_are_accepted_after_it_rejoins(
 ) -> None:
     delayed, say = [], Outbox.publish
 
-    def slow(outbox: Outbox, tick: int, said: Any) -> None:
+    def slow(outbox: Outbox, tick: int, answers: Any) -> None:
         if (
-            said[0][0] == 6 and 70 <= tick < 80
+            answers[0][0] == 6 and 70 <= tick < 80
         ):  # the world does not wait for these; the robot takes part from tick 80 on
-            delayed.append((outbox, tick, said))
+            delayed.append((outbox, tick, answers))
             return
-        while said[0][0] == 6 and delayed:
+        while answers[0][0] == 6 and delayed:
             say(*delayed.pop(0))
-        say(outbox, tick, said)
+        say(outbox, tick, answers)
 
     monkeypatch.setattr(Outbox, "publish", slow)
     dying = load("paper.toml", run__duration=2.4, event=DEADS)
@@ -157,9 +157,9 @@ def test_a_log_of_scheduled_deaths_in_one_loop_can_be_reexecuted(tmp_path: Path)
     dying = load("measured.toml", run__duration=2.4, event=DEADS)
     with Recorder(tmp_path / "run.mcap", dying, "test", "inprocess") as recorder:
         summary = inprocess.run(dying, "test", recorder=recorder)
-    found = log.load(tmp_path / "run.mcap")
-    assert replay_command.rerun(found, all_robots=True)["digest"] == summary["digest"]
-    assert [replay_command.rerun_robot(found, robot) for robot in (4, 5)] == [120, 120]
+    loaded = log.load(tmp_path / "run.mcap")
+    assert replay_command.rerun(loaded, all_robots=True)["digest"] == summary["digest"]
+    assert [replay_command.rerun_robot(loaded, robot) for robot in (4, 5)] == [120, 120]
 
 
 def test_fes_run_kills_processes_as_scheduled_and_the_digest_is_the_same(tmp_path: Path) -> None:
@@ -180,7 +180,9 @@ def test_a_team_that_hangs_as_one_rejoins_when_it_answers(tmp_path: Path, monkey
     """All that the world can then wait for are hung robots."""
     asleep, say, repeat = asyncio.Event(), Outbox.publish, Outbox.resend
     delayed: list[tuple[Outbox, int, Any]] = []
-    monkeypatch.setattr(Outbox, "publish", lambda *what: delayed.append(what) if asleep.is_set() else say(*what))
+    monkeypatch.setattr(
+        Outbox, "publish", lambda *message: delayed.append(message) if asleep.is_set() else say(*message)
+    )
     monkeypatch.setattr(Outbox, "resend", lambda *asked: None if asleep.is_set() else repeat(*asked))
 
     async def story(server: Server, agents: Any, endpoint: str) -> None:

@@ -53,8 +53,8 @@ SHIFT = 1e-6  # rad/s
 
 def shifted(payload: bytes) -> bytes:
     """A command with another angular velocity."""
-    found = messages.decode_command(payload)
-    return messages.encode_command(found._replace(twist=(found.twist[0], found.twist[1] + SHIFT)))
+    command = messages.decode_command(payload)
+    return messages.encode_command(command._replace(twist=(command.twist[0], command.twist[1] + SHIFT)))
 
 
 @pytest.fixture(scope="module")
@@ -67,9 +67,9 @@ def tampered(recorded: Recorded, tmp_path_factory: pytest.TempPathFactory) -> Pa
 
 def test_summary_digest_and_figures_are_those_of_the_live_run(recorded: Recorded) -> None:
     path, summary = recorded
-    found = log.load(path)
-    assert replay_command.rerun(found) == replay_command.rerun(found, all_robots=True) == as_json(summary)
-    live, drawn = history.follow(found.scenario), history.recorded(found)
+    loaded = log.load(path)
+    assert replay_command.rerun(loaded) == replay_command.rerun(loaded, all_robots=True) == as_json(summary)
+    live, drawn = history.follow(loaded.scenario), history.recorded(loaded)
     assert drawn.digest == live.digest == summary["digest"]
     for field in ("time", "poses", "disagreement", "estimate_error", "separation_error"):
         np.testing.assert_array_equal(getattr(drawn, field), getattr(live, field))
@@ -80,12 +80,12 @@ def test_a_run_of_ten_processes_can_be_reexecuted_in_one_loop(tmp_path: Path) ->
     done = subprocess.run(fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 0, done.stderr
     summary = json.loads(done.stdout)
-    found = log.load(tmp_path / "out")
-    assert found.backend == "processes"
-    assert replay_command.rerun(found, all_robots=True) == summary
-    assert replay_command.rerun_robot(found, 3) == summary["ticks"] == 100
-    recordings.record(tmp_path / "loop.mcap", found.scenario)
-    assert compare.first_difference(found, log.load(tmp_path / "loop.mcap")) is None
+    loaded = log.load(tmp_path / "out")
+    assert loaded.backend == "processes"
+    assert replay_command.rerun(loaded, all_robots=True) == summary
+    assert replay_command.rerun_robot(loaded, 3) == summary["ticks"] == 100
+    recordings.record(tmp_path / "loop.mcap", loaded.scenario)
+    assert compare.first_difference(loaded, log.load(tmp_path / "loop.mcap")) is None
 
 
 @pytest.mark.parametrize("robot", range(10))
@@ -110,19 +110,19 @@ def test_changes_by_fes_set_are_replayed(tmp_path: Path) -> None:
         return summary, server
 
     summary, server = asyncio.run(asyncio.wait_for(run(), PATIENCE))
-    found = log.load(tmp_path / "run.mcap")
-    [changes] = [tick.changes for tick in found.ticks() if tick.changes]
+    loaded = log.load(tmp_path / "run.mcap")
+    [changes] = [tick.changes for tick in loaded.ticks() if tick.changes]
     assert changes == [("channel.reference_snr", 2e6)]
-    assert found.scenario == pair
+    assert loaded.scenario == pair
     assert summary["digest"] != inprocess.run(pair, "test")["digest"]
-    assert replay_command.rerun(found, all_robots=True) == as_json(summary)
+    assert replay_command.rerun(loaded, all_robots=True) == as_json(summary)
 
     recordings.record(tmp_path / "again.mcap", server.run.scenario, "scenario")  # as scenario.toml holds it then
     again = log.load(tmp_path / "again.mcap")
-    assert list(compare.of_scenarios(found, again)) == []
-    assert compare.first_difference(found, again) is None
+    assert list(compare.of_scenarios(loaded, again)) == []
+    assert compare.first_difference(loaded, again) is None
     recordings.record(tmp_path / "before.mcap", pair)
-    [(path, mine, theirs)] = compare.of_scenarios(found, log.load(tmp_path / "before.mcap"))
+    [(path, mine, theirs)] = compare.of_scenarios(loaded, log.load(tmp_path / "before.mcap"))
     assert (path, theirs) == ("event", [])
     assert mine[0]["set"] == {"channel.reference_snr": 2e6}
 
@@ -133,8 +133,8 @@ def test_a_change_is_named_with_tick_robot_field_and_both_values(recorded: Recor
     other = true + SHIFT
     expected = f"tick 40, Command of robot 3: twist.angular is {other!r} in the log and {true!r} executed again"
     for execute in (
-        lambda found: replay_command.rerun(found, all_robots=True),
-        lambda found: replay_command.rerun_robot(found, 3),
+        lambda result: replay_command.rerun(result, all_robots=True),
+        lambda result: replay_command.rerun_robot(result, 3),
     ):
         with pytest.raises(Mismatch) as caught:
             execute(log.load(tampered))
@@ -154,50 +154,55 @@ def test_a_summary_that_the_log_does_not_yield_is_named(recorded: Recorded, tmp_
 
 
 def test_compare_names_the_first_difference(recorded: Recorded, tampered: Path, tmp_path: Path) -> None:
-    one = log.load(recorded[0])
-    assert compare.first_difference(one, one) is None
-    assert list(compare.of_scenarios(one, one)) == []
+    first = log.load(recorded[0])
+    assert compare.first_difference(first, first) is None
+    assert list(compare.of_scenarios(first, first)) == []
 
-    found = compare.first_difference(one, log.load(tampered))
-    assert found is not None
-    assert (found.tick, found.message, found.robot, found.field) == (40, "Command", 3, "twist.angular")
-    assert found.second == found.first + SHIFT
+    difference = compare.first_difference(first, log.load(tampered))
+    assert difference is not None
+    assert (difference.tick, difference.message, difference.robot, difference.field) == (
+        40,
+        "Command",
+        3,
+        "twist.angular",
+    )
+    assert difference.second == difference.first + SHIFT
 
     recordings.record(tmp_path / "seed.mcap", load("measured.toml", **SHORT, run__seed=7))
-    other = log.load(tmp_path / "seed.mcap")
-    assert list(compare.of_scenarios(one, other)) == [("run.seed", 1, 7)]
-    assert compare.first_difference(one, other) is not None
+    second = log.load(tmp_path / "seed.mcap")
+    assert list(compare.of_scenarios(first, second)) == [("run.seed", 1, 7)]
+    assert compare.first_difference(first, second) is not None
 
     recordings.record(tmp_path / "shorter.mcap", load("measured.toml", run__duration=1.0))
-    shorter = compare.first_difference(one, log.load(tmp_path / "shorter.mcap"))
+    shorter = compare.first_difference(first, log.load(tmp_path / "shorter.mcap"))
     assert shorter is not None
     assert shorter.describe("in A", "in B") == "tick 50, run: this tick is 'there' in A and 'nothing' in B"
 
 
-def test_compare_and_replay_return_1_where_something_differs(recorded: Recorded, tampered: Path) -> None:
-    one, other = str(recorded[0]), str(tampered)
-    same = subprocess.run(fes("compare", one, one), capture_output=True, text=True, timeout=PATIENCE)
+def test_compare_and_replay_return_1_if_anything_differs(recorded: Recorded, tampered: Path) -> None:
+    first, second = str(recorded[0]), str(tampered)
+    same = subprocess.run(fes("compare", first, first), capture_output=True, text=True, timeout=PATIENCE)
     assert (same.returncode, same.stdout) == (0, "every message of every tick is the same to the bit\n")
-    unlike = subprocess.run(fes("compare", one, other), capture_output=True, text=True, timeout=PATIENCE)
+    unlike = subprocess.run(fes("compare", first, second), capture_output=True, text=True, timeout=PATIENCE)
     assert unlike.returncode == 1
     assert unlike.stdout.startswith("tick 40, Command of robot 3: twist.angular is ")
-    here = fingerprint.text()
-    assert unlike.stdout.splitlines()[1:] == [f"A was recorded with {here}; B was recorded with {here}"]
-    again = subprocess.run(fes("replay", other, "--all", "--json"), capture_output=True, text=True, timeout=PATIENCE)
+    own = fingerprint.text()
+    assert unlike.stdout.splitlines()[1:] == [f"A was recorded with {own}; B was recorded with {own}"]
+    again = subprocess.run(fes("replay", second, "--all", "--json"), capture_output=True, text=True, timeout=PATIENCE)
     assert (again.returncode, again.stdout) == (1, "")
     assert again.stderr.startswith("fes: error: tick 40, Command of robot 3: twist.angular is ")
-    assert again.stderr.splitlines()[1:] == [f"fes: recorded with {here}; executed with {here}"]
-    whole = subprocess.run(fes("replay", one, "--json"), capture_output=True, text=True, timeout=PATIENCE)
-    assert (whole.returncode, json.loads(whole.stdout), whole.stderr) == (0, as_json(recorded[1]), "")
+    assert again.stderr.splitlines()[1:] == [f"fes: recorded with {own}; executed with {own}"]
+    complete = subprocess.run(fes("replay", first, "--json"), capture_output=True, text=True, timeout=PATIENCE)
+    assert (complete.returncode, json.loads(complete.stdout), complete.stderr) == (0, as_json(recorded[1]), "")
 
 
 def read_without_an_index(path: Path) -> list[int]:
     """The ticks of the Commands in a log of a killed run, by the recipe of docs/reference/log.md."""
-    found = []
+    result = []
     with path.open("rb") as file, suppress(McapError):
         for _, _, message in NonSeekingReader(file).iter_messages(topics="/commands", log_time_order=False):
-            found.append(message.sequence)
-    return found
+            result.append(message.sequence)
+    return result
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
@@ -212,20 +217,20 @@ def test_a_log_of_a_stopped_world_holds_all_ticks_until_then(tmp_path: Path, how
     running.communicate(timeout=PATIENCE)
     assert running.returncode == 1
     assert not any(alive(pid) for pid in pids)
-    found = log.load(path)
-    ticks = sum(1 for _ in found.ticks())
+    loaded = log.load(path)
+    ticks = sum(1 for _ in loaded.ticks())
     assert ticks > 0
-    summary = replay_command.rerun(found, all_robots=True)
+    summary = replay_command.rerun(loaded, all_robots=True)
     assert summary["ticks"] == ticks
     assert summary["digest"] == inprocess.run(load("pair.toml", run__duration=ticks * 0.02), "pair")["digest"]
     if how is signal.SIGKILL:
         assert read_without_an_index(path) == list(range(ticks))
-        assert found.complaint == (
+        assert loaded.complaint == (
             f"{path} has no end, its run was killed or the file was cut: {ticks} of 5000000 ticks are there"
         )
     else:
-        assert found.complaint is None
-        assert json.loads((tmp_path / "out/summary.json").read_text()) == found.summary == summary
+        assert loaded.complaint is None
+        assert json.loads((tmp_path / "out/summary.json").read_text()) == loaded.summary == summary
 
 
 def test_the_flags_robot_and_all_exclude_each_other(recorded: Recorded) -> None:

@@ -24,9 +24,9 @@ def messages_of(path: Path) -> list[tuple[str, int, bytes]]:
     """Every message of a log until it ends: topic, tick and payload."""
     with path.open("rb") as file:
         read = make_reader(file).iter_messages(log_time_order=False)
-        found = [(channel.topic, message.sequence, message.data) for _, channel, message in read]
-    [end] = [at for at, (topic, _, told) in enumerate(found) if topic == "/events" and b'"end"' in told]
-    return found[:end]
+        result = [(channel.topic, message.sequence, message.data) for _, channel, message in read]
+    [end] = [index for index, (topic, _, data) in enumerate(result) if topic == "/events" and b'"end"' in data]
+    return result[:end]
 
 
 @pytest.mark.parametrize("name", ["paper.toml", "measured.toml"])
@@ -73,9 +73,9 @@ def test_a_run_can_be_resumed_after_every_tick(tmp_path: Path, name: str, record
             if again is not None:
                 with suppress(FesError), again:
                     raise FesError("it was stopped")
-                whole = log.load(second / NAME)
-                assert sum(1 for _ in whole.ticks()) == tick + 1
-                again_of_it = replay_command.rerun(whole, all_robots=True)
+                loaded = log.load(second / NAME)
+                assert sum(1 for _ in loaded.ticks()) == tick + 1
+                again_of_it = replay_command.rerun(loaded, all_robots=True)
                 assert again_of_it["digest"] == run.metrics.link_errors.digest.text()
                 logs[tick] = messages_of(second / NAME)
             kept.discard(other)
@@ -84,12 +84,12 @@ def test_a_run_can_be_resumed_after_every_tick(tmp_path: Path, name: str, record
     if recorded:
         whole_log = messages_of(first / NAME)
         assert {topic for topic, *_ in whole_log} >= {"/events", "/report"}
-        for tick, found in logs.items():
-            assert found == whole_log[: len(found)], tick
-        assert len(found) == len(whole_log)
+        for tick, result in logs.items():
+            assert result == whole_log[: len(result)], tick
+        assert len(result) == len(whole_log)
 
 
-def test_a_damaged_log_is_one_line(tmp_path: Path) -> None:
+def test_a_damaged_log_is_reported_in_one_line(tmp_path: Path) -> None:
     scenario = load("pair.toml", run__duration=0.2)
     team, checkpoints = Team(scenario), CheckpointWriter(tmp_path, 1e9, "pair", "main")
     with suppress(FesError), Recorder(tmp_path / NAME, scenario, "pair", "processes") as recorder:
@@ -100,9 +100,9 @@ def test_a_damaged_log_is_one_line(tmp_path: Path) -> None:
         checkpoints.save(run, {}, 0.1, at_once=True)
         checkpoints.close(run)
         raise FesError("it was stopped")
-    whole, snapshot = (tmp_path / NAME).read_bytes(), resume.load(tmp_path)
+    content, snapshot = (tmp_path / NAME).read_bytes(), resume.load(tmp_path)
     assert snapshot.log is not None
-    for damaged in (b"", whole[: snapshot.log.size // 2], whole[: snapshot.log.size - 1], b"x" + whole[1:]):
+    for damaged in (b"", content[: snapshot.log.size // 2], content[: snapshot.log.size - 1], b"x" + content[1:]):
         (tmp_path / FOLDER / f"log-{snapshot.number}").unlink(missing_ok=True)
         (tmp_path / NAME).write_bytes(damaged)
         for gone_on_with in (lambda: resume.load(tmp_path), lambda: resume.recorder(tmp_path, snapshot)):

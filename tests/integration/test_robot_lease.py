@@ -51,13 +51,13 @@ def test_agents_without_an_id_take_the_lowest_free_robots_and_the_digest_is_the_
     async def main() -> Any:
         async with session.router() as (opened, endpoint), asyncio.timeout(60.0):
             server = Server(opened, Run(scenario), "test", RUN)
-            named = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 3)]
+            joined = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 3)]
             await here(server, 0, 3)
             others = [asyncio.ensure_future(any_robot(endpoint)) for _ in range(8)]
             await server.gather()
             await server.main_loop()
             server.dismiss()
-            await asyncio.gather(*named)
+            await asyncio.gather(*joined)
             return sorted(await asyncio.gather(*others)), server.summarize()
 
     taken, summary = asyncio.run(main())
@@ -142,7 +142,7 @@ def test_without_a_world_there_is_nothing_to_lease() -> None:
     asyncio.run(main())
 
 
-def test_an_agent_that_takes_any_robot_has_no_certificate_of_one() -> None:
+def test_an_agent_without_an_id_cannot_use_the_certificate_of_a_robot() -> None:
     words = ["-m", "agents.process", "--id", "auto", "--keys", "keys"]
     done = subprocess.run([sys.executable, *words], capture_output=True, text=True, timeout=60)
     assert done.returncode == 1

@@ -52,7 +52,7 @@ def test_only_one_module_of_the_product_touches_the_json_library() -> None:
     users = set()
     for name, path in modules(*PACKAGES).items():
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            imported = [one.name for one in node.names] if isinstance(node, ast.Import) else []
+            imported = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             if isinstance(node, ast.ImportFrom):
                 imported = [node.module or ""]
             users |= {name} if {"json", "simplejson", "orjson", "ujson"} & set(imported) else set()
@@ -82,8 +82,8 @@ def test_no_reader_accepts_a_number_that_is_not_finite(word: str, tmp_path: Path
 
 
 def test_a_log_whose_summary_is_not_json_is_rejected_in_one_line(tmp_path: Path) -> None:
-    found = recordings.record(tmp_path / "run.mcap", load("pair.toml", run__duration=0.2))
-    bad = {**found, "separation_error_max": math.inf}
+    run_summary = recordings.record(tmp_path / "run.mcap", load("pair.toml", run__duration=0.2))
+    bad = {**run_summary, "separation_error_max": math.inf}
     recordings.rewrite(tmp_path / "run.mcap", tmp_path / "bad.mcap", lambda topic, tick, data: data, bad)
     with pytest.raises(FesError, match="cannot be read: Infinity is not a number of JSON") as caught:
         log.load(tmp_path / "bad.mcap")
@@ -102,21 +102,21 @@ def test_a_summary_of_numbers_that_are_not_finite_is_strict_json_and_can_be_prin
 ) -> None:
     expected = [{"of": "separation_error_max", "below": 1.0}]
     true = inprocess.run(load("pair.toml", run__duration=1.0, expect=expected), "pair")
-    found = {**filled(true, bad), "simulated_s": true["simulated_s"], "wall_s": true["wall_s"]}  # bounded, measured
-    summary.write(tmp_path, found)
+    result = {**filled(true, bad), "simulated_s": true["simulated_s"], "wall_s": true["wall_s"]}  # bounded, measured
+    summary.write(tmp_path, result)
     read = strictly((tmp_path / "summary.json").read_text())
     assert read["separation_error_max"] is None
     assert read["edges"][0][2:] == [None] * 3
     assert summary.lines(read)
     shown.render(read, verbose=True)
-    assert strictly(strict_json.dumps(work.scalars(found)))["separation_error_max"] is None
+    assert strictly(strict_json.dumps(work.scalars(result)))["separation_error_max"] is None
 
 
 def test_a_run_reports_an_error_that_is_not_finite_as_null(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(summary, "_rms", lambda errors: math.inf)
-    found = recordings.record(tmp_path / "run.mcap", load("pair.toml", run__duration=0.2))
-    assert found["separation_error_rms"] is None
-    assert log.load(tmp_path / "run.mcap").summary == found
+    run_summary = recordings.record(tmp_path / "run.mcap", load("pair.toml", run__duration=0.2))
+    assert run_summary["separation_error_rms"] is None
+    assert log.load(tmp_path / "run.mcap").summary == run_summary
 
 
 @pytest.mark.parametrize("form", list(Format))

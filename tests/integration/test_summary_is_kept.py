@@ -16,7 +16,7 @@ from world import process
 from world.server.server import Server
 
 
-def test_a_farewell_that_fails_does_not_cost_the_summary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failed_farewell_does_not_lose_the_summary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     words = {
         "mode": None,

@@ -34,7 +34,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def on(topic: str, tick: int, change: Callable[[bytes], bytes | None]) -> Edit:
     """An edit of one topic's message at one tick."""
-    return lambda found, at, data: change(data) if (found, at) == (topic, tick) else data
+    return lambda result, number, data: change(data) if (result, number) == (topic, tick) else data
 
 
 def team(change: Callable[[list[bytes]], list[bytes]], tick: int | None = 10) -> Callable[[bytes], bytes]:
@@ -51,13 +51,13 @@ def same(payloads: list[bytes]) -> list[bytes]:
 
 
 def peers(payload: bytes) -> bytes:
-    found = messages.decode_observation(payload)
-    return messages.encode_observation(found._replace(in_range=found.in_range + 7))
+    observation = messages.decode_observation(payload)
+    return messages.encode_observation(observation._replace(in_range=observation.in_range + 7))
 
 
 def links(payload: bytes) -> bytes:
-    found = messages.decode_command(payload)
-    return messages.encode_command(found._replace(links=np.array([7]), estimates=np.ones(1), learnt=np.zeros(0)))
+    command = messages.decode_command(payload)
+    return messages.encode_command(command._replace(links=np.array([7]), estimates=np.ones(1), learnt=np.zeros(0)))
 
 
 def told(**changes: Any) -> Callable[[bytes], bytes]:
@@ -113,11 +113,11 @@ WRONG: dict[str, tuple[Edit, str, tuple[str, ...]]] = {
 def farther(data: bytes) -> bytes:
     """A Report with robot 0 elsewhere."""
     payload = messages_pb2.Report.FromString(data).payload
-    found = decode_report(payload)
-    report = encode_report(found)
-    at = report.index(found.poses.tobytes())
-    moved = found.poses + 1.0
-    payload = report.replace(report[at : at + moved.nbytes], moved.tobytes())
+    decoded = decode_report(payload)
+    report = encode_report(decoded)
+    position = report.index(decoded.poses.tobytes())
+    moved = decoded.poses + 1.0
+    payload = report.replace(report[position : position + moved.nbytes], moved.tobytes())
     return bytes(messages_pb2.Report(payload=payload).SerializeToString())
 
 
@@ -176,27 +176,27 @@ def test_every_reexecution_names_a_summary_that_the_log_does_not_yield(
 def test_compare_checks_reports_changes_and_the_summary(
     recorded: Path, tmp_path: Path, edit: Edit, summary: dict[str, Any] | None, expected: Any
 ) -> None:
-    one = log.load(recorded)
-    recordings.rewrite(recorded, tmp_path / "run.mcap", edit, (one.summary or {}) | (summary or {}))
-    found = compare.first_difference(one, log.load(tmp_path / "run.mcap"))
-    assert (found and (found.tick, found.message, found.field)) == expected
+    original = log.load(recorded)
+    recordings.rewrite(recorded, tmp_path / "run.mcap", edit, (original.summary or {}) | (summary or {}))
+    difference = compare.first_difference(original, log.load(tmp_path / "run.mcap"))
+    assert (difference and (difference.tick, difference.message, difference.field)) == expected
 
 
 def test_compare_checks_messages_first_and_finds_a_missing_end(recorded: Path, tmp_path: Path) -> None:
-    one = log.load(recorded)
+    original = log.load(recorded)
     recordings.rewrite(recorded, tmp_path / "killed.mcap", lambda topic, tick, data: data, ended=False)
-    found = compare.first_difference(one, log.load(tmp_path / "killed.mcap"))
-    assert found is not None
-    assert found.describe("in A", "in B") == "tick 49, end: how it ended is 'at its end' in A and 'nothing' in B"
+    difference = compare.first_difference(original, log.load(tmp_path / "killed.mcap"))
+    assert difference is not None
+    assert difference.describe("in A", "in B") == "tick 49, end: how it ended is 'at its end' in A and 'nothing' in B"
 
     def both(topic: str, tick: int, data: bytes) -> bytes | None:
         moved = recordings.edited("/commands", 40, 1, links)(topic, tick, data)
         return None if moved is None else on("/events", 10, told(value=4e6))(topic, tick, moved)
 
     recordings.rewrite(recorded, tmp_path / "both.mcap", both)
-    found = compare.first_difference(one, log.load(tmp_path / "both.mcap"))
-    assert found is not None
-    assert (found.tick, found.message, found.robot) == (40, "Command", 1)
+    difference = compare.first_difference(original, log.load(tmp_path / "both.mcap"))
+    assert difference is not None
+    assert (difference.tick, difference.message, difference.robot) == (40, "Command", 1)
 
 
 def test_an_untouched_log_passes_every_check(recorded: Path, tmp_path: Path) -> None:
@@ -207,10 +207,10 @@ def test_an_untouched_log_passes_every_check(recorded: Path, tmp_path: Path) -> 
 
 def test_reexecution_of_the_world_ends_with_the_log(tmp_path: Path) -> None:
     recordings.record(tmp_path / "run.mcap", load("pair.toml", run__duration=1.0, event=[HALVED]))
-    found = log.load(tmp_path / "run.mcap")
-    late = found.scenario.event[0].model_copy(update={"at": 1.0, "settings": {"channel.reference_snr": -1.0}})
-    impossible = found.scenario.model_copy(update={"event": [*found.scenario.event, late]})
-    ticks = replay_command.rerun(Log(found.path, found.name, found.backend, impossible, found.summary, found.ended))[
-        "ticks"
-    ]
+    loaded = log.load(tmp_path / "run.mcap")
+    late = loaded.scenario.event[0].model_copy(update={"at": 1.0, "settings": {"channel.reference_snr": -1.0}})
+    impossible = loaded.scenario.model_copy(update={"event": [*loaded.scenario.event, late]})
+    ticks = replay_command.rerun(
+        Log(loaded.path, loaded.name, loaded.backend, impossible, loaded.summary, loaded.ended)
+    )["ticks"]
     assert ticks == 50

@@ -86,16 +86,16 @@ def test_the_first_of_successive_worlds_starts() -> None:
     assert asyncio.run(main()) == [True, False, False]
 
 
-def test_at_most_one_of_two_worlds_starts_whose_routers_connect() -> None:
+def test_at_most_one_of_two_worlds_with_connected_routers_starts() -> None:
     async def main() -> list[int]:
         started = []
         for _ in range(3):
             ends = [f"tcp/127.0.0.1:{free_port()}" for _ in range(2)]
             async with (
-                bus.opened(Endpoints("router", (), (ends[0],))) as one,
-                bus.opened(Endpoints("router", (ends[0],), (ends[1],))) as two,
+                bus.opened(Endpoints("router", (), (ends[0],))) as first,
+                bus.opened(Endpoints("router", (ends[0],), (ends[1],))) as second,
             ):
-                claims = [claim.claim_run(opened, RUN, connected=True) for opened in (one, two)]
+                claims = [claim.claim_run(opened, RUN, connected=True) for opened in (first, second)]
                 outcomes = await asyncio.gather(*claims, return_exceptions=True)
                 assert all(outcome is None or isinstance(outcome, Rejected) for outcome in outcomes)
                 started.append(sum(outcome is None for outcome in outcomes))
@@ -135,15 +135,15 @@ def test_a_world_that_cannot_look_for_other_worlds_does_not_start(monkeypatch: p
     between = subprocess.Popen([sys.executable, "-c", SOURCE, endpoint], stdin=subprocess.PIPE)
 
     async def main() -> None:
-        async with client(endpoint) as one, client(endpoint) as two:
-            await claim.claim_run(one, RUN, connected=False)
+        async with client(endpoint) as first, client(endpoint) as second:
+            await claim.claim_run(first, RUN, connected=False)
             between.send_signal(signal.SIGSTOP)
             os.waitpid(between.pid, os.WUNTRACED)  # until then it may still answer
             try:
                 with pytest.raises(
                     Unavailable, match=r"^the router does not say within 0.5 s who is alive on fes/test/"
                 ):
-                    await claim.claim_run(two, RUN, connected=False)
+                    await claim.claim_run(second, RUN, connected=False)
             finally:
                 between.send_signal(signal.SIGCONT)
 

@@ -91,7 +91,7 @@ def test_as_printed_estimates_stand_still_far_from_the_optimum() -> None:
     assert estimate_error(run, -1, reference.OPTIMUM_50) > 5.0
 
 
-def test_robots_that_want_to_stay_farther_apart_end_at_the_other_optimum() -> None:
+def test_robots_that_prefer_to_stay_farther_apart_end_at_the_other_optimum() -> None:
     run = loop.run(loop.load("neighborhood.toml", objective__minimum_separation=100.0))
     final = separations(run)
     assert len(final) == 9
@@ -128,9 +128,9 @@ def test_every_link_of_a_robots_first_exchange_begins_with_its_own_draw(name: st
         assert value == pytest.approx(50.0 + 40.0 * number, rel=1e-15)
 
 
-def test_another_seed_is_another_run() -> None:
-    other = loop.run(loop.load("paper.toml", run__seed=2), ticks=200)
-    assert not np.array_equal(other.poses[-1], history("paper.toml").poses[199])
+def test_another_seed_gives_another_run() -> None:
+    second = loop.run(loop.load("paper.toml", run__seed=2), ticks=200)
+    assert not np.array_equal(second.poses[-1], history("paper.toml").poses[199])
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -143,7 +143,7 @@ def test_placement_changes_no_bit_where_links_come_and_go(seed: int) -> None:
     assert together.estimates == parts.estimates
 
 
-def test_a_robot_forgets_a_link_that_its_only_peer_has_dropped_in_any_process() -> None:
+def test_a_robot_forgets_a_link_that_its_only_peer_has_dropped_in_any_placement() -> None:
     """Alone, a robot receives only beacons without links; in one process with its peer, also its own beacon."""
     changes = {"formation__contact_timeout": 0.04, "channel__reference_snr": 2e6, "run__duration": 4.0}
     for seed in range(12):

@@ -65,8 +65,8 @@ def after(gain_per_tick: float, ticks: int) -> Floats:
         apart = poses[1, 0] - poses[0, 0]
         errors.append(apart - wanted)
         bearing = np.array([[1.0, -1.0], [0.0, 0.0]])
-        pull = formation.formation_vector(PAIR, np.full(2, apart - wanted), bearing)
-        poses = unicycle.move(poses, formation.twist(pull, poses[:, geometry.HEADING], dt, config), dt)
+        vector = formation.formation_vector(PAIR, np.full(2, apart - wanted), bearing)
+        poses = unicycle.move(poses, formation.twist(vector, poses[:, geometry.HEADING], dt, config), dt)
     return np.array(errors)
 
 
@@ -78,7 +78,7 @@ def test_two_robots_keep_one_minus_mu_dt_of_their_error(gain_per_tick: float) ->
 
 
 @pytest.mark.parametrize(("gain", "dt"), [(100.0, 0.02), (1000.0, 0.02), (2.0, 1.0), (1e308, 0.02)])
-def test_a_linear_gain_that_cannot_be_stable_is_refused(gain: float, dt: float) -> None:
+def test_a_linear_gain_that_cannot_be_stable_is_rejected(gain: float, dt: float) -> None:
     with pytest.raises(
         ScenarioError, match=r"formation\.linear_gain x run\.dt must be below 2, got .*cannot be stable"
     ):
@@ -100,7 +100,7 @@ def test_the_disagreement_of_a_measured_pair_dies_out_iff_kappa_dt_is_below_one(
     assert (abs(now) + abs(before) < 1e-9) == (mixing < 1.0)
 
 
-def test_gains_of_a_measured_index_that_cannot_be_stable_are_refused() -> None:
+def test_gains_of_a_measured_index_that_cannot_be_stable_are_rejected() -> None:
     with pytest.raises(
         ScenarioError, match=r"seeking\.consensus_gain x run\.dt of a measured index must be below 1, got 1"
     ):
@@ -119,7 +119,7 @@ def test_the_washout_is_integrated_exactly_up_to_its_bound(cutoff: float, error:
     assert error / 1e3 < missed < error
 
 
-def test_a_washout_beyond_its_integration_is_refused() -> None:
+def test_a_washout_that_cannot_be_integrated_accurately_is_rejected() -> None:
     with pytest.raises(
         ScenarioError, match=r"washout_cutoff x a step of the integration must be at most 100, got 200"
     ):
@@ -147,9 +147,9 @@ def test_no_setting_makes_numpy_warn(field: str, index: str) -> None:
 def error_of(settings: dict[str, Any]) -> str:
     """Run six ticks of the pair to their summary; the error, or an empty text."""
     try:
-        what = load("pair.toml", **settings)
-        metrics = MetricsCollector(what)
-        for tick in itertools.islice(inprocess.ticks(what), 6):
+        scenario = load("pair.toml", **settings)
+        metrics = MetricsCollector(scenario)
+        for tick in itertools.islice(inprocess.ticks(scenario), 6):
             metrics.add(tick.state, tick.twists, tick.telemetry)
         summaries.summarize(metrics, "pair", "inprocess", 1.0)
     except FesError as error:
@@ -163,16 +163,16 @@ def test_a_dither_far_too_large_runs_without_a_warning(amplitude: float) -> None
     assert result["estimate_error_max"] > 1.0
 
 
-def links_by_tick(what: Scenario) -> list[int]:
+def links_by_tick(scenario: Scenario) -> list[int]:
     """Number of links at each tick."""
-    return [len(tick.telemetry.links) for tick in inprocess.ticks(what)]
+    return [len(tick.telemetry.links) for tick in inprocess.ticks(scenario)]
 
 
 def test_the_summary_of_a_diverging_team_has_the_time_of_its_last_link() -> None:
-    what = load(
+    scenario = load(
         "pair.toml", run__duration=4.0, seeking__index_gain=1e10, expect=[{"of": "links_lost_at", "below": 4}]
     )
-    links, result = links_by_tick(what), inprocess.run(what, "pair")
+    links, result = links_by_tick(scenario), inprocess.run(scenario, "pair")
     last = max(tick for tick, count in enumerate(links) if count)
     assert 0 < last < len(links) - 1
     assert result["links_lost_at"] == pytest.approx((last + 1) * 0.02)

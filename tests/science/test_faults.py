@@ -12,7 +12,7 @@ FAULTS = sorted((CONFIGS / "faults").glob("*.toml"))
 
 
 @pytest.mark.parametrize("path", FAULTS, ids=lambda path: path.stem)
-def test_a_fault_is_survived_as_its_scenario_says(path: Path) -> None:
+def test_a_run_with_a_fault_meets_the_expectations_of_its_scenario(path: Path) -> None:
     scenario = load(path)
     assert scenario.expect
     verdicts = inprocess.run(scenario, path.stem)["expectations"]

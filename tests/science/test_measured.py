@@ -54,7 +54,7 @@ def test_counting_beacons_finds_the_optimum() -> None:
 
 
 @pytest.mark.slow
-def test_counting_beacons_finds_the_farther_optimum_of_a_team_that_wants_to_spread() -> None:
+def test_counting_beacons_finds_the_farther_optimum_of_a_team_that_prefers_to_spread() -> None:
     tracking = tracked("measured-coverage.toml", range(8))
     assert median(tracking["time_to_1m"]) <= 17.0
     assert rms(tracking["rmse"]) <= 0.5
@@ -90,7 +90,7 @@ def test_clocks_that_are_fifty_milliseconds_off_do_no_harm() -> None:
     assert max(tracking["disagreement_max"]) < 0.5
 
 
-def test_teams_that_want_to_be_twice_as_far_apart_find_their_optimum_too() -> None:
+def test_teams_that_prefer_twice_the_separation_find_their_optimum_too() -> None:
     """A world scaled by two: every length, and the reference SNR by 2^3."""
     doubled: dict[str, Any] = {
         "objective__minimum_separation": 100.0,

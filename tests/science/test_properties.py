@@ -94,7 +94,7 @@ def test_the_relative_neighborhood_graph_does_not_depend_on_the_robots_ids(
 
 
 @given(team=teams, shuffle=st.randoms(use_true_random=False))
-def test_two_nearest_does_not_depend_on_the_ids_but_for_ties(team: list[tuple[int, int]], shuffle: object) -> None:
+def test_two_nearest_does_not_depend_on_the_ids_except_for_ties(team: list[tuple[int, int]], shuffle: object) -> None:
     where = layouts.poses([(float(x), float(y)) for x, y in team])
     lengths = [distance(where, i, j) for i in range(len(team)) for j in range(i)]
     assume(len(set(lengths)) == len(lengths))

@@ -213,5 +213,5 @@ def write(where: Path) -> None:
     """Write all files, each kind in its own subfolder."""
     for kind, made in FILES.items():
         (where / kind).mkdir()
-        for what, make in made.items():
-            (where / kind / what).write_bytes(make())
+        for name, make in made.items():
+            (where / kind / name).write_bytes(make())

@@ -198,12 +198,12 @@ def trials(where: Path, scenario: Scenario) -> dict[str, tuple[bytes, str, Calla
 def damage(where: Path, scenario: Scenario, changes: int, seed: int) -> dict[str, Counter[tuple[str, str]]]:
     """Counts of each change and outcome per file; forbidden outcomes are printed."""
     results = dict[str, Counter[tuple[str, str]]]()
-    for title, (content, name, what) in trials(where, scenario).items():
+    for title, (content, name, probe) in trials(where, scenario).items():
         random, results[title] = Random(f"{seed} {title}"), Counter()
         for number in range(changes):
             how = HOW[number % len(HOW)]
             changed = change(random, content, how)
-            kind, message = outcome(what, name, changed)
+            kind, message = outcome(probe, name, changed)
             results[title][how.__name__, kind] += 1
             if kind in (SILENT, TRACEBACK):
                 print(f"{title}, {how.__name__} {number}: {kind}: {message}")

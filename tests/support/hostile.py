@@ -79,13 +79,13 @@ async def _live(endpoints: Endpoints, robot: int, attack: Attack | None) -> None
 
 async def _run(where: Path, keyed: Path, attack: Attack, beside: Beside | None) -> Outcome:
     """Run certified agents, one of them hostile, with a journal and a log."""
-    what, endpoint = scenario(), f"tls/127.0.0.1:{free_port()}"
+    configured, endpoint = scenario(), f"tls/127.0.0.1:{free_port()}"
     rules = access.control(RUN, ROBOTS)
     world = Endpoints("router", (), (endpoint,), security={**team_keys.security(keyed, "world"), **rules})
     async with bus.opened(world) as opened:
-        with Recorder(where / NAME, what, "hostile", "processes") as recorder:
+        with Recorder(where / NAME, configured, "hostile", "processes") as recorder:
             checkpoints = CheckpointWriter(where, 1e9, "hostile", RUN)
-            run = Run(what, recorder, checkpoints.note)
+            run = Run(configured, recorder, checkpoints.note)
             checkpoints.begin(run)
             server = Server(opened, run, "hostile", RUN, Options(checkpoints=checkpoints, guarded=True))
             agents = [

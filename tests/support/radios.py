@@ -27,8 +27,8 @@ def team(positions: Iterable[tuple[float, float]], **channel: Any) -> Scenario:
     return parse({"schema": 1, "run": {"seed": 4}, "robots": {"poses": poses}, "channel": channel}, "here")
 
 
-def started(what: Scenario) -> tuple[World, State]:
-    world = truth.create(what)
+def started(scenario: Scenario) -> tuple[World, State]:
+    world = truth.create(scenario)
     return world, truth.start(world)
 
 

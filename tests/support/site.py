@@ -34,9 +34,9 @@ def main() -> int:
         quiet = {**os.environ, "NO_MKDOCS_2_WARNING": "1"}
         if subprocess.run(words, cwd=ROOT, env=quiet, check=False).returncode != 0:
             return 1
-        found = external_assets(Path(folder))
-    print(*found, f"{len(found)} files from other hosts", sep="\n")
-    return 1 if found else 0
+        assets = external_assets(Path(folder))
+    print(*assets, f"{len(assets)} files from other hosts", sep="\n")
+    return 1 if assets else 0
 
 
 if __name__ == "__main__":

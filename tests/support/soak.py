@@ -87,7 +87,7 @@ class Team:
 
     def orphans(self) -> list[str]:
         """Living processes that this team started."""
-        return [str(one.args) for one in self.started if one.poll() is None]
+        return [str(process.args) for process in self.started if process.poll() is None]
 
     def _world(self, *words: str) -> "subprocess.Popen[bytes]":
         return self._start("world.process", "world", *words, "-l", self.endpoint, "--checkpoint", "2")
@@ -161,12 +161,12 @@ class Trouble:
             self.counts["agents suspended"] += 1
 
     def _undo(self, now: float) -> None:
-        due = [one for one in self._later if one[0] <= now]
-        self._later = [one for one in self._later if one[0] > now]
-        for _, what, robot in due:
-            if what == "resume":
+        due = [entry for entry in self._later if entry[0] <= now]
+        self._later = [entry for entry in self._later if entry[0] > now]
+        for _, action, robot in due:
+            if action == "resume":
                 self._team.resume(str(PACE))
-            elif what == "rejoin":
+            elif action == "rejoin":
                 self._team.rejoin(robot)
             else:
                 (self._team.world if robot < 0 else self._team.agents[robot]).send_signal(signal.SIGCONT)
@@ -194,7 +194,7 @@ class Trouble:
                 self.counts["agents that ended for a beacon that was lost with its sender"] += 1
 
     def _away(self) -> set[int]:
-        return {robot for _, what, robot in self._later if what != "continue"}
+        return {robot for _, action, robot in self._later if action != "continue"}
 
     def _was_bereft(self, robot: int) -> bool:
         """True if an agent reports a beacon lost with the world's router while its sender had died too."""
@@ -225,10 +225,10 @@ def soak(out: Path, minutes: float, seed: int) -> dict[str, Any]:
     finally:
         team.end()
     summary = json.loads((out / "summary.json").read_text())
-    whole = log.load(out / NAME)
-    changes = sum(bool(tick.attended) for tick in whole.ticks())
-    assert summary["ticks"] == whole.scenario.ticks == sum(1 for _ in whole.ticks())
-    assert replay_command.rerun(whole, all_robots=True)["digest"] == summary["digest"]
+    loaded = log.load(out / NAME)
+    changes = sum(bool(tick.attended) for tick in loaded.ticks())
+    assert summary["ticks"] == loaded.scenario.ticks == sum(1 for _ in loaded.ticks())
+    assert replay_command.rerun(loaded, all_robots=True)["digest"] == summary["digest"]
     assert summary["separation_error_rms"] < 0.5, summary["separation_error_rms"]
     assert summary["algebraic_connectivity"] > 0.0
     assert not (out / "checkpoint").exists()
@@ -252,8 +252,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         out = flags.out or Path(folder) / "run"
         print(f"seed {flags.seed}, {flags.minutes:g} minutes of faults", flush=True)
-        for what, number in soak(out, flags.minutes, flags.seed).items():
-            print(f"{what:>36}  {number:,.6g}")
+        for quantity, number in soak(out, flags.minutes, flags.seed).items():
+            print(f"{quantity:>36}  {number:,.6g}")
 
 
 if __name__ == "__main__":

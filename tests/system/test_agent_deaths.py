@@ -35,14 +35,14 @@ class Run:
         """Process id of the current agent of `robots`."""
 
         def found() -> list[int]:
-            here = children(self.running.pid)
-            self.seen |= set(here)
-            return [pid for pid, line in here.items() if f" -m agents --id {robots} " in line and alive(pid)]
+            pids = children(self.running.pid)
+            self.seen |= set(pids)
+            return [pid for pid, line in pids.items() if f" -m agents --id {robots} " in line and alive(pid)]
 
         return int(until(found)[0])
 
     def kill(self, *robots: str, how: signal.Signals = signal.SIGKILL) -> None:
-        pids = [self.pid(one) for one in robots]
+        pids = [self.pid(robot) for robot in robots]
         for pid in pids:
             os.kill(pid, how)
         until(lambda: not any(alive(pid) for pid in pids))
@@ -52,9 +52,9 @@ class Run:
         self.seen |= set(children(self.running.pid))
         out, err = self.running.communicate(timeout=2 * PATIENCE)
         until(lambda: not any(alive(pid) for pid in self.seen))
-        first, *said = err.splitlines()
+        first, *output = err.splitlines()
         assert first.startswith("starting a world and ")
-        return self.running.returncode, out, said
+        return self.running.returncode, out, output
 
 
 @contextmanager
@@ -73,8 +73,8 @@ def under_way(where: Path, scenario: str, *words: str, begun: bool = True) -> It
 def warned(robots: str, how: str) -> str:
     ids = robots.split()[-1]
     whom = "them" if "-" in ids else "it"
-    said = f"fes-agent --id {ids} {how} (its log: out/agent-{ids}.log)"
-    return f"fes: warning: {robots}: {said}; the run continues without {whom}"
+    line = f"fes-agent --id {ids} {how} (its log: out/agent-{ids}.log)"
+    return f"fes: warning: {robots}: {line}; the run continues without {whom}"
 
 
 def test_dead_agents_do_not_end_a_run_and_the_summary_counts_them(tmp_path: Path) -> None:
@@ -83,14 +83,14 @@ def test_dead_agents_do_not_end_a_run_and_the_summary_counts_them(tmp_path: Path
         run.kill("3")
         run.kill("4", how=signal.SIGTERM)
         run.kill("7", "8", how=signal.SIGSEGV)
-        code, out, said = run.end()
+        code, out, output = run.end()
     assert code == 0
     summary = json.loads(out)
     assert summary["ticks"] == 400
     gone = [re.search(rf"robot {robot} is not there from tick (\d+) on", run.log()) for robot in (3, 4, 7, 8)]
     absent = sum(400 - int(match[1]) for match in gone if match)
     assert summary["unscheduled_absences"] == absent > 0
-    *deaths, last = said
+    *deaths, last = output
     assert sorted(deaths) == [
         warned("robot 3", "was ended by SIGKILL"),
         warned("robot 4", "ended with exit code 0"),
@@ -119,11 +119,13 @@ def test_a_process_frozen_for_longer_than_its_lease_is_counted_and_fails_an_expe
         os.kill(pid, signal.SIGSTOP)
         until(lambda: sign in run.log(log))
         os.kill(pid, signal.SIGCONT)
-        code, out, said = run.end()
+        code, out, output = run.end()
     absent = json.loads(out)["unscheduled_absences"]
     assert code == 2
     assert absent > 0
-    assert said[-1].startswith(f"fes: warning: unscheduled absences: {absent} robot-ticks; the digest is not that of")
+    assert output[-1].startswith(
+        f"fes: warning: unscheduled absences: {absent} robot-ticks; the digest is not that of"
+    )
 
 
 def test_with_respawn_a_dead_crew_is_restarted_with_all_of_its_robots(tmp_path: Path) -> None:
@@ -136,11 +138,11 @@ def test_with_respawn_a_dead_crew_is_restarted_with_all_of_its_robots(tmp_path: 
         assert all(f"robot {robot} is back from tick" in run.log() for robot in range(5, 10))
         assert "robot 0 is" not in run.log()
         run.running.send_signal(signal.SIGINT)
-        code, _, said = run.end()
+        code, _, output = run.end()
     assert code == 1  # it was interrupted
     why = "fes-agent --id 5-9 was ended by SIGKILL (its log: out/agent-5-9.log)"
-    assert said[0] == f"fes: warning: robots 5-9: {why}; restarted in 0.5 s"
-    assert said[1:] == ["fes: error: stopped by SIGINT; what was reached is in out"]
+    assert output[0] == f"fes: warning: robots 5-9: {why}; restarted in 0.5 s"
+    assert output[1:] == ["fes: error: stopped by SIGINT; what was reached is in out"]
 
 
 def test_an_agent_that_dies_before_the_run_begins_is_named_and_ends_it(tmp_path: Path) -> None:
@@ -149,9 +151,9 @@ def test_an_agent_that_dies_before_the_run_begins_is_named_and_ends_it(tmp_path:
         os.kill(run.pid("0"), signal.SIGSTOP)
         until(lambda: "waiting for the world" in run.log("agent-1"))
         run.kill("1")
-        code, _, said = run.end()
+        code, _, output = run.end()
     why = "fes-agent --id 1 was ended by SIGKILL (its log: out/agent-1.log)"
-    assert (code, said) == (1, [f"fes: error: {why}; the run cannot begin without it"])
+    assert (code, output) == (1, [f"fes: error: {why}; the run cannot begin without it"])
 
 
 def test_a_run_without_an_agent_names_the_robot_it_waits_for(tmp_path: Path) -> None:
@@ -159,13 +161,13 @@ def test_a_run_without_an_agent_names_the_robot_it_waits_for(tmp_path: Path) -> 
         asyncio.run(first_report(run.out))
         run.kill("0", "1")
         assert run.running.stderr is not None
-        said = [run.running.stderr.readline() for _ in range(4)]
+        output = [run.running.stderr.readline() for _ in range(4)]
         run.running.send_signal(signal.SIGINT)
         _, err = run.running.communicate(timeout=PATIENCE)
-    assert said[0] == STARTING.format(2)
-    assert sorted(said[1:3]) == [warned(f"robot {robot}", "was ended by SIGKILL") + "\n" for robot in "01"]
+    assert output[0] == STARTING.format(2)
+    assert sorted(output[1:3]) == [warned(f"robot {robot}", "was ended by SIGKILL") + "\n" for robot in "01"]
     endpoint = re.fullmatch(
-        r"fes: warning: no agent is left: the world at (\S+) waits 60 s for one, and then ends\n", said[3]
+        r"fes: warning: no agent is left: the world at (\S+) waits 60 s for one, and then ends\n", output[3]
     )
     assert endpoint
     assert endpoint[1].startswith("tcp/127.0.0.1:")
@@ -175,13 +177,13 @@ def test_a_run_without_an_agent_names_the_robot_it_waits_for(tmp_path: Path) -> 
 def test_a_world_whose_directory_was_removed_is_still_named(tmp_path: Path) -> None:
     with under_way(tmp_path, "pair.toml", "--duration", "4", "--rtf", "2") as run:
         subprocess.run(["rm", "-r", str(run.out)], check=True)
-        code, _, said = run.end()
+        code, _, output = run.end()
     assert code == 1
     unread = "its log cannot be read: No such file or directory: out/world.log"
-    assert said == [f"fes: error: fes-world ended with exit code 1 ({unread})"]
+    assert output == [f"fes: error: fes-world ended with exit code 1 ({unread})"]
 
 
-def test_respawn_is_for_processes(tmp_path: Path) -> None:
+def test_respawn_is_rejected_without_processes(tmp_path: Path) -> None:
     words = ["run", str(CONFIGS / "pair.toml"), "--backend", "inprocess", "--respawn"]
     done = subprocess.run(fes(*words), cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
     rule = "--respawn needs --backend processes: one loop has no processes of its own"

@@ -68,7 +68,7 @@ FORGERIES = [
 """Forbidden operations: role, operation, key expression."""
 
 
-def test_each_forgery_is_refused_and_logged_once_and_the_run_is_the_same(
+def test_each_forgery_is_rejected_and_logged_once_and_the_run_is_the_same(
     tmp_path: Path, expected: str, issuer: certificates.Authority
 ) -> None:
     keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
@@ -135,7 +135,7 @@ def test_robots_observers_and_operators_have_the_rights_of_their_roles(
             reports = observer.mailbox(keys.report(RUN))
             looking = Endpoints("client", (world.endpoint,), security=team_keys.security(keyed, "observer"))
             findings, robots = await network.examine(looking, RUN, True)
-            others = [found.check for found in findings if found.status is not Status.OK]
+            others = [result.check for result in findings if result.status is not Status.OK]
             assert (robots, others) == (2, ["alive"])  # both robots have not joined yet
             world.agent(0)
             world.agent(1)
@@ -153,7 +153,7 @@ def test_robots_observers_and_operators_have_the_rights_of_their_roles(
     assert asyncio.run(main()).log().count("dropped") == 0
 
 
-def test_a_certificate_that_is_not_of_this_run_opens_no_session(
+def test_a_certificate_of_another_run_opens_no_session(
     tmp_path: Path, expected: str, issuer: certificates.Authority
 ) -> None:
     keyed = team_keys.directory(tmp_path / "keys", issuer, ROLES)
@@ -182,11 +182,11 @@ def test_a_certificate_that_is_not_of_this_run_opens_no_session(
                 (world.endpoint, team_keys.security(elsewhere, "robot-0"), "its certificate is not to be trusted"),
                 (plain, {}, "a process listens there, but opens no session"),
             ]
-            for endpoint, own, said in attempts:
+            for endpoint, own, complaint in attempts:
                 with pytest.raises(TransportError) as caught:
                     async with bus.opened(Endpoints("client", (endpoint,), timeout=0.5, security=own)):
                         pass
-                assert str(caught.value).startswith(f"cannot join the network at {endpoint}: {said}")
+                assert str(caught.value).startswith(f"cannot join the network at {endpoint}: {complaint}")
             world.agent(0)
             world.agent(1)
             assert await world.over(), world.log()

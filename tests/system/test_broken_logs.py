@@ -6,7 +6,7 @@ from pathlib import Path
 from tests.support.processes import PATIENCE, command
 
 
-def test_the_program_says_it_in_one_line_and_returns_1(tmp_path: Path) -> None:
+def test_a_program_reports_a_broken_log_in_one_line_and_returns_1(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("hello\n")
     for words in (["replay", "notes.txt"], ["compare", "notes.txt", "notes.txt"], ["plot", "notes.txt"]):
         done = subprocess.run(

@@ -35,18 +35,20 @@ def test_a_worker_killed_midway_loses_no_run_and_repeats_none(dask: LocalCluster
     until_some_are_done(tmp_path / "out", sweep)
     assert len(finished(tmp_path / "out")) < RUNS
     os.kill(dask.workers[0].pid, signal.SIGKILL)
-    said, complained = sweep.communicate(timeout=60)
+    output, complained = sweep.communicate(timeout=60)
     assert (sweep.returncode, complained) == (0, "")
-    assert "out/table.csv" in said
+    assert "out/table.csv" in output
     assert len(finished(tmp_path / "out")) == len(set(finished(tmp_path / "out"))) == RUNS
 
-    here = call(tmp_path, "fes", *LONG, "--out", "here")
-    assert here.returncode == 0
+    local = call(tmp_path, "fes", *LONG, "--out", "here")
+    assert local.returncode == 0
     for name in ("table.csv", "cells.csv"):
         assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "here" / name).read_bytes()
 
 
-def test_a_worker_with_another_version_of_fes_is_refused(dask: LocalCluster, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_worker_with_another_version_of_fes_is_rejected(
+    dask: LocalCluster, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(cluster, "version", lambda: "9.9")
     planned = design.plan(Path(PAIR), [], "0:1", ["run.duration=1"])
     with cluster.connected(dask.scheduler_address) as workers:
@@ -55,16 +57,18 @@ def test_a_worker_with_another_version_of_fes_is_refused(dask: LocalCluster, mon
             list(workers.carry_out(work.batches("pair", planned.runs, 2), work.ignore))
 
 
-def test_a_worker_with_another_arithmetic_is_refused(dask: LocalCluster, monkeypatch: pytest.MonkeyPatch) -> None:
-    here = fingerprint.text()
+def test_a_worker_with_another_arithmetic_is_rejected(dask: LocalCluster, monkeypatch: pytest.MonkeyPatch) -> None:
+    own = fingerprint.text()
     monkeypatch.setattr(fingerprint, "table", lambda: dict(OTHER))  # of this side only
     planned = design.plan(Path(PAIR), [], "0:1", ["run.duration=1"])
-    wanted = rf"^a Dask worker has {here}, and the sweep is of {fingerprint.text()}$"
+    wanted = rf"^a Dask worker has {own}, and the sweep is of {fingerprint.text()}$"
     with cluster.connected(dask.scheduler_address) as workers, pytest.raises(FesError, match=wanted):
         list(workers.carry_out(work.batches("pair", planned.runs, 2), work.ignore))
 
 
-def test_a_scheduler_that_does_not_answer_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_scheduler_that_does_not_answer_is_reported_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     address = vacant().replace("tcp/", "tcp://")
     monkeypatch.setattr(cluster, "PATIENCE", 0.3)
     with pytest.raises(FesError, match=f"no Dask scheduler answers at {address}"), cluster.connected(address):
@@ -74,7 +78,7 @@ def test_a_scheduler_that_does_not_answer_is_one_line(tmp_path: Path, monkeypatc
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_cluster_without_workers_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_cluster_without_workers_is_reported_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "PATIENCE", 1.0)
     with (
         LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address="127.0.0.1:0") as empty,

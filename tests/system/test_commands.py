@@ -37,34 +37,34 @@ def test_a_run_prints_one_summary_and_leaves_it_in_the_latest_run_directory(tmp_
     assert json.loads((runs / "pair-1" / "summary.json").read_text()) == first
 
 
-def test_the_directory_asked_for_is_made_and_never_overwritten(tmp_path: Path) -> None:
+def test_the_requested_directory_is_created_and_never_overwritten(tmp_path: Path) -> None:
     out = tmp_path / "a" / "b"
-    found = run_json(tmp_path, "--duration", "1", "--out", str(out), "--rtf", "5")
-    assert json.loads((out / "summary.json").read_text()) == found
-    assert found["wall_s"] >= 0.199  # one simulated second, five reports per second
+    run_summary = run_json(tmp_path, "--duration", "1", "--out", str(out), "--rtf", "5")
+    assert json.loads((out / "summary.json").read_text()) == run_summary
+    assert run_summary["wall_s"] >= 0.199  # one simulated second, five reports per second
     assert not (tmp_path / "runs").exists()
     done = call(tmp_path, "fes", "run", PAIR, "--backend", "inprocess", "--out", str(out))
     assert complaint(done, "fes") == f"--out {out}: the directory is not empty"
-    assert json.loads((out / "summary.json").read_text()) == found
+    assert json.loads((out / "summary.json").read_text()) == run_summary
 
 
 def test_a_run_prints_its_result_and_its_directory(tmp_path: Path) -> None:
     words = ("run", PAIR, "--backend", "inprocess", "--headless", "--duration", "1", "--verbose")
     done = call(tmp_path, "fes", *words)
     assert (done.returncode, done.stderr) == (0, LOOP.format(2))
-    found = json.loads((tmp_path / "runs" / "latest" / "summary.json").read_text())
+    run_summary = json.loads((tmp_path / "runs" / "latest" / "summary.json").read_text())
     assert "pair, 2 robots, seed 1, inprocess" in done.stdout
-    assert f"{found['edges'][0][2]:.3f}" in done.stdout
+    assert f"{run_summary['edges'][0][2]:.3f}" in done.stdout
     assert done.stdout.endswith("run directory: runs/pair-1\n")
 
 
 @pytest.mark.parametrize("part", ["digest", "unit"])
 def test_the_tables_show_the_whole_digest_and_the_units(part: str) -> None:
-    found = inprocess.run(load("pair.toml", run__duration=1), "pair")
+    run_summary = inprocess.run(load("pair.toml", run__duration=1), "pair")
     screen = Console(width=80, file=io.StringIO())
-    screen.print(summary.render(found, verbose=True))
+    screen.print(summary.render(run_summary, verbose=True))
     assert isinstance(screen.file, io.StringIO)
-    assert {"digest": found["digest"], "unit": "separation [m]"}[part] in screen.file.getvalue()
+    assert {"digest": run_summary["digest"], "unit": "separation [m]"}[part] in screen.file.getvalue()
 
 
 @pytest.mark.parametrize(
@@ -98,7 +98,9 @@ def test_the_tables_show_the_whole_digest_and_the_units(part: str) -> None:
         (["view", "--run", "a b"], ["run's name", "'a b'"]),
     ],
 )
-def test_bad_input_is_one_line_with_rule_and_value(words: list[str], said: list[str], tmp_path: Path) -> None:
+def test_bad_input_is_reported_in_one_line_with_rule_and_value(
+    words: list[str], said: list[str], tmp_path: Path
+) -> None:
     line = complaint(call(tmp_path, "fes", *words), "fes")
     assert [word for word in said if word not in line] == []
     assert list(tmp_path.iterdir()) == []
@@ -123,7 +125,7 @@ def test_bad_input_is_one_line_with_rule_and_value(words: list[str], said: list[
         ("fes-agent", ["--id", "1", "--run", "a/b"], ["run's name", "'a/b'"]),
     ],
 )
-def test_a_service_refuses_bad_input_in_one_line(
+def test_a_service_rejects_bad_input_in_one_line(
     program: str, words: list[str], said: list[str], tmp_path: Path
 ) -> None:
     line = complaint(call(tmp_path, program, *words), program)
@@ -145,7 +147,7 @@ def test_an_unanswered_agent_reports_the_world_and_time_it_waited_for(tmp_path: 
         ["fes-agent", "--id", "1", "--timeout", "nan"],
     ],
 )
-def test_a_bad_endpoint_or_timeout_is_one_line(words: list[str], tmp_path: Path) -> None:
+def test_a_bad_endpoint_or_timeout_is_reported_in_one_line(words: list[str], tmp_path: Path) -> None:
     assert words[-1] in complaint(call(tmp_path, *words), words[0])
 
 
@@ -164,8 +166,8 @@ def test_a_closed_pipe_is_reported_without_a_file_name(
 @pytest.mark.parametrize("words", [["fes"], ["fes", "keys"]], ids=" ".join)
 def test_fes_without_a_command_shows_its_help(tmp_path: Path, words: list[str]) -> None:
     done = call(tmp_path, *words)
-    said = (done.stdout + done.stderr).splitlines()
+    output = (done.stdout + done.stderr).splitlines()
     assert done.returncode != 0
-    assert [line for line in said if line.startswith(f"Usage: {' '.join(words)} ")]
-    assert not [line for line in said if "error:" in line]
-    assert len(said) > 5
+    assert [line for line in output if line.startswith(f"Usage: {' '.join(words)} ")]
+    assert not [line for line in output if "error:" in line]
+    assert len(output) > 5

@@ -16,31 +16,31 @@ from world.metrics import summary
 
 
 def test_the_scenario_of_compose_reaches_its_formation_and_logs_it() -> None:
-    found = inprocess.run(loop.load("compose.toml"), "compose")
-    assert not expectations.unmet(found)
+    run_summary = inprocess.run(loop.load("compose.toml"), "compose")
+    assert not expectations.unmet(run_summary)
     assert expectations.unmet(inprocess.run(loop.load("compose.toml", run__duration=5.0), "compose"))
 
 
 def test_log_lines_show_the_numbers_of_the_summary() -> None:
-    found = inprocess.run(loop.load("pair.toml", run__duration=20.0), "pair")
-    said = "\n".join(summary.lines(found))
+    run_summary = inprocess.run(loop.load("pair.toml", run__duration=20.0), "pair")
+    text = "\n".join(summary.lines(run_summary))
     for number in (
-        f"2 robots, seed 1: {found['simulated_s']:g} s in",
+        f"2 robots, seed 1: {run_summary['simulated_s']:g} s in",
         "1 links, r* = 68.114 m",
-        f"largest separation error: {found['separation_error_max']:.4f} m",
-        f"largest estimate error: {found['estimate_error_max']:.4f} m",
-        f"from {found['time_to']['separation_0_1m']:.2f} s on",
-        f"digest {found['digest']}",
+        f"largest separation error: {run_summary['separation_error_max']:.4f} m",
+        f"largest estimate error: {run_summary['estimate_error_max']:.4f} m",
+        f"from {run_summary['time_to']['separation_0_1m']:.2f} s on",
+        f"digest {run_summary['digest']}",
     ):
-        assert number in said
+        assert number in text
 
 
 def test_a_run_without_links_has_lines_without_errors() -> None:
     alone = loop.load("pair.toml", run__duration=0.5, channel__communication_range=10.0)
-    said = summary.lines(inprocess.run(alone, "pair"))
-    assert "0 links" in said[1]
-    assert not any("largest" in line for line in said)
-    assert "separation error < 0.1 m: never" in said
+    lines = summary.lines(inprocess.run(alone, "pair"))
+    assert "0 links" in lines[1]
+    assert not any("largest" in line for line in lines)
+    assert "separation error < 0.1 m: never" in lines
 
 
 def test_compose_has_an_agent_for_each_robot_of_its_scenario_and_each_role_its_own_volume() -> None:

@@ -27,8 +27,8 @@ def test_the_bench_measures_the_requested_team(
     words = [str(CONFIGS / "hundred.toml"), "--agents-per-process", "50", "--duration", "0.2", "--rounds", "1"]
     secure.main(words)
     assert [(tls, silent) for tls, silent, _ in seen] == [(False, False), (True, False), (True, True)]
-    assert {(found["robots"], found["ticks"]) for *_, found in seen} == {(100, 10)}
-    assert len({found["digest"] for *_, found in seen}) == 1
+    assert {(result["robots"], result["ticks"]) for *_, result in seen} == {(100, 10)}
+    assert len({result["digest"] for *_, result in seen}) == 1
     title, figures, *medians = capsys.readouterr().out.splitlines()
     assert title == "secure: hundred.toml, 0.2 s, 100 robots in 2 processes"
     # On a slow machine a rate may have one digit, and more spaces before it.

@@ -20,16 +20,16 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_an_absent_world_of_a_running_run_is_only_a_warning(tmp_path: Path) -> None:
-    here = announce("pair-1", os.getpid())
+    announced = announce("pair-1", os.getpid())
     (run_directory.ROOT / "paper-1").mkdir()
     (run_directory.ROOT / run_directory.LATEST).symlink_to("paper-1")
     # It runs in one process, was started later, and is not announced.
     done = call(tmp_path, "fes", "doctor", "--json")
-    [found] = [one for one in json.loads(done.stdout) if one["check"] == "endpoint"]
-    assert (found["status"], done.returncode) == ("warning", 0)
-    assert here.endpoint in found["seen"]
-    assert f"by runs/pair-1/endpoint.json, process {os.getpid()} still executes that run" in found["seen"]
-    assert found["remedy"] == "its world is starting, suspended or being restarted: check again"
+    [result] = [finding for finding in json.loads(done.stdout) if finding["check"] == "endpoint"]
+    assert (result["status"], done.returncode) == ("warning", 0)
+    assert announced.endpoint in result["seen"]
+    assert f"by runs/pair-1/endpoint.json, process {os.getpid()} still executes that run" in result["seen"]
+    assert result["remedy"] == "its world is starting, suspended or being restarted: check again"
 
 
 @pytest.mark.parametrize(
@@ -52,18 +52,18 @@ def test_flags_that_name_no_run_are_a_finding_beside_the_others(
 ) -> None:
     done = call(tmp_path, "fes", "doctor", "--json", *flags)
     assert (done.returncode, done.stderr) == (1, "")
-    found = {one["check"]: one for one in json.loads(done.stdout)}
-    assert {"python", "packages", "open files", "loopback", "port", "loopback only"} < set(found)
-    assert (found["endpoint"]["status"], found["endpoint"]["seen"]) == ("failed", seen)
-    assert found["endpoint"]["remedy"].startswith(remedy)
+    result = {finding["check"]: finding for finding in json.loads(done.stdout)}
+    assert {"python", "packages", "open files", "loopback", "port", "loopback only"} < set(result)
+    assert (result["endpoint"]["status"], result["endpoint"]["seen"]) == ("failed", seen)
+    assert result["endpoint"]["remedy"].startswith(remedy)
 
 
 def test_a_name_that_does_not_resolve_is_a_finding_with_its_own_remedy(tmp_path: Path) -> None:
     done = call(tmp_path, "fes", "doctor", "--json", "-e", "tcp/no.such.host.invalid:1")
-    [found] = [one for one in json.loads(done.stdout) if one["check"] == "endpoint"]
-    assert (done.returncode, found["status"]) == (1, "failed")
-    assert "the name 'no.such.host.invalid' does not resolve" in found["seen"]
-    assert found["remedy"].startswith("correct the name")
+    [result] = [finding for finding in json.loads(done.stdout) if finding["check"] == "endpoint"]
+    assert (done.returncode, result["status"]) == (1, "failed")
+    assert "the name 'no.such.host.invalid' does not resolve" in result["seen"]
+    assert result["remedy"].startswith("correct the name")
 
 
 CHECKS = [
@@ -76,11 +76,11 @@ def test_fes_doctor_prints_json_or_a_table_and_exits_with_1_after_a_failure(tmp_
     endpoint = vacant()
     done = call(tmp_path, "fes", "doctor", "-e", endpoint, "--json")
     assert (done.returncode, done.stderr) == (1, "")
-    found = json.loads(done.stdout)
-    assert [one["check"] for one in found if one["check"] != "extras"] == CHECKS
-    assert all(set(one) == {"check", "status", "seen", "remedy"} for one in found)
-    assert [one["check"] for one in found if one["status"] == "failed"] == ["endpoint"]
-    assert all(bool(one["remedy"]) == (one["status"] != "ok") for one in found)
+    findings = json.loads(done.stdout)
+    assert [finding["check"] for finding in findings if finding["check"] != "extras"] == CHECKS
+    assert all(set(finding) == {"check", "status", "seen", "remedy"} for finding in findings)
+    assert [finding["check"] for finding in findings if finding["status"] == "failed"] == ["endpoint"]
+    assert all(bool(finding["remedy"]) == (finding["status"] != "ok") for finding in findings)
     assert list(tmp_path.iterdir()) == []  # it leaves nothing behind
 
     healthy = call(tmp_path, "fes", "doctor")

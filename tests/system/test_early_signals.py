@@ -150,7 +150,7 @@ def test_a_program_that_is_stopped_during_imports_prints_one_line(
     assert not list(tmp_path.iterdir())
 
 
-def test_fes_run_does_not_claim_a_start_where_it_starts_nothing(tmp_path: Path) -> None:
+def test_fes_run_does_not_announce_a_start_if_it_starts_nothing(tmp_path: Path) -> None:
     (tmp_path / "used").touch()
     done = subprocess.run(fes("run", PAIR, "--out", "."), cwd=tmp_path, capture_output=True, text=True)
     assert done.stderr == "fes: error: --out .: the directory is not empty\n"

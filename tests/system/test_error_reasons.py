@@ -25,9 +25,9 @@ def test_a_log_from_a_pipe_is_rejected_with_a_reason(tmp_path: Path) -> None:
     for words in ("replay LOG", "compare LOG run", "compare run LOG", "plot LOG"):
         script = f"{PROGRAMS}/fes {words.replace('LOG', '<(cat run/run.mcap)')}"
         done = subprocess.run(["bash", "-c", script], cwd=tmp_path, capture_output=True, text=True, timeout=60)
-        said = complaint(done, "fes")
-        assert said.startswith("/dev/fd/")
-        assert said.endswith(": is not a regular file")
+        line = complaint(done, "fes")
+        assert line.startswith("/dev/fd/")
+        assert line.endswith(": is not a regular file")
 
 
 def test_a_scenario_from_a_pipe_is_accepted(tmp_path: Path) -> None:

@@ -22,8 +22,8 @@ from tests.support.stage import ROLES, RUN, SECONDS, stage
 
 def command(tick: int) -> bytes:
     """A forged observation that dismisses robot 0."""
-    nobody, nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
-    return messages.encode_command(Command(tick, 0, (5.0, 1.0), nobody, nothing, nothing))
+    no_peers, nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
+    return messages.encode_command(Command(tick, 0, (5.0, 1.0), no_peers, nothing, nothing))
 
 
 def beacon(tick: int) -> bytes:

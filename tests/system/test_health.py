@@ -39,8 +39,8 @@ def test_a_connection_lasts_until_it_is_closed_and_only_its_client_counts() -> N
 def test_the_health_command_answers_by_its_exit_code() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]
-        found = check("listens", port)
-    assert (found.returncode, found.stdout) == (0, f"listens {port}: yes\n")
+        result = check("listens", port)
+    assert (result.returncode, result.stdout) == (0, f"listens {port}: yes\n")
     lost = check("listens", port)
     assert (lost.returncode, lost.stdout) == (1, f"listens {port}: no\n")
 

@@ -25,10 +25,10 @@ COMMANDS = {path: line for path, line in guide.EXAMPLES.items() if path != "keys
 
 def command(path: str) -> Any:
     """The command at a path such as `keys init`."""
-    found: Any = typer.main.get_command(cli.app)
+    result: Any = typer.main.get_command(cli.app)
     for name in path.split():
-        found = found.commands[name]
-    return found
+        result = result.commands[name]
+    return result
 
 
 def test_the_help_begins_with_run_and_has_a_whole_sentence_for_each_command(tmp_path: Path) -> None:
@@ -52,12 +52,12 @@ def test_the_help_begins_with_run_and_has_a_whole_sentence_for_each_command(tmp_
 @pytest.mark.parametrize("path", COMMANDS)
 def test_each_command_has_an_example_that_can_be_typed(path: str, tmp_path: Path) -> None:
     example = COMMANDS[path]
-    found = command(path)
-    assert f"Example: {example}" in found.epilog
-    assert found.short_help.endswith(".")
+    result = command(path)
+    assert f"Example: {example}" in result.epilog
+    assert result.short_help.endswith(".")
     program, *words = shlex.split(example.partition(" >")[0])
     assert [program, *words[: len(path.split())]] == ["fes", *path.split()]
-    found.make_context(path, words[len(path.split()) :])  # raises for an unknown option or argument
+    result.make_context(path, words[len(path.split()) :])  # raises for an unknown option or argument
 
 
 @pytest.mark.parametrize("program", ["fes-world", "fes-agent"])
@@ -118,7 +118,9 @@ def test_the_shell_completes_commands(tmp_path: Path) -> None:
 def test_the_schema_describes_every_field_of_a_scenario(tmp_path: Path) -> None:
     schema = strict_json.loads(call(tmp_path, "fes", "schema").stdout)
     tables = {"Scenario": schema, **schema["$defs"]}
-    fields = {(table, name): field for table, found in tables.items() for name, field in found["properties"].items()}
+    fields = {
+        (table, name): field for table, result in tables.items() for name, field in result["properties"].items()
+    }
     bare = [place for place, field in fields.items() if len(field.get("description", "").split()) < 2]
     assert bare == []
     names = {name for _, name in fields}

@@ -204,7 +204,7 @@ async def crowd_the_world(second: Bus) -> None:
     await asyncio.wait(pending)
 
 
-def test_a_robot_that_floods_the_world_with_queries_keeps_no_peer_from_its_answer(
+def test_a_robot_that_floods_the_world_with_queries_does_not_block_the_answers_to_its_peers(
     keyed: Path, tmp_path: Path
 ) -> None:
     outcome = hostile.run(tmp_path, keyed, push_out, crowd_the_world)

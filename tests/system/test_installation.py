@@ -119,7 +119,7 @@ def test_an_installed_wheel_needs_no_clone(installed: Environment, tmp_path: Pat
     assert (tmp_path / "figures" / "fig5-formation.svg").is_file()
 
 
-def test_an_unknown_scenario_of_an_installed_wheel_is_one_line_with_the_nearest_name(
+def test_an_unknown_scenario_of_an_installed_wheel_is_reported_in_one_line_with_the_nearest_name(
     installed: Environment, tmp_path: Path
 ) -> None:
     for program, *words in (
@@ -143,32 +143,35 @@ def test_a_wheel_states_its_systems_and_that_it_is_typed(wheel: Path) -> None:
         assert f"Classifier: Operating System :: {system}\n" in text
 
 
-def test_another_project_that_wrote_over_a_package_of_ours_fails(wheel: Path, tmp_path: Path) -> None:
+def test_a_package_of_ours_that_another_project_overwrote_is_a_failure(wheel: Path, tmp_path: Path) -> None:
     environment = Environment(tmp_path / "venv")
     environment.install(wheel)
     environment.install(wheel_of_another_project(tmp_path))
-    found = environment.names(tmp_path)
-    assert found["status"] == "failed"
-    assert "agents/__init__.py is not what fes-robots" in found["seen"]
-    assert "robot-agents wrote over it" in found["seen"]
-    assert found["remedy"] == distribution.separate()
+    result = environment.names(tmp_path)
+    assert result["status"] == "failed"
+    assert "agents/__init__.py is not what fes-robots" in result["seen"]
+    assert "robot-agents wrote over it" in result["seen"]
+    assert result["remedy"] == distribution.separate()
     assert environment.call(tmp_path, "fes", "doctor").returncode == 1
 
 
-def test_another_project_over_which_ours_was_installed_is_a_warning(wheel: Path, tmp_path: Path) -> None:
+def test_a_package_of_another_project_that_ours_overwrote_is_a_warning(wheel: Path, tmp_path: Path) -> None:
     environment = Environment(tmp_path / "venv")
     environment.install(wheel_of_another_project(tmp_path))
     environment.install(wheel)
-    found = environment.names(tmp_path)
-    assert (found["status"], found["seen"]) == ("warning", "robot-agents has the package 'agents' too")
-    assert distribution.separate() in found["remedy"]
+    result = environment.names(tmp_path)
+    assert (result["status"], result["seen"]) == ("warning", "robot-agents has the package 'agents' too")
+    assert distribution.separate() in result["remedy"]
 
 
 def test_a_distribution_called_fes_is_a_warning(tmp_path: Path) -> None:
     world_info = tmp_path / "fes-1.0.62.dist-info"
     world_info.mkdir()
     (world_info / "METADATA").write_text("Metadata-Version: 2.1\nName: fes\nVersion: 1.0.62\n")
-    said = with_path(tmp_path, tmp_path, "fes", "doctor", "--json").stdout
-    [found] = [one for one in json.loads(said) if one["check"] == "our names"]
-    assert (found["status"], found["seen"]) == ("warning", "'fes' 1.0.62 is installed; this project is 'fes-robots'")
-    assert "pip uninstall fes" in found["remedy"]
+    output = with_path(tmp_path, tmp_path, "fes", "doctor", "--json").stdout
+    [result] = [finding for finding in json.loads(output) if finding["check"] == "our names"]
+    assert (result["status"], result["seen"]) == (
+        "warning",
+        "'fes' 1.0.62 is installed; this project is 'fes-robots'",
+    )
+    assert "pip uninstall fes" in result["remedy"]

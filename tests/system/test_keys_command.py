@@ -31,16 +31,16 @@ def test_keys_are_readable_by_their_owner_only_and_valid(tmp_path: Path) -> None
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout == "keys: an authority and 5 certificates, valid for 30 days\n"
     keys = tmp_path / "keys"
-    found = modes(keys)
-    assert found.pop("keys") == 0o700
+    result = modes(keys)
+    assert result.pop("keys") == 0o700
     roles = ["world", "observer", "operator", "robot-0", "robot-1"]
-    assert set(found) == {f"{name}.{kind}" for name in ["ca", *roles] for kind in ("crt", "key")}
-    assert set(found.values()) == {0o600}
+    assert set(result) == {f"{name}.{kind}" for name in ["ca", *roles] for kind in ("crt", "key")}
+    assert set(result.values()) == {0o600}
     for role in roles:
         Identity(keys, role).check()
 
 
-def test_a_second_authority_is_refused_and_issue_adds_and_replaces(tmp_path: Path) -> None:
+def test_a_second_authority_is_rejected_and_issue_adds_and_replaces(tmp_path: Path) -> None:
     assert call(tmp_path, "fes", "keys", "init").returncode == 0
     line = complaint(call(tmp_path, "fes", "keys", "init"), "fes")
     assert line == "--keys keys: the folder has an authority already; fes keys issue adds certificates to it"
@@ -127,7 +127,7 @@ def test_no_rules_are_printed_for_missing_certificates(tmp_path: Path) -> None:
     assert line == "--keys keys: the world needs ca.crt, and there is none"
 
 
-def test_without_the_extra_one_line_names_it(tmp_path: Path) -> None:
+def test_a_missing_extra_is_named_in_one_line(tmp_path: Path) -> None:
     call(tmp_path, "fes", "keys", "init", "--robots", "1")
     for module, words in (
         ("console.cli", ["keys", "issue", "world"]),
@@ -177,13 +177,13 @@ def listening(pid: int) -> list[str]:
     """The addresses, as /proc writes them, on which a process listens: TCP, and any UDP."""
     links = [str(path.readlink()) for path in Path(f"/proc/{pid}/fd").iterdir() if path.is_symlink()]
     inodes = {link[8:-1] for link in links if link.startswith("socket:[")}
-    found = []
+    result = []
     for table in ("tcp", "tcp6", "udp", "udp6"):
         for line in Path(f"/proc/{pid}/net/{table}").read_text().splitlines()[1:]:
             fields = line.split()
             if fields[9] in inodes and (table.startswith("udp") or fields[3] == "0A"):
-                found.append(f"{table} {fields[1].partition(':')[0]}")
-    return found
+                result.append(f"{table} {fields[1].partition(':')[0]}")
+    return result
 
 
 def test_only_the_world_listens_and_only_on_loopback(tmp_path: Path) -> None:
@@ -191,8 +191,8 @@ def test_only_the_world_listens_and_only_on_loopback(tmp_path: Path) -> None:
     log = tmp_path / "runs/latest/world.log"
     try:
         until(lambda: log.exists() and "all robots are here" in log.read_text())
-        found = {line.split("-m ")[1].split()[0]: listening(pid) for pid, line in children(running.pid).items()}
-        assert found == {"world": ["tcp 0100007F"], "agents": []}
+        result = {line.split("-m ")[1].split()[0]: listening(pid) for pid, line in children(running.pid).items()}
+        assert result == {"world": ["tcp 0100007F"], "agents": []}
         assert listening(running.pid) == []
     finally:
         running.terminate()
@@ -214,8 +214,8 @@ def test_a_world_that_listens_without_tls_for_other_machines_logs_a_warning(tmp_
     endpoint = f"tcp/0.0.0.0:{free_port()}"
     world = start(command("world.process", PAIR, "-l", endpoint), tmp_path)
     assert world.stderr is not None
-    said = world.stderr.readline()
+    output = world.stderr.readline()
     world.terminate()
     world.communicate(timeout=PATIENCE)
-    assert f"network: listening on {endpoint} without TLS" in said
-    assert "--keys DIR" in said
+    assert f"network: listening on {endpoint} without TLS" in output
+    assert "--keys DIR" in output

@@ -38,7 +38,7 @@ def contents(where: Path) -> dict[Path, bytes]:
 
 
 @pytest.mark.parametrize("older", [2, 3])
-def test_a_checkpoint_of_an_older_format(formats: Path, older: int) -> None:
+def test_a_checkpoint_of_an_older_format_is_rejected_in_one_line(formats: Path, older: int) -> None:
     run, before = formats / f"checkpoint-{older}", contents(formats)
     with pytest.raises(FesError) as caught:
         resume.load(run)
@@ -116,7 +116,7 @@ def test_no_table_of_a_checkpoint_changes_without_a_new_format_number(tmp_path: 
     assert layout(tmp_path) == LAYOUT.read_text(encoding="utf-8"), wanted
 
 
-def test_each_file_of_an_older_format_is_tried() -> None:
+def test_the_stored_files_of_older_formats_are_small_and_complete() -> None:
     names = ["checkpoint-2", "checkpoint-3", LAYOUT.name, "log-1", "log-2", "sweep-1"]
     assert sorted(path.name for path in FORMATS.iterdir()) == names
     assert all(len(content) < 100_000 for content in contents(FORMATS).values())

@@ -35,9 +35,9 @@ def test_a_run_with_too_few_open_files_fails_with_the_command_that_raises_the_li
     done = limited(12, tmp_path)
     assert done.returncode == 1
     least = 18 + 2 * machine.FILES_PER_CHILD
-    said = f"12 per process: 2 robots with a process each take {least}"
-    said += "; raise the hard limit of 12, or --agents-per-process"
-    assert done.stderr == f"fes: error: open files: {said}\n"
+    rule = f"12 per process: 2 robots with a process each take {least}"
+    rule += "; raise the hard limit of 12, or --agents-per-process"
+    assert done.stderr == f"fes: error: open files: {rule}\n"
     assert not (tmp_path / "runs").exists()
 
 
@@ -66,9 +66,9 @@ def test_too_few_open_files_are_a_failure_and_few_spare_ones_a_warning(
 ) -> None:
     allow(files, monkeypatch)
     monkeypatch.setattr(machine, "FILES_PER_CHILD", 1)  # as before Python 3.12
-    found = machine.files(robots)
-    assert found.status == status
-    assert found.remedy.startswith(f"ulimit -n {32 + 2 * (robots or 100)}, ") == (status != Status.OK)
+    result = machine.files(robots)
+    assert result.status == status
+    assert result.remedy.startswith(f"ulimit -n {32 + 2 * (robots or 100)}, ") == (status != Status.OK)
 
 
 def test_each_agent_process_takes_two_files_from_python_3_12_on(monkeypatch: pytest.MonkeyPatch) -> None:

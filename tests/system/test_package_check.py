@@ -81,7 +81,7 @@ def not_installed(monkeypatch: pytest.MonkeyPatch) -> str:
     return "fes-robots is not installed here: pip install -e .  # in a clone of fes"
 
 
-def test_a_clone_that_is_not_installed_is_one_line_at_each_entrance(
+def test_a_clone_that_is_not_installed_is_reported_in_one_line_by_each_program(
     not_installed: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(FesError) as caught:
@@ -98,7 +98,7 @@ def test_a_clone_that_is_not_installed_is_one_line_at_each_entrance(
         assert (out, err) == ("", f"{command}: error: {not_installed}\n")
 
 
-def test_the_command_that_installs_can_be_pasted_into_a_shell() -> None:
+def test_the_install_command_can_be_pasted_into_a_shell() -> None:
     for command in (distribution.install(), distribution.install("plot"), distribution.separate().partition(": ")[2]):
         subprocess.run(["sh", "-n", "-c", command], check=True)
         assert "clone" not in shlex.split(command, comments=True)

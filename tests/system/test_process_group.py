@@ -121,7 +121,7 @@ def test_a_restarted_agent_may_end_before_the_run_begins(tmp_path: Path) -> None
     assert said[0] == "robot 0: fes-agent --id 0: unrecognized arguments: --no-such-flag; restarted in 0.01 s"
 
 
-def test_a_world_that_fails_is_named_before_the_agents_that_fail_with_it(tmp_path: Path) -> None:
+def test_a_failed_world_is_named_before_the_agents_that_fail_with_it(tmp_path: Path) -> None:
     async def main() -> tuple[str, list[str]]:
         async with family(tmp_path) as processes:
             fails_last = "import sys; sys.stdin.readline(); raise SystemExit(1)"

@@ -115,8 +115,8 @@ def test_world_and_agents_started_by_hand_in_any_order_find_each_other(tmp_path:
         _, err = process.communicate(timeout=PATIENCE)
         assert process.returncode == 0, err
     expected = inprocess.run(load("pair.toml", run__duration=3.0), "pair")
-    found = json.loads((tmp_path / "summary.json").read_text())
-    assert found["digest"] == expected["digest"]
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["digest"] == expected["digest"]
 
 
 def test_a_world_told_to_stop_dismisses_its_agents(tmp_path: Path) -> None:
@@ -134,7 +134,7 @@ def test_a_world_told_to_stop_dismisses_its_agents(tmp_path: Path) -> None:
         assert process.returncode == 0
 
 
-def test_a_taken_port_is_one_line(tmp_path: Path) -> None:
+def test_a_taken_port_is_reported_in_one_line(tmp_path: Path) -> None:
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     first = start(command("world.process", str(CONFIGS / "pair.toml"), "-l", endpoint), tmp_path)
     assert first.stderr is not None

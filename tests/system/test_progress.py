@@ -40,22 +40,22 @@ def batch_of(runs: int, seconds: float) -> Batch:
 
 
 def test_a_batch_reports_each_tick_of_all_its_runs() -> None:
-    told: list[int] = []
-    done = work.carry_out(batch_of(3, 0.2), told.append)
-    assert [one.error for one in done] == [None] * 3
-    assert told == [3 * tick for tick in range(1, 11)]
+    reports: list[int] = []
+    done = work.carry_out(batch_of(3, 0.2), reports.append)
+    assert [outcome.error for outcome in done] == [None] * 3
+    assert reports == [3 * tick for tick in range(1, 11)]
 
 
 def test_workers_report_ticks_before_their_batch_has_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(local, "PERIOD", 0.001)
-    told: list[int] = []
+    reports: list[int] = []
     batch = batch_of(2, 20.0)
     with local.hired(1) as workers:
-        (done,) = workers.carry_out([batch], told.append)
+        (done,) = workers.carry_out([batch], reports.append)
     assert len(done) == 2
-    assert told == sorted(told)
-    assert told[-1] == 2000
-    assert any(0 < ticks < 2000 for ticks in told)
+    assert reports == sorted(reports)
+    assert reports[-1] == 2000
+    assert any(0 < ticks < 2000 for ticks in reports)
 
 
 def test_the_progress_bar_of_a_sweep_moves_within_one_batch(tmp_path: Path) -> None:

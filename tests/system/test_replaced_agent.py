@@ -97,7 +97,7 @@ class Crowded:
     def declare_queryable(self, key: str, handler: Any) -> None: ...
 
 
-def test_no_agent_ends_where_all_ask_at_once_if_they_still_host_their_robots(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_agent_that_still_hosts_its_robot_survives_a_crowd_of_queries(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("agents.runtime.membership.PATIENCE", 0.0)
 
     async def main() -> Crowded:

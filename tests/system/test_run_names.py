@@ -28,8 +28,8 @@ def fes(where: Path, locale: dict[str, str], *words: str | bytes) -> dict[str, A
     done = subprocess.run(command, cwd=where, env={**os.environ, **locale}, capture_output=True, timeout=90)
     assert done.returncode == 0, done.stderr
     assert b"Traceback" not in done.stderr
-    found: dict[str, Any] = json.loads(done.stdout)
-    return found
+    result: dict[str, Any] = json.loads(done.stdout)
+    return result
 
 
 @pytest.mark.parametrize(("name", "shown"), NAMES.items(), ids=["bytes", "letters", "escapes", "long"])

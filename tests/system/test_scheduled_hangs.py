@@ -54,10 +54,10 @@ class Watched:
         return self.agents[-1]
 
     def outcome(self) -> dict[str, Any]:
-        said, complained = self.running.communicate(timeout=PATIENCE)
+        output, complained = self.running.communicate(timeout=PATIENCE)
         assert (self.running.returncode, complained) == (0, STARTING.format(self.robots))
-        found: dict[str, Any] = json.loads(said)
-        return found
+        result: dict[str, Any] = json.loads(output)
+        return result
 
     def log(self, robot: int) -> str:
         return (self.where / f"out/agent-{robot}.log").read_text()
@@ -84,8 +84,8 @@ def watch(tmp_path: Path) -> Iterator[Watch]:
         return begun[-1]
 
     yield begin
-    for one in begun:
-        one.end()
+    for process in begun:
+        process.end()
 
 
 @pytest.mark.parametrize("wake", [14.0, 26.0], ids=["briefly", "longer than its lease"])

@@ -70,10 +70,10 @@ class Team:
         back = max(map(int, re.findall(r"is back from tick (\d+)", self.said())))
         self.reaches(back + 10, host, endpoint)
         self.processes[0].send_signal(signal.SIGINT)
-        found = self.summary()
+        result = self.summary()
         assert "robot 0 is not there" not in self.said()
         recorded = log.load(self.where / "out/run.mcap")
-        assert replay_command.rerun(recorded, all_robots=True)["digest"] == found["digest"]
+        assert replay_command.rerun(recorded, all_robots=True)["digest"] == result["digest"]
 
     def said(self, who: str = "world") -> str:
         return (self.where / f"{who}.log").read_text()
@@ -85,8 +85,8 @@ class Team:
         """The summary, once all processes have ended without error."""
         codes = [process.wait(PATIENCE) for process in self.processes]
         assert not any(codes), self.all_said()
-        found: dict[str, Any] = json.loads((self.where / "out/summary.json").read_text())
-        return found
+        run_summary: dict[str, Any] = json.loads((self.where / "out/summary.json").read_text())
+        return run_summary
 
 
 @pytest.fixture
@@ -131,9 +131,9 @@ def sites(net: Internet, where: Path, *links: tuple[str, str]) -> None:
     for name in names:
         net.switch(f"{name}-router", f"{name}-world", f"{name}-0", f"{name}-1")
     reached: dict[str, list[str]] = {name: [] for name in names}
-    for number, (one, other) in enumerate(links):
-        net.cable(f"{one}-router", f"{other}-router")
-        reached[other].append(f"tcp/10.77.{len(names) + number}.1:7447")
+    for number, (first, second) in enumerate(links):
+        net.cable(f"{first}-router", f"{second}-router")
+        reached[second].append(f"tcp/10.77.{len(names) + number}.1:7447")
     for name in names:
         net.router(f"{name}-router", where / f"router-{name}.log", *reached[name])
         until(partial(_ready, where / f"router-{name}.log"))
@@ -152,7 +152,7 @@ def spread(team: Team, net: Internet, at: tuple[str, str], seconds: float) -> No
         team.agent(f"{site}-{robot // 5}", str(robot), net.hosts[f"{site}-router"].endpoint())
 
 
-def test_two_sites_with_a_router_each_lose_no_beacon_and_come_to_the_same_digest(team: Team, net: Internet) -> None:
+def test_two_sites_with_a_router_each_lose_no_beacon_and_reach_the_same_digest(team: Team, net: Internet) -> None:
     sites(net, team.where, ("east", "west"))
     spread(team, net, ("east", "west"), SECONDS)
     assert team.summary()["digest"] == digest("paper.toml")

@@ -131,9 +131,9 @@ def test_a_killed_sweep_resumes_and_repeats_no_finished_run(tmp_path: Path) -> N
     assert 0 < len(done) < RUNS
 
     resumed = start(tmp_path, "second")
-    said, complained = resumed.communicate(timeout=PATIENCE)
+    output, complained = resumed.communicate(timeout=PATIENCE)
     assert (resumed.returncode, complained) == (0, "")
-    assert "out/table.csv" in said
+    assert "out/table.csv" in output
     executed = [key for _, key in begun(tmp_path / "second")]
     assert not set(executed) & set(done)
     assert sorted(executed + done) == sorted(finished(tmp_path / "out"))
@@ -148,9 +148,9 @@ def test_an_interrupted_sweep_reports_its_progress_and_leaves_no_process(tmp_pat
     sweep = start(tmp_path, "log")
     until_some_are_done(tmp_path / "out", sweep)
     os.killpg(sweep.pid, signal.SIGINT)  # like a terminal: the sweep and its workers
-    said, complained = sweep.communicate(timeout=PATIENCE)
+    output, complained = sweep.communicate(timeout=PATIENCE)
     done = len(finished(tmp_path / "out"))
-    assert (sweep.returncode, said) == (1, "")
+    assert (sweep.returncode, output) == (1, "")
     assert complained == (
         f"fes: error: stopped by SIGINT: {done} of {RUNS} runs are done; the same command resumes the sweep\n"
     )
@@ -182,7 +182,9 @@ def test_a_failed_run_is_in_the_table_with_its_reason_and_the_others_are_there(t
         (["--seeds", "0:2", "--scheduler", "tcp://127.0.0.1:1", "--jobs", "2"], ["--jobs", "--scheduler"]),
     ],
 )
-def test_bad_input_is_one_line_and_leaves_nothing(words: list[str], said: list[str], tmp_path: Path) -> None:
+def test_bad_input_is_reported_in_one_line_and_leaves_nothing(
+    words: list[str], said: list[str], tmp_path: Path
+) -> None:
     line = complaint(call(tmp_path, "fes", "sweep", PAIR, *words), "fes")
     assert [word for word in said if word not in line] == []
     assert list(tmp_path.iterdir()) == []

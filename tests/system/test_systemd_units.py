@@ -60,9 +60,9 @@ def test_systemd_accepts_the_units(tmp_path: Path, secure: bool) -> None:
 
 def command(unit: str, environment: dict[str, str], instance: str = "") -> list[str]:
     """The command of a unit, with variables and instance expanded as by systemd; the last ExecStart holds."""
-    *_, found = re.findall(r"^ExecStart=((?:.*\\\n)*.*)", unit, re.MULTILINE)
+    *_, result = re.findall(r"^ExecStart=((?:.*\\\n)*.*)", unit, re.MULTILINE)
     words = []
-    for word in shlex.split(found.replace("\\\n", " ")):
+    for word in shlex.split(result.replace("\\\n", " ")):
         if word.startswith("$") and word[1:] in environment:  # alone, it is split
             words += environment[word[1:]].split()
         else:
@@ -87,7 +87,7 @@ async def reached(endpoint: str, tick: int) -> None:
                 return
 
 
-def test_a_stopped_and_started_world_resumes_and_its_robots_have_waited(tmp_path: Path) -> None:
+def test_a_world_that_is_stopped_and_started_resumes_and_its_robots_have_waited(tmp_path: Path) -> None:
     what = (CONFIGS / "pair.toml").read_text(encoding="utf-8")
     (tmp_path / "scenario.toml").write_text(re.sub(r"(?m)^duration = \S+", f"duration = {SECONDS}", what))
     endpoint = f"tcp/127.0.0.1:{free_port()}"
@@ -99,22 +99,22 @@ def test_a_stopped_and_started_world_resumes_and_its_robots_have_waited(tmp_path
     world = start(text("fes-world.service"), environment, tmp_path / "world.log")
     running = [world, *(start(text("fes-agent@.service"), own, tmp_path / "agents.log", robot) for robot in "01")]
     try:
-        said = tmp_path / "world.log"
-        until(lambda: "scenario starts" in said.read_text())
+        log_path = tmp_path / "world.log"
+        until(lambda: "scenario starts" in log_path.read_text())
         asyncio.run(reached(endpoint, 20))
         world.terminate()
         assert world.wait(PATIENCE) == 0
         assert (tmp_path / "run" / FOLDER / STATE).exists()
-        running.append(start(text("fes-world.service"), environment, said))
-        assert [process.wait(PATIENCE) for process in running] == [0, 0, 0, 0], said.read_text()
+        running.append(start(text("fes-world.service"), environment, log_path))
+        assert [process.wait(PATIENCE) for process in running] == [0, 0, 0, 0], log_path.read_text()
     finally:
         for process in running:
             if process.poll() is None:
                 process.kill()
                 process.wait()
-    assert "scenario resumes at tick" in said.read_text()
-    found = json.loads((tmp_path / "run/summary.json").read_text())
-    assert found["digest"] == inprocess.run(load("pair.toml", run__duration=SECONDS), "pair")["digest"]
+    assert "scenario resumes at tick" in log_path.read_text()
+    summary = json.loads((tmp_path / "run/summary.json").read_text())
+    assert summary["digest"] == inprocess.run(load("pair.toml", run__duration=SECONDS), "pair")["digest"]
 
 
 def variables(unit: str) -> dict[str, str]:
@@ -161,12 +161,12 @@ def test_with_the_drop_ins_a_run_uses_tls_and_each_unit_its_own_files(tmp_path: 
             if process.poll() is None:
                 process.kill()
                 process.wait()
-    said = "".join((tmp_path / f"{role}.log").read_text() for role in units)
-    assert ends == [0, 0], said
-    assert "others on this machine" not in said
-    assert f"tls/127.0.0.1:{port}" in said
-    found = json.loads((tmp_path / "run/summary.json").read_text())
-    assert found["digest"] == inprocess.run(load("pair.toml", run__duration=SECONDS), "pair")["digest"]
+    logs = "".join((tmp_path / f"{role}.log").read_text() for role in units)
+    assert ends == [0, 0], logs
+    assert "others on this machine" not in logs
+    assert f"tls/127.0.0.1:{port}" in logs
+    summary = json.loads((tmp_path / "run/summary.json").read_text())
+    assert summary["digest"] == inprocess.run(load("pair.toml", run__duration=SECONDS), "pair")["digest"]
     names = {role: {path.name for path in (tmp_path / role).iterdir()} for role in units}
     assert names == {
         "world": {"ca.crt", "world.crt", "world.key", "robot-0-1.crt"},

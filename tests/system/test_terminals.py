@@ -133,18 +133,18 @@ def test_after_a_run_the_last_frame_and_the_headline_are_on_the_terminal_togethe
     assert shown.end() == 0
     lines = shown.left.rstrip("\n").split("\n")
     assert len(lines) < rows  # and the prompt
-    found = json.loads((tmp_path / "out" / "summary.json").read_text())
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert lines[0].startswith("pair ")  # of the frame
     end = [line.strip() for line in lines[-6:]]
     for line, word in zip(
         end, ("estimate error", "separation error", "r*", "time", "digest", "run dir"), strict=True
     ):
         assert line.startswith(word)
-    assert end[-2] == f"digest  {found['digest']}"
+    assert end[-2] == f"digest  {summary['digest']}"
     assert end[-1] == "run directory: out"
 
 
-def test_the_summary_of_a_large_run_has_20_lines_at_most_and_what_failed_is_among_them(tmp_path: Path) -> None:
+def test_the_summary_of_a_large_run_has_at_most_20_lines_that_include_the_failures(tmp_path: Path) -> None:
     many = ", ".join(f'{{of="ticks", below={100.0 + k}}}' for k in range(30))
     wanted = f'expect=[{many}, {{of="robots", equals=3}}]'
     words = ["run", str(CONFIGS / "hundred.toml"), "--backend", "inprocess", "--duration", "0.2", "--headless"]
@@ -181,7 +181,7 @@ def test_quitting_a_replay_leaves_its_last_frame(logs: Path, tmp_path: Path) -> 
     assert "q: quit" in shown.left.rstrip("\n").split("\n")[-1]
 
 
-def test_output_that_cannot_draw_has_no_escapes_even_with_forced_colors(tmp_path: Path) -> None:
+def test_output_to_no_capable_terminal_has_no_escapes_even_with_forced_colors(tmp_path: Path) -> None:
     words = fes(*LOOP, "--duration", "0.2", "--out", "out")
     env = {**os.environ, "FORCE_COLOR": "1"}
     done = subprocess.run(words, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=PATIENCE)
@@ -193,7 +193,7 @@ def test_output_that_cannot_draw_has_no_escapes_even_with_forced_colors(tmp_path
     assert dumb.text.endswith("run directory: dumb\n")
 
 
-def test_a_closed_reader_of_the_last_frame_is_not_an_error() -> None:
+def test_a_reader_that_closes_before_the_last_frame_is_not_an_error() -> None:
     code = """
 from console.dashboard import live as view
 from console.terminal import printing

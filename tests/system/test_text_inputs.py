@@ -33,14 +33,14 @@ LONG = {"decimal": "1" * 5000, "hexadecimal": "0x" + "f" * 5000, "binary": "0b" 
 
 def line(run: Callable[[], object]) -> str:
     """Message of an error that a person can cause; empty without an error; raises any other error."""
-    said = ""
+    message = ""
     try:
         run()
     except FesError as error:
-        said = str(error)
-    assert "\n" not in said
-    assert len(said) < 1000
-    return said
+        message = str(error)
+    assert "\n" not in message
+    assert len(message) < 1000
+    return message
 
 
 def load(folder: Path, content: bytes) -> str:
@@ -92,16 +92,16 @@ def test_an_endless_file_is_rejected(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("text", DEEP.values(), ids=DEEP)
-def test_toml_that_is_nested_too_deeply_is_one_line(text: str, tmp_path: Path) -> None:
-    for said in (load(tmp_path, f"x = {text}".encode()), line(lambda: parse_override(f"run.dt={text}"))):
-        assert said.endswith(("is nested too deeply", "expects one value, got"))
+def test_toml_that_is_nested_too_deeply_is_reported_in_one_line(text: str, tmp_path: Path) -> None:
+    for message in (load(tmp_path, f"x = {text}".encode()), line(lambda: parse_override(f"run.dt={text}"))):
+        assert message.endswith(("is nested too deeply", "expects one value, got"))
 
 
 @pytest.mark.parametrize("text", LONG.values(), ids=LONG)
 def test_an_integer_with_too_many_digits_is_rejected_in_one_line(text: str, tmp_path: Path) -> None:
     words = ("has a number or a date that is too large", " bits, more than 64")
-    for said in (load(tmp_path, f"[run]\ndt = {text}".encode()), line(lambda: parse_override(f"run.dt={text}"))):
-        assert any(word in said for word in words), said
+    for message in (load(tmp_path, f"[run]\ndt = {text}".encode()), line(lambda: parse_override(f"run.dt={text}"))):
+        assert any(word in message for word in words), message
     assert any(word in line(lambda: design.parse_axis(f"run.dt=0.1,{text}")) for word in words)
 
 
@@ -109,9 +109,9 @@ def test_a_key_through_too_many_tables_is_rejected_in_one_line(tmp_path: Path) -
     path = ".".join("a" * 1000)
     assert "is nested too deeply" in load(tmp_path, f"{path} = 1".encode())
     words = ["run", str(CONFIGS / "pair.toml"), *IN, "--set", f"{path}=1"]
-    said = complaint(call(tmp_path, "fes", *words), "fes")
-    assert said.startswith("--set: expects a field within at most 100 tables, got 'a.a.a.")
-    assert len(said) < 300
+    message = complaint(call(tmp_path, "fes", *words), "fes")
+    assert message.startswith("--set: expects a field within at most 100 tables, got 'a.a.a.")
+    assert len(message) < 300
 
 
 TEXTS = st.text(st.characters(codec="utf-8"), max_size=30)
@@ -195,13 +195,13 @@ def test_an_announcement_of_an_impossible_process_is_ignored(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "runs" / "one").mkdir(parents=True)
-    told = {"endpoint": "tcp/127.0.0.1:1", "run": "main", "pid": pid}
-    (tmp_path / "runs" / "one" / run_directory.ENDPOINT).write_text(json.dumps(told))
+    announcement = {"endpoint": "tcp/127.0.0.1:1", "run": "main", "pid": pid}
+    (tmp_path / "runs" / "one" / run_directory.ENDPOINT).write_text(json.dumps(announcement))
     assert run_directory.announced("main") is None
 
 
 @pytest.mark.parametrize("text", JSON[:5])
-def test_a_summary_and_a_sweep_that_cannot_be_read_are_one_line(text: str, tmp_path: Path) -> None:
+def test_a_summary_and_a_sweep_that_cannot_be_read_are_reported_in_one_line(text: str, tmp_path: Path) -> None:
     (tmp_path / "summary.json").write_text(text)
     assert line(lambda: processes.read_summary(tmp_path)) == f"{tmp_path} has no summary"
     (tmp_path / "summary.json").write_text("[1]")
@@ -228,11 +228,11 @@ def test_an_invalid_certificate_or_key_is_rejected_in_one_line(content: bytes, t
     assert call(tmp_path, "fes", "keys", "init").returncode == 0
     for name in ("ca.crt", "world.crt", "world.key"):
         path = tmp_path / "keys" / name
-        whole = path.read_bytes()
+        valid = path.read_bytes()
         path.write_bytes(content)
-        said = line(lambda: identity.security(tmp_path / "keys", identity.WORLD))
-        assert "the certificate or key of the world is invalid" in said
-        path.write_bytes(whole)
+        message = line(lambda: identity.security(tmp_path / "keys", identity.WORLD))
+        assert "the certificate or key of the world is invalid" in message
+        path.write_bytes(valid)
     assert line(lambda: identity.security(tmp_path / "keys", identity.WORLD)) == ""
 
 

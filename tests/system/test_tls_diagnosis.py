@@ -80,9 +80,9 @@ def test_an_agent_without_certificates_ends_with_advice_on_keys(
             line = await said(world, "0", 1.0)
             assert line == f"fes-agent: error: cannot join the network at {world.endpoint}: {wanted}"
             for endpoint in (world.endpoint, world.endpoint.replace("tls/", "tcp/")):
-                [found], _ = await network.examine(Endpoints("client", (endpoint,), timeout=0.5), RUN, True)
-                assert "--keys" in found.seen
-                assert found.remedy.startswith("fes doctor -e tls/HOST:PORT --keys DIR")
+                [findings], _ = await network.examine(Endpoints("client", (endpoint,), timeout=0.5), RUN, True)
+                assert "--keys" in findings.seen
+                assert findings.remedy.startswith("fes doctor -e tls/HOST:PORT --keys DIR")
 
     asyncio.run(main())
 
@@ -97,8 +97,8 @@ def test_an_agent_with_certificates_of_another_authority_ends_with_advice_on_the
         async with stage(tmp_path, keyed) as world:
             own = team_keys.security(other, "observer")
             foreign = Endpoints("client", (world.endpoint,), timeout=0.5, security=own)
-            [found], _ = await network.examine(foreign, RUN, True)
-            assert "its certificate is not to be trusted" in found.seen
-            assert "of the world's authority" in found.remedy
+            [findings], _ = await network.examine(foreign, RUN, True)
+            assert "its certificate is not to be trusted" in findings.seen
+            assert "of the world's authority" in findings.remedy
 
     asyncio.run(main())

@@ -41,7 +41,7 @@ HOW: dict[str, tuple[Callable[[Path], object], str]] = {
 @pytest.mark.parametrize("chunks", [True, False], ids=["chunks follow", "at the end"])
 def test_a_log_changed_during_its_run_is_reported_at_the_end(tmp_path: Path, how: str, chunks: bool) -> None:
     scenario, path = load("pair.toml", run__duration=0.4), tmp_path / NAME
-    change, told = HOW[how]
+    change, expected = HOW[how]
     with contextlib.ExitStack() as stack:
         recorder = stack.enter_context(Recorder(path, scenario, "pair", "inprocess"))
         run, team = Run(scenario, recorder), Team(scenario)
@@ -52,7 +52,7 @@ def test_a_log_changed_during_its_run_is_reported_at_the_end(tmp_path: Path, how
             team.step(run)
             if run.state.tick == 15 and chunks:
                 recorder.pause()  # a chunk written at the old end would turn the cut into a hole
-        with pytest.raises(FesError, match=rf"^{path} {told} during the run: the log is incomplete$"):
+        with pytest.raises(FesError, match=rf"^{path} {expected} during the run: the log is incomplete$"):
             stack.close()
     assert run.metrics.link_errors.digest.text() == inprocess.run(scenario, "pair")["digest"]
 

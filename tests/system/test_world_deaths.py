@@ -43,9 +43,9 @@ def test_a_run_whose_world_is_killed_and_stopped_has_the_same_digest(run: Run) -
         assert all(agent.poll() is None for agent in run.agents.values())
         run.start("--resume", str(run.out))
     summary = run.finish()
-    whole = inprocess.run(load("neighborhood.toml", run__duration=40), "neighborhood")
-    assert {**summary, **dict.fromkeys(MACHINE)} == {**whole, **dict.fromkeys(MACHINE)}
-    assert replay_command.rerun(log.load(run.out / NAME), all_robots=True)["digest"] == whole["digest"]
+    undisturbed = inprocess.run(load("neighborhood.toml", run__duration=40), "neighborhood")
+    assert {**summary, **dict.fromkeys(MACHINE)} == {**undisturbed, **dict.fromkeys(MACHINE)}
+    assert replay_command.rerun(log.load(run.out / NAME), all_robots=True)["digest"] == undisturbed["digest"]
 
 
 def test_fes_run_kills_the_world_as_scheduled_and_the_digest_is_the_same(tmp_path: Path) -> None:
@@ -79,10 +79,10 @@ def test_a_resumed_world_remembers_changes_and_deaths_since_the_checkpoint(run: 
         run.join(robot)
     state = run.out / FOLDER / "state"
     until(state.exists)
-    told = subprocess.run(
+    done = subprocess.run(
         fes("set", "channel.reference_snr=2e6", "-e", run.endpoint), capture_output=True, text=True, check=False
     )
-    assert told.returncode == 0, told.stderr
+    assert done.returncode == 0, done.stderr
     run.come_to_rest(1)  # so that no beacon of robot 1 is in transit, which would be lost with it
     run.world.kill()
     run.world.communicate()
@@ -93,12 +93,12 @@ def test_a_resumed_world_remembers_changes_and_deaths_since_the_checkpoint(run: 
     summary = run.finish()
     assert summary["ticks"] == 2000
     assert "2000000.0" in (run.out / "scenario.toml").read_text()
-    found = log.load(run.out / NAME)
-    assert [change for tick in found.ticks() for change in tick.changes] == [("channel.reference_snr", 2e6)]
-    [gone, back] = [tick for tick in found.ticks() if tick.attended]
+    loaded = log.load(run.out / NAME)
+    assert [change for tick in loaded.ticks() for change in tick.changes] == [("channel.reference_snr", 2e6)]
+    [gone, back] = [tick for tick in loaded.ticks() if tick.attended]
     assert 1 not in gone.attended[-1]
     assert 1 in back.attended[-1]
-    assert replay_command.rerun(found, all_robots=True)["digest"] == summary["digest"]
+    assert replay_command.rerun(loaded, all_robots=True)["digest"] == summary["digest"]
 
 
 def test_a_resumed_world_repeats_joins_and_leaves_since_the_checkpoint(run: Run) -> None:
@@ -126,9 +126,9 @@ def test_a_resumed_world_repeats_joins_and_leaves_since_the_checkpoint(run: Run)
     run.world.communicate()
     run.start("--resume", str(run.out))
     summary = run.finish()
-    found = log.load(run.out / NAME)
-    assert replay_command.rerun(found, all_robots=True)["digest"] == summary["digest"]
-    assert len([tick for tick in found.ticks() if tick.attended]) == 2
+    loaded = log.load(run.out / NAME)
+    assert replay_command.rerun(loaded, all_robots=True)["digest"] == summary["digest"]
+    assert len([tick for tick in loaded.ticks() if tick.attended]) == 2
 
 
 def test_a_world_behind_its_robots_reports_it_and_they_end(run: Run, tmp_path: Path) -> None:

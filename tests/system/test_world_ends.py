@@ -34,8 +34,8 @@ def whole() -> str:
 def test_a_closed_terminal_does_not_end_a_run_permanently(pair: Run) -> None:
     until(lambda: pair.reached() > 20)
     pair.world.send_signal(signal.SIGHUP)
-    _, said = pair.world.communicate(timeout=PATIENCE)
-    assert "paused: fes-world --resume " in said
+    _, output = pair.world.communicate(timeout=PATIENCE)
+    assert "paused: fes-world --resume " in output
     assert pair.agents[0].poll() is None
     pair.start("--resume", str(pair.out), rtf="max")
     assert pair.finish()["digest"] == whole()
@@ -53,15 +53,15 @@ def test_ctrl_c_ends_a_run_permanently_except_while_a_resumed_world_waits_for_it
         log.append(pair.world.stderr.readline())
         assert log[-1], log
     pair.world.send_signal(signal.SIGINT)
-    _, said = pair.world.communicate(timeout=PATIENCE)
-    assert "paused: fes-world --resume " in said
+    _, output = pair.world.communicate(timeout=PATIENCE)
+    assert "paused: fes-world --resume " in output
     pair.endpoint = endpoint
     pair.start("--resume", str(pair.out))
     before = pair.reached()
     until(lambda: pair.reached() > before + 5)
     pair.world.send_signal(signal.SIGINT)
-    _, said = pair.world.communicate(timeout=PATIENCE)
-    assert "ended early" in said
+    _, output = pair.world.communicate(timeout=PATIENCE)
+    assert "ended early" in output
     assert not (pair.out / FOLDER).exists()
     assert [agent.wait(PATIENCE) for agent in pair.agents.values()] == [0, 0]
 
@@ -69,9 +69,9 @@ def test_ctrl_c_ends_a_run_permanently_except_while_a_resumed_world_waits_for_it
 def test_a_world_on_a_full_disk_leaves_its_robots_waiting_for_a_restart(pair: Run) -> None:
     until(lambda: pair.reached() > 20)
     resource.prlimit(pair.world.pid, resource.RLIMIT_FSIZE, (1, resource.RLIM_INFINITY))
-    _, said = pair.world.communicate(timeout=PATIENCE)
+    _, output = pair.world.communicate(timeout=PATIENCE)
     assert pair.world.returncode == 1
-    assert "paused: fes-world --resume " in said
+    assert "paused: fes-world --resume " in output
     assert all(agent.poll() is None for agent in pair.agents.values())
     pair.start("--resume", str(pair.out), rtf="max")
     assert pair.finish()["digest"] == whole()
@@ -87,8 +87,8 @@ def test_a_resumed_run_keeps_its_name(pair: Run) -> None:
         text=True,
         timeout=PATIENCE,
     )
-    said = "fes-world: error: --resume continues run 'main', not run 'other'\n"
-    assert (other.returncode, other.stderr) == (1, said)
+    message = "fes-world: error: --resume continues run 'main', not run 'other'\n"
+    assert (other.returncode, other.stderr) == (1, message)
     pair.start("--resume", str(pair.out), "--run", "main", rtf="max")
     assert pair.finish()["digest"] == whole()
 

@@ -31,10 +31,10 @@ def hear(
     """The contacts at `tick` after the beacons of the tick before, sent from `where`."""
     linked = links or no_edges(IDS)
     estimates = np.array([60.0 + k for k in range(len(linked))])
-    named = np.array([k % 2 == 0 for k in range(len(linked))], dtype=np.bool_)
-    said = Beacons(tick - 1, IDS, where, linked, estimates, named, np.zeros((len(IDS), 0)))
+    selected = np.array([k % 2 == 0 for k in range(len(linked))], dtype=np.bool_)
+    beacons = Beacons(tick - 1, IDS, where, linked, estimates, selected, np.zeros((len(IDS), 0)))
     sensed = Observations(tick, where + 1.0, near, np.array(codes, dtype=np.uint8))
-    return contacts.update(before, sensed, where, said, TIMEOUT)
+    return contacts.update(before, sensed, where, beacons, TIMEOUT)
 
 
 def test_separations_are_formed_from_two_poses_of_one_tick_and_equal_from_both_ends() -> None:
@@ -79,7 +79,7 @@ def test_a_peer_that_left_range_is_forgotten_and_the_others_are_not() -> None:
     assert back.known.tolist() == [True, False, True, False, False, False]
 
 
-def test_a_beacon_tells_its_estimate_and_choice_for_the_link_to_its_hearer_only() -> None:
+def test_a_beacon_tells_each_receiver_only_the_estimate_and_choice_for_the_link_to_it() -> None:
     links = layouts.edges(IDS, [(0, 1), (1, 0), (1, 2)])  # estimates 60, 61, 62; named: yes, no, yes
     known = hear(contacts.no_contacts(IDS), 1, WHERE, [DECODED] * 6, links=links)
     # pairs (0,1), (0,2), (1,0), (1,2), (2,0), (2,1) hear of links (1,0), -, (0,1), -, -, (1,2)
@@ -87,7 +87,7 @@ def test_a_beacon_tells_its_estimate_and_choice_for_the_link_to_its_hearer_only(
     assert known.selected_by_peer.tolist() == [False, False, True, False, False, True]
 
 
-def test_two_robots_in_one_place_drive_apart() -> None:
+def test_two_robots_at_the_same_point_drive_apart() -> None:
     config = AgentConfig(
         dt=0.02,
         seed=1,
@@ -101,10 +101,10 @@ def test_two_robots_in_one_place_drive_apart() -> None:
     where = layouts.poses([(7.0, 7.0), (7.0, 7.0)])
     sensed = Observations(3, where, near, np.full(2, DECODED, dtype=np.uint8))
     ids = np.arange(2)
-    said = Beacons(2, ids, where, no_edges(ids), np.zeros(0), np.zeros(0, dtype=np.bool_), np.zeros((len(ids), 0)))
+    beacons = Beacons(2, ids, where, no_edges(ids), np.zeros(0), np.zeros(0, dtype=np.bool_), np.zeros((len(ids), 0)))
     state = crew.start(team)
     state = dataclasses.replace(state, poses=where)
-    _, _, twists = crew.step(team, state, sensed, said)
+    _, _, twists = crew.step(team, state, sensed, beacons)
     # psi_ji = pi + psi_ij: the lower id sees the other along +x and backs off; 50 to 90 m, weight 1/2
     assert np.isfinite(twists).all()
     assert -45.0 <= twists[0, 0] <= -25.0

@@ -55,19 +55,19 @@ def _again(beacons: Any, tick: int) -> Any:
     ("name", "pooling"), [("paper.toml", "none"), ("measured.toml", "network"), ("measured.toml", "none")]
 )
 def test_a_robot_that_rejoins_acts_like_a_new_process(name: str, pooling: str) -> None:
-    what = load(name, event=GONE, seeking__pooling=pooling, **BRIEF)
-    assert inprocess.run(what, name)["digest"] == with_new_processes(what)
+    scenario = load(name, event=GONE, seeking__pooling=pooling, **BRIEF)
+    assert inprocess.run(scenario, name)["digest"] == with_new_processes(scenario)
 
 
 def test_a_dead_robot_stands_still_and_silent_and_its_contacts_reopen_when_it_rejoins() -> None:
     gone = [{"at": 4.0, "kill": [4]}, {"at": 8.0, "restart": [4]}]
-    what = load("neighborhood.toml", run__duration=9.5, event=gone)
+    scenario = load("neighborhood.toml", run__duration=9.5, event=gone)
     poses, codes = [], []
-    for tick in inprocess.ticks(what):
+    for tick in inprocess.ticks(scenario):
         radio = tick.state.radio
         poses.append(tick.state.poses[4])
-        at = radio.edges.find(radio.edges.key(np.array([2, 4]), np.array([4, 2])))
-        codes.append(radio.reception[at].tolist() if (at >= 0).all() else None)
+        positions = radio.edges.find(radio.edges.key(np.array([2, 4]), np.array([4, 2])))
+        codes.append(radio.reception[positions].tolist() if (positions >= 0).all() else None)
         if 200 <= tick.state.tick < 400:
             assert tick.twists[4].tolist() == [0.0, 0.0]
             assert 4 not in tick.telemetry.links.rows
@@ -82,15 +82,17 @@ def test_a_dead_robot_stands_still_and_silent_and_its_contacts_reopen_when_it_re
 
 
 def test_links_of_a_dead_robot_expire_and_it_resumes_from_its_peers_estimates() -> None:
-    what = load("neighborhood.toml", run__duration=12, event=[{"at": 6.0, "kill": [4]}, {"at": 9.0, "restart": [4]}])
+    scenario = load(
+        "neighborhood.toml", run__duration=12, event=[{"at": 6.0, "kill": [4]}, {"at": 9.0, "restart": [4]}]
+    )
     linked, first = [], None
-    for tick in inprocess.ticks(what):
+    for tick in inprocess.ticks(scenario):
         links = tick.telemetry.links
         linked.append(4 in links.peers)
         mine = tick.telemetry.estimates[links.rows == 4]
         if tick.state.tick >= 450 and len(mine) and first is None:
             first = mine.tolist()
-    timeout = round(what.formation.contact_timeout / what.run.dt)
+    timeout = round(scenario.formation.contact_timeout / scenario.run.dt)
     assert all(linked[250 : 300 + timeout - 5])
     assert not any(linked[300 + timeout + 2 : 450])
     assert any(linked[455:])

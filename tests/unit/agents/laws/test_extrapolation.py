@@ -14,29 +14,29 @@ from tests.support.scalar_law import DT, equation_18, seeker
 
 def fallen(ticks: int, late: bool, corrected: bool) -> float:
     """Fall [m] of two estimates in agreement from 75 m, each hearing the other (one tick late)."""
-    one = seeker()
-    state = perturbation.begin(one, 0, np.array([75.0, 75.0]))
+    seeking = seeker()
+    state = perturbation.begin(seeking, 0, np.array([75.0, 75.0]))
     before = state
     for tick in range(ticks):
         heard: Floats = (before if late else state)[ESTIMATE, ::-1]
         if corrected:
-            heard = perturbation.extrapolate(one, state, heard, np.full(2, DT if late else 0.0))
-        before, state = state, perturbation.advance(one, tick, state, heard)
+            heard = perturbation.extrapolate(seeking, state, heard, np.full(2, DT if late else 0.0))
+        before, state = state, perturbation.advance(seeking, tick, state, heard)
     return float(75.0 - state[ESTIMATE, 0])
 
 
 def test_a_peers_estimate_is_extrapolated_by_ones_own_drift_for_up_to_a_tenth_of_a_second() -> None:
     state = np.array([[60.0] * 4, [2.0, -3.0, 2.0, 5.0], [0.0] * 4])
     heard = np.array([61.0, 61.0, 61.0, math.nan])
-    found = perturbation.extrapolate(seeker(), state, heard, np.array([0.02, 0.02, 7.0, 0.02]))
+    result = perturbation.extrapolate(seeker(), state, heard, np.array([0.02, 0.02, 7.0, 0.02]))
     # xi times age: 2 * 0.02, -3 * 0.02, 2 * 0.1; what was never heard stays unknown
-    assert found == pytest.approx([61.04, 60.94, 61.2, math.nan], rel=1e-15, nan_ok=True)
+    assert result == pytest.approx([61.04, 60.94, 61.2, math.nan], rel=1e-15, nan_ok=True)
 
 
 def test_the_printed_law_uses_a_peers_last_estimate_unchanged() -> None:
     heard = np.array([61.0, math.nan])
-    found = perturbation.extrapolate(seeker("paper"), np.full((3, 2), 5.0), heard, np.full(2, 0.02))
-    assert found == pytest.approx(heard, abs=0.0, nan_ok=True)
+    result = perturbation.extrapolate(seeker("paper"), np.full((3, 2), 5.0), heard, np.full(2, 0.02))
+    assert result == pytest.approx(heard, abs=0.0, nan_ok=True)
 
 
 def test_with_extrapolation_two_agreeing_robots_climb_as_fast_as_one_despite_delay() -> None:

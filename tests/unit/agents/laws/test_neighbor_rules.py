@@ -82,7 +82,7 @@ def test_of_three_equally_near_peers_the_two_lowest_ids_are_the_two_nearest() ->
     assert found("two_nearest", where, robots=[0]) == {(0, 1), (0, 2)}
 
 
-def test_the_papers_fifth_robot_names_the_first_two_of_its_four_equal_neighbors() -> None:
+def test_the_papers_fifth_robot_selects_the_first_two_of_its_four_equally_near_neighbors() -> None:
     where = layouts.poses([(0, 0), (25, 25), (50, 0), (25, -25), (25, 0)])
     assert found("two_nearest", where, robots=[4]) == {(4, 0), (4, 1)}
 

@@ -32,27 +32,27 @@ def test_misses_are_learnt_from_the_gap_at_separations_in_between() -> None:
     """A peer moves away by 1 m a tick; of ticks 0 to 4 only the beacons of 0 and 4 decode."""
     near = layouts.edges([0], [(0, 1)])
     now, ids = contacts.no_contacts(near.ids), np.array([1])
-    found = []
+    result = []
     for tick in range(1, 6):
-        said = layouts.silent_beacons(tick - 1, ids, layouts.poses([(60.0 + tick - 1, 0.0)]))
+        beacons = layouts.silent_beacons(tick - 1, ids, layouts.poses([(60.0 + tick - 1, 0.0)]))
         before, code = now, 2 if tick in (1, 5) else 1
         sensed = Observations(tick, layouts.poses([(0.0, 0.0)]), near, np.array([code], dtype=np.uint8))
-        now = contacts.update(before, sensed, layouts.poses([(0.0, 0.0)]), said, 50)
+        now = contacts.update(before, sensed, layouts.poses([(0.0, 0.0)]), beacons, 50)
         at, separation, decoded = beacon_counting.slots(before, now, tick, np.ones(1, dtype=np.bool_))
-        found.append((at.tolist(), separation.tolist(), decoded.tolist()))
-    assert found[0] == ([], [], [])  # the number missed before the first is unknown
-    assert found[1:4] == [([], [], [])] * 3
-    assert found[4] == ([0] * 4, [64.0, 61.0, 62.0, 63.0], [True, False, False, False])
+        result.append((at.tolist(), separation.tolist(), decoded.tolist()))
+    assert result[0] == ([], [], [])  # the number missed before the first is unknown
+    assert result[1:4] == [([], [], [])] * 3
+    assert result[4] == ([0] * 4, [64.0, 61.0, 62.0, 63.0], [True, False, False, False])
 
 
-def test_of_a_long_silence_the_latest_slots_are_counted() -> None:
+def test_only_the_latest_slots_of_a_long_silence_are_counted() -> None:
     """A peer moves from 60 to 160 m in a million ticks in which no beacon decodes."""
     near, ids, silent = layouts.edges([0], [(0, 1)]), np.array([1]), 10**6
     before = now = contacts.no_contacts(near.ids)
     for tick, place in ((1, 60.0), (silent, 160.0)):
-        said = layouts.silent_beacons(tick - 1, ids, layouts.poses([(place, 0.0)]))
+        beacons = layouts.silent_beacons(tick - 1, ids, layouts.poses([(place, 0.0)]))
         sensed = Observations(tick, layouts.poses([(0.0, 0.0)]), near, np.array([2], dtype=np.uint8))
-        before, now = now, contacts.update(now, sensed, layouts.poses([(0.0, 0.0)]), said, 50)
+        before, now = now, contacts.update(now, sensed, layouts.poses([(0.0, 0.0)]), beacons, 50)
     _, separation, decoded = beacon_counting.slots(before, now, silent, np.ones(1, dtype=np.bool_))
     assert len(separation) == 1 + beacon_counting.MOST_MISSED
     assert decoded.tolist() == [True] + [False] * beacon_counting.MOST_MISSED
@@ -70,7 +70,7 @@ def test_mixing_keeps_what_all_agree_on_and_ages_it() -> None:
     np.testing.assert_allclose(after.statistics, metrics * faded, rtol=1e-14)  # roundings
 
 
-def test_each_robot_mixes_in_a_tenth_of_what_each_heard_robot_has_more_than_itself() -> None:
+def test_each_robot_mixes_in_a_tenth_of_the_difference_to_each_heard_robot() -> None:
     star = Edges(np.arange(2), np.array([0, 0, 1]), np.array([1, 2, 0]))
     before = ReceptionFit(POOLED, np.array([[1.0] * STATISTICS, [5.0] * STATISTICS]), np.zeros(2), np.ones(2))
     theirs = np.array([[5.0] * STATISTICS, [9.0] * STATISTICS, [1.0] * STATISTICS])
@@ -80,14 +80,14 @@ def test_each_robot_mixes_in_a_tenth_of_what_each_heard_robot_has_more_than_itse
         after.statistics, [[1.4] * STATISTICS, [4.6] * STATISTICS], rtol=1e-14
     )  # 1 + 0.1 (5 - 1), 5 + 0.1 (1 - 5)
     crowd = Edges(np.arange(1), np.zeros(19, dtype=np.int64), np.arange(1, 20))
-    told = packet_counting.mix(
+    mixed = packet_counting.mix(
         ReceptionFit(POOLED, np.zeros((1, STATISTICS)), np.zeros(1), np.ones(1)),
         crowd,
         np.ones(19, dtype=np.bool_),
         np.full((19, STATISTICS), 20.0),
     )
     np.testing.assert_allclose(
-        told.statistics, [[19.0] * STATISTICS], rtol=1e-14
+        mixed.statistics, [[19.0] * STATISTICS], rtol=1e-14
     )  # 19 of 20 parts: no robot gives more than all that it has
 
 
@@ -100,7 +100,7 @@ def test_bounds_of_estimates_grow_with_the_objective() -> None:
     assert packet_counting.bounded(estimates, wide).tolist() == [40.0, 80.0, 290.0]
 
 
-def test_robots_on_one_point_learn_nothing_strange() -> None:
+def test_robots_at_the_same_point_learn_finite_values() -> None:
     known = packet_counting.learn(
         packet_counting.no_counts(POOLED, 1), np.array([0]), np.array([0.0]), np.array([True]), 75.0
     )
@@ -108,12 +108,16 @@ def test_robots_on_one_point_learn_nothing_strange() -> None:
     assert np.isfinite(known.exponent).all()
 
 
-def test_the_curvature_of_the_wish_is_the_derivative_of_its_slope() -> None:
+def test_the_curvature_of_the_preference_is_the_derivative_of_its_slope() -> None:
     r, h = np.linspace(20.0, 145.0, 60), 1e-4
-    for wish in (ObjectiveConfig(), ObjectiveConfig(minimum_separation=100.0, shape_exponent=3.0)):
-        rise = objective.log_preference_slope(r + h, wish) - objective.log_preference_slope(r - h, wish)
+    for team_objective in (ObjectiveConfig(), ObjectiveConfig(minimum_separation=100.0, shape_exponent=3.0)):
+        rise = objective.log_preference_slope(r + h, team_objective) - objective.log_preference_slope(
+            r - h, team_objective
+        )
         # central differences: h^2 times the third derivative, and 1e-16/h of rounding
-        np.testing.assert_allclose(objective.log_preference_curvature(r, wish), rise / (2.0 * h), atol=1e-10)
+        np.testing.assert_allclose(
+            objective.log_preference_curvature(r, team_objective), rise / (2.0 * h), atol=1e-10
+        )
 
 
 def test_links_without_pooling_learn_their_own_slope_and_keep_it_while_others_open_and_close() -> None:
@@ -134,16 +138,16 @@ def test_links_without_pooling_learn_their_own_slope_and_keep_it_while_others_op
     assert packet_counting.carry(known, before, before) is known
 
 
-def test_a_sample_of_the_index_is_what_the_team_prefers_if_the_beacon_decoded_and_nothing_if_not() -> None:
-    near, wish = layouts.edges([0], [(0, 1), (0, 2)]), ObjectiveConfig()
-    said = layouts.silent_beacons(4, np.array([1, 2]), layouts.poses([(60.0, 0.0), (0.0, 70.0)]))
+def test_a_sample_of_the_index_is_the_preference_if_the_beacon_decoded_and_zero_otherwise() -> None:
+    near, team_objective = layouts.edges([0], [(0, 1), (0, 2)]), ObjectiveConfig()
+    beacons = layouts.silent_beacons(4, np.array([1, 2]), layouts.poses([(60.0, 0.0), (0.0, 70.0)]))
     sensed = Observations(5, layouts.poses([(0.0, 0.0)]), near, np.array([2, 1], dtype=np.uint8))
-    known = contacts.update(contacts.no_contacts(near.ids), sensed, layouts.poses([(0.0, 0.0)]), said, 50)
-    sample = beacon_counting.sample(known, 5, np.arange(2), wish)
-    assert sample.tolist() == [objective.preference(np.array([60.0]), wish)[0], 0.0]
+    known = contacts.update(contacts.no_contacts(near.ids), sensed, layouts.poses([(0.0, 0.0)]), beacons, 50)
+    sample = beacon_counting.sample(known, 5, np.arange(2), team_objective)
+    assert sample.tolist() == [objective.preference(np.array([60.0]), team_objective)[0], 0.0]
 
 
-def test_the_dithers_of_links_that_learn_alone_are_staggered_alike_at_both_ends() -> None:
+def test_the_dithers_of_links_that_learn_alone_are_staggered_equally_at_both_ends() -> None:
     seeker = Seeker(SeekingConfig(index="measured", dither_frequency=0.5), np.zeros_like, 0.02)
     pairs = [(i, j) for i in range(30) for j in range(30) if i != j]
     links = layouts.edges(range(30), pairs)

@@ -40,14 +40,14 @@ def state_of(*estimates: float) -> Floats:
     return state
 
 
-def test_a_link_that_stands_keeps_its_state() -> None:
+def test_a_lasting_link_keeps_its_state() -> None:
     old = edges([0, 1], [(0, 2), (0, 3), (1, 2)])
     state = state_of(60.0, 70.0, 80.0)
     new = edges([0, 1], [(0, 3), (1, 2)])
     assert relinked(old, state, new, entry(5, False, False)).tolist() == state[:, 1:].tolist()
 
 
-def test_a_new_link_begins_at_its_robots_own_mean() -> None:
+def test_a_new_link_begins_at_the_mean_estimate_of_its_robot() -> None:
     old = edges([0, 1], [(0, 2), (0, 3), (1, 2)])
     new = edges([0, 1], [(0, 2), (0, 4), (1, 2), (1, 5)])
     state = relinked(old, state_of(60.0, 70.0, 80.0), new, entry(5, False, False))
@@ -67,7 +67,7 @@ def test_the_first_links_of_a_robot_are_drawn_from_the_interval() -> None:
     assert estimates.mean() == pytest.approx(70.0, abs=4 * 0.58)
 
 
-def test_a_fresh_robots_further_links_are_drawn_too() -> None:
+def test_further_links_of_a_new_robot_are_drawn_too() -> None:
     old, new = edges([0, 1], [(0, 2), (1, 2)]), edges([0, 1], [(0, 2), (0, 3), (1, 2), (1, 3)])
     estimates = relinked(old, state_of(60.0, 80.0), new, entry(2, True, False))[ESTIMATE]
     from_nothing = relinked(edges([0, 1], []), NO_STATE, new, entry(2, False, False))[ESTIMATE]

@@ -27,23 +27,23 @@ def heard(*rounds: tuple[int, list[bytes | None]]) -> tuple[list[list[tuple[int,
     box = SimpleNamespace(take=lambda: (key, waiting.pop(0)) if waiting else None)
     radio = BeaconSubscriptions(SimpleNamespace(mailbox=lambda key: box), "test", "0", drops)  # type: ignore[arg-type]
     radio.update({5})
-    found = []
+    result = []
     for tick, came in rounds:
         waiting += came
-        found.append([(one.tick, one.pose[0]) for one in radio.heard(tick)])
-    return found, drops
+        result.append([(one.tick, one.pose[0]) for one in radio.heard(tick)])
+    return result, drops
 
 
 def test_an_early_beacon_is_kept_for_its_tick_and_a_second_one_does_not_replace_it() -> None:
-    found, drops = heard((0, [beacon(1, 1.0), beacon(1, 2.0), beacon(0, 3.0)]), (1, [beacon(1, 4.0)]), (2, []))
-    assert found == [[(0, 3.0)], [(1, 1.0)], []]
+    result, drops = heard((0, [beacon(1, 1.0), beacon(1, 2.0), beacon(0, 3.0)]), (1, [beacon(1, 4.0)]), (2, []))
+    assert result == [[(0, 3.0)], [(1, 1.0)], []]
     assert not drops.counts
 
 
 def test_old_beacons_are_dropped_and_junk_or_future_ones_are_counted() -> None:
     junk = [b"\xc1", None, beacon(3, robot=6), beacon(9), beacon(2)]
-    found, drops = heard((3, [*junk, beacon(3, 1.0), beacon(3, 2.0)]), (4, [beacon(4)]))
-    assert found == [[(3, 1.0)], [(4, 0.0)]]
+    result, drops = heard((3, [*junk, beacon(3, 1.0), beacon(3, 2.0)]), (4, [beacon(4)]))
+    assert result == [[(3, 1.0)], [(4, 0.0)]]
     assert drops.counts == {
         "Beacon: is not msgpack (FormatError)": 1,
         "Beacon: a deletion is not a beacon": 1,

@@ -32,11 +32,11 @@ def say(crew: set[int], pairs: Pairs, seed: int, tick: int = 7) -> tuple[Beacons
     """The beacons of a crew with these links, and its twists."""
     rng = np.random.default_rng(seed)
     links = layouts.edges(crew, {pair for pair in pairs if pair[0] in crew})
-    named = rng.random(len(links)) < 0.5
-    said = Beacons(
-        tick, links.ids, wild(rng, len(crew), 3), links, wild(rng, len(links)), named, wild(rng, len(crew), 5)
+    selected = rng.random(len(links)) < 0.5
+    beacons = Beacons(
+        tick, links.ids, wild(rng, len(crew), 3), links, wild(rng, len(links)), selected, wild(rng, len(crew), 5)
     )
-    return said, wild(rng, len(crew), 2, most=MAX_TWIST)
+    return beacons, wild(rng, len(crew), 2, most=MAX_TWIST)
 
 
 def told(said: Beacons, learnt: Floats) -> Telemetry:
@@ -59,25 +59,25 @@ def bits(array: Floats | Ints | Bytes) -> tuple[str, tuple[int, ...], bytes]:
 def test_beacons_split_into_payloads_and_stacked_again_are_the_same_bits(
     crew: set[int], pairs: Pairs, seed: int
 ) -> None:
-    said, twists = say(crew, pairs, seed)
-    again = MessageAssembler(said.ids).beacons(7, sent(said, twists))
-    assert again.tick == said.tick
+    beacons, twists = say(crew, pairs, seed)
+    again = MessageAssembler(beacons.ids).beacons(7, sent(beacons, twists))
+    assert again.tick == beacons.tick
     for name in ("ids", "poses", "estimates", "selected", "statistics"):
-        assert bits(getattr(again, name)) == bits(getattr(said, name)), name
+        assert bits(getattr(again, name)) == bits(getattr(beacons, name)), name
     for name in ("ids", "rows", "peers"):
-        assert bits(getattr(again.links, name)) == bits(getattr(said.links, name)), name
+        assert bits(getattr(again.links, name)) == bits(getattr(beacons.links, name)), name
 
 
 @given(crew=crews, pairs=pair_sets, seed=seeds)
 def test_each_command_holds_its_own_robots_twist_and_telemetry(crew: set[int], pairs: Pairs, seed: int) -> None:
-    said, twists = say(crew, pairs, seed)
-    estimates = dict(zip(sorted(layouts.pairs_of(said.links)), said.estimates.tolist(), strict=True))
-    learnt = np.stack([said.estimates, -said.estimates])
-    for at, (robot, _, payload) in enumerate(encode_tick(said, twists, told(said, learnt))):
+    beacons, twists = say(crew, pairs, seed)
+    estimates = dict(zip(sorted(layouts.pairs_of(beacons.links)), beacons.estimates.tolist(), strict=True))
+    learnt = np.stack([beacons.estimates, -beacons.estimates])
+    for index, (robot, _, payload) in enumerate(encode_tick(beacons, twists, told(beacons, learnt))):
         command = messages.decode_command(payload)
-        assert (command.robot, command.tick, robot) == (sorted(crew)[at], 7, sorted(crew)[at])
+        assert (command.robot, command.tick, robot) == (sorted(crew)[index], 7, sorted(crew)[index])
         assert bits(command.learnt) == bits(np.concatenate([command.estimates, -command.estimates]))
-        assert np.array(command.twist).tobytes() == twists[at].tobytes()
+        assert np.array(command.twist).tobytes() == twists[index].tobytes()
         peers = sorted(peer for own, peer in pairs if own == robot)
         assert command.links.tolist() == peers
         assert command.estimates.tolist() == [estimates[robot, peer] for peer in peers]
@@ -101,13 +101,13 @@ def test_the_edges_are_the_same_object_while_no_link_changes() -> None:
 def test_a_sender_that_falls_silent_makes_new_edges_without_it() -> None:
     crew, pairs = {0, 3, 90}, {(0, 3), (3, 0), (90, 3)}
     stack, heard = MessageAssembler(np.array([0, 3, 90])), sent(*say(crew, pairs, seed=1))
-    whole, part = stack.beacons(7, heard), stack.beacons(7, heard[:2])
-    assert part.links is not whole.links
+    complete, part = stack.beacons(7, heard), stack.beacons(7, heard[:2])
+    assert part.links is not complete.links
     assert part.ids.tolist() == [0, 3]
     assert layouts.pairs_of(part.links) == {(0, 3), (3, 0)}
 
 
-def test_no_beacon_at_all_is_silence() -> None:
+def test_a_tick_without_beacons_is_silence() -> None:
     nothing = MessageAssembler(np.array([5])).beacons(7, [])
     assert (len(nothing.ids), len(nothing.links), nothing.poses.shape) == (0, 0, (0, 3))
 
@@ -118,9 +118,11 @@ def test_observations_are_decoded_in_id_order_and_keep_their_edges_while_no_peer
     def sense(tick: int, near: list[int]) -> list[Observation]:
         codes = np.full(len(near), 2, dtype=np.uint8)
         first = Observation(tick, 3, (1.0, -0.0, math.pi), np.array(near), codes, over=False, since=0)
-        other = first._replace(robot=8, pose=(5.0, 6.0, 7.0), in_range=near_ids(3))
-        other = other._replace(reception=np.array([1], dtype=np.uint8))
-        return [messages.decode_observation(messages.encode_observation(one)) for one in (first, other)]
+        second = first._replace(robot=8, pose=(5.0, 6.0, 7.0), in_range=near_ids(3))
+        second = second._replace(reception=np.array([1], dtype=np.uint8))
+        return [
+            messages.decode_observation(messages.encode_observation(observation)) for observation in (first, second)
+        ]
 
     first, again, changed = (stack.observations(sense(tick, near)) for tick, near in CASES)
     assert (first.tick, again.tick) == (4, 5)

@@ -11,7 +11,7 @@ from console.backends.managed_process import ManagedProcess
 from tests.support.process_groups import FAILURE, child, family
 
 
-def test_a_signal_that_meets_an_interpreter_that_only_just_starts_waits_for_its_handler(tmp_path: Path) -> None:
+def test_a_signal_to_an_interpreter_that_is_starting_waits_for_its_handler(tmp_path: Path) -> None:
     """Before it is set, Python would die of the signal, or print a traceback of its own start."""
 
     async def main() -> ManagedProcess:
@@ -29,21 +29,21 @@ def test_a_signal_that_meets_an_interpreter_that_only_just_starts_waits_for_its_
 @pytest.mark.parametrize("log", ["missing", "a folder", "within a file", "unreadable"])
 def test_the_verdict_on_a_child_names_it_even_without_its_log(tmp_path: Path, log: str) -> None:
     async def main() -> tuple[str, bool]:
-        one = await child(tmp_path, "fes-world", FAILURE, "fes-world: error: no room\n")
-        await one.process.wait()
+        process = await child(tmp_path, "fes-world", FAILURE, "fes-world: error: no room\n")
+        await process.process.wait()
         if log in ("missing", "a folder"):
-            one.log.unlink()
+            process.log.unlink()
         if log == "a folder":
-            one.log.mkdir()
+            process.log.mkdir()
         if log == "within a file":
-            one = ManagedProcess(one.name, one.process, one.log / "world.log")
+            process = ManagedProcess(process.name, process.process, process.log / "world.log")
         if log == "unreadable":
-            one.log.chmod(0o000)
-        return one.verdict(), one.was_dismissed
+            process.log.chmod(0o000)
+        return process.verdict(), process.was_dismissed
 
-    said, dismissed = asyncio.run(main())
+    verdicts, dismissed = asyncio.run(main())
     if log == "unreadable" and os.geteuid() == 0:  # root reads it
-        assert said == "fes-world: no room"
+        assert verdicts == "fes-world: no room"
         return
-    assert said.startswith("fes-world ended with exit code 1 (its log cannot be read: ")
+    assert verdicts.startswith("fes-world ended with exit code 1 (its log cannot be read: ")
     assert dismissed

@@ -39,12 +39,12 @@ class World:
 
     async def act(self, *acts: tuple[float, bool | bytes]) -> None:
         """At each time [s] a token that comes or goes, or a payload."""
-        for at, what in acts:
-            await asyncio.sleep(at - asyncio.get_running_loop().time())
-            if isinstance(what, bool):
-                self._seen(self._alive, what)
+        for time, event in acts:
+            await asyncio.sleep(time - asyncio.get_running_loop().time())
+            if isinstance(event, bool):
+                self._seen(self._alive, event)
             else:
-                self._heard(self._report, what)
+                self._heard(self._report, event)
 
 
 def seen(timeout: float, *acts: tuple[float, bool | bytes], busy: float = 0.0) -> tuple[list[int], Any, float]:
@@ -65,12 +65,12 @@ def seen(timeout: float, *acts: tuple[float, bool | bytes], busy: float = 0.0) -
             await acting
         return ticks, None, loop.time()
 
-    found: tuple[list[int], Any, float] = jumps.run(story())
-    return found
+    result: tuple[list[int], Any, float] = jumps.run(story())
+    return result
 
 
 @pytest.mark.parametrize(("timeout", "waits"), [(5.0, 15.0), (15.0, 15.0), (30.0, 30.0), (60.0, 60.0)])
-def test_a_world_that_left_is_waited_for_as_long_as_one_that_is_to_come(timeout: float, waits: float) -> None:
+def test_an_observer_waits_as_long_for_a_world_that_left_as_for_a_future_one(timeout: float, waits: float) -> None:
     ticks, error, when = seen(timeout, (1.0, True), (2.0, report(7)), (3.0, False))
     assert ticks == [7]
     assert str(error) == "the world of run 'test' left after tick 7"
@@ -90,27 +90,27 @@ def test_a_world_is_not_missed_while_the_reader_is_busy() -> None:
     assert (ticks, error) == ([7, TICKS - 1], None)
 
 
-def test_a_world_that_does_not_follow_is_missed_from_when_the_reader_is_back() -> None:
+def test_the_wait_for_a_world_that_does_not_return_begins_when_the_busy_reader_continues() -> None:
     _, error, when = seen(5.0, (1.0, True), (2.0, report(7)), (3.0, False), busy=20.0)
     assert isinstance(error, Unavailable)
     assert observer.RETURN < when - 22.0 <= observer.RETURN + 2 * IDLE
 
 
 def test_an_observer_that_receives_only_another_version_reports_it() -> None:
-    strange = [(1.0 + 0.1 * at, of_another_version(at)) for at in range(50)]
+    strange = [(1.0 + 0.1 * index, of_another_version(index)) for index in range(50)]
     ticks, error, when = seen(30.0, (0.5, True), *strange)
     assert (ticks, str(error)) == ([], "Report: speaks protocol 2, got version: 1")
     assert when <= 1.0 + observer.FOREIGN_PERIOD + IDLE  # as soon as the world has said enough, for long enough
 
 
 def test_a_flood_of_another_version_before_the_first_report_hides_no_report() -> None:
-    strange = [(1.0 + 0.001 * at, of_another_version(at)) for at in range(500)]
+    strange = [(1.0 + 0.001 * index, of_another_version(index)) for index in range(500)]
     ticks, error, _ = seen(5.0, (0.5, True), *strange, (2.0, report(7)), (6.0, report(TICKS - 1)), (7.0, False))
     assert (ticks, error) == ([7, TICKS - 1], None)
 
 
 def test_junk_of_another_version_between_reports_hides_no_report() -> None:
-    strange = [(3.0 + 0.1 * at, of_another_version(at)) for at in range(20)]
+    strange = [(3.0 + 0.1 * index, of_another_version(index)) for index in range(20)]
     ticks, error, _ = seen(5.0, (1.0, True), (2.0, report(7)), *strange, (6.0, report(TICKS - 1)), (7.0, False))
     assert (ticks, error) == ([7, TICKS - 1], None)
 
@@ -123,7 +123,7 @@ def test_junk_of_another_version_between_reports_hides_no_report() -> None:
     ],
     ids=["lost from sight", "over"],
 )
-def test_a_robot_that_is_to_wake_is_not_killed_when_the_world_is_lost_from_sight(
+def test_a_robot_that_is_due_to_wake_is_not_killed_when_contact_with_the_world_is_lost(
     monkeypatch: pytest.MonkeyPatch, lost: bool, did: list[str]
 ) -> None:
     scenario = load("paper.toml", event=[{"at": 2.0, "hang": [2, 3]}, {"at": 30.0, "wake": [2]}])

@@ -31,17 +31,17 @@ def test_a_frame_has_exactly_the_requested_size(robots: int | None, width: int, 
 
 @pytest.mark.parametrize(("width", "height"), SIZES + TINY)
 @pytest.mark.parametrize("robots", [2, 10, 200])
-def test_a_frame_of_a_measured_run_has_exactly_the_size_asked_for(robots: int, width: int, height: int) -> None:
+def test_a_frame_of_a_measured_run_has_exactly_the_requested_size(robots: int, width: int, height: int) -> None:
     history = a_history(replace(measured(a_swarm(robots), -2.0, 3.0), changed_at=0.1))
     lines = frame(history, width, height)
     assert [cell_len(line) for line in lines] == [width] * height
 
 
-def test_before_the_first_report_it_waits() -> None:
+def test_a_frame_before_the_first_report_shows_that_it_waits() -> None:
     assert "waiting for the world" in "".join(frame(ReportHistory(), 80, 24))
 
 
-def test_numbers_that_do_not_exist_are_drawn_as_such() -> None:
+def test_missing_numbers_are_drawn_as_missing() -> None:
     nothing = np.full(1, math.nan)
     poses = np.array([[0.0, 0.0, math.nan], [math.nan, 1.0, 0.0], [math.inf, 0.0, 0.0], [5.0, 5.0, 0.0]])
     report = a_report([(0.0, 0.0)] * 4, [(0, 1)], poses=poses, separation=nothing, outage=nothing)
@@ -54,7 +54,7 @@ def test_numbers_that_do_not_exist_are_drawn_as_such() -> None:
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 0.0, 5e-324, -1e308, 1e308])
 @pytest.mark.parametrize("spared", ["learnt_level", "learnt_reception", "separation", "nothing"])
-def test_a_report_of_nothing_but_extreme_numbers_is_drawn(value: float, spared: str) -> None:
+def test_a_report_of_only_extreme_numbers_is_drawn(value: float, spared: str) -> None:
     start = measured(a_report([(0.0, 0.0), (60.0, 0.0), (60.0, 50.0)], [(0, 1), (1, 2)]), -2.0, 3.0)
     extreme: dict[str, Any] = {}
     for field in fields(Report):
@@ -124,7 +124,7 @@ def test_a_history_stays_small_and_forgets_no_peak() -> None:
     assert history.series(7)[0].tolist() == [0.5, 9.0, 0.5, 0.5, 0.5, 0.5, 0.5]
 
 
-def test_reports_far_apart_leave_no_holes() -> None:
+def test_reports_far_apart_leave_no_gaps() -> None:
     start = a_report([(0.0, 0.0)])
     history = a_history(*(replace(start, tick=tick) for tick in (1_000_000, 1_000_900, 1_500_000)))
     assert history.series(50)[0].tolist() == [2.5] * 50

@@ -37,7 +37,7 @@ def test_a_square_is_drawn_square_within_a_dot(width: int, height: int) -> None:
     assert abs(across - up) <= 1
 
 
-def test_the_scale_tells_the_metres_between_two_robots() -> None:
+def test_the_scale_shows_the_meters_between_two_robots() -> None:
     poses = np.array([[0.0, 0.0, 0.0], [140.0, 0.0, math.pi]])
     report = a_report(poses[:, :2], poses=poses)
     (left, _), (right, _) = (find(team_map(report), arrow) for arrow in "→←")
@@ -52,7 +52,7 @@ def test_every_robot_of_the_paper_is_named_on_the_map(played: list[Report]) -> N
         assert sorted(map(int, names)) == list(range(10))
 
 
-def test_links_of_more_outage_have_fewer_dots() -> None:
+def test_links_with_more_outage_have_fewer_dots() -> None:
     good, fair, poor, unknown = (
         len(dots(team_map(a_report([(0.0, 0.0), (90.0, 0.0)], [(0, 1)], outage=np.array([lost])))))
         for lost in (0.1, 0.2, 0.5, math.nan)
@@ -62,12 +62,12 @@ def test_links_of_more_outage_have_fewer_dots() -> None:
     assert unknown == poor
 
 
-def test_a_link_to_a_robot_that_is_not_there_is_omitted_from_map_and_graph() -> None:
+def test_a_link_to_a_missing_robot_is_omitted_from_map_and_graph() -> None:
     report = replace(a_report([(0.0, 0.0), (9.0, 0.0)], [(0, 1)]), b=np.array([7]))
     assert "2 components (1, 1)" in "".join(frame(a_history(report)))
 
 
-def test_a_dead_robot_is_shown_dead() -> None:
+def test_a_dead_robot_is_shown_as_dead() -> None:
     report = replace(a_swarm(10), alive=np.array([1, 1, 1, 0, 1, 1, 1, 1, 1, 1], dtype=np.uint8))
     history = a_history(report)
     text = "\n".join(frame(history))

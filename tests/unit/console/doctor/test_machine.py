@@ -13,18 +13,20 @@ EXTRAS = [(1, "plot"), (2, "security"), (3, "security"), (4, "dev"), (1, "dev")]
 
 def test_a_missing_and_an_old_package_fail_and_a_missing_extra_does_not() -> None:
     required = ["numpy>=1.0", "no-such-package>=1", "rich>=1000.1", 'no-such-plot>=3; extra == "plot"']
-    found, extras = machine.packages(required)
-    assert found.status == Status.FAILED
-    assert "no-such-package is missing" in found.seen
-    assert "is older than 1000.1" in found.seen
-    assert "numpy" not in found.seen
+    result, extras = machine.packages(required)
+    assert result.status == Status.FAILED
+    assert "no-such-package is missing" in result.seen
+    assert "is older than 1000.1" in result.seen
+    assert "numpy" not in result.seen
     assert (extras.status, extras.seen) == (Status.OK, "plot: not installed")
 
 
 def test_the_extras_are_one_line_without_developers_tools() -> None:
     wanted = ["numpy>=1.0", *(f'no-such-{number}>=3; extra == "{extra}"' for number, extra in EXTRAS)]
-    extras = [found for found in machine.packages([*wanted, 'rich>=13; extra == "table"']) if found.check == "extras"]
-    assert [found.seen for found in extras] == ["table: installed; plot, security: not installed"]
+    extras = [
+        result for result in machine.packages([*wanted, 'rich>=13; extra == "table"']) if result.check == "extras"
+    ]
+    assert [result.seen for result in extras] == ["table: installed; plot, security: not installed"]
 
 
 def test_a_folder_that_cannot_be_written_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -34,9 +36,9 @@ def test_a_folder_that_cannot_be_written_fails(tmp_path: Path, monkeypatch: pyte
         raise OSError(30, "Read-only file system")
 
     monkeypatch.setattr("tempfile.TemporaryFile", refuse)
-    found = machine.directory(tmp_path)
-    assert (found.status, found.remedy != "") == (Status.FAILED, True)
-    assert "Read-only file system" in found.seen
+    result = machine.directory(tmp_path)
+    assert (result.status, result.remedy != "") == (Status.FAILED, True)
+    assert "Read-only file system" in result.seen
 
 
 def test_a_full_disk_fails_and_a_nearly_full_one_warns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

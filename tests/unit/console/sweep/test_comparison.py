@@ -42,7 +42,7 @@ def test_an_interval_is_that_of_scipy() -> None:
     assert (mean, low, high) == pytest.approx((sample.mean(), *expected), rel=1e-11)
 
 
-def test_one_pair_has_no_interval_and_none_has_no_mean() -> None:
+def test_one_pair_has_no_interval_and_zero_pairs_have_no_mean() -> None:
     mean, low, high = comparison.interval(np.array([2.5]))
     assert mean == 2.5
     assert math.isnan(low)
@@ -50,14 +50,14 @@ def test_one_pair_has_no_interval_and_none_has_no_mean() -> None:
     assert all(math.isnan(value) for value in comparison.interval(np.zeros(0)))
 
 
-def test_a_difference_is_of_the_same_seed_and_so_is_blind_to_what_seeds_share(planned: Design) -> None:
+def test_a_difference_pairs_runs_of_one_seed_so_that_the_effect_of_the_seed_cancels(planned: Design) -> None:
     # Each seed shifts both cells by its own amount: by hand, the difference is 2 at every seed, with no spread.
     (difference,) = comparison.differences(planned, table([1.0, 10.0, 100.0, 1000.0], [3.0, 12.0, 102.0, 1002.0]))
     assert (difference.base, difference.compared, difference.outcome, difference.pairs) == (0, 1, "time", 4)
     assert (difference.mean, difference.low, difference.high) == (2.0, 2.0, 2.0)
 
 
-def test_a_run_that_never_arrives_is_counted_and_never_a_number(planned: Design) -> None:
+def test_a_run_that_never_reaches_a_level_is_counted_but_has_no_value(planned: Design) -> None:
     rows = table([1.0, None, 3.0, None], [None, 5.0, 4.0, None])
     disk, nearest = comparison.spreads(planned, rows)
     assert (disk.runs, disk.reached, disk.mean, disk.largest) == (4, 2, 2.0, 3.0)
@@ -66,7 +66,7 @@ def test_a_run_that_never_arrives_is_counted_and_never_a_number(planned: Design)
     assert (difference.pairs, difference.only_base, difference.only_other, difference.mean) == (1, 1, 1, 1.0)
 
 
-def test_a_cell_in_which_no_run_arrives_has_no_mean(planned: Design) -> None:
+def test_a_cell_in_which_no_run_reaches_a_level_has_no_mean(planned: Design) -> None:
     disk, _ = comparison.spreads(planned, table([None] * 4, [None] * 4))
     assert disk.reached == 0
     assert math.isnan(disk.mean)
@@ -94,7 +94,7 @@ def test_the_figure_names_its_axes() -> None:
     assert legend.get_title().get_text() == "formation.rule, run.dt"
 
 
-def test_each_axis_is_compared_with_its_first_value_the_others_held() -> None:
+def test_each_axis_is_compared_with_its_first_value_while_the_others_are_fixed() -> None:
     crossed = design.plan(
         CONFIGS / "pair.toml", ["formation.rule=disk,two_nearest", "run.dt=0.02,0.01,0.005"], "0:1", []
     )

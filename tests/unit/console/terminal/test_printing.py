@@ -174,7 +174,7 @@ def test_a_run_directory_is_printed_exactly_on_one_line(
     assert f"\n{ODD + LONG[:200]}/table.csv\n" in out
 
 
-def test_a_figure_takes_no_name_for_a_formula(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_figure_does_not_read_a_name_as_a_formula(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a$\\frac$.toml").write_bytes(Path(PAIR).read_bytes())
     fixed = ["--seeds", "0:2", "--set", "run.duration=0.2", "--jobs", "1", "--plot", "--out", "out"]
@@ -200,7 +200,7 @@ def test_only_one_module_makes_consoles_and_one_takes_the_screen_and_lines_are_p
     assert makers["print"] == {"console.terminal.printing", "fes.transport.health", "fes.process"}
 
 
-def test_a_message_for_a_closed_standard_error_is_not_among_the_data(
+def test_a_message_for_a_closed_standard_error_does_not_end_up_in_the_output(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(sys, "stderr", None)

@@ -63,9 +63,9 @@ def test_the_order_of_a_sum_matters_to_its_digits() -> None:
 def test_a_robots_sum_does_not_depend_on_other_robots_of_its_process(
     pairs: set[tuple[int, int]], crew: set[int]
 ) -> None:
-    whole = edges(CREW, pairs)
+    together = edges(CREW, pairs)
     part = edges(crew, {pair for pair in pairs if pair[0] in crew})
-    metrics = whole.sum(np.array(values(whole)))
+    metrics = together.sum(np.array(values(together)))
     assert part.sum(np.array(values(part))).tolist() == metrics[sorted(crew)].tolist()  # to the bit
 
 
@@ -74,8 +74,8 @@ def test_find_gives_the_position_of_a_pair_or_minus_one(
     pairs: set[tuple[int, int]], wanted: set[tuple[int, int]]
 ) -> None:
     ordered = sorted(pairs)
-    found = edges(CREW, pairs).find(edges(CREW, wanted).keys).tolist()
-    assert found == [ordered.index(pair) if pair in pairs else -1 for pair in sorted(wanted)]
+    result = edges(CREW, pairs).find(edges(CREW, wanted).keys).tolist()
+    assert result == [ordered.index(pair) if pair in pairs else -1 for pair in sorted(wanted)]
 
 
 @given(pairs=pair_sets)
@@ -100,11 +100,11 @@ def test_smallest_finds_the_k_smallest_of_each_robot_and_among_equals_the_lowest
     for robot in CREW:
         mine = [pair for pair in ordered if pair[0] == robot]
         expected |= set(sorted(mine, key=lambda pair: (level[pair], pair[1]))[:k])
-    found = among.smallest(np.array([level[pair] for pair in ordered]), k)
-    assert {ordered[at] for at in found.tolist()} == expected
+    result = among.smallest(np.array([level[pair] for pair in ordered]), k)
+    assert {ordered[position] for position in result.tolist()} == expected
     if k == 1:
         values = np.array([level[pair] for pair in ordered])
-        assert {ordered[at] for at in among.first_smallest(values).tolist()} == expected
+        assert {ordered[position] for position in among.first_smallest(values).tolist()} == expected
 
 
 def test_smallest_finds_one_of_values_that_are_all_infinite() -> None:
@@ -123,10 +123,10 @@ def test_select_keeps_the_marked_pairs(pairs: set[tuple[int, int]]) -> None:
 
 
 def test_a_crew_without_pairs_sums_to_zero_and_finds_nothing() -> None:
-    nobody = no_edges(np.array([4, 7]))
-    assert nobody.sum(np.zeros(0)).tolist() == [0.0, 0.0]
-    assert nobody.find(np.array([5, 6])).tolist() == [-1, -1]
-    assert nobody.smallest(np.zeros(0), 1).tolist() == nobody.first_smallest(np.zeros(0)).tolist() == []
+    empty = no_edges(np.array([4, 7]))
+    assert empty.sum(np.zeros(0)).tolist() == [0.0, 0.0]
+    assert empty.find(np.array([5, 6])).tolist() == [-1, -1]
+    assert empty.smallest(np.zeros(0), 1).tolist() == empty.first_smallest(np.zeros(0)).tolist() == []
 
 
 TYPES = st.sampled_from((np.float64, np.int64, np.uint8, np.bool_))
@@ -187,12 +187,12 @@ def test_a_fill_that_the_type_of_the_values_cannot_hold_is_an_error() -> None:
 
 
 @pytest.mark.parametrize("largest", [99_999])
-def test_the_keys_of_the_largest_team_stay_apart(largest: int) -> None:
+def test_the_keys_of_pairs_in_the_largest_team_do_not_collide(largest: int) -> None:
     among = edges([0, 1, largest], [(0, 1), (0, largest), (1, 0), (largest, 0), (largest, 1)])
     assert among.reverse.tolist() == [2, 3, 0, 1, -1]
 
 
-def test_a_stack_of_lists_is_the_same_edges_until_a_list_is_another() -> None:
+def test_a_stack_returns_the_same_edges_until_one_of_its_lists_is_replaced() -> None:
     stack, ids = Stack(), np.array([3, 5])
     lists = [np.array([1, 5]), np.array([3])]
     first = stack.edges(ids, lists)
@@ -202,6 +202,6 @@ def test_a_stack_of_lists_is_the_same_edges_until_a_list_is_another() -> None:
         (5, 3),
     ]
     assert stack.edges(ids, list(lists)) is first
-    other = stack.edges(ids, [lists[0], np.array([1, 3])])
-    assert other.peers.tolist() == [1, 5, 1, 3]
+    second = stack.edges(ids, [lists[0], np.array([1, 3])])
+    assert second.peers.tolist() == [1, 5, 1, 3]
     assert [first.peers[span].tolist() for span in first.spans] == [[1, 5], [3]]

@@ -41,10 +41,10 @@ def tables(index: str, fields: dict[str, float]) -> dict[str, Any]:
     """Overrides of pair.toml."""
     event = {"at": fields.pop("event.at", 0.0), "set": {"channel.reference_snr": 1e6}}
     late = {"at": 0.0, "transmitter": {"robot": 0, "delay": fields.pop("event.transmitter.delay", 0.0)}}
-    found: dict[str, Any] = {"seeking.index": index, "event": [event, late], "seeking.consensus_gain": 1e-3}
+    result: dict[str, Any] = {"seeking.index": index, "event": [event, late], "seeking.consensus_gain": 1e-3}
     if "channel.bursts.mean_length" in fields:
-        found["channel.bursts.bad_share"] = 0.1
-    return found | fields
+        result["channel.bursts.bad_share"] = 0.1
+    return result | fields
 
 
 def loaded(overrides: dict[str, Any]) -> Scenario | None:
@@ -64,16 +64,16 @@ def test_extremes_of_two_settings_are_rejected_in_one_line_or_run_in_bounded_wor
     one: str, other: str, index: str
 ) -> None:
     for values in itertools.product(EXTREMES, EXTREMES):
-        what = loaded(tables(index, dict(zip((one, other), values, strict=True))))
-        if what is None:
+        scenario = loaded(tables(index, dict(zip((one, other), values, strict=True))))
+        if scenario is None:
             continue
-        assert 1 <= what.ticks <= stability.MAX_TICKS
-        assert 1 <= collector.dither_period(what) <= stability.MAX_TICKS
-        robots = crew.create(agent_config(what), np.arange(2))
+        assert 1 <= scenario.ticks <= stability.MAX_TICKS
+        assert 1 <= collector.dither_period(scenario) <= stability.MAX_TICKS
+        robots = crew.create(agent_config(scenario), np.arange(2))
         assert robots.seeker.sub_steps <= stability.MAX_STEPS
         assert robots.contact_timeout <= counts.LARGEST
-        assert all(fault.delay <= 10_000 for fault in what.faults)
-        assert len(list(itertools.islice(inprocess.ticks(what), 2))) == min(2, what.ticks)
+        assert all(fault.delay <= 10_000 for fault in scenario.faults)
+        assert len(list(itertools.islice(inprocess.ticks(scenario), 2))) == min(2, scenario.ticks)
 
 
 @pytest.mark.parametrize(
@@ -101,17 +101,17 @@ def test_a_physical_dither_with_an_infinite_period_is_rejected() -> None:
     load("pair.toml", seeking__dither_frequency=1e-300)  # an oracle's estimates dither, its robots do not
 
 
-def test_a_crew_refuses_settings_that_the_world_should_have_refused() -> None:
-    told = agent_config(load("pair.toml"))
-    endless = told.model_copy(update={"seeking": SeekingConfig(sub_step=1e-9)})
+def test_a_crew_rejects_settings_that_the_world_should_have_rejected() -> None:
+    config = agent_config(load("pair.toml"))
+    endless = config.model_copy(update={"seeking": SeekingConfig(sub_step=1e-9)})
     with pytest.raises(FesError, match=r"^the run's settings: run\.dt / seeking\.sub_step must be at most 10000"):
         crew.create(AgentConfig.model_validate(endless.model_dump()), np.arange(2))
 
 
 @given(time=POSITIVE, step=POSITIVE)
 def test_a_count_is_a_bounded_integer_for_all_floats(time: float, step: float) -> None:
-    found = (counts.ticks(time, step), counts.ticks_within(time, step), counts.ticks_of(time, step))
-    assert all(0 <= count <= counts.LARGEST for count in found)
+    result = (counts.ticks(time, step), counts.ticks_within(time, step), counts.ticks_of(time, step))
+    assert all(0 <= count <= counts.LARGEST for count in result)
     assert 1 <= counts.steps(time, step) <= counts.LARGEST
 
 
@@ -128,10 +128,10 @@ def test_a_pace_too_slow_for_a_sleep_is_rejected() -> None:
     assert real_time_factor("0.5") == 0.5
 
 
-def test_every_count_is_made_by_the_one_function() -> None:
+def test_only_one_function_computes_counts() -> None:
     """No other module rounds a quotient by a tick or a step."""
     divisors, rounding = {"dt", "_dt", "sub_step", "dither_frequency"}, {"round", "ceil", "floor", "int"}
-    found = []
+    result = []
     for path in itertools.chain.from_iterable((ROOT / room).rglob("*.py") for room in ("fes", "agents", "world")):
         if path == ROOT / "fes" / "counts.py":
             continue
@@ -139,14 +139,14 @@ def test_every_count_is_made_by_the_one_function() -> None:
             name = getattr(call, "func", None)
             if getattr(name, "id", getattr(name, "attr", None)) not in rounding:
                 continue
-            found += [
+            result += [
                 f"{path}:{part.lineno}"
                 for part in ast.walk(call)
                 if isinstance(part, ast.BinOp)
                 and isinstance(part.op, ast.Div)
                 and getattr(part.right, "attr", getattr(part.right, "id", None)) in divisors
             ]
-    assert found == []
+    assert result == []
 
 
 def test_the_ratio_of_two_floats_may_be_infinite() -> None:

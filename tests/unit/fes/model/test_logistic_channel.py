@@ -33,10 +33,10 @@ objectives = st.builds(
 )
 
 
-def log_index(r: float, preferred: ObjectiveConfig, channel: ChannelConfig) -> float:
+def log_index(r: float, team_objective: ObjectiveConfig, channel: ChannelConfig) -> float:
     """ln J of (16) with the logistic p, as plain scalars."""
     preference = witness.preference(
-        r, preferred.minimum_separation, preferred.maximum_separation, preferred.shape_exponent
+        r, team_objective.minimum_separation, team_objective.maximum_separation, team_objective.shape_exponent
     ).real
     return math.log(preference) - math.log1p(math.exp((r - channel.logistic_midpoint) / channel.logistic_width))
 
@@ -67,9 +67,9 @@ def test_range_at_outage_equals_the_root_of_a_root_finder(channel: ChannelConfig
         with pytest.raises(ValueError, match="larger outage at every separation"):
             outage.range_at_outage(probability, channel)
         return
-    found = outage.range_at_outage(probability, channel)
+    result = outage.range_at_outage(probability, channel)
     # tanh near 1 knows 1 - outage >= 1e-6 to 1e-16, so r to 1e-10 widths
-    assert found == pytest.approx(witness.root(excess, 0.0, 2000.0), abs=1e-9 * channel.logistic_width + 1e-10)
+    assert result == pytest.approx(witness.root(excess, 0.0, 2000.0), abs=1e-9 * channel.logistic_width + 1e-10)
 
 
 @given(channel=channels, separation=st.floats(1.0, 300.0))
@@ -77,8 +77,8 @@ def test_the_slope_of_ln_p_is_its_derivative(channel: ChannelConfig, separation:
     z = (separation - channel.logistic_midpoint) / channel.logistic_width
     # by hand from p = 1/(1 + e^z): p'/p = -e^z/(1 + e^z)/w, written so that e^-600 does not overflow
     expected = -1.0 / (1.0 + math.exp(-z)) / channel.logistic_width if z > -700 else 0.0
-    found = float(outage.log_reception_slope(np.array([separation]), channel)[0])
-    assert found == pytest.approx(expected, rel=1e-12, abs=1e-300)
+    result = float(outage.log_reception_slope(np.array([separation]), channel)[0])
+    assert result == pytest.approx(expected, rel=1e-12, abs=1e-300)
 
 
 @pytest.mark.parametrize("channel", [ChannelConfig(), LOGISTIC, ChannelConfig(model="perfect")])
@@ -88,24 +88,26 @@ def test_the_slope_of_ln_p_is_that_of_differences_for_every_model(channel: Chann
     np.testing.assert_allclose(outage.log_reception_slope(r, channel), (ahead - behind) / (2.0 * h), atol=1e-11)
 
 
-@given(preferred=objectives, channel=channels)
-def test_no_separation_is_better_than_the_optimum(preferred: ObjectiveConfig, channel: ChannelConfig) -> None:
-    found = optimum.optimal_separation(preferred, channel)
+@given(team_objective=objectives, channel=channels)
+def test_no_separation_is_better_than_the_optimum(team_objective: ObjectiveConfig, channel: ChannelConfig) -> None:
+    best = optimum.optimal_separation(team_objective, channel)
     expected = witness.maximizer(
-        lambda r: log_index(r, preferred, channel),
+        lambda r: log_index(r, team_objective, channel),
         1.0,
-        preferred.maximum_separation,
+        team_objective.maximum_separation,
     )
     # a maximum read off values is known to sqrt(2e-16 |ln J|/(ln J)'') = 1e-7 of r or so
-    assert found == pytest.approx(expected, rel=2e-6)
+    assert best == pytest.approx(expected, rel=2e-6)
 
 
-@pytest.mark.parametrize("preferred", [NEAR, FAR])
-def test_the_oracles_index_is_preference_times_logistic_reception(preferred: ObjectiveConfig) -> None:
+@pytest.mark.parametrize("team_objective", [NEAR, FAR])
+def test_the_oracles_index_is_preference_times_logistic_reception(team_objective: ObjectiveConfig) -> None:
     r = np.linspace(5.0, 250.0, 50)
-    expected = objective.preference(r, preferred) / (1.0 + np.exp((r - 100.0) / 12.0))
-    np.testing.assert_allclose(oracle.index(preferred, LOGISTIC, "none")(r), expected, rtol=1e-12)  # roundings
-    np.testing.assert_allclose(oracle.index(preferred, LOGISTIC, "log")(r), np.log(expected), rtol=1e-12, atol=1e-13)
+    expected = objective.preference(r, team_objective) / (1.0 + np.exp((r - 100.0) / 12.0))
+    np.testing.assert_allclose(oracle.index(team_objective, LOGISTIC, "none")(r), expected, rtol=1e-12)  # roundings
+    np.testing.assert_allclose(
+        oracle.index(team_objective, LOGISTIC, "log")(r), np.log(expected), rtol=1e-12, atol=1e-13
+    )
 
 
 def test_a_logistic_channel_has_no_scale_of_equation_3() -> None:

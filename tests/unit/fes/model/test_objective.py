@@ -20,34 +20,34 @@ objectives = st.builds(
 )
 
 
-@given(preferred=objectives, separation=st.floats(5.0, 400.0))
-def test_preference_is_the_formula_of_16(preferred: ObjectiveConfig, separation: float) -> None:
-    spread = (separation / preferred.minimum_separation) ** preferred.shape_exponent
-    reach = (separation / preferred.maximum_separation) ** preferred.shape_exponent
+@given(team_objective=objectives, separation=st.floats(5.0, 400.0))
+def test_preference_is_the_formula_of_16(team_objective: ObjectiveConfig, separation: float) -> None:
+    spread = (separation / team_objective.minimum_separation) ** team_objective.shape_exponent
+    reach = (separation / team_objective.maximum_separation) ** team_objective.shape_exponent
     expected = -math.expm1(-spread) * math.exp(-reach)
-    found = float(objective.preference(np.array([separation]), preferred)[0])
+    result = float(objective.preference(np.array([separation]), team_objective)[0])
     # the exponent `reach` comes out of two powers: its rounding is multiplied by its size
-    assert found == pytest.approx(expected, rel=1e-13 * (1.0 + reach), abs=1e-300)
+    assert result == pytest.approx(expected, rel=1e-13 * (1.0 + reach), abs=1e-300)
 
 
-@given(preferred=objectives, separation=st.floats(5.0, 400.0))
+@given(team_objective=objectives, separation=st.floats(5.0, 400.0))
 def test_log_preference_slope_is_the_derivative_of_log_preference(
-    preferred: ObjectiveConfig, separation: float
+    team_objective: ObjectiveConfig, separation: float
 ) -> None:
-    minimum, maximum = preferred.minimum_separation, preferred.maximum_separation
-    shape = preferred.shape_exponent
+    minimum, maximum = team_objective.minimum_separation, team_objective.maximum_separation
+    shape = team_objective.shape_exponent
 
     def log_preference(r: complex) -> complex:
         # ln S, taken apart so that neither factor underflows
         return cmath.log(1.0 - cmath.exp(-((r / minimum) ** shape))) - (r / maximum) ** shape
 
-    found = float(objective.log_preference_slope(np.array([separation]), preferred)[0])
+    result = float(objective.log_preference_slope(np.array([separation]), team_objective)[0])
     expected = witness.complex_step(log_preference, separation)
     # Two terms of size shape/r and shape/r (r/r_x)^shape cancel; the witness' own 1 - exp(-spread) loses
     # 1e-16/spread, and spread >= (5/120)^6 = 5e-9.
     size = shape / separation * (1.0 + (separation / maximum) ** shape)
     spread = (separation / minimum) ** shape
-    assert abs(found - expected) <= size * (1e-13 + 1e-15 / min(spread, 1.0))
+    assert abs(result - expected) <= size * (1e-13 + 1e-15 / min(spread, 1.0))
 
 
 def test_close_robots_prefer_to_spread_and_far_ones_to_contract() -> None:
@@ -59,7 +59,7 @@ def test_close_robots_prefer_to_spread_and_far_ones_to_contract() -> None:
 
 def test_preference_takes_any_shape_and_leaves_its_argument_alone() -> None:
     r = np.full((2, 3), 60.0)
-    found = objective.preference(r, ObjectiveConfig())
+    result = objective.preference(r, ObjectiveConfig())
     expected = (1.0 - math.exp(-((60 / 50) ** 4))) * math.exp(-((60 / 150) ** 4))
-    np.testing.assert_allclose(found, np.full((2, 3), expected), rtol=1e-14)  # a few roundings
+    np.testing.assert_allclose(result, np.full((2, 3), expected), rtol=1e-14)  # a few roundings
     assert (r == 60.0).all()

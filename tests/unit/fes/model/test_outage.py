@@ -25,8 +25,8 @@ channels = st.builds(
 
 @pytest.mark.parametrize(("separation", "percent"), [(68.0, 9.0017), (105.0, 29.340), (150.0, 63.669)])
 def test_outage_at_the_points_of_figure_1_is_the_published_one(separation: float, percent: float) -> None:
-    found = 100.0 * float(outage.outage_probability(np.array(separation), PAPER))
-    assert found == pytest.approx(percent, abs=5e-4 if percent > 10 else 5e-5)  # half of the last digit
+    result = 100.0 * float(outage.outage_probability(np.array(separation), PAPER))
+    assert result == pytest.approx(percent, abs=5e-4 if percent > 10 else 5e-5)  # half of the last digit
 
 
 @pytest.mark.parametrize(("probability", "separation"), [(0.09, 67.995), (0.30, 105.938), (0.60, 145.090)])
@@ -104,18 +104,18 @@ def test_a_perfect_channel_has_no_outage_at_any_separation() -> None:
     assert outage.outage_probability(r, PERFECT).tolist() == [0.0, 0.0, 0.0, 0.0]
 
 
-def test_a_perfect_channel_reaches_no_outage() -> None:
+def test_a_perfect_channel_has_no_range_at_an_outage() -> None:
     with pytest.raises(ValueError, match="perfect channel"):
         outage.range_at_outage(0.5, PERFECT)
 
 
 @pytest.mark.parametrize("probability", [0.0, 1.0, -0.1, 1.5, math.nan])
-def test_an_outage_outside_zero_to_one_is_refused(probability: float) -> None:
+def test_an_outage_outside_zero_to_one_is_rejected(probability: float) -> None:
     with pytest.raises(ValueError, match=r"outage must lie in \(0, 1\)"):
         outage.range_at_outage(probability, PAPER)
 
 
-def test_a_channel_beyond_what_floats_hold_is_its_limit() -> None:
+def test_a_channel_beyond_the_range_of_floats_is_its_limit() -> None:
     r = np.array([0.0, 1e-3, 1.0, 1e300])
     deaf = ChannelConfig(reference_snr=5e-324)
     perfect = ChannelConfig(model="perfect")

@@ -61,8 +61,8 @@ def values(summary: Any, name: str = "") -> dict[str, list[Any]]:
         return {name: [summary]}
     joined: dict[str, list[Any]] = {}
     for part in parts:
-        for key, found in part.items():
-            joined.setdefault(key, []).extend(found)
+        for key, result in part.items():
+            joined.setdefault(key, []).extend(result)
     return joined
 
 
@@ -78,9 +78,9 @@ def test_every_quantity_occurs_in_some_summary() -> None:
     assert occurring >= {quantity.name for quantity in SUMMARY}
 
 
-def test_only_a_quantity_with_a_condition_is_null() -> None:
+def test_only_quantities_that_state_when_they_are_null_are_null() -> None:
     conditions = {quantity.name: quantity.null for quantity in SUMMARY}
-    null = {key for name in SCENARIOS for key, found in values(summary(name)).items() if None in found}
+    null = {key for name in SCENARIOS for key, result in values(summary(name)).items() if None in result}
     assert "disagreement" in null
     assert {key for key in null - {"deadlines"} if not conditions[key]} == set()
 

@@ -23,15 +23,15 @@ BROKEN: list[tuple[str, int, Any, str]] = [
     *((name, 3, x, "finite") for name in NAMES[:3] for x in (math.nan, math.inf, -math.inf, 1, True)),
     *(("Beacon", 6, ids, "ascend") for ids in (int32(9, 2), int32(-1, 2), int32(2, 2))),
     *(("Beacon", 6, ids, "int32") for ids in (b"123", [2, 9], "abcd", None)),
-    *(("Beacon", 7, found, "2 float64") for found in (b"", float64(1.0), float64(1.0) + b"1", [60.0, 70.0])),
+    *(("Beacon", 7, value, "2 float64") for value in (b"", float64(1.0), float64(1.0) + b"1", [60.0, 70.0])),
     *(("Beacon", 7, float64(1.0, bad), "finite") for bad in (math.nan, math.inf, -math.inf)),
     *(("Command", 6, float64(1.0, bad), "finite") for bad in (math.nan, math.inf)),
-    *(("Command", 7, found, "two numbers per link") for found in (float64(1.0), float64(1.0, 2.0, 3.0))),
-    *(("Command", 7, found, "4 float64") for found in (b"1", float64(1, 2, 3, 4, 5), [1.0] * 4)),
+    *(("Command", 7, value, "two numbers per link") for value in (float64(1.0), float64(1.0, 2.0, 3.0))),
+    *(("Command", 7, value, "4 float64") for value in (b"1", float64(1, 2, 3, 4, 5), [1.0] * 4)),
     *(("Command", 7, float64(1.0, 2.0, 3.0, bad), "finite") for bad in (math.nan, math.inf)),
-    *(("Beacon", 9, found, "64 float64") for found in (b"1", [1.0], float64(*range(65)))),
+    *(("Beacon", 9, value, "64 float64") for value in (b"1", [1.0], float64(*range(65)))),
     *(("Beacon", 9, float64(bad), "finite") for bad in (math.nan, math.inf)),
-    *(("Beacon", 8, named, "codes") for named in (b"\1", b"\1\2", b"\1\0\0", [1, 0])),
+    *(("Beacon", 8, value, "codes") for value in (b"\1", b"\1\2", b"\1\0\0", [1, 0])),
     *(("Observation", 7, codes, "codes") for codes in (b"", b"\1\3", "\1\1")),
     *(("Observation", 8, over, "flag") for over in (0, 1, None, "")),
     *(("Observation", 9, since, "tick") for since in (-1, 1.0, None)),
@@ -69,16 +69,16 @@ def test_the_layout_is_the_version_and_the_fields_in_order(name: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "at", "value", "rule"), BROKEN)
-def test_a_broken_field_is_refused_with_its_rule(name: str, at: int, value: Any, rule: str) -> None:
+def test_a_broken_field_is_rejected_with_its_rule(name: str, at: int, value: Any, rule: str) -> None:
     fields = PLAIN[name].copy()
     fields[at] = value
-    said = refusal(name, msgpack.packb(fields))
-    assert said is not None
-    assert rule in said
+    message = refusal(name, msgpack.packb(fields))
+    assert message is not None
+    assert rule in message
 
 
 @pytest.mark.parametrize("name", PLAIN)
-def test_a_missing_or_an_additional_field_is_refused(name: str) -> None:
+def test_a_missing_or_an_additional_field_is_rejected(name: str) -> None:
     for fields in (PLAIN[name][:-1], [*PLAIN[name], 0]):
         assert f"expects {len(PLAIN[name]) - 1} fields" in str(refusal(name, msgpack.packb(fields)))
 
@@ -95,13 +95,13 @@ def test_a_missing_or_an_additional_field_is_refused(name: str) -> None:
         ([0], b"{}", "JSON"),
     ],
 )
-def test_a_welcome_without_a_configuration_is_refused(robots: list[int], config: object, rule: str) -> None:
+def test_a_welcome_without_a_configuration_is_rejected(robots: list[int], config: object, rule: str) -> None:
     assert rule in str(refusal("Welcome", msgpack.packb([2, robots, config])))
 
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("depth", [10, 200, 1000, 1020, 100_000])
-def test_a_deep_nest_of_lists_is_refused(name: str, depth: int) -> None:
+def test_deeply_nested_lists_are_rejected(name: str, depth: int) -> None:
     fields = CODECS[name].fields
     assert refusal(name, b"\x91" * depth + b"\xc0")
     assert refusal(name, bytes([0x91 + fields, 1]) + b"\x91" * depth + b"\xc0" * fields)

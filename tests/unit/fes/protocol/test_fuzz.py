@@ -25,7 +25,7 @@ OTHERS = [payloads[0] for payloads in corpus(1).values()]
 @pytest.mark.parametrize("name", NAMES)
 @settings(max_examples=3 * EXAMPLES // 2)
 @given(data=st.data(), seed=st.integers(0, 2**32 - 1))
-def test_a_mutated_payload_is_refused_or_a_message(name: str, data: st.DataObject, seed: int) -> None:
+def test_a_mutated_payload_is_rejected_or_decodes_to_a_message(name: str, data: st.DataObject, seed: int) -> None:
     random = Random(seed)
     payload = CODECS[name].encode(data.draw(CODECS[name].messages))
     for _ in range(5):
@@ -33,7 +33,7 @@ def test_a_mutated_payload_is_refused_or_a_message(name: str, data: st.DataObjec
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_head_that_promises_more_than_there_is_is_refused_at_once(name: str) -> None:
+def test_a_header_that_announces_more_than_the_payload_holds_is_rejected_at_once(name: str) -> None:
     fields = CODECS[name].fields
     for head in LENGTHS:
         for before in (b"", bytes([0x91 + fields, wire.PROTOCOL]), b"\x92\x02", b"\xdd\x00\x00\x00\x02\x02"):
@@ -42,7 +42,7 @@ def test_a_head_that_promises_more_than_there_is_is_refused_at_once(name: str) -
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_longest_payload_is_refused_within_seconds(name: str) -> None:
+def test_the_longest_payload_is_rejected_within_seconds(name: str) -> None:
     for filler in (b"\x00", b"\x91", b"\xc0", b"\x81\xa1a", b"\xcb" + bytes(8), b"\xff"):
         length = wire.MAX_PAYLOAD // len(filler) - 10
         for head in (b"", b"\xdd" + length.to_bytes(4, "big"), b"\x92\x02\xdd" + length.to_bytes(4, "big")):
@@ -69,10 +69,10 @@ def test_any_well_formed_change_is_applied_or_rejected_in_one_line(data: st.Data
     path = data.draw(st.sampled_from([change.path, f"channel.{field}", f"channel.{field}.x"]))
     try:
         changed = events.changed(RadioConfig(), {path: change.value}, 0.02)
-        said = str(
+        text = str(
             CODECS["Effect"].decode(encode_result(ChangeResult(path, events.effective(changed, path), 1, 68.0))).tick
         )
     except FesError as error:
-        said = str(error)
-    assert 0 < len(said) < 400
-    assert said.isprintable()
+        text = str(error)
+    assert 0 < len(text) < 400
+    assert text.isprintable()

@@ -26,7 +26,7 @@ def test_each_function_yields_one_key_of_the_table_and_the_table_has_no_other() 
 
 
 @given(run=runs, robot=robots)
-def test_the_robot_of_each_of_its_keys_is_found(run: str, robot: int) -> None:
+def test_each_key_of_a_robot_yields_its_id(run: str, robot: int) -> None:
     assert [keys.robot_of(key(run, robot)) for key in ROBOT] == [robot] * len(ROBOT)
 
 
@@ -48,7 +48,7 @@ def test_the_longest_key_is_far_below_zenohs_limit() -> None:
 
 
 @given(key=st.text() | st.from_regex(r"fes/main/robot/[^/]{0,12}/[a-z]{0,9}", fullmatch=True))
-def test_any_key_has_a_robot_or_none(key: str) -> None:
+def test_any_key_yields_a_robot_or_none(key: str) -> None:
     robot = keys.robot_of(key)
     assert robot is None or (robot >= 0 and key.startswith("fes/") and "/robot/" in key)
 
@@ -85,7 +85,7 @@ def test_a_run_may_be_named_with_letters_digits_and_three_signs(run: str) -> Non
 
 
 @pytest.mark.parametrize("run", ["", "x" * 65, "a/b", "a b", "*", "a*", "**", "$*", "a?", "a#", "@a", "ä", "a\n"])
-def test_a_name_that_would_be_a_pattern_or_another_key_is_refused_with_the_name(run: str) -> None:
+def test_a_name_that_would_be_a_pattern_or_another_key_is_rejected_with_the_name(run: str) -> None:
     with pytest.raises(FesError, match="1 to 64 letters") as caught:
         keys.check_run(run)
     assert str(caught.value).endswith(f"got '{run}'")

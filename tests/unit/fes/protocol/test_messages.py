@@ -32,18 +32,18 @@ def test_a_payload_that_is_not_a_list_of_fields_is_rejected(name: str, payload: 
 @pytest.mark.parametrize("name", NAMES)
 @settings(max_examples=2 * EXAMPLES)
 @given(data=st.data())
-def test_a_payload_with_some_fields_of_any_kind_is_refused_or_a_message(name: str, data: st.DataObject) -> None:
+def test_a_payload_with_arbitrary_fields_is_rejected_or_decodes_to_a_message(name: str, data: st.DataObject) -> None:
     codec = CODECS[name]
     fields = msgpack.unpackb(codec.encode(data.draw(codec.messages)))
-    for at in data.draw(st.sets(st.integers(0, codec.fields), min_size=1, max_size=3)):
-        fields[at] = data.draw(values)
+    for position in data.draw(st.sets(st.integers(0, codec.fields), min_size=1, max_size=3)):
+        fields[position] = data.draw(values)
     assert_refused_or_a_message(name, msgpack.packb(fields))
 
 
 @pytest.mark.parametrize("name", NAMES)
 @settings(max_examples=2 * EXAMPLES)
 @given(data=st.data())
-def test_a_damaged_payload_is_rejected_or_a_message(name: str, data: st.DataObject) -> None:
+def test_a_damaged_payload_is_rejected_or_decodes_to_a_message(name: str, data: st.DataObject) -> None:
     codec = CODECS[name]
     payload = bytearray(codec.encode(data.draw(codec.messages)))
     begin = data.draw(st.integers(0, len(payload) - 1))
@@ -54,7 +54,7 @@ def test_a_damaged_payload_is_rejected_or_a_message(name: str, data: st.DataObje
 @pytest.mark.parametrize("name", NAMES)
 @settings(max_examples=20)
 @given(data=st.data())
-def test_a_payload_cut_short_is_refused(name: str, data: st.DataObject) -> None:
+def test_a_payload_cut_short_is_rejected(name: str, data: st.DataObject) -> None:
     payload = CODECS[name].encode(data.draw(CODECS[name].messages))
     for end in range(len(payload)):
         assert refusal(name, payload[:end])

@@ -31,9 +31,9 @@ def bad(path: Path, good: Path, what: str) -> Path:
     elif what == "cut":
         path.write_bytes(good.read_bytes()[:-1000])
     elif what == "damaged":
-        whole = bytearray(good.read_bytes())
-        whole[len(whole) // 2] ^= 1
-        path.write_bytes(whole)
+        content = bytearray(good.read_bytes())
+        content[len(content) // 2] ^= 1
+        path.write_bytes(content)
     elif what == "a directory":
         path.mkdir()
     elif what in ("another version", "somebody else's"):
@@ -41,8 +41,8 @@ def bad(path: Path, good: Path, what: str) -> Path:
         def edit(topic: str, tick: int, payload: bytes) -> bytes | None:
             if topic != "/scenario":
                 return payload
-            told = {**json.loads(payload), "log": 9}
-            return json.dumps(told).encode() if what == "another version" else None
+            header = {**json.loads(payload), "log": 9}
+            return json.dumps(header).encode() if what == "another version" else None
 
         recordings.rewrite(good, path, edit)
     return path

@@ -55,15 +55,15 @@ def test_a_robot_tick_takes_at_most_200_bytes(recorded: Recorded) -> None:
 def test_the_readers_of_the_mcap_library_accept_a_log_and_its_checksums(recorded: Recorded) -> None:
     path, summary = recorded
     with path.open("rb") as file:
-        linear = [one for one in StreamReader(file, validate_crcs=True).records if isinstance(one, Message)]
+        linear = [record for record in StreamReader(file, validate_crcs=True).records if isinstance(record, Message)]
         file.seek(0)
         reader = make_reader(file, validate_crcs=True)
         indexed = list(reader.iter_messages())
-        found = reader.get_summary()
+        contents = reader.get_summary()
         [metadata] = reader.iter_metadata()
-    assert found is not None
-    assert found.statistics is not None
-    assert found.statistics.message_count == len(linear) == len(indexed)
+    assert contents is not None
+    assert contents.statistics is not None
+    assert contents.statistics.message_count == len(linear) == len(indexed)
     assert json.loads(metadata.metadata["summary"]) == json.loads(json.dumps(summary))
     counts = Counter(channel.topic for _, channel, _ in indexed)
     ticks = summary["ticks"]
@@ -87,13 +87,13 @@ def test_messages_stand_in_canonical_order_with_simulated_times(recorded: Record
         "/link",
     ]
     with path.open("rb") as file:
-        found = [
-            (message.log_time, next(at for at, start in enumerate(order) if channel.topic.startswith(start)))
+        result = [
+            (message.log_time, next(index for index, start in enumerate(order) if channel.topic.startswith(start)))
             for _, channel, message in make_reader(file).iter_messages(log_time_order=False)
             if message.log_time > 0 and message.sequence < summary["ticks"]
         ]
-    assert found == sorted(found)
-    assert {time % 20_000_000 for time, _ in found} == {0}  # ticks of 20 ms
+    assert result == sorted(result)
+    assert {time % 20_000_000 for time, _ in result} == {0}  # ticks of 20 ms
 
 
 def test_a_tick_holds_every_robots_messages_as_they_cross_the_bus(recorded: Recorded) -> None:
@@ -105,8 +105,8 @@ def test_a_tick_holds_every_robots_messages_as_they_cross_the_bus(recorded: Reco
     }
     for topic, tick, payload in recordings.messages(path):
         if topic in decoders and tick % 100 == 0:
-            found: list[Any] = [decoders[topic](one) for one in recordings.payloads(payload)]
-            assert [(one.tick, one.robot) for one in found] == [(tick, robot) for robot in range(10)]
+            result: list[Any] = [decoders[topic](message) for message in recordings.payloads(payload)]
+            assert [(message.tick, message.robot) for message in result] == [(tick, robot) for robot in range(10)]
 
 
 def test_json_in_a_log_has_only_finite_numbers_and_all_required_fields(recorded: Recorded) -> None:
@@ -114,24 +114,24 @@ def test_json_in_a_log_has_only_finite_numbers_and_all_required_fields(recorded:
         raise AssertionError(constant)
 
     with recorded[0].open("rb") as file:
-        found = list(make_reader(file).iter_messages())
-    assert {channel.message_encoding for _, channel, _ in found} == {"json", "protobuf"}
-    for schema, channel, message in found:
+        result = list(make_reader(file).iter_messages())
+    assert {channel.message_encoding for _, channel, _ in result} == {"json", "protobuf"}
+    for schema, channel, message in result:
         if channel.message_encoding != "json":
             continue
         assert channel.topic in ("/scenario", "/events")
         assert schema is not None
         rules = json.loads(schema.data)
-        told = json.loads(message.data, parse_constant=refuse)
-        assert set(rules["required"]) <= told.keys() <= rules["properties"].keys()
+        content = json.loads(message.data, parse_constant=refuse)
+        assert set(rules["required"]) <= content.keys() <= rules["properties"].keys()
 
 
 def test_frames_turn_as_the_robots_do(recorded: Recorded) -> None:
     path, summary = recorded
-    said = {(topic, tick): payload for topic, tick, payload in recordings.messages(path)}
+    payloads = {(topic, tick): payload for topic, tick, payload in recordings.messages(path)}
     tick = summary["ticks"] - 1
-    transforms = FrameTransforms.FromString(said["/tf", tick]).transforms
-    sensed = [messages.decode_observation(one) for one in recordings.payloads(said["/observations", tick])]
+    transforms = FrameTransforms.FromString(payloads["/tf", tick]).transforms
+    sensed = [messages.decode_observation(one) for one in recordings.payloads(payloads["/observations", tick])]
     for transform, observation in zip(transforms, sensed, strict=True):
         frames = (transform.parent_frame_id, transform.child_frame_id)
         assert frames == ("map", f"robot_{observation.robot}/base_link")
@@ -170,11 +170,11 @@ def test_a_file_that_cannot_be_written_is_reported_once_and_closed() -> None:
 
 def test_a_log_is_read_back_with_its_run(recorded: Recorded) -> None:
     path, summary = recorded
-    found = log.load(path)
-    assert (found.name, found.backend, found.ended) == (summary["scenario"], "inprocess", "at its end")
-    assert found.scenario == scenario(summary["scenario"])
-    assert found.complaint is None
-    assert found.summary == json.loads(json.dumps(summary))
+    loaded = log.load(path)
+    assert (loaded.name, loaded.backend, loaded.ended) == (summary["scenario"], "inprocess", "at its end")
+    assert loaded.scenario == scenario(summary["scenario"])
+    assert loaded.complaint is None
+    assert loaded.summary == json.loads(json.dumps(summary))
 
 
 def test_a_log_of_the_previous_release_is_read_and_executed_again_with_its_digest() -> None:

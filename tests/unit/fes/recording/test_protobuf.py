@@ -72,7 +72,7 @@ def test_every_message_of_a_log_is_read_to_its_last_byte_by_the_description_in_t
     assert classes.keys() == READ
 
 
-def test_a_tick_of_zero_is_written_and_a_missing_one_is_seen() -> None:
+def test_a_tick_of_zero_is_written_and_a_missing_tick_is_detected() -> None:
     # Hand-made: field 1 as a number, field 2 as bytes
     assert messages_pb2.Commands(tick=0, payloads=[b"a"]).SerializeToString() == bytes.fromhex("0800120161")
     assert not messages_pb2.Commands(payloads=[b"a"]).HasField("tick")

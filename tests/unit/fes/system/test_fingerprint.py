@@ -37,15 +37,17 @@ USED += ["einsum", "bincount", "linalg.eigvalsh"]
 
 
 @pytest.mark.parametrize("name", USED)
-def test_one_bit_of_one_result_of_one_function_changes_it(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_one_bit_of_one_result_of_one_function_changes_the_fingerprint(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     *path, last = name.split(".")
     module: Any = getattr(np, path[0]) if path else np
     function = getattr(module, last)
 
     def rounded_otherwise(*words: Any) -> Any:
-        found = np.array(function(*words))
-        found[-1] = np.nextafter(found[-1], np.inf)
-        return found
+        result = np.array(function(*words))
+        result[-1] = np.nextafter(result[-1], np.inf)
+        return result
 
     compute = fingerprint._fingerprint.__wrapped__  # without what it remembers
     before = compute()
@@ -55,18 +57,18 @@ def test_one_bit_of_one_result_of_one_function_changes_it(name: str, monkeypatch
 
 def test_an_invalid_arithmetic_is_rejected() -> None:
     wrong: list[Any] = [{}, [], None, 3, {**OTHER, "numpy": 2}, {**OTHER, "core": "x" * 41}]
-    for told in [*wrong, {**OTHER, "fingerprint": "\033[31m"}]:
+    for arithmetic in [*wrong, {**OTHER, "fingerprint": "\033[31m"}]:
         with pytest.raises((KeyError, TypeError, ValueError)):
-            fingerprint.text(told if told is not None else 0)  # type: ignore[arg-type]
+            fingerprint.text(arithmetic if arithmetic is not None else 0)  # type: ignore[arg-type]
     assert fingerprint.text({**OTHER, "core": "compiled"}) == "numpy 1.0.0, arithmetic 0123456789ab (compiled)"
 
 
-def test_a_summary_has_the_arithmetic_and_can_be_expected_to(tmp_path: Path) -> None:
+def test_a_summary_has_the_arithmetic_and_an_expectation_can_name_it(tmp_path: Path) -> None:
     wanted = {"of": "arithmetic.numpy", "equals": np.__version__}
-    found = written(tmp_path, inprocess.run(load("pair.toml", run__duration=0.1, expect=[wanted]), "pair"))
-    assert found["arithmetic"] == fingerprint.table()
-    assert found["arithmetic"]["core"] == "numpy"
-    assert [one["holds"] for one in found["expectations"]] == [True]
+    summary = written(tmp_path, inprocess.run(load("pair.toml", run__duration=0.1, expect=[wanted]), "pair"))
+    assert summary["arithmetic"] == fingerprint.table()
+    assert summary["arithmetic"]["core"] == "numpy"
+    assert [entry["holds"] for entry in summary["expectations"]] == [True]
 
 
 def test_a_checkpoint_is_not_resumed_with_another_arithmetic(tmp_path: Path, elsewhere: None) -> None:
@@ -114,37 +116,37 @@ def test_a_constant_arithmetic_is_not_a_column_of_a_table() -> None:
 def test_replay_and_compare_distinguish_another_processor_from_an_edited_log(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    here, there, edited = (tmp_path / name for name in ("here.mcap", "there.mcap", "edited.mcap"))
+    own, foreign, edited = (tmp_path / name for name in ("here.mcap", "there.mcap", "edited.mcap"))
     pair = load("pair.toml", run__duration=0.2)
-    recordings.record(here, pair)
+    recordings.record(own, pair)
     with pytest.MonkeyPatch.context() as changed:
         changed.setattr(fingerprint, "table", lambda: dict(OTHER))
-        recordings.record(there, pair)
+        recordings.record(foreign, pair)
     # The digits are the same: no line about the arithmetic.
-    assert log.load(there).arithmetic == OTHER
-    found = replay_command.rerun(log.load(there), all_robots=True)
-    assert found["arithmetic"] == OTHER  # as it was recorded
-    assert compare.compare(here, there) == 0
+    assert log.load(foreign).arithmetic == OTHER
+    result = replay_command.rerun(log.load(foreign), all_robots=True)
+    assert result["arithmetic"] == OTHER  # as it was recorded
+    assert compare.compare(own, foreign) == 0
     assert capsys.readouterr().out == "every message of every tick is the same to the bit\n"
     # With a difference, there is one.
 
     def farther(payload: bytes) -> bytes:
-        found = messages.decode_command(payload)
-        return messages.encode_command(found._replace(estimates=found.estimates + 1.0))
+        result = messages.decode_command(payload)
+        return messages.encode_command(result._replace(estimates=result.estimates + 1.0))
 
-    recordings.rewrite(there, edited, recordings.edited("/commands", 6, 1, farther))
+    recordings.rewrite(foreign, edited, recordings.edited("/commands", 6, 1, farther))
     with pytest.raises(Mismatch, match=r"^tick 6, Command of robot 1: estimates") as caught:
         replay_command.rerun(log.load(edited), all_robots=True)
     assert caught.value.__notes__ == [f"recorded with {THERE}; executed with {HERE}"]
     assert "\n" not in str(caught.value)
-    assert compare.compare(here, edited) == 1
-    said = capsys.readouterr().out.splitlines()
-    assert said[1:] == [f"A was recorded with {HERE}; B was recorded with {THERE}"]
-    assert compare.compare(here, edited, json_=True) == 1
+    assert compare.compare(own, edited) == 1
+    output = capsys.readouterr().out.splitlines()
+    assert output[1:] == [f"A was recorded with {HERE}; B was recorded with {THERE}"]
+    assert compare.compare(own, edited, json_=True) == 1
     assert json.loads(capsys.readouterr().out)["arithmetic"] == [fingerprint.table(), OTHER]
 
 
-def test_a_summary_of_another_arithmetic_than_its_log_is_named(tmp_path: Path) -> None:
+def test_a_summary_whose_arithmetic_is_not_that_of_its_log_is_named(tmp_path: Path) -> None:
     summary = recordings.record(tmp_path / "a.mcap", load("pair.toml", run__duration=0.1))
     recordings.rewrite(
         tmp_path / "a.mcap", tmp_path / "b.mcap", lambda *words: words[2], {**summary, "arithmetic": OTHER}

@@ -54,22 +54,22 @@ def test_an_impossible_endpoint_is_rejected_with_a_line_of_its_own(endpoint: str
 
 
 @pytest.mark.parametrize("endpoint", GOOD)
-def test_an_endpoint_of_zenoh_passes(endpoint: str) -> None:
+def test_a_valid_zenoh_endpoint_passes(endpoint: str) -> None:
     assert Endpoints("client", (endpoint,)).connect == (endpoint,)
 
 
-def test_port_zero_can_be_listened_at_and_not_reached() -> None:
+def test_port_zero_can_be_listened_on_but_not_connected_to() -> None:
     assert Endpoints("router", (), ("tcp/127.0.0.1:0",)).listen
     with pytest.raises(FesError, match=r"^nothing can be reached at port 0: tcp/127.0.0.1:0$"):
         Endpoints("client", ("tcp/127.0.0.1:0",))
 
 
-def test_an_unanswering_name_server_delays_no_process(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_silent_name_server_delays_no_process(monkeypatch: pytest.MonkeyPatch) -> None:
     answer = threading.Event()
     monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: answer.wait(60.0))
-    said = addresses.unresolved("tcp/lab.example:7447", patience=0.05)
+    warning = addresses.unresolved("tcp/lab.example:7447", patience=0.05)
     answer.set()
-    assert said == "the name 'lab.example' does not resolve: no name server answers within 0.05 s"
+    assert warning == "the name 'lab.example' does not resolve: no name server answers within 0.05 s"
 
 
 def test_an_address_is_not_looked_up(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -97,7 +97,7 @@ def test_a_network_that_cannot_be_reached_is_named(
     assert connection_diagnosis.complaint("tcp/192.0.2.1:1", {}) == "nothing answers there within 2 s"
 
 
-def test_a_namespace_that_would_make_keys_too_long_is_refused() -> None:
+def test_a_namespace_that_would_make_keys_too_long_is_rejected() -> None:
     ends = Endpoints("client", (vacant(),), settings=(f'namespace:"{"a" * 70_000}"',), timeout=0.1)
 
     async def join() -> None:

@@ -34,7 +34,7 @@ def wrong(directory: Path, role: str) -> str:
     return str(caught.value)
 
 
-def test_good_certificates_pass(keys: Path) -> None:
+def test_valid_certificates_pass(keys: Path) -> None:
     for role in ("world", "robot-3", "robot-0-2"):
         Identity(keys, role).check()
 
@@ -66,13 +66,13 @@ def test_certificates_of_another_authority_of_none_and_of_another_key_are_distin
     assert wrong(keys, "world").startswith(f"{keys}: the certificate or key of the world is invalid")
 
 
-def test_a_certificate_under_anothers_name_is_named(keys: Path) -> None:
+def test_a_certificate_of_another_name_is_named(keys: Path) -> None:
     for suffix in ("crt", "key"):
         shutil.copy(keys / f"robot-3.{suffix}", keys / f"robot-1.{suffix}")
     assert wrong(keys, "robot-1") == f"{keys}/robot-1.crt: is that of 'robot-3', not of 'robot-1'"
 
 
-def test_a_key_that_others_can_read_or_change_is_warned_of(keys: Path, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_key_that_others_can_read_or_change_causes_a_warning(keys: Path, caplog: pytest.LogCaptureFixture) -> None:
     for mode, warned in ((0o600, False), (0o400, False), (0o440, False), (0o644, True), (0o660, True), (0o602, True)):
         caplog.clear()
         (keys / "world.key").chmod(mode)
@@ -89,7 +89,10 @@ def test_only_the_world_can_serve_and_under_the_names_it_was_given(issuer: certi
     assert names.get_values_for_type(x509.DNSName) == ["localhost", "lab.example"]
     assert [str(ip) for ip in names.get_values_for_type(x509.IPAddress)] == ["127.0.0.1", "10.0.0.7"]
     robot = x509.load_pem_x509_certificate(certificates.issue(issuer, "robot-3", 1.0).certificate)
-    purposes = [list(one.extensions.get_extension_for_class(x509.ExtendedKeyUsage).value) for one in (world, robot)]
+    purposes = [
+        list(certificate.extensions.get_extension_for_class(x509.ExtendedKeyUsage).value)
+        for certificate in (world, robot)
+    ]
     assert ExtendedKeyUsageOID.SERVER_AUTH in purposes[0]
     assert purposes[1] == [ExtendedKeyUsageOID.CLIENT_AUTH]
     assert [name.value for name in robot.subject.get_attributes_for_oid(NameOID.COMMON_NAME)] == ["robot-3"]
@@ -118,7 +121,7 @@ def test_a_host_is_a_name_or_an_address(host: str, issuer: certificates.Authorit
     ["", "bad host!", "lab.example:7447", "tls/lab", "ü.example", "10.0.0", "10.0.0.256", "[::1]", "-lab", "lab.",
      "a..b", "*.example", "fe80::1%eth0", "lab\n", "a" * 64, "a." * 127 + "a"],
 )  # fmt: skip
-def test_anything_else_is_not_a_host(host: str) -> None:
+def test_other_names_are_not_hosts(host: str) -> None:
     with pytest.raises(FesError) as caught:
         certificates.check_host(host)
     assert str(caught.value).startswith("--host expects a name like lab.example")
@@ -126,20 +129,20 @@ def test_anything_else_is_not_a_host(host: str) -> None:
 
 
 @pytest.mark.parametrize("role", ["world", "observer", "operator", "robot-0", "robot-12", "robot-0-9"])
-def test_roles(role: str) -> None:
+def test_valid_roles_pass(role: str) -> None:
     assert identity.check_role(role) == role
 
 
 @pytest.mark.parametrize(
     "role", ["", "ca", "robot", "robot-", "robot-03", "robot-5-2", "robot-1-1", "robot-*", "world "]
 )
-def test_anything_else_is_not_a_role(role: str) -> None:
+def test_other_names_are_not_roles(role: str) -> None:
     with pytest.raises(FesError, match="a role is world, observer, operator"):
         identity.check_role(role)
 
 
 @pytest.mark.parametrize("role", ["robot-100000", "robot-0-100000", "robot-0-9999999999"])
-def test_a_role_of_robots_that_no_run_can_have_is_none(role: str) -> None:
+def test_a_role_of_robots_that_no_run_can_have_is_not_a_role(role: str) -> None:
     assert identity.check_role("robot-99998-99999")
     with pytest.raises(FesError, match=f"^a run has robots 0 to 99999 at most, got '{role}'$"):
         identity.check_role(role)

@@ -31,7 +31,7 @@ def hand_over(inbox: Inbox, thread: int, count: int) -> None:
         inbox.put(f"{thread}/{number}", b"")
 
 
-def test_a_wait_ends_when_enough_came_from_other_threads() -> None:
+def test_a_wait_ends_when_enough_messages_have_come_from_other_threads() -> None:
     async def scene(inbox: Inbox) -> tuple[bool, list[str]]:
         threads = [threading.Thread(target=hand_over, args=(inbox, k, 250), daemon=True) for k in range(4)]
         for thread in threads:
@@ -84,7 +84,7 @@ def test_a_wait_for_messages_that_have_arrived_ends_at_once() -> None:
     assert play(scene) == (True, [("a", b"1"), ("b", None)], [])
 
 
-def test_a_wait_that_times_out_is_false_and_keeps_the_arrived_messages() -> None:
+def test_a_wait_that_times_out_returns_false_and_keeps_the_arrived_messages() -> None:
     async def scene(inbox: Inbox) -> tuple[bool, bool, float, list[inboxes.Item]]:
         loop = asyncio.get_running_loop()
         before = loop.time()
@@ -103,12 +103,12 @@ def test_a_wait_that_times_out_is_false_and_keeps_the_arrived_messages() -> None
 def test_a_failure_ends_the_current_wait_and_every_later_one() -> None:
     async def scene(inbox: Inbox) -> list[str]:
         asyncio.get_running_loop().call_soon(inbox.fail, Unavailable("the world left"))
-        said = []
+        errors = []
         for _ in range(2):
             with pytest.raises(Unavailable) as caught:
                 await inbox.wait(1, LONG)
-            said.append(str(caught.value))
-        return said
+            errors.append(str(caught.value))
+        return errors
 
     assert play(scene) == ["the world left"] * 2
 

@@ -95,14 +95,16 @@ def test_an_impossible_expectation_is_rejected_at_the_start_in_one_line(table: d
 
 def test_the_summary_has_the_longest_gap_of_the_links() -> None:
     gone = [{"at": 4.0, "kill": [4]}]
-    what = load("neighborhood.toml", run__duration=8, event=gone, expect=[{"of": "links_gap_longest", "below": 3.0}])
-    found = inprocess.run(what, "gap")
+    scenario = load(
+        "neighborhood.toml", run__duration=8, event=gone, expect=[{"of": "links_gap_longest", "below": 3.0}]
+    )
+    summary = inprocess.run(scenario, "gap")
     # peers drop robot 4 after the timeout of a second, and form new links about then
-    assert 0.0 < found["links_gap_longest"] < 3.0
-    assert found["expectations"] == [
-        {"of": "links_gap_longest", "expected": "below 3.0", "seen": found["links_gap_longest"], "holds": True}
+    assert 0.0 < summary["links_gap_longest"] < 3.0
+    assert summary["expectations"] == [
+        {"of": "links_gap_longest", "expected": "below 3.0", "seen": summary["links_gap_longest"], "holds": True}
     ]
-    assert not expectations.unmet(found)
+    assert not expectations.unmet(summary)
 
 
 def test_deadlines_are_expected_of_a_live_clock_only() -> None:

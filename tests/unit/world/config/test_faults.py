@@ -40,9 +40,11 @@ def test_a_transmitter_loses_its_share_of_its_own_beacons_at_every_receiver() ->
     run = ticks({"at": 1.0, "transmitter": {"robot": 3, "loss": 0.4}}, seconds=21.0, **PERFECT)
     before, after = run[50].state.radio, run[-1].state.radio
     assert before.decoded.tolist() == before.sent.tolist()
-    at = after.edges.after(before.edges).positions
-    stayed = at >= 0
-    sent, decoded = (getattr(after, name)[stayed] - getattr(before, name)[at[stayed]] for name in ("sent", "decoded"))
+    positions = after.edges.after(before.edges).positions
+    stayed = positions >= 0
+    sent, decoded = (
+        getattr(after, name)[stayed] - getattr(before, name)[positions[stayed]] for name in ("sent", "decoded")
+    )
     for sender in range(10):
         mine = after.edges.peers[stayed] == sender
         assert sent[mine].sum() >= 3900
@@ -66,14 +68,18 @@ def test_a_late_transmitter_sends_old_data_and_its_oldest_until_the_delay_has_pa
     run = ticks(late, longer, healed, seconds=1.5, name=name)
 
     def given(tick: int) -> tuple[bytes, ...]:
-        now, told = run[tick], run[tick].telemetry
-        span = told.links.spans[3]
-        return now.state.poses[3].tobytes(), told.links.peers[span].tobytes(), told.estimates[span].tobytes()
+        now, telemetry = run[tick], run[tick].telemetry
+        span = telemetry.links.spans[3]
+        return (
+            now.state.poses[3].tobytes(),
+            telemetry.links.peers[span].tobytes(),
+            telemetry.estimates[span].tobytes(),
+        )
 
     def sent(tick: int, robot: int = 3) -> tuple[bytes, ...]:
-        said = run[tick].beacons
-        span = said.links.spans[robot]
-        return said.poses[robot].tobytes(), said.links.peers[span].tobytes(), said.estimates[span].tobytes()
+        beacons = run[tick].beacons
+        span = beacons.links.spans[robot]
+        return beacons.poses[robot].tobytes(), beacons.links.peers[span].tobytes(), beacons.estimates[span].tobytes()
 
     then = [*range(10), *[10] * 6, *range(11, 25), *[24] * 5, *range(25, 40), *range(50, 75)]
     assert len(then) == len(run)
@@ -86,14 +92,14 @@ def test_a_late_transmitter_sends_old_data_and_its_oldest_until_the_delay_has_pa
 def test_measurements_are_late_too_and_commands_are_not() -> None:
     calm = ticks(seconds=1.0, name="measured.toml")
     run = ticks({"at": 0.4, "transmitter": {"robot": 3, "delay": 0.2}}, seconds=1.0, name="measured.toml")
-    at = 24  # the first tick at which its own late beacons can affect robot 3 through its peers
-    assert run[at].beacons.statistics[3].tobytes() == calm[20].beacons.statistics[3].tobytes()
-    assert run[at].beacons.statistics[3].tobytes() != calm[at].beacons.statistics[3].tobytes()
-    spoken = {robot: payloads for robot, *payloads in marshalling.encode_tick(run[at].beacons, *told(run[at]))}
+    first = 24  # the first tick at which its own late beacons can affect robot 3 through its peers
+    assert run[first].beacons.statistics[3].tobytes() == calm[20].beacons.statistics[3].tobytes()
+    assert run[first].beacons.statistics[3].tobytes() != calm[first].beacons.statistics[3].tobytes()
+    spoken = {robot: payloads for robot, *payloads in marshalling.encode_tick(run[first].beacons, *told(run[first]))}
     beacon, command = messages.decode_beacon(spoken[3][0]), messages.decode_command(spoken[3][1])
-    assert beacon.tick == command.tick == at
-    own = run[at].telemetry.links.rows == 3
-    assert command.estimates.tolist() == run[at].telemetry.estimates[own].tolist()
+    assert beacon.tick == command.tick == first
+    own = run[first].telemetry.links.rows == 3
+    assert command.estimates.tolist() == run[first].telemetry.estimates[own].tolist()
 
 
 def told(tick: Tick) -> tuple[Any, Any]:
@@ -154,7 +160,7 @@ def test_a_hung_robot_is_like_a_dead_one_to_its_peers() -> None:
     hung = load("paper.toml", run__duration=4, event=[{"at": 1.0, "hang": [4, 6]}, {"at": 2.4, "wake": [4]}])
     dead = load("paper.toml", run__duration=4, event=[{"at": 1.0, "kill": [4, 6]}, {"at": 2.4, "restart": [4]}])
     calm = load("paper.toml", run__duration=4)
-    digests = [inprocess.run(one, "x")["digest"] for one in (hung, dead, calm)]
+    digests = [inprocess.run(scenario, "x")["digest"] for scenario in (hung, dead, calm)]
     assert digests[0] == digests[1] != digests[2]
 
 
@@ -169,8 +175,8 @@ def test_damaged_beacons_are_none_and_are_damaged_in_three_ways_each_time_the_sa
             broken.append((beacon, damaged))
             lengths.add(len(damaged) == len(beacon))
     assert lengths == {True, False}
-    whole = [pair for pair in broken if len(pair[0]) == len(pair[1])]
-    same = [sum(a == b for a, b in zip(*pair, strict=True)) / len(pair[0]) for pair in whole]
+    complete = [pair for pair in broken if len(pair[0]) == len(pair[1])]
+    same = [sum(a == b for a, b in zip(*pair, strict=True)) / len(pair[0]) for pair in complete]
     assert min(same) < 0.1
     assert max(same) > 0.9
     assert len({damaged for _, damaged in broken}) > 0.95 * len(broken)
@@ -186,8 +192,8 @@ def test_an_agent_receives_the_faults_of_its_own_robots_only_and_no_losses() -> 
         ],
     )
     whole = agent_config(faulty)
-    found = [(fault.tick, fault.robot, fault.delay, fault.corrupt, fault.skew) for fault in whole.faults]
-    assert found == [(75, 5, 0, True, None), (100, 3, 10, False, None), (100, 3, 10, False, 0.1)]
+    result = [(fault.tick, fault.robot, fault.delay, fault.corrupt, fault.skew) for fault in whole.faults]
+    assert result == [(75, 5, 0, True, None), (100, 3, 10, False, None), (100, 3, 10, False, 0.1)]
     assert [fault.robot for fault in config.own(whole, (3, 4)).faults] == [3, 3]
     assert config.own(whole, (0,)).faults == []
     again = messages.decode_welcome(messages.encode_welcome(messages.Welcome((3,), whole)))

@@ -41,10 +41,10 @@ def test_a_disc_multiplies_the_reception_by_its_factor_and_discs_multiply() -> N
     state = stand(world, state, ticks)
     factor = {0: 0.6, 1: 0.6 * 0.5, 2: 1.0}
     where = {0: -10.0, 1: 10.0, 2: 100.0}
-    found = ledger(state, "probability")
+    result = ledger(state, "probability")
     for (receiver, sender), decoded in ledger(state, "decoded").items():
         p = math.exp(-3e-7 * abs(where[receiver] - where[sender]) ** 3) * factor[receiver]
-        assert found[receiver, sender] == pytest.approx(p, rel=1e-13)  # roundings
+        assert result[receiver, sender] == pytest.approx(p, rel=1e-13)  # roundings
         sigma = math.sqrt(p * (1.0 - p) / (ticks - 1))
         assert decoded / (ticks - 1) == pytest.approx(p, abs=4.0 * sigma)  # binomial
 
@@ -53,19 +53,19 @@ def test_a_robot_is_jammed_where_it_is_at_the_tick_of_the_beacon() -> None:
     # robot 0 drives through the disc at 1 m per tick: inside from -2 m to 2 m, at ticks 3 to 7
     jam = {"x": 0.0, "y": 0.0, "radius": 2.0}
     world, state = started(team([(-5, 0), (0, 60)], model="perfect", jammers=[jam]))
-    said = []
+    reports = []
     for _ in range(12):
         state = truth.step(world, state, np.array([[50.0, 0.0], [0.0, 0.0]]))
-        said.append(ledger(state, "reception")[0, 1])
+        reports.append(ledger(state, "reception")[0, 1])
     # tick + 1 reports beacons of tick, so LOST is reported at ticks 4 to 8
-    assert said == [CLOSED, DECODED, DECODED, *[LOST] * 5, *[DECODED] * 4]
+    assert reports == [CLOSED, DECODED, DECODED, *[LOST] * 5, *[DECODED] * 4]
 
 
 def report_outage(state: State, what: Scenario, pairs: list[Pair]) -> list[float]:
     """Outage in the report, of links (a, b), a < b, that both robots use."""
     links = layouts.edges(range(len(state.poses)), [*pairs, *((b, a) for a, b in pairs)])
-    metrics, said = MetricsCollector(what), Telemetry(links, np.full(len(links), 70.0), np.zeros((2, 0)))
-    metrics.add(state, np.zeros((len(state.poses), 2)), said)
+    metrics, telemetry = MetricsCollector(what), Telemetry(links, np.full(len(links), 70.0), np.zeros((2, 0)))
+    metrics.add(state, np.zeros((len(state.poses), 2)), telemetry)
     report = report_builder.build(metrics, "test", np.ones(len(state.poses), dtype=np.uint8), 1.0, 1.0)
     assert list(zip(report.a.tolist(), report.b.tolist(), strict=True)) == pairs
     return [float(outage) for outage in report.outage]
@@ -74,36 +74,36 @@ def report_outage(state: State, what: Scenario, pairs: list[Pair]) -> list[float
 def test_a_report_shows_the_true_outage_both_ways_averaged() -> None:
     jam = {"x": 0.0, "y": 0.0, "radius": 10.0, "reception_factor": 0.25}
     bursts = {"bad_share": 0.2, "mean_length": 1.0, "loss": 0.5}
-    what = team([(0, 0), (60, 0), (140, 0), (160, 0)], jammers=[jam], bursts=bursts)
-    world, state = started(what)
+    configured = team([(0, 0), (60, 0), (140, 0), (160, 0)], jammers=[jam], bursts=bursts)
+    world, state = started(configured)
 
     def p(r: float) -> float:
         return math.exp(-3e-7 * r**3) * 0.9
 
     before = [1.0 - p(60.0), 1.0 - p(160.0), 1.0 - p(80.0)]  # no beacon was sent: the formula
-    assert report_outage(state, what, [(0, 1), (0, 3), (1, 2)]) == pytest.approx(before, rel=1e-12)  # roundings
+    assert report_outage(state, configured, [(0, 1), (0, 3), (1, 2)]) == pytest.approx(before, rel=1e-12)  # roundings
     # robot 0 is jammed; robots 0 and 3 are out of range: still the formula
     after = [1.0 - p(60.0) * (0.25 + 1.0) / 2.0, 1.0 - p(160.0), 1.0 - p(80.0)]
-    found = report_outage(stand(world, state), what, [(0, 1), (0, 3), (1, 2)])
-    assert found == pytest.approx(after, rel=1e-12)
+    result = report_outage(stand(world, state), configured, [(0, 1), (0, 3), (1, 2)])
+    assert result == pytest.approx(after, rel=1e-12)
 
 
 def test_a_report_shows_the_outage_of_a_shadowed_link() -> None:
-    what = team([(0, 0), (60, 0), (100, 30)], shadowing={"deviation": 8.0})
-    world, state = started(what)
+    configured = team([(0, 0), (60, 0), (100, 30)], shadowing={"deviation": 8.0})
+    world, state = started(configured)
     state = stand(world, state)
     p = ledger(state, "probability")
-    found = report_outage(state, what, [(0, 1), (0, 2), (1, 2)])
-    assert found == pytest.approx([1.0 - p[0, 1], 1.0 - p[0, 2], 1.0 - p[1, 2]], rel=1e-12)
+    result = report_outage(state, configured, [(0, 1), (0, 2), (1, 2)])
+    assert result == pytest.approx([1.0 - p[0, 1], 1.0 - p[0, 2], 1.0 - p[1, 2]], rel=1e-12)
     plain = 1.0 - np.exp(-3e-7 * np.array([60.0, math.hypot(100, 30), 50.0]) ** 3)
-    assert (abs(found - plain) > 1e-3).all()
+    assert (abs(result - plain) > 1e-3).all()
 
 
 def test_an_oracle_receives_the_formula_without_the_effects_on_top_of_it() -> None:
-    what = team([(0, 0), (60, 0)], **EVERYTHING)
-    told = scenario.agent_config(what).channel
-    assert type(told) is ChannelConfig
-    assert told == ChannelConfig(model="logistic", logistic_midpoint=90.0)
+    configured = team([(0, 0), (60, 0)], **EVERYTHING)
+    config = scenario.agent_config(configured).channel
+    assert type(config) is ChannelConfig
+    assert config == ChannelConfig(model="logistic", logistic_midpoint=90.0)
 
 
 def test_the_channel_of_a_run_directory_is_the_one_that_was_run(tmp_path: Path) -> None:

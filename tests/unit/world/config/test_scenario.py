@@ -128,7 +128,7 @@ def test_a_broken_rule_is_reported_in_one_line_with_field_and_value(
         ({"schema": 1, "robots": {"poses": []}}, "here: robots: poses must list 1 to 100000 robots"),
     ],
 )
-def test_a_missing_or_contradictory_field_is_one_line(tables: dict[str, Any], message: str) -> None:
+def test_a_missing_or_contradictory_field_is_reported_in_one_line(tables: dict[str, Any], message: str) -> None:
     assert refusal(tables) == message
 
 

@@ -65,9 +65,9 @@ def test_an_agent_receives_the_channel_for_the_oracle_only() -> None:
 
 
 def test_an_agents_seed_is_not_the_worlds() -> None:
-    told = [scenario.agent_config(scenario.load(PAIR, {"run.seed": seed})).seed for seed in range(20)]
-    assert len(set(told)) == 20
-    assert not set(told) & set(range(20))
+    config = [scenario.agent_config(scenario.load(PAIR, {"run.seed": seed})).seed for seed in range(20)]
+    assert len(set(config)) == 20
+    assert not set(config) & set(range(20))
 
 
 def test_an_agent_receives_no_position_and_no_duration() -> None:
@@ -93,7 +93,7 @@ EXTENTS = st.floats(0.0, 20.0).map(lambda power: 10.0**power) | st.sampled_from(
     spacing=EXTENTS,
     jitter=EXTENTS | st.just(0.0),
 )
-def test_a_generated_start_is_refused_or_is_where_floats_resolve_a_millimeter(
+def test_a_generated_start_is_rejected_or_is_where_floats_resolve_a_millimeter(
     kind: str, count: int, spacing: float, jitter: float
 ) -> None:
     fields = {"kind": kind, "count": count, "spacing": spacing, "jitter": jitter}
@@ -127,5 +127,5 @@ def test_a_pose_that_floats_do_not_resolve_is_rejected_in_one_line(pose: list[fl
 def test_robots_ten_to_the_twelve_meters_away_find_the_same_separation() -> None:
     """The spacing of floats there is 0.12 mm."""
     start = [[1e12, 1e12, 0.5], [1e12 - 100.0, 1e12, 0.5]]
-    found = inprocess.run(scenario.load(PAIR, {"robots.poses": start, "run.duration": 20.0}), "far")
-    assert found["separation_error_max"] < 0.02
+    summary = inprocess.run(scenario.load(PAIR, {"robots.poses": start, "run.duration": 20.0}), "far")
+    assert summary["separation_error_max"] < 0.02

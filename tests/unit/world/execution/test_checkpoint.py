@@ -20,7 +20,7 @@ from world.execution.run import Run
 from world.process import main
 
 
-def test_the_last_note_may_be_torn(tmp_path: Path) -> None:
+def test_the_last_journal_entry_may_be_torn(tmp_path: Path) -> None:
     path = tmp_path / "journal"
     kept = journal.Journal(path)
     notes: list[list[Any]] = [["attend", 3, [0, 1]], ["tick", 3, [b"\x00\xff", b""], []]]
@@ -29,32 +29,32 @@ def test_the_last_note_may_be_torn(tmp_path: Path) -> None:
         kept.add(note)
         ends.append(path.stat().st_size)
     kept.close()
-    whole = path.read_bytes()
-    for length in range(len(whole) + 1):
-        path.write_bytes(whole[:length])
+    content = path.read_bytes()
+    for length in range(len(content) + 1):
+        path.write_bytes(content[:length])
         assert list(journal.notes(path)) == notes[: sum(end <= length for end in ends)]
 
 
-def test_a_flipped_bit_anywhere_in_a_note_is_damage_and_a_cut_is_not(tmp_path: Path) -> None:
+def test_a_flipped_bit_anywhere_in_a_journal_is_damage_and_so_are_zeros_at_its_end(tmp_path: Path) -> None:
     # If a last note with a wrong checksum were dropped, a confirmed change by a person would be lost silently.
     path = tmp_path / "journal"
     kept = journal.Journal(path)
     for number in range(3):
         kept.add(["set", number, "channel.reference_snr", 1.1 + number])
     kept.close()
-    whole = path.read_bytes()
-    for place in range(len(whole)):
+    content = path.read_bytes()
+    for place in range(len(content)):
         for bit in range(8):
-            path.write_bytes(whole[:place] + bytes([whole[place] ^ 1 << bit]) + whole[place + 1 :])
+            path.write_bytes(content[:place] + bytes([content[place] ^ 1 << bit]) + content[place + 1 :])
             with pytest.raises(FesError, match=r"journal is damaged at byte \d+: "):
                 list(journal.notes(path))
     for count in range(1, 100):  # the system writes from front to end, so zeros at the end are damage
-        path.write_bytes(whole[:-count] + bytes(count))
+        path.write_bytes(content[:-count] + bytes(count))
         with pytest.raises(FesError, match=r"journal is damaged at byte \d+: "):
             list(journal.notes(path))
 
 
-def test_notes_that_are_lost_moved_or_of_another_run_are_damage(tmp_path: Path) -> None:
+def test_journal_entries_that_are_lost_moved_or_of_another_run_are_damage(tmp_path: Path) -> None:
     first, second = tmp_path / "journal-1", tmp_path / "journal-2"
     ends, checksum = list[int](), 7
     for number, path in enumerate((first, second), 1):
@@ -69,21 +69,21 @@ def test_notes_that_are_lost_moved_or_of_another_run_are_damage(tmp_path: Path) 
         return [note for _, note in journal.chained(paths, number, checksum)]
 
     assert len(read([first, second])) == 6
-    whole = first.read_bytes()
+    content = first.read_bytes()
     size = ends[1] - ends[0]
-    lost = whole[: ends[0]] + whole[ends[1] :]
-    moved = whole[: ends[0]] + whole[ends[1] :] + whole[ends[0] : ends[1]]
-    twice = whole[: ends[1]] + whole[ends[0] :]
-    for changed in (lost, moved, twice, whole[:-size], whole[:-1], whole[:5], b""):
+    lost = content[: ends[0]] + content[ends[1] :]
+    moved = content[: ends[0]] + content[ends[1] :] + content[ends[0] : ends[1]]
+    twice = content[: ends[1]] + content[ends[0] :]
+    for changed in (lost, moved, twice, content[:-size], content[:-1], content[:5], b""):
         first.write_bytes(changed)
         with pytest.raises(FesError, match=r"journal-[12] is damaged"):
             read([first, second])
-    first.write_bytes(whole)
+    first.write_bytes(content)
     for paths, number, first_tick in (([second], 1, 7), ([first], 2, 7), ([first, second], 1, 8), ([], 1, 7)):
         with pytest.raises(FesError, match=r"is damaged: notes before it are missing|^journal 1 is missing"):
             read(paths, number, first_tick)
     # A resumed world dropped the cut note, and died again before its next checkpoint: the checksums prove it.
-    first.write_bytes(whole + b"x")
+    first.write_bytes(content + b"x")
     assert len(read([first, second])) == 6
 
 
@@ -100,7 +100,7 @@ class Full:
         self._file.close()
 
 
-def test_no_note_follows_one_that_did_not_fit_on_the_disk(tmp_path: Path) -> None:
+def test_no_journal_entry_follows_one_that_did_not_fit_on_the_disk(tmp_path: Path) -> None:
     kept = journal.Journal(tmp_path / "journal")
     kept.add(["set", 1, "first", 1.0])
     full = kept._file = Full(kept._file)  # type: ignore[assignment]
@@ -169,19 +169,19 @@ def test_an_unusable_checkpoint_is_rejected_in_one_line(tmp_path: Path) -> None:
     with pytest.raises(FesError, match=r"has no checkpoint: its run is over, or kept none$"):
         resume.load(tmp_path)
     state = begun(tmp_path / "run")
-    whole = state.read_bytes()
+    content = state.read_bytes()
     for damaged, complaint in [
         (b"", "is not a checkpoint$"),
         (b"fes checkpoint 9\n1\n", "is a checkpoint of format 9; this fes reads format 4$"),
-        (whole[:-10], "is damaged: its SHA-256 differs$"),
-        (whole[:300] + b"\0" + whole[301:], "is damaged: its SHA-256 differs$"),
-        (whole.replace(b'"numpy": "', b'"numpy": "9'), "is damaged: its SHA-256 differs$"),
-        (holding(whole, pickle.dumps(3)), "is not a checkpoint$"),
+        (content[:-10], "is damaged: its SHA-256 differs$"),
+        (content[:300] + b"\0" + content[301:], "is damaged: its SHA-256 differs$"),
+        (content.replace(b'"numpy": "', b'"numpy": "9'), "is damaged: its SHA-256 differs$"),
+        (holding(content, pickle.dumps(3)), "is not a checkpoint$"),
     ]:
         state.write_bytes(damaged)
         with pytest.raises(FesError, match=complaint):
             resume.load(tmp_path / "run")
-    state.write_bytes(whole)
+    state.write_bytes(content)
     snapshot = resume.load(tmp_path / "run")
     [path] = checkpoint.journals(tmp_path / "run", 0)
     notes: list[list[Any]] = [
@@ -211,7 +211,7 @@ def test_an_unusable_checkpoint_is_rejected_in_one_line(tmp_path: Path) -> None:
         (["--resume", "nowhere", "--seed", "3"], "--resume continues the run as it was"),
     ],
 )
-def test_flags_that_exclude_each_other_are_one_line(
+def test_flags_that_exclude_each_other_are_reported_in_one_line(
     words: list[str], complaint: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sys.argv", ["fes-world", *words])

@@ -59,7 +59,7 @@ HOW = ["the disk is full", "the trail is not synced", "it is not synced", "it is
 
 
 @pytest.mark.parametrize("how", HOW)
-def test_a_failed_checkpoint_keeps_its_predecessor_and_all_notes(
+def test_a_failed_checkpoint_keeps_its_predecessor_and_the_whole_journal(
     tmp_path: Path, kept: tuple[Run, CheckpointWriter], how: str
 ) -> None:
     run, checkpoints = kept

@@ -45,11 +45,11 @@ def test_algebraic_connectivity_is_the_second_eigenvalue_of_the_laplacian(graph:
     values = np.linalg.svd(incidence, compute_uv=False)
     singular[: len(values)] = values[:n]
     expected = sorted(singular**2)[1]
-    found = graphs.algebraic_connectivity(n, *ends(pairs))
-    assert found == pytest.approx(expected, abs=1e-12)  # roundings of eigenvalues <= 14
+    result = graphs.algebraic_connectivity(n, *ends(pairs))
+    assert result == pytest.approx(expected, abs=1e-12)  # roundings of eigenvalues <= 14
     connected = len(set(witness.component_labels(n, pairs))) == 1
     # a connected graph has lambda_2 >= 4/(n diameter) >= 4/14^2
-    assert (found is not None and found > 0.01) == connected
+    assert (result is not None and result > 0.01) == connected
 
 
 @pytest.mark.parametrize("n", [3, 10, 64])

@@ -59,7 +59,7 @@ def times(
     return errors.times()
 
 
-def test_the_digest_is_the_contracts_sum_over_ticks_and_robots() -> None:
+def test_the_digest_is_the_hash_over_ticks_and_robots_as_defined() -> None:
     rng = np.random.default_rng(3)
     ticks = [(layouts.scatter(rng, 4, 90.0), rng.normal(size=(4, 2))) for _ in range(20)]
     ticks[5] = (
@@ -103,12 +103,12 @@ def test_the_digest_of_a_run_is_that_of_its_true_poses_and_twists(monkeypatch: p
         ([math.inf] * 2 + [0.5] * 40, 1.0),
     ],
 )
-def test_a_level_is_reached_at_the_start_of_ten_seconds_within_it(
+def test_a_level_is_reached_at_the_start_of_the_ten_seconds_for_which_it_holds(
     errors: list[float], expected: float | None
 ) -> None:
-    found = times(separations=errors)
-    assert found["separation_1m"] == expected
-    assert found["separation_0_1m"] is None
+    result = times(separations=errors)
+    assert result["separation_1m"] == expected
+    assert result["separation_0_1m"] is None
     assert times(separations=[error / 10.0 for error in errors])["separation_0_1m"] == expected
     assert times(estimates=[(0.0, error) for error in errors])["estimate_1m"] == expected
     assert times(estimates=[(error / 10.0, 0.0) for error in errors])["estimate_0_1m"] == expected
@@ -116,7 +116,7 @@ def test_a_level_is_reached_at_the_start_of_ten_seconds_within_it(
 
 
 @given(series=st.lists(st.integers(1, 45).map(lambda n: "." * n) | st.just("x"), max_size=8).map("".join))
-def test_the_time_is_that_of_the_first_hold_long_enough(series: str) -> None:
+def test_the_time_to_a_level_is_that_of_the_first_hold_that_lasts_long_enough(series: str) -> None:
     series += "x" * 25  # no hold at the end, and no short run
     hold = re.search(r"\.{21}", series)
     expected = None if hold is None else hold.start() * DT
@@ -130,10 +130,10 @@ def test_errors_and_disagreement_of_three_robots_are_those_computed_by_hand(
     one_sided: tuple[int, int],
 ) -> None:
     where = layouts.poses([(0.0, 0.0), (60.0, 0.0), (60.0, 32.0)])  # 0-1: 60 m, 1-2: 32 m, 0-2: 68 m
-    said = {(0, 1): 67.0, (1, 0): 69.5, (0, 2): 68.25, (2, 0): 67.0, one_sided: 75.0}
-    links = layouts.edges(range(3), said)
+    estimates = {(0, 1): 67.0, (1, 0): 69.5, (0, 2): 68.25, (2, 0): 67.0, one_sided: 75.0}
+    links = layouts.edges(range(3), estimates)
     errors = LinkErrors(DT)
-    add(errors, where, links, [said[pair] for pair in sorted(said)])
+    add(errors, where, links, [estimates[pair] for pair in sorted(estimates)])
     assert errors.errors == {
         "disagreement": 2.5 + 1.25,  # a link that one robot uses has no disagreement
         "estimate_error": 7.0,  # it has an estimate
@@ -165,7 +165,7 @@ def test_links_count_as_connected_from_the_first_tick_with_open_contacts(story: 
     assert errors.disk_always
 
 
-def test_the_disk_graph_is_connected_always_only_if_at_every_tick() -> None:
+def test_the_disk_graph_is_always_connected_only_if_it_is_at_every_tick() -> None:
     near, far = layouts.poses([(0.0, 0.0), (149.0, 0.0)]), layouts.poses([(0.0, 0.0), (151.0, 0.0)])
     errors, nothing = LinkErrors(DT), layouts.edges([0, 1], [])
     seen = []

@@ -62,10 +62,10 @@ def test_the_index_at_the_optimum_has_the_settled_value_slope_and_curvature(
     best = optimum.optimal_separation(team_objective, PAPER)
     index = oracle.index(team_objective, PAPER, "none")
     h = 0.05  # m; stencils of fourth order leave about J'''''' h^4 = 1e-13, roundings 1e-16/h^2, 1e-16/h^3
-    back, far, near, here, ahead, beyond, forth = index(best + h * np.arange(-3.0, 4.0))
-    assert here == pytest.approx(value, abs=5e-7)  # half a digit, as below
+    back, far, near, middle, ahead, beyond, forth = index(best + h * np.arange(-3.0, 4.0))
+    assert middle == pytest.approx(value, abs=5e-7)  # half a digit, as below
     assert (far - 8 * near + 8 * ahead - beyond) / (12 * h) == pytest.approx(0.0, abs=1e-11)
-    second = (-far + 16 * near - 30 * here + 16 * ahead - beyond) / (12 * h * h)
+    second = (-far + 16 * near - 30 * middle + 16 * ahead - beyond) / (12 * h * h)
     assert second == pytest.approx(curvature, abs=5e-9 if team_objective is NEAR else 5e-10)
     third = (back - 8 * far + 13 * near - 13 * ahead + 8 * beyond - forth) / (8 * h**3)
     assert third == pytest.approx(skew, abs=5e-10 if team_objective is NEAR else 5e-11)
@@ -85,7 +85,7 @@ def test_the_log_index_at_the_optimum_has_the_settled_curvature(
 def test_log_index_slope_is_the_derivative_of_the_log_index(
     team_objective: ObjectiveConfig, channel: ChannelConfig, separation: float
 ) -> None:
-    found = float(log_index_slope(np.array([separation]), team_objective, channel)[0])
+    result = float(log_index_slope(np.array([separation]), team_objective, channel)[0])
     expected = witness.complex_step(lambda r: log_index(r, team_objective, channel), separation)
     scale = (2.0**channel.spectral_efficiency - 1.0) / channel.reference_snr
     terms = (
@@ -95,27 +95,27 @@ def test_log_index_slope_is_the_derivative_of_the_log_index(
     )
     spread = (separation / team_objective.minimum_separation) ** team_objective.shape_exponent
     # three terms cancel; the witness' 1 - exp(-spread) loses 1e-16/spread
-    assert abs(found - expected) <= 6.0 * terms / separation * (1e-13 + 1e-15 / min(spread, 1.0))
+    assert abs(result - expected) <= 6.0 * terms / separation * (1e-13 + 1e-15 / min(spread, 1.0))
 
 
 @settings(max_examples=200)
 @given(team_objective=objectives, channel=channels)
 def test_no_separation_is_better_than_the_optimum(team_objective: ObjectiveConfig, channel: ChannelConfig) -> None:
-    found = optimum.optimal_separation(team_objective, channel)
+    best = optimum.optimal_separation(team_objective, channel)
     expected = witness.maximizer(
         lambda r: log_index(r, team_objective, channel).real, 1.0, team_objective.maximum_separation
     )
     # A maximum read from values is known to sqrt(2e-16 |ln J|/(r^2 (ln J)'')) = 1e-7 of r or so.
-    assert found == pytest.approx(expected, rel=1e-6)
-    slope = witness.complex_step(lambda r: log_index(r, team_objective, channel), found)
-    assert abs(slope) * found < 1e-10  # r (ln J)' is of order 1 one meter away
+    assert best == pytest.approx(expected, rel=1e-6)
+    slope = witness.complex_step(lambda r: log_index(r, team_objective, channel), best)
+    assert abs(slope) * best < 1e-10  # r (ln J)' is of order 1 one meter away
 
 
 def test_without_losses_the_optimum_is_that_of_the_objective_alone() -> None:
     # p = 1: A/(e^A - 1) = (r/150)^4 = A/81 with A = (r/50)^4, so e^A = 82
     expected = 50.0 * math.log(82.0) ** 0.25
-    found = optimum.optimal_separation(NEAR, ChannelConfig(model="perfect"))
-    assert found == pytest.approx(expected, rel=1e-12)  # bisection to rounding
+    best = optimum.optimal_separation(NEAR, ChannelConfig(model="perfect"))
+    assert best == pytest.approx(expected, rel=1e-12)  # bisection to rounding
 
 
 @given(
@@ -127,10 +127,10 @@ def test_the_oracles_index_is_preference_times_reception(
     team_objective: ObjectiveConfig, channel: ChannelConfig, separation: list[float]
 ) -> None:
     r = np.array(separation)
-    found = oracle.index(team_objective, channel, "none")(r)
+    result = oracle.index(team_objective, channel, "none")(r)
     expected = objective.preference(r, team_objective) * outage.reception_probability(r, channel)
     # one exponential of a sum against a product of two: roundings times the exponent, which 1e-300 bounds
-    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-290)
+    np.testing.assert_allclose(result, expected, rtol=1e-12, atol=1e-290)
     assert r.tolist() == separation  # the argument is unchanged
 
 
@@ -141,9 +141,9 @@ def test_the_oracles_index_is_equation_33() -> None:
 
 
 def test_an_estimate_thrown_below_zero_has_a_finite_and_vanishing_index() -> None:
-    found = oracle.index(NEAR, PAPER, "none")(np.array([-30.0, 0.0]))
-    assert (found >= 0.0).all()
-    assert (found < 1e-40).all()  # (1e-9/50)^4 = 1.6e-43
+    result = oracle.index(NEAR, PAPER, "none")(np.array([-30.0, 0.0]))
+    assert (result >= 0.0).all()
+    assert (result < 1e-40).all()  # (1e-9/50)^4 = 1.6e-43
 
 
 def test_the_log_index_is_the_logarithm_of_the_index() -> None:
@@ -157,6 +157,6 @@ def test_the_curvature_of_the_log_index_hardly_depends_on_the_objective() -> Non
     """(ln J)'' = -1.3327e-3 and -1.1763e-3 at the two optima, where J'' differs by a factor of 2.4."""
     h = 0.01  # m; central differences of ln J are then exact to 1e-8
     for team_objective, curvature in ((NEAR, -1.3327e-3), (ObjectiveConfig(minimum_separation=100.0), -1.1763e-3)):
-        at = optimum.optimal_separation(team_objective, PAPER) + h * np.array([-1.0, 0.0, 1.0])
-        below, here, above = oracle.index(team_objective, PAPER, "log")(at)
-        assert (below - 2.0 * here + above) / h**2 == pytest.approx(curvature, rel=1e-4)
+        points = optimum.optimal_separation(team_objective, PAPER) + h * np.array([-1.0, 0.0, 1.0])
+        below, middle, above = oracle.index(team_objective, PAPER, "log")(points)
+        assert (below - 2.0 * middle + above) / h**2 == pytest.approx(curvature, rel=1e-4)

@@ -45,13 +45,13 @@ channels = st.builds(
 )
 
 
-def rises(r: float, preferred: ObjectiveConfig, channel: ChannelConfig) -> bool:
+def rises(r: float, team_objective: ObjectiveConfig, channel: ChannelConfig) -> bool:
     """True if ln J of (16) rises at r: r (ln J)' by hand, in 60 digits."""
     with mpmath.workdps(60):
-        x, shape = mpmath.mpf(r), mpmath.mpf(preferred.shape_exponent)
-        spread = (x / preferred.minimum_separation) ** shape
-        reach = (x / preferred.maximum_separation) ** shape
-        pull = shape * spread * (mpmath.exp(-spread) / -mpmath.expm1(-spread))
+        x, shape = mpmath.mpf(r), mpmath.mpf(team_objective.shape_exponent)
+        spread = (x / team_objective.minimum_separation) ** shape
+        reach = (x / team_objective.maximum_separation) ** shape
+        vector = shape * spread * (mpmath.exp(-spread) / -mpmath.expm1(-spread))
         loss = mpmath.mpf(0)
         if channel.model == "logistic":
             loss = x / channel.logistic_width
@@ -60,21 +60,21 @@ def rises(r: float, preferred: ObjectiveConfig, channel: ChannelConfig) -> bool:
             exponent = mpmath.mpf(channel.path_loss_exponent)
             threshold = mpmath.expm1(channel.spectral_efficiency * mpmath.log(2))
             loss = exponent * threshold / channel.reference_snr * (x / channel.reference_distance) ** exponent
-        return bool(pull > shape * reach + loss)
+        return bool(vector > shape * reach + loss)
 
 
 @settings(max_examples=3 * EXAMPLES // 2)
-@given(preferred=objectives, channel=channels)
-@example(preferred=ObjectiveConfig(), channel=ChannelConfig())
-@example(preferred=ObjectiveConfig(maximum_separation=LARGEST), channel=ChannelConfig(model="perfect"))
-@example(preferred=ObjectiveConfig(), channel=ChannelConfig(reference_snr=SMALLEST))
+@given(team_objective=objectives, channel=channels)
+@example(team_objective=ObjectiveConfig(), channel=ChannelConfig())
+@example(team_objective=ObjectiveConfig(maximum_separation=LARGEST), channel=ChannelConfig(model="perfect"))
+@example(team_objective=ObjectiveConfig(), channel=ChannelConfig(reference_snr=SMALLEST))
 def test_the_index_rises_below_the_optimum_and_falls_above_it(
-    preferred: ObjectiveConfig, channel: ChannelConfig
+    team_objective: ObjectiveConfig, channel: ChannelConfig
 ) -> None:
-    found = optimal_separation(preferred, channel)
-    below, above = math.nextafter(found, 0.0), math.nextafter(found, math.inf)
-    assert below == 0.0 or rises(below, preferred, channel)
-    assert not rises(above, preferred, channel)
+    best = optimal_separation(team_objective, channel)
+    below, above = math.nextafter(best, 0.0), math.nextafter(best, math.inf)
+    assert below == 0.0 or rises(below, team_objective, channel)
+    assert not rises(above, team_objective, channel)
 
 
 @settings(max_examples=30)
@@ -90,17 +90,17 @@ def test_the_optimum_does_not_depend_on_a_maximum_separation_far_above_it(
 
 
 @pytest.mark.parametrize("limit", [1e7, 1e9, 1e15, 1e20, 1e30, 1e308])
-def test_no_upper_bound_written_as_a_large_number_leaves_the_optimum_alone(limit: float) -> None:
-    found = optimal_separation(ObjectiveConfig(maximum_separation=limit), ChannelConfig())
-    assert found == pytest.approx(70.41375740114329, rel=1e-15)  # by mpmath, of (16) without its r_x
+def test_a_huge_maximum_separation_acts_as_none(limit: float) -> None:
+    best = optimal_separation(ObjectiveConfig(maximum_separation=limit), ChannelConfig())
+    assert best == pytest.approx(70.41375740114329, rel=1e-15)  # by mpmath, of (16) without its r_x
 
 
 def test_the_optimum_of_a_perfect_channel_is_the_one_computed_by_hand() -> None:
     # e^A = 1 + (r_x/r_min)^4 where p = 1, with A = (r/r_min)^4: so far out that the power overflows
     with mpmath.workdps(40):
         expected = 50 * mpmath.log1p((mpmath.mpf(1e300) / 50) ** 4) ** mpmath.mpf("0.25")
-    found = optimal_separation(ObjectiveConfig(maximum_separation=1e300), ChannelConfig(model="perfect"))
-    assert found == float(expected)
+    best = optimal_separation(ObjectiveConfig(maximum_separation=1e300), ChannelConfig(model="perfect"))
+    assert best == float(expected)
 
 
 def test_an_optimum_below_the_smallest_float_is_the_smallest_float() -> None:

@@ -66,61 +66,65 @@ def rms(errors: list[float]) -> float:
 
 @pytest.mark.parametrize("name", ["paper.toml", "pair.toml", "neighborhood.toml"])
 def test_the_summary_has_the_keys_and_types_of_the_contract(name: str, tmp_path: Path) -> None:
-    found = written(tmp_path, inprocess.run(loop.load(name, run__duration=2), name))
-    assert {key: type(value) for key, value in found.items()} == CONTRACT
-    assert set(found["time_to"]) == TIMES
-    assert {type(time) for time in found["time_to"].values()} <= {float, type(None)}
-    assert len(bytes.fromhex(found["digest"])) == 32
-    assert list(found) == list(CONTRACT)
+    run_summary = written(tmp_path, inprocess.run(loop.load(name, run__duration=2), name))
+    assert {key: type(value) for key, value in run_summary.items()} == CONTRACT
+    assert set(run_summary["time_to"]) == TIMES
+    assert {type(time) for time in run_summary["time_to"].values()} <= {float, type(None)}
+    assert len(bytes.fromhex(run_summary["digest"])) == 32
+    assert list(run_summary) == list(CONTRACT)
 
 
 def test_a_run_without_links_has_null_for_undefined_numbers(tmp_path: Path) -> None:
     alone = loop.load("pair.toml", run__duration=0.5, channel__communication_range=10.0)
-    found = written(tmp_path, inprocess.run(alone, "pair"))
-    assert set(found) == set(CONTRACT)
-    assert found["edges"] == []
-    assert [found[key] for key in OF_LINKS] == [None] * 5
-    assert set(found["time_to"].values()) == {None}
-    assert found["disk_connected_always"] is False
-    assert (found["algebraic_connectivity"], found["beacons_sent"], found["beacons_decoded"]) == (0.0, 0, 0)
+    run_summary = written(tmp_path, inprocess.run(alone, "pair"))
+    assert set(run_summary) == set(CONTRACT)
+    assert run_summary["edges"] == []
+    assert [run_summary[key] for key in OF_LINKS] == [None] * 5
+    assert set(run_summary["time_to"].values()) == {None}
+    assert run_summary["disk_connected_always"] is False
+    assert (run_summary["algebraic_connectivity"], run_summary["beacons_sent"], run_summary["beacons_decoded"]) == (
+        0.0,
+        0,
+        0,
+    )
 
 
 @pytest.mark.parametrize(("name", "seconds"), [("paper.toml", 2), ("paper.toml", 0.1), ("neighborhood.toml", 3)])
 def test_the_edges_are_those_of_the_last_tick_with_their_separations_and_both_estimates(
     name: str, seconds: float
 ) -> None:
-    what = loop.load(name, run__duration=seconds)
-    found, history = inprocess.run(what, name), loop.run(what)
-    said = history.estimates[-1]
+    configured = loop.load(name, run__duration=seconds)
+    run_summary, history = inprocess.run(configured, name), loop.run(configured)
+    estimates = history.estimates[-1]
     pairs = sorted(history.edges(-1))
     assert len(pairs) > 5
-    assert [(i, j) for i, j, *_ in found["edges"]] == pairs
-    for i, j, separation, mine, theirs in found["edges"]:
+    assert [(i, j) for i, j, *_ in run_summary["edges"]] == pairs
+    for i, j, separation, mine, theirs in run_summary["edges"]:
         assert separation == pytest.approx(history.separation(-1, (i, j)), abs=1e-9)
-        assert (mine, theirs) == (said.get((i, j)), said.get((j, i)))
+        assert (mine, theirs) == (estimates.get((i, j)), estimates.get((j, i)))
 
 
 def test_a_link_that_only_one_robot_uses_has_null_for_the_other() -> None:
     history = loop.run(loop.load("paper.toml"), 150)
     tick, (i, j) = next(
         (tick, pair)
-        for tick, said in enumerate(history.estimates)
-        for pair in sorted(said)
-        if (pair[1], pair[0]) not in said
+        for tick, estimates in enumerate(history.estimates)
+        for pair in sorted(estimates)
+        if (pair[1], pair[0]) not in estimates
     )
-    found = inprocess.run(loop.load("paper.toml", run__duration=(tick + 1) * 0.02), "paper")
-    said = history.estimates[tick][i, j]
-    row = next(row for row in found["edges"] if row[:2] == [min(i, j), max(i, j)])
-    assert row[3:] == ([said, None] if i < j else [None, said])
+    run_summary = inprocess.run(loop.load("paper.toml", run__duration=(tick + 1) * 0.02), "paper")
+    estimates = history.estimates[tick][i, j]
+    row = next(row for row in run_summary["edges"] if row[:2] == [min(i, j), max(i, j)])
+    assert row[3:] == ([estimates, None] if i < j else [None, estimates])
 
 
 def test_the_errors_are_those_of_the_edges() -> None:
-    found = inprocess.run(loop.load("paper.toml", run__duration=2), "paper")
-    best = found["optimal_separation"]
+    run_summary = inprocess.run(loop.load("paper.toml", run__duration=2), "paper")
+    best = run_summary["optimal_separation"]
     assert best == pytest.approx(witness.OPTIMUM_50, abs=1e-5)
-    separation = [row[2] - best for row in found["edges"]]
-    estimate = [value - best for row in found["edges"] for value in row[3:] if value is not None]
-    apart = [abs(row[3] - row[4]) for row in found["edges"] if None not in row]
+    separation = [row[2] - best for row in run_summary["edges"]]
+    estimate = [value - best for row in run_summary["edges"] for value in row[3:] if value is not None]
+    apart = [abs(row[3] - row[4]) for row in run_summary["edges"] if None not in row]
     expected = {
         "separation_error_max": max(map(abs, separation)),
         "separation_error_rms": rms(separation),
@@ -128,18 +132,23 @@ def test_the_errors_are_those_of_the_edges() -> None:
         "estimate_error_max": max(map(abs, estimate)),
         "estimate_error_rms": rms(estimate),
     }
-    assert {key: found[key] for key in OF_LINKS} == pytest.approx(expected, rel=1e-12)
+    assert {key: run_summary[key] for key in OF_LINKS} == pytest.approx(expected, rel=1e-12)
 
 
 def test_the_counts_of_a_pair_with_a_perfect_radio_are_those_computed_by_hand() -> None:
-    found = inprocess.run(loop.load("pair.toml", run__duration=2, channel__model="perfect"), "pair")
-    assert (found["robots"], found["ticks"], found["simulated_s"], found["seed"]) == (2, 100, 2.0, 1)
+    run_summary = inprocess.run(loop.load("pair.toml", run__duration=2, channel__model="perfect"), "pair")
+    assert (run_summary["robots"], run_summary["ticks"], run_summary["simulated_s"], run_summary["seed"]) == (
+        2,
+        100,
+        2.0,
+        1,
+    )
     # Each of the ticks 2 to 99 reports two beacons
-    assert found["beacons_sent"] == found["beacons_decoded"] == 2 * 98
-    assert found["links_connected_always"] is True  # from tick 2 on: no robot can have a link before
-    assert found["algebraic_connectivity"] == pytest.approx(2.0)  # the Laplacian [[1, -1], [-1, 1]]
-    assert found["ticks_per_s"] == pytest.approx(100 / found["wall_s"])
-    assert found["real_time_factor"] == pytest.approx(2.0 / found["wall_s"])
+    assert run_summary["beacons_sent"] == run_summary["beacons_decoded"] == 2 * 98
+    assert run_summary["links_connected_always"] is True  # from tick 2 on: no robot can have a link before
+    assert run_summary["algebraic_connectivity"] == pytest.approx(2.0)  # the Laplacian [[1, -1], [-1, 1]]
+    assert run_summary["ticks_per_s"] == pytest.approx(100 / run_summary["wall_s"])
+    assert run_summary["real_time_factor"] == pytest.approx(2.0 / run_summary["wall_s"])
 
 
 def test_the_summary_is_complete_before_it_replaces_the_old_one(

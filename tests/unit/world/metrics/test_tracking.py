@@ -41,7 +41,7 @@ def test_the_optimum_is_found_from_the_first_tick_that_holds_for_ten_seconds(
     assert follow(errors)[0]["time_to_1m"] == expected
 
 
-def test_after_a_change_five_seconds_count_and_times_start_there() -> None:
+def test_after_a_change_five_seconds_suffice_and_times_count_from_the_change() -> None:
     errors = [0.0] * 30 + [2.5] * 8 + [0.5] * 10
     first, second = follow(errors, changes=[30])
     assert (first["at"], first["time_to_1m"]) == (0.0, 0.0)
@@ -102,8 +102,8 @@ def test_a_link_keeps_its_average_while_it_exists(period: int, story: list[set[t
         average.add(links, np.array([values[pair] for pair in now]))
         end = (tick + 1) % length  # ticks since the last whole block
         for pair, mean in zip(now, average.mean.tolist() if len(average.mean) else [math.nan] * 9, strict=False):
-            stretch = since[pair][: len(since[pair]) - end]
-            if len(stretch) >= period + length:  # it existed in all blocks, even if it appeared within one
-                assert mean == pytest.approx(float(np.mean(stretch[-period:])))
-            elif len(stretch) < period:
+            segment = since[pair][: len(since[pair]) - end]
+            if len(segment) >= period + length:  # it existed in all blocks, even if it appeared within one
+                assert mean == pytest.approx(float(np.mean(segment[-period:])))
+            elif len(segment) < period:
                 assert math.isnan(mean)

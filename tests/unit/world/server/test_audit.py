@@ -44,7 +44,7 @@ def fed(*lines: str) -> Audit:
     return audit
 
 
-def test_a_computation_ahead_is_not_an_attempt() -> None:
+def test_a_permission_that_is_computed_in_advance_is_not_an_attempt() -> None:
     assert counted(*ahead("ingress"), *ahead("egress")) == {}
 
 
@@ -56,7 +56,7 @@ def test_an_attempt_is_counted_with_the_name_on_its_certificate() -> None:
     }
 
 
-def test_an_attempt_without_a_cached_result_is_distinguished_from_the_same_line_computed_ahead() -> None:
+def test_an_attempt_without_a_cached_result_is_distinguished_from_the_same_line_computed_in_advance() -> None:
     plain = f"{TRACE} {WHO} is unauthorized to Query (ingress) on {KEY}"
     assert counted(*ahead("ingress"), *ahead("egress"), plain) == {f"robot-3: query on {KEY}": 1}
     assert counted(plain) == {f"robot-3: query on {KEY}": 1}
@@ -82,7 +82,7 @@ def test_a_failed_connection_is_explained_in_plain_words(said: str, meant: str) 
     assert counted(line, line) == {f"connection: {meant}": 2}
 
 
-def test_each_kind_is_logged_once_however_the_log_is_cut(caplog: pytest.LogCaptureFixture) -> None:
+def test_each_kind_is_logged_once_however_the_log_is_split(caplog: pytest.LogCaptureFixture) -> None:
     audit = Audit(logging.getLogger("test"), ["robot-3"])
     log = "".join(f"{line}\n" for line in [*ahead("ingress"), *[cached("Put (ingress)")] * 5]).encode()
     for start in range(0, len(log), 37):
@@ -101,15 +101,15 @@ def test_a_client_that_fills_the_log_with_made_up_keys_and_names_hides_no_other(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     made_up = [denied("robot-3", f"made/up/{number}") for number in range(10 * KINDS_PER_NAME)]
-    nobody = [denied(f"nobody-{number}", KEY) for number in range(10 * KINDS_PER_NAME)]
+    strangers = [denied(f"nobody-{number}", KEY) for number in range(10 * KINDS_PER_NAME)]
     no_tls = f"{TRACE} zenoh_link_tls::unicast: received corrupt message"
-    audit = fed(*made_up, *nobody, denied("operator", KEY), denied("operator", KEY), no_tls)
-    said = [record.getMessage() for record in caplog.records]
-    lines = [sum(name in line for line in said) for name in ("robot-3's", "nobody", "operator's")]
+    audit = fed(*made_up, *strangers, denied("operator", KEY), denied("operator", KEY), no_tls)
+    logged = [record.getMessage() for record in caplog.records]
+    lines = [sum(name in line for line in logged) for name in ("robot-3's", "nobody", "operator's")]
     assert lines == [KINDS_PER_NAME + 1, KINDS_PER_NAME + 1, 1]
     last = f"dropped robot-3's put on made/up/{KINDS_PER_NAME}: it has no right to it"
-    assert f"{last} (further kinds are counted, not shown)" in said
-    assert "dropped a connection: it does not speak TLS" in said[-1]
+    assert f"{last} (further kinds are counted, not shown)" in logged
+    assert "dropped a connection: it does not speak TLS" in logged[-1]
     caplog.clear()
     audit.log_total()
     totals = [record.getMessage() for record in caplog.records]
@@ -119,7 +119,7 @@ def test_a_client_that_fills_the_log_with_made_up_keys_and_names_hides_no_other(
     assert len(totals) == 4
 
 
-def test_a_key_cannot_forge_a_line_about_the_totals_nor_a_long_one(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_key_can_forge_neither_a_line_about_the_totals_nor_a_long_line(caplog: pytest.LogCaptureFixture) -> None:
     audit = fed(*[denied("operator", f"a/\rFORGED {letter * 20_000}") for letter in "abcdefghij"])
     audit.log_total()
     assert len(caplog.records) == 11

@@ -67,26 +67,26 @@ def warm(participation: Any, deadlines: Deadlines) -> tuple[Inbox, LiveClock]:
     return inbox, clock
 
 
-def spoken(said: dict[int, list[bytes]], ticks: int) -> tuple[list[list[int]], Deadlines, StubParticipation]:
+def spoken(commands: dict[int, list[bytes]], ticks: int) -> tuple[list[list[int]], Deadlines, StubParticipation]:
     """Per tick: the tick of the command that each of two robots follows, -1 for none; `said` are commands by tick."""
     state, deadlines, participation = world_of_two()
-    found: list[list[int]] = []
+    result: list[list[int]] = []
 
     async def main() -> None:
         inbox, clock = warm(participation, deadlines)
         clock._end_of_tick = lambda: asyncio.sleep(0)  # type: ignore[method-assign]
         for tick in range(ticks):
-            for payload in said.get(tick, []):
+            for payload in commands.get(tick, []):
                 inbox.put(keys.command("test", messages.decode_command(payload).robot), payload)
             now = replace(state, tick=tick)
             answers, present = await clock.collect(now, [b"", b""])
             assert present.all()
             ticks_of = np.array([answer[0].tick if answer else -1 for answer in answers])
             deadlines.add(tick, now.present, ticks_of)
-            found.append(ticks_of.tolist())
+            result.append(ticks_of.tolist())
 
     asyncio.run(main())
-    return found, deadlines, participation
+    return result, deadlines, participation
 
 
 class WarmUp:
@@ -101,18 +101,18 @@ class WarmUp:
         return [(messages.decode_command(payload), payload), None], np.array([True, False])
 
 
-def test_the_first_ticks_of_a_live_clock_are_in_lockstep_and_their_last_command_holds_on() -> None:
+def test_the_first_ticks_of_a_live_clock_are_in_lockstep_and_their_last_command_is_held() -> None:
     state, deadlines, participation = world_of_two()
     warm_up = WarmUp()
 
     async def main() -> list[tuple[list[int], list[bool]]]:
         inbox, drops = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
         clock = LiveClock(warm_up, inbox, participation, drops, deadlines, TICK)  # type: ignore[arg-type]
-        found = []
+        result = []
         for tick in range(7, 7 + WARM_UP + 1):  # a resumed world warms up, too
             answers, present = await clock.collect(replace(state, tick=tick), [b"", b""])
-            found.append(([answer[0].tick if answer else -1 for answer in answers], present.tolist()))
-        return found
+            result.append(([answer[0].tick if answer else -1 for answer in answers], present.tolist()))
+        return result
 
     *warm, live_one = asyncio.run(main())
     assert warm_up.ticks == list(range(7, 7 + WARM_UP))
@@ -124,10 +124,10 @@ def test_the_last_command_is_held_until_it_is_too_old_and_then_the_robot_stops()
     ticks = 40
     always = {tick: [command(0, tick)] for tick in range(ticks)}
     always[0].append(command(1, 0))
-    found, deadlines, participation = spoken(always, ticks)
+    result, deadlines, participation = spoken(always, ticks)
     alive = round(COMMAND_TIMEOUT / TICK + 0.4999)  # ticks for which a command holds
-    assert [robots[0] for robots in found] == list(range(ticks))
-    assert [robots[1] for robots in found] == [0] * alive + [-1] * (ticks - alive)
+    assert [robots[0] for robots in result] == list(range(ticks))
+    assert [robots[1] for robots in result] == [0] * alive + [-1] * (ticks - alive)
     assert deadlines.due.tolist() == [ticks, ticks]
     assert deadlines.missed.tolist() == [0, ticks - 1]
     assert deadlines.stopped.tolist() == [0, ticks - alive]
@@ -136,14 +136,14 @@ def test_the_last_command_is_held_until_it_is_too_old_and_then_the_robot_stops()
 
 
 def test_a_late_command_is_counted_once_and_then_obeyed() -> None:
-    said = {
+    commands = {
         0: [command(0, 0), command(1, 0)],
         1: [command(0, 1)],
         2: [command(1, 1), command(0, 2), command(0, 2), command(0, 1)],  # late, in time, and again
         3: [command(0, 3), command(1, 3)],
     }
-    found, deadlines, _ = spoken(said, 4)
-    assert found == [[0, 0], [1, 0], [2, 1], [3, 3]]
+    result, deadlines, _ = spoken(commands, 4)
+    assert result == [[0, 0], [1, 0], [2, 1], [3, 3]]
     assert deadlines.missed.tolist() == [0, 2]
     assert deadlines.late.tolist() == [0, 1]
     assert deadlines.table()["missed_share"] == 2 / 8
@@ -156,8 +156,8 @@ def test_a_silent_robot_is_excluded() -> None:
 
 
 def test_a_command_for_a_future_tick_is_rejected() -> None:
-    found, deadlines, _ = spoken({0: [command(0, 1), command(1, 0)]}, 2)
-    assert found == [[-1, 0], [-1, 0]]
+    result, deadlines, _ = spoken({0: [command(0, 1), command(1, 0)]}, 2)
+    assert result == [[-1, 0], [-1, 0]]
     assert deadlines.late.tolist() == [0, 0]
 
 
@@ -178,7 +178,7 @@ def test_an_agent_answers_the_newest_tick_and_counts_those_it_skipped() -> None:
         sense(1, 0)
         sense(1, 1)  # robot 1's observation of tick 2 is on its way
         async for observations in ticks.live(world):
-            assert {one.tick for one in observations} == {ticks.tick}
+            assert {observation.tick for observation in observations} == {ticks.tick}
             answered.append(ticks.tick)
             if ticks.tick == 1:
                 for tick in (2, 3, 4, 5):
@@ -205,7 +205,7 @@ class SilentBus:
     def declare_queryable(self, key: str, handler: Any) -> None: ...
 
 
-def test_an_outbox_that_skips_ticks_forgets_as_much() -> None:
+def test_an_outbox_whose_agent_skips_ticks_still_forgets_old_ones() -> None:
     outbox = Outbox(SilentBus(), "test", (0,), DropLog(logging.getLogger("test")))  # type: ignore[arg-type]
     for tick in range(0, 3000, 3):
         outbox.publish(tick, [(0, b"beacon", b"command")])
@@ -213,7 +213,9 @@ def test_an_outbox_that_skips_ticks_forgets_as_much() -> None:
     assert len(outbox._beacons) <= 2
 
 
-def test_a_world_that_is_late_slips_and_gives_every_robot_a_whole_tick(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_clock_of_a_late_world_slips_and_gives_every_robot_a_complete_tick(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     _, deadlines, participation = world_of_two()
     wall = Clock(monkeypatch, "world.server.live", lambda sleep: 0.5 if sleep == 2 else 0.001)
 
@@ -234,9 +236,9 @@ def test_a_report_counts_missed_and_late_commands_until_its_tick() -> None:
     assert metrics.deadlines is not None
     metrics.deadlines.late[1] = 2
     report = report_builder.build(metrics, "test", np.ones(2, dtype=np.uint8), 0.0, 0.0)
-    told = decode_report(encode_report(report))
-    assert told.missed.tolist() == [0, 3]  # from tick 2 to 4
-    assert told.late.tolist() == [0, 2]
+    decoded = decode_report(encode_report(report))
+    assert decoded.missed.tolist() == [0, 3]  # from tick 2 to 4
+    assert decoded.late.tolist() == [0, 2]
 
 
 def test_the_dashboard_shows_missed_commands_per_robot() -> None:

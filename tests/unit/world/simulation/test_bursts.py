@@ -71,10 +71,10 @@ def cluster(n: int, seed: int = 3, **channel: Any) -> Scenario:
     return parse({"schema": 1, "run": {"seed": seed}, "robots": {"poses": poses}, "channel": channel}, "here")
 
 
-def play(what: Scenario, ticks: int, velocity: Floats | None = None) -> list[State]:
+def play(scenario: Scenario, ticks: int, velocity: Floats | None = None) -> list[State]:
     """The states of a run; robots stand still, or go along +x with `velocity` [n]."""
-    world = truth.create(what)
-    twists = np.zeros((what.robots.number, 2))
+    world = truth.create(scenario)
+    twists = np.zeros((scenario.robots.number, 2))
     if velocity is not None:
         twists[:, 0] = velocity
     states = [truth.start(world)]
@@ -118,17 +118,17 @@ def test_directions_and_pairs_burst_independently() -> None:
 
 def verdicts(states: list[State], n: int) -> dict[tuple[int, int], list[tuple[int, int]]]:
     """Reception and burst of each pair of the first n robots, tick by tick."""
-    said: dict[tuple[int, int], list[tuple[int, int]]] = {}
+    by_pair: dict[tuple[int, int], list[tuple[int, int]]] = {}
     for state in states:
         radio = state.radio
         pairs = zip(radio.edges.rows.tolist(), radio.edges.peers.tolist(), strict=True)
-        for pair, *what in zip(pairs, radio.reception.tolist(), radio.burst.tolist(), strict=True):
+        for pair, *verdict in zip(pairs, radio.reception.tolist(), radio.burst.tolist(), strict=True):
             if max(pair) < n:
-                said.setdefault(pair, []).append((what[0], what[1]))
-    return said
+                by_pair.setdefault(pair, []).append((verdict[0], verdict[1]))
+    return by_pair
 
 
-def test_another_robot_standing_by_or_passing_changes_no_other_pairs_chain() -> None:
+def test_another_robot_nearby_or_passing_changes_no_chain_of_other_pairs() -> None:
     def team(*more: list[float]) -> Scenario:
         poses = [[0.0, 0.0, 0.0], [120.0, 0.0, 0.0], [60.0, 90.0, 0.0], *more]
         return parse({"schema": 1, "robots": {"poses": poses}, "channel": {"bursts": BURSTS}}, "here")

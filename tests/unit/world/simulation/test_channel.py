@@ -23,13 +23,13 @@ def team(positions: list[tuple[float, float]], model: str = "rayleigh", seed: in
     return parse(tables, "test")
 
 
-def listen(what: Scenario, speeds: list[Floats]) -> tuple[Codes, list[State]]:
+def listen(scenario: Scenario, speeds: list[Floats]) -> tuple[Codes, list[State]]:
     """The radio's verdicts at each tick, the robots moving along +x with `speeds` [n] of each tick."""
-    world = truth.create(what)
+    world = truth.create(scenario)
     states = [truth.start(world)]
     for speed in speeds:
         states.append(truth.step(world, states[-1], np.column_stack([speed, np.zeros_like(speed)])))
-    n = what.robots.number
+    n = scenario.robots.number
     codes: Codes = {(i, j): [-1] * len(states) for i in range(n) for j in range(n) if i != j}
     for tick, state in enumerate(states):
         sensed = truth.observe(state)
@@ -146,7 +146,7 @@ def test_a_nearer_pair_decodes_every_beacon_that_a_farther_one_with_the_same_dra
     assert {(LOST, LOST), (DECODED, LOST), (DECODED, DECODED)} <= set(pairs)
 
 
-def test_a_verdict_rests_on_the_number_of_its_own_tick_sender_and_receiver() -> None:
+def test_a_verdict_depends_only_on_the_draw_of_its_own_tick_sender_and_receiver() -> None:
     codes, states = listen(team([(0, 0), (110, 0), (60, 90)], seed=4), still(3, 150))
     key = draws.key(4, "channel")
     for (receiver, sender), verdicts in codes.items():
@@ -157,7 +157,7 @@ def test_a_verdict_rests_on_the_number_of_its_own_tick_sender_and_receiver() -> 
             assert verdicts[tick + 1] == (DECODED if number < p else LOST)
 
 
-def test_another_seed_is_another_fading() -> None:
+def test_another_seed_gives_another_fading() -> None:
     verdicts = [listen(team([(0, 0), (110, 0)], seed=seed), still(2, 100))[0][0, 1] for seed in (4, 5)]
     assert verdicts[0] != verdicts[1]
 

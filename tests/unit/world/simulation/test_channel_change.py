@@ -33,10 +33,10 @@ def test_another_range_shows_at_the_next_tick_and_keeps_the_contacts_that_stay(n
 
 
 def test_another_formula_acts_from_the_tick_of_its_change_on() -> None:
-    what = team([(0, 0), (110, 0)])
-    world, state = started(what)
+    scenario = team([(0, 0), (110, 0)])
+    world, state = started(scenario)
     state = stand(world, state, 10)
-    assert state.channel == what.channel
+    assert state.channel == scenario.channel
     deaf = state.channel.model_copy(update={"reference_snr": 1.0})  # (3): p = exp(-3 x 110^3) = 0
     after = stand(world, dataclasses.replace(state, channel=deaf), 20)
     assert after.decoded == state.decoded
@@ -46,14 +46,14 @@ def test_another_formula_acts_from_the_tick_of_its_change_on() -> None:
 
 
 def test_a_change_and_its_reversal_leave_the_draws_of_the_other_ticks_alone() -> None:
-    what = team([(0, 0), (110, 0), (60, 90)])
-    world, state = started(what)
-    other_world, other = started(what)
+    scenario = team([(0, 0), (110, 0), (60, 90)])
+    world, state = started(scenario)
+    other_world, other = started(scenario)
     everything = RadioConfig.model_validate(EVERYTHING)
     for tick in range(400):
         disturbed = 100 <= tick < 250
         state = stand(world, state)
-        other = dataclasses.replace(other, channel=everything if disturbed else what.channel)
+        other = dataclasses.replace(other, channel=everything if disturbed else scenario.channel)
         other = stand(other_world, other)
         if not disturbed:
             assert other.radio.reception.tolist() == state.radio.reception.tolist()

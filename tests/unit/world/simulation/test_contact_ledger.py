@@ -71,8 +71,8 @@ def test_the_ledger_equals_a_recount_of_the_verdicts_while_contacts_open_and_clo
 
 
 def test_the_number_of_lost_beacons_agrees_with_the_outage_sum() -> None:
-    what = team([(0, 0), (70, 0), (0, 90), (80, 80)], **{**EVERYTHING, "model": "rayleigh"})
-    world, state = started(what)
+    scenario = team([(0, 0), (70, 0), (0, 90), (80, 80)], **{**EVERYTHING, "model": "rayleigh"})
+    world, state = started(scenario)
     ticks = 4000
     state = stand(world, state, ticks)
     lost = state.radio.sent - state.radio.decoded

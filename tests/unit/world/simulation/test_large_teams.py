@@ -53,8 +53,8 @@ def all_triples(known: Contacts) -> Bools:
 def heard_again(known: Contacts, where: Floats, decoded: Bools, tick: int) -> Contacts:
     """The contacts a tick later: robots at `where` [n, 3], beacons `decoded` [m]."""
     codes = np.where(decoded, DECODED, LOST).astype(np.uint8)
-    said = layouts.silent_beacons(tick - 1, np.arange(len(where)), where)
-    return contacts.update(known, Observations(tick, where, known.edges, codes), where, said, 2)
+    beacons = layouts.silent_beacons(tick - 1, np.arange(len(where)), where)
+    return contacts.update(known, Observations(tick, where, known.edges, codes), where, beacons, 2)
 
 
 @pytest.mark.parametrize("layout", sorted(LAYOUTS))
@@ -71,8 +71,8 @@ def test_links_found_in_blocks_are_those_of_all_triples_at_once(
     known = layouts.hear(where, range(60))
     witnesses = Witnesses(known.edges)
     for tick in range(2, 8):
-        found = neighbor_rules.relative_neighborhood(known, witnesses)
-        assert found.tolist() == all_triples(known).tolist()
+        result = neighbor_rules.relative_neighborhood(known, witnesses)
+        assert result.tolist() == all_triples(known).tolist()
         where = where + np.column_stack([rng.normal(0.0, 2.0, (60, 2)), np.zeros(60)])
         known = heard_again(known, where, rng.random(len(known.edges)) < 0.7, tick)
 
@@ -97,10 +97,10 @@ def test_pairs_found_in_blocks_are_those_of_a_search_of_all_pairs(
 def test_a_crowd_takes_memory_in_proportion_to_its_contacts(rule: str) -> None:
     """For any number of contacts: their triples with third robots are 80 and 160 times as many."""
     for robots in (80, 160):
-        what, numbers = dense(robots, rule), 128 * 8
+        configured, numbers = dense(robots, rule), 128 * 8
         tracemalloc.start()
         try:
-            pairs = [len(tick.state.radio.edges) for tick in inprocess.ticks(what)]
+            pairs = [len(tick.state.radio.edges) for tick in inprocess.ticks(configured)]
             _, peak = tracemalloc.get_traced_memory()
         finally:
             tracemalloc.stop()
@@ -109,7 +109,7 @@ def test_a_crowd_takes_memory_in_proportion_to_its_contacts(rule: str) -> None:
         assert peak < pairs[0] * (numbers + 140 * 8) + 10 * 8 * neighbor_rules.BLOCK
 
 
-def test_the_radios_numbers_are_drawn_in_place() -> None:
+def test_the_random_numbers_of_the_radio_are_drawn_in_place() -> None:
     senders = np.arange(2000)
     draws.uniform_ticks(draws.key(1, "channel"), 0, 128, senders[:2], senders[:2])
     tracemalloc.start()
@@ -132,7 +132,7 @@ def test_a_crowd_that_does_not_fit_into_memory_is_rejected_in_one_line(monkeypat
     assert str(refused.value) == expected
 
 
-def test_many_robots_that_are_not_in_range_of_each_other_are_not_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_many_robots_that_are_not_in_range_of_each_other_are_not_rejected(monkeypatch: pytest.MonkeyPatch) -> None:
     spread = dense(3000, "disk")
     robots = spread.robots.model_copy(update={"spacing": 78.0})
     monkeypatch.setattr(memory, "available", lambda: 40_000_000)  # 8 contacts each are 24 MB
@@ -157,7 +157,7 @@ def test_a_range_that_turns_a_team_into_a_crowd_is_rejected_whether_scheduled_or
         crowd.check(scenario.load(CONFIGS / "hundred.toml", {**fields, "event": [later]}))
 
 
-def test_fes_run_refuses_a_crowd_before_it_makes_a_run_directory(
+def test_fes_run_rejects_a_crowd_before_it_makes_a_run_directory(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(memory, "available", lambda: 1_000_000)

@@ -89,15 +89,15 @@ def test_the_edges_are_the_same_object_while_the_pairs_in_range_stay_the_same(n:
 
 
 def test_range_is_inclusive() -> None:
-    at, beyond = (
+    index, beyond = (
         neighbor_list.measure(np.arange(2), layouts.poses([(0, 0), (x, 0)]), REACH, None) for x in (100.0, 100.1)
     )
-    assert layouts.pairs_of(at.edges) == {(0, 1), (1, 0)}
+    assert layouts.pairs_of(index.edges) == {(0, 1), (1, 0)}
     assert len(beyond.edges) == 0
 
 
 @pytest.mark.parametrize("n", [1, 70])
-def test_robots_out_of_everybodys_range_have_no_pairs(n: int) -> None:
+def test_robots_that_are_out_of_range_of_all_others_have_no_pairs(n: int) -> None:
     where = layouts.poses([(1e3 * k, -1e3 * k) for k in range(n)])
     near = neighbor_list.measure(np.arange(n), where, REACH, None)
     assert len(near.edges) == 0

@@ -53,17 +53,17 @@ def test_the_gain_is_the_sum_of_its_waves_written_out() -> None:
     k = [complex(x, y) / 20.0 for x, y in waves.vectors.T.tolist()]
     q = [*k[1:], k[0]]
 
-    def f(one: complex, other: complex) -> float:
+    def f(p: complex, other: complex) -> float:
         angles = zip(k, q, waves.phase.tolist(), strict=True)
-        return sum(math.cos((u.conjugate() * one + v.conjugate() * other).real + phi) for u, v, phi in angles)
+        return sum(math.cos((u.conjugate() * p + v.conjugate() * other).real + phi) for u, v, phi in angles)
 
     apart = math.hypot(a[0] - b[0], a[1] - b[1])
     summed = math.sqrt(2.0 / shadowing.MODES) * (f(complex(*a), complex(*b)) + f(complex(*b), complex(*a)))
     expected = summed / math.sqrt(2.0 * (1.0 + math.exp(-2.0 * apart / 20.0)))
     poses = np.array([[*a, 0.3], [*b, -2.0]])
-    found = shadowing.gain(waves, UNIT, poses, np.array([0]), np.array([1]), np.array([apart]))
+    result = shadowing.gain(waves, UNIT, poses, np.array([0]), np.array([1]), np.array([apart]))
     # angles of up to 1e4 rad are rounded to 1e-12, and 256 of them add up as their root
-    assert float(found[0]) == pytest.approx(expected, abs=1e-11)
+    assert float(result[0]) == pytest.approx(expected, abs=1e-11)
 
 
 def test_the_gain_has_mean_zero_and_unit_variance_at_any_separation() -> None:
@@ -93,8 +93,8 @@ def test_the_correlation_is_gudmundsons_when_one_end_or_both_move() -> None:
         (((12.0, 16.0), (140.0, 30.0)), 50.0),
     ]
     drawn = samples([still, *(link for link, _ in moved)])
-    for at, (_, walked) in enumerate(moved, start=1):
-        assert_mean(drawn[:, :, 0] * drawn[:, :, at], math.exp(-walked / 20.0))
+    for index, (_, walked) in enumerate(moved, start=1):
+        assert_mean(drawn[:, :, 0] * drawn[:, :, index], math.exp(-walked / 20.0))
 
 
 def test_the_correlation_of_short_links_is_that_of_a_field_made_reciprocal() -> None:
@@ -108,7 +108,7 @@ def test_the_correlation_of_short_links_is_that_of_a_field_made_reciprocal() -> 
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_the_places_of_one_seed_have_the_law_of_all_seeds(seed: int) -> None:
+def test_gains_over_the_places_of_one_seed_are_distributed_as_over_seeds(seed: int) -> None:
     rng, n = np.random.default_rng(seed), 4000
     poses = np.zeros((3 * n, 3))  # links of 200 m, one end of which then goes 20 m
     poses[:n, :2] = rng.uniform(-1e6, 1e6, (n, 2))
@@ -116,14 +116,14 @@ def test_the_places_of_one_seed_have_the_law_of_all_seeds(seed: int) -> None:
     a = np.arange(n)
     apart = np.full(n, 200.0)
     waves = shadowing.modes(seed)
-    here, there = (shadowing.gain(waves, UNIT, poses, a, a + far, apart) for far in (n, 2 * n))
+    first, second = (shadowing.gain(waves, UNIT, poses, a, a + far, apart) for far in (n, 2 * n))
     # over places cov = sum of cos(k d)/K, of variance (1 - exp(-2 d/d0))/(2 K), beside that of n samples
     sampling = 2.0 / n
-    assert here.mean() == pytest.approx(0.0, abs=4.0 * math.sqrt(sampling))
-    assert (here**2).mean() == pytest.approx(1.0, abs=4.0 * math.sqrt(sampling))
+    assert first.mean() == pytest.approx(0.0, abs=4.0 * math.sqrt(sampling))
+    assert (first**2).mean() == pytest.approx(1.0, abs=4.0 * math.sqrt(sampling))
     waves_of_one_seed = (1.0 - math.exp(-2.0)) / (2.0 * shadowing.MODES)
     expected = pytest.approx(math.exp(-1.0), abs=4.0 * math.sqrt(sampling + waves_of_one_seed))
-    assert (here * there).mean() == expected
+    assert (first * second).mean() == expected
 
 
 def test_the_correlation_at_the_decorrelation_distance_is_1_over_e() -> None:
@@ -134,8 +134,8 @@ def test_the_correlation_at_the_decorrelation_distance_is_1_over_e() -> None:
 
 def test_links_far_away_are_independent() -> None:
     drawn = samples([((0.0, 0.0), (60.0, 0.0)), ((0.0, 900.0), (60.0, 900.0)), ((0.0, 0.0), (60.0, 900.0))])
-    for one, other in ((0, 1), (0, 2), (1, 2)):
-        assert_mean(drawn[:, :, one] * drawn[:, :, other], 0.0)
+    for first, second in ((0, 1), (0, 2), (1, 2)):
+        assert_mean(drawn[:, :, first] * drawn[:, :, second], 0.0)
 
 
 def test_the_gain_in_db_is_the_deviation_times_a_field_of_the_seed() -> None:
@@ -153,9 +153,9 @@ def scattered(n: int) -> Floats:
 def probabilities(poses: Floats, config: RadioConfig, seed: int = 6) -> dict[tuple[int, int], float]:
     """The true reception probability of each (receiver, sender)."""
     near = neighbor_list.measure(np.arange(len(poses)), poses, config.communication_range, None)
-    found = channel.reception_probability(channel.medium(seed, 0.02), config, poses, near)
+    result = channel.reception_probability(channel.medium(seed, 0.02), config, poses, near)
     return dict(
-        zip(zip(near.edges.rows.tolist(), near.edges.peers.tolist(), strict=True), found.tolist(), strict=True)
+        zip(zip(near.edges.rows.tolist(), near.edges.peers.tolist(), strict=True), result.tolist(), strict=True)
     )
 
 
@@ -164,9 +164,9 @@ SHADED = RadioConfig(shadowing=ShadowingConfig(deviation=8.0))
 
 def test_the_gain_is_the_same_to_the_bit_from_either_end() -> None:
     poses = scattered(100)
-    found = probabilities(poses, SHADED)
-    assert len(found) > 500
-    assert all(found[sender, receiver] == p for (receiver, sender), p in found.items())
+    result = probabilities(poses, SHADED)
+    assert len(result) > 500
+    assert all(result[sender, receiver] == p for (receiver, sender), p in result.items())
     a, b = np.triu_indices(100, 1)
     apart = np.hypot(*(poses[a, :2] - poses[b, :2]).T)
     waves = shadowing.modes(6)
@@ -182,16 +182,16 @@ def test_another_robot_changes_no_digit_between_the_others(others: int) -> None:
 
 
 def test_a_robot_that_returns_to_a_place_has_the_same_shadowing() -> None:
-    here, there = scattered(6), scattered(6) + np.array([37.0, -12.0, 1.0])
-    assert probabilities(here, SHADED) == probabilities(here, SHADED)
-    assert probabilities(here, SHADED) != probabilities(there, SHADED)
-    assert probabilities(here, SHADED, seed=7) != probabilities(here, SHADED)
+    first, second = scattered(6), scattered(6) + np.array([37.0, -12.0, 1.0])
+    assert probabilities(first, SHADED) == probabilities(first, SHADED)
+    assert probabilities(first, SHADED) != probabilities(second, SHADED)
+    assert probabilities(first, SHADED, seed=7) != probabilities(first, SHADED)
 
 
 def test_a_gain_multiplies_the_snr_of_equation_3() -> None:
     poses = scattered(40)
-    found, gains = probabilities(poses, SHADED), 0
-    for (i, j), p in found.items():
+    result, gains = probabilities(poses, SHADED), 0
+    for (i, j), p in result.items():
         r = math.hypot(*(poses[i, :2] - poses[j, :2]).tolist())
         gain = shadowing.gain(
             shadowing.modes(6), SHADED.shadowing or UNIT, poses, np.array([i]), np.array([j]), np.array([r])
@@ -235,6 +235,6 @@ def test_shadows_move_the_midpoint_of_a_logistic_channel() -> None:
 def test_an_extreme_channel_stays_finite() -> None:
     wild = RadioConfig(path_loss_exponent=0.01, shadowing=ShadowingConfig(deviation=50.0))
     together = np.zeros((4, 3))
-    found = list(probabilities(np.concatenate([together, scattered(30)]), wild).values())
-    assert np.isfinite(found).all()
-    assert 0.0 <= min(found) <= max(found) <= 1.0
+    result = list(probabilities(np.concatenate([together, scattered(30)]), wild).values())
+    assert np.isfinite(result).all()
+    assert 0.0 <= min(result) <= max(result) <= 1.0

@@ -46,13 +46,13 @@ def test_a_full_circle_ends_where_it_began() -> None:
     np.testing.assert_allclose(moved, pose, atol=1e-14)  # sin(pi) is 1.2e-16, times 10 m
 
 
-def test_a_quarter_circle_is_the_one_of_school_geometry() -> None:
+def test_a_quarter_circle_ends_where_elementary_geometry_says() -> None:
     # radius v/omega = 2 m, counter-clockwise from (0, 0) along +x: ends at (2, 2), looking along +y
     moved = unicycle.move(np.zeros((1, 3)), np.array([[math.pi, math.pi / 2]]), 1.0)
     np.testing.assert_allclose(moved, [[2.0, 2.0, math.pi / 2]], atol=1e-14)  # a few roundings
 
 
-def test_moving_leaves_the_poses_before_alone() -> None:
+def test_moving_does_not_change_the_previous_poses() -> None:
     poses = np.array([[1.0, 2.0, 3.0]])
     unicycle.move(poses, np.array([[4.0, 5.0]]), 0.1)
     assert poses.tolist() == [[1.0, 2.0, 3.0]]
@@ -74,7 +74,7 @@ def test_wrap_changes_an_angle_by_full_turns_only(angle: float) -> None:
 
 @given(a=st.tuples(angles, angles), b=st.tuples(angles, angles))
 def test_separation_is_the_same_to_the_bit_from_either_end(a: tuple[float, float], b: tuple[float, float]) -> None:
-    there, back = (geometry.separation(np.array([p[0] - q[0]]), np.array([p[1] - q[1]])) for p, q in ((a, b), (b, a)))
-    assert there.tolist() == back.tolist()
+    forth, back = (geometry.separation(np.array([p[0] - q[0]]), np.array([p[1] - q[1]])) for p, q in ((a, b), (b, a)))
+    assert forth.tolist() == back.tolist()
     # abs: below 1e-154 the squares underflow
-    assert float(there[0]) == pytest.approx(math.dist(a, b), rel=1e-15, abs=1e-150)
+    assert float(forth[0]) == pytest.approx(math.dist(a, b), rel=1e-15, abs=1e-150)
