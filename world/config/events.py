@@ -127,7 +127,7 @@ _BECOMES = {
     "restart": ("dead", "alive"),
     "wake": ("hung", "alive"),
 }
-"""Key of an event -> the state before that it requires of a robot, and the state after."""
+"""Key of an event -> the state of a robot that it requires, and the state that follows."""
 
 
 def participation(events: Iterable[EventConfig], robots: int, dt: float) -> dict[int, ParticipationChange]:
@@ -173,8 +173,8 @@ def schedule(events: Iterable[EventConfig], dt: float) -> dict[int, dict[str, An
     for event in events:
         if not event.settings:
             continue
-        now = settings.setdefault(counts.ticks(event.at, dt), {})
+        at_tick = settings.setdefault(counts.ticks(event.at, dt), {})
         for path, value in event.settings.items():
-            now.pop(path, None)  # a field that is set again goes last
-            now[path] = value
+            at_tick.pop(path, None)  # a field that is set again goes last
+            at_tick[path] = value
     return dict(sorted(settings.items()))

@@ -1,4 +1,4 @@
-"""Faults of robots' transmitters and clocks: the part that the world emulates, and the part of the agents."""
+"""Faults of robots' transmitters and clocks: those that the world emulates, and those that the agents emulate."""
 
 from collections.abc import Iterable
 from typing import Annotated, NamedTuple
@@ -22,7 +22,7 @@ class TransmitterConfig(Table):
     loss: Annotated[float, Field(ge=0, le=1)] = 0.0
     """Share of its beacons that are lost at every receiver, in addition to the losses of the channel [1]."""
     delay: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
-    """Age of the data that it sends with the present tick [s]; a whole number of ticks."""
+    """Age of the data in its beacons, which carry the present tick [s]; a whole number of ticks."""
     corrupt: bool = False
     """True if its beacons are damaged in transit: none decodes."""
 
