@@ -166,7 +166,7 @@ def test_loading_a_checkpoint_cannot_execute_code(
 
 
 def test_an_unusable_checkpoint_is_rejected_in_one_line(tmp_path: Path) -> None:
-    with pytest.raises(FesError, match=r"has no checkpoint: its run is over, or kept none$"):
+    with pytest.raises(FesError, match=r"has no checkpoint: its run is over, or wrote none$"):
         resume.load(tmp_path)
     state = begun(tmp_path / "run")
     whole = state.read_bytes()
