@@ -19,7 +19,7 @@ _BLOCK = 1 << 20  # bytes
 
 
 class Digest:
-    """SHA-256 over ticks; `add` them in order."""
+    """SHA-256 over ticks; call `add` once per tick, in order."""
 
     def __init__(self) -> None:
         self._hash = hashlib.sha256()
@@ -28,7 +28,7 @@ class Digest:
         self.length = 0
         """Number of bytes hashed."""
         self._stored = ""
-        """Text of the hash when it was stored, to compare with the recorded input."""
+        """Text of the hash at the checkpoint, to compare with the recorded input."""
 
     def add(self, tick: int, poses: Floats, twists: Floats) -> None:
         """Add a tick: poses [n, 3] and twists [n, 2]."""
