@@ -130,7 +130,7 @@ def run(
         if in_process:
             inprocess.check(loaded)
         elif loaded.run.clock == "live" and pace is not None:
-            raise FesError("--rtf does not go with the live clock: its pace is that of the wall clock")
+            raise FesError("--rtf does not go with the live clock, which follows the wall clock")
         name, screen = encoding.name_of(path), printing.console(stderr=json_)
         dashboard = printing.is_screen(screen) and not headless and not json_
         launch = Launch(name, agents_per_process, rtf, dashboard, record, secure, respawn)
