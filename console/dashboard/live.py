@@ -22,7 +22,7 @@ IDLE = 0.25
 """Time without a Report after which the screen is drawn again, for a resized terminal [s]."""
 
 LEAST = 12
-"""Fewest lines of the last frame, even in a smaller terminal."""
+"""Least height of the last frame [lines], even in a smaller terminal."""
 
 
 class Screen:
@@ -83,7 +83,7 @@ def save_picture(path: Path, frame: RenderableType, width: int, height: int, tit
 
 
 async def watch(bus: Bus, run: str, timeout: float, shown: Screen) -> None:
-    """Show a run until its world leaves; raises Absent if none appears within `timeout` [s]."""
+    """Show a run until its world leaves; raises Unavailable if none appears within `timeout` [s]."""
     last_report = time.monotonic()
     async for report in observer.reports(bus, run, timeout, IDLE):
         if report is None:

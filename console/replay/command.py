@@ -24,7 +24,7 @@ from world.metrics.collector import MetricsCollector
 def replay(
     target: Annotated[Path, typer.Argument(metavar="LOG", help="A log, run.mcap, or a run directory.")],
     robot: Annotated[
-        int | None, typer.Option(min=0, metavar="I", help="Execute this robot again, and compare.")
+        int | None, typer.Option(min=0, metavar="I", help="Execute this robot again, and compare it with the log.")
     ] = None,
     all_: Annotated[bool, typer.Option("--all", help="Execute the world and all robots again, and compare.")] = False,
     speed: Annotated[float, typer.Option(min=1e-3, max=1e6, help="Simulated seconds per second.")] = 1.0,
@@ -32,7 +32,7 @@ def replay(
     json_: Annotated[bool, typer.Option("--json", help="Print only the summary, as JSON.")] = False,
     verbose: Annotated[bool, typer.Option("--verbose", help=VERBOSE)] = False,
 ) -> int:
-    """Show a recorded run, or execute it again and compare it to the bit."""
+    """Show a recorded run, or execute it again and compare it with the log, to the bit."""
     if robot is not None and all_:
         raise FesError(f"--all executes every robot again: give either --all or --robot {robot}")
     log = logs.load(target)

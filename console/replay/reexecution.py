@@ -35,7 +35,7 @@ from world.simulation import truth
 from world.simulation.truth import State
 
 YEARS = 1e12
-"""Longer than any run takes [s; wall clock]."""
+"""Bound beyond which a recorded wall-clock time is ignored [s]."""
 
 T = TypeVar("T", Observation, Beacon, Command)
 

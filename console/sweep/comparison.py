@@ -38,7 +38,7 @@ class Spread:
 
 @dataclass(frozen=True)
 class PairedDifference:
-    """An outcome in one cell minus the same in another, at the same seeds."""
+    """An outcome in one cell minus the same outcome in another, at the same seeds."""
 
     axis: int
     base: int

@@ -96,7 +96,7 @@ def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design
             raise ScenarioError("--axis", f"'{short(field)}' is given by --set, and cannot be an axis too")
         fields[field] = values
     if SEED in fields or SEED in fixed:
-        raise ScenarioError("--seeds", f"is where seeds are given, not '{SEED}'")
+        raise ScenarioError("--seeds", f"sets the seeds: '{SEED}' can be neither an axis nor in --set")
     numbers = parse_seeds(seeds)
     count = len(numbers)
     for values in fields.values():
@@ -143,7 +143,7 @@ def parse_seeds(text: str) -> list[int]:
     except ValueError:
         seeds = []
     if len(seeds[: MAX_RUNS + 1]) > MAX_RUNS:
-        raise ScenarioError("--seeds", f"are at most {MAX_RUNS}, got '{short(text)}'")
+        raise ScenarioError("--seeds", f"lists at most {MAX_RUNS} seeds, got '{short(text)}'")
     if not seeds or min(seeds) < 0 or max(seeds) >= 2**63:
         raise ScenarioError("--seeds", f"expects A:B with 0 <= A < B, or a list such as 1,2,5, got '{short(text)}'")
     if len(set(seeds)) < len(seeds):

@@ -63,7 +63,7 @@ class Workers:
 
 
 def batches(name: str, runs: Sequence[SweepRun], workers: int) -> list[Batch]:
-    """Batches of similar runs, in a number that keeps all workers busy to the end."""
+    """Batches of similar runs, as many as keep all workers busy to the end."""
     groups: list[tuple[Any, list[SweepRun]]] = []
     cell = None
     for run in runs:

@@ -140,7 +140,7 @@ def test_with_respawn_a_dead_crew_is_restarted_with_all_of_its_robots(tmp_path: 
     assert code == 1  # it was interrupted
     why = "fes-agent --id 5-9 was ended by SIGKILL (its log: out/agent-5-9.log)"
     assert said[0] == f"fes: warning: robots 5-9: {why}; restarted in 0.5 s"
-    assert said[1:] == ["fes: error: stopped by SIGINT; what was reached is in out"]
+    assert said[1:] == ["fes: error: stopped by SIGINT; the results so far are in out"]
 
 
 def test_an_agent_that_dies_before_the_run_begins_is_named_and_ends_it(tmp_path: Path) -> None:
@@ -169,7 +169,7 @@ def test_a_run_without_an_agent_names_the_robot_it_waits_for(tmp_path: Path) -> 
     )
     assert endpoint
     assert endpoint[1].startswith("tcp/127.0.0.1:")
-    assert err == "fes: error: stopped by SIGINT; what was reached is in out\n"
+    assert err == "fes: error: stopped by SIGINT; the results so far are in out\n"
 
 
 def test_a_world_whose_directory_was_removed_is_still_named(tmp_path: Path) -> None:

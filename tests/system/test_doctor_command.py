@@ -28,7 +28,7 @@ def test_an_absent_world_of_a_running_run_is_only_a_warning(tmp_path: Path) -> N
     [found] = [one for one in json.loads(done.stdout) if one["check"] == "endpoint"]
     assert (found["status"], done.returncode) == ("warning", 0)
     assert here.endpoint in found["seen"]
-    assert f"by runs/pair-1/endpoint.json, process {os.getpid()} still executes that run" in found["seen"]
+    assert f"according to runs/pair-1/endpoint.json, process {os.getpid()} still executes that run" in found["seen"]
     assert found["remedy"] == "its world is starting, suspended or being restarted: check again"
 
 
