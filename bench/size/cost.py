@@ -1,6 +1,6 @@
 """CPU time of a world and of a separate router with a hundred robots; rate of the lockstep behind a delay.
 
-World and router are separate processes, so that each has a CPU time of its own. The robots have a session each in
+World and router are separate processes, so that the CPU time of each can be measured. Each robot has a session in
 this process. A relay delays every byte, so the kernel needs no means to delay traffic.
 """
 

@@ -1,6 +1,6 @@
 """Messages and bytes per tick at the world's router, for 10 to 100 robots with a session each.
 
-Each robot of fes has a session and a connection of its own, in one process with the world. Messages are counted
+Each robot has its own session and connection, in the same process as the world. Messages are counted
 where they are put and taken. Bytes are those that the kernel counts on the router's connections (`ss`, of iproute2):
 with Zenoh's framing, without the headers of TCP and IP.
 """

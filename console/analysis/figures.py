@@ -106,7 +106,7 @@ def formation_figure(run: History) -> "Figure":
 
 
 def convergence_figure(run: History) -> "Figure":
-    """The paper's Fig. 6 (a) and (b), and beside them (c), the largest separation error."""
+    """The paper's Fig. 6 (a) and (b), and (c), the largest separation error."""
     averaged = "\naveraged over a dither period" if run.averaged else ""
     series = (
         (r"(a) $\sum|\hat r_{ij}-\hat r_{ji}|$ [m]", run.disagreement),

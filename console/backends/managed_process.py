@@ -101,7 +101,7 @@ async def start(name: str, module: str, arguments: list[str], log: Path, robots:
     """Start a child that ends when this process does; it appends to its `log`. Raises OSError."""
     with log.open("ab") as stream:
         # A child inherits the mask, so that no signal reaches a half-started interpreter: `fes.system.signals.hold`
-        # delivers it later. No other child may start meanwhile, so no await stands before the process is created.
+        # delivers it later. No other child may start in between, so nothing is awaited before the process is created.
         signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
         # A background job of a script ignores SIGINT. Its children must not: SIGINT ends a world.
         before = signal.getsignal(signal.SIGINT)

@@ -42,7 +42,7 @@ JOIN_TIMEOUT = 60.0
 
 @dataclass(frozen=True)
 class Launch:
-    """Settings of a run beside its scenario."""
+    """Settings of a run, in addition to its scenario."""
 
     name: str
     """Name of the scenario."""
@@ -209,7 +209,7 @@ def read_summary(directory: Path) -> dict[str, Any]:
 
 
 async def _attend(supervisor: Supervisor, launch: Launch, address: Address, console: Console) -> None:
-    """Wait for the end of the children, and show the run meanwhile in a terminal."""
+    """Wait for the end of the children; in a terminal, show the run in the meantime."""
     if not is_screen(console):
         await supervisor.finish()
         return

@@ -21,13 +21,13 @@ from fes.system import distribution
 OLDEST_PYTHON = (3, 11)
 
 LEAST_FILES = 18
-"""Fewest open files with which a run starts, besides those for its agent processes [measured: 17 are too few]."""
+"""Fewest open files with which a run starts, without those for its agent processes; measured: 17 are too few."""
 
 FILES_PER_CHILD = 2 if sys.version_info >= (3, 12) else 1
 """Files that `fes run` has open per agent process; from Python 3.12 on also a descriptor of the process."""
 
 FILES_PER_ROBOT, FILES_OF_A_PROCESS = 2, 32
-"""Open files per agent process, and in total besides, that also suffice for certificates and observers."""
+"""Open files per agent process, and for all else, which also suffice for certificates and observers."""
 
 USUAL_TEAM = 100
 """Number of robots for which open files should suffice, unless a run reports its own number."""

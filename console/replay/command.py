@@ -60,9 +60,10 @@ def replay(
 
 
 def rerun_robot(log: Log, robot: int, advance: Callable[[], None] = lambda: None) -> int:
-    """Execute one robot again, from its recorded inputs; returns the number of ticks, or raises Mismatch.
+    """Execute one robot again, from its recorded inputs; returns the number of ticks.
 
-    `advance` is called after each tick.
+    `advance` is called after each tick. Raises Mismatch where a Beacon or Command differs, and FesError if the run
+    has no such robot or the log is incomplete.
     """
     robots = log.scenario.robots.number
     if robot >= robots:

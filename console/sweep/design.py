@@ -20,6 +20,7 @@ from world.simulation import crowd
 
 SEED = "run.seed"
 MAX_RUNS = 1_000_000
+"""Largest number of runs of a sweep."""
 
 _BRACKETS = {"[": 1, "{": 1, "]": -1, "}": -1}
 
@@ -119,6 +120,8 @@ def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design
 def parse_axis(text: str) -> tuple[str, list[Any]]:
     """Parse an `--axis` argument `a.b=v1,v2` to its path and TOML values; bare words are strings.
 
+    Raises ScenarioError.
+
     >>> parse_axis("formation.rule=disk,two_nearest")
     ('formation.rule', ['disk', 'two_nearest'])
     >>> parse_axis("seeking.initial_estimate=[50.0, 90.0],[60.0, 60.0]")
@@ -132,7 +135,7 @@ def parse_axis(text: str) -> tuple[str, list[Any]]:
 
 
 def parse_seeds(text: str) -> list[int]:
-    """Parse the argument of --seeds: `A:B` for A to B - 1, or a list.
+    """Parse the argument of --seeds: `A:B` for A to B - 1, or a list; raises ScenarioError.
 
     >>> parse_seeds("2:5"), parse_seeds("7,1")
     ([2, 3, 4], [7, 1])

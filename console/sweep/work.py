@@ -59,7 +59,7 @@ class Workers:
     count: int
     """Number of batches carried out at a time."""
     carry_out: Callable[[Sequence[Batch], Watch], Generator[list[Done], None, None]]
-    """Yields the results of each batch at its end; calls Watch meanwhile."""
+    """Yields the results of each batch at its end, and calls the Watch periodically."""
 
 
 def batches(name: str, runs: Sequence[SweepRun], workers: int) -> list[Batch]:

@@ -87,7 +87,7 @@ def test_dead_agents_do_not_end_a_run_and_the_summary_counts_them(tmp_path: Path
     assert code == 0
     summary = json.loads(out)
     assert summary["ticks"] == 400
-    gone = [re.search(rf"robot {robot} is not there from tick (\d+) on", run.log()) for robot in (3, 4, 7, 8)]
+    gone = [re.search(rf"robot {robot} is absent from tick (\d+) on", run.log()) for robot in (3, 4, 7, 8)]
     absent = sum(400 - int(match[1]) for match in gone if match)
     assert summary["unscheduled_absences"] == absent > 0
     *deaths, last = said
@@ -104,7 +104,7 @@ def test_dead_agents_do_not_end_a_run_and_the_summary_counts_them(tmp_path: Path
 
 @pytest.mark.parametrize(
     ("program", "log", "sign"),
-    [(" -m agents --id 0 ", "world", "robot 0 is not there"), (" -m world ", "agent-0", "left after tick")],
+    [(" -m agents --id 0 ", "world", "robot 0 is absent"), (" -m world ", "agent-0", "left after tick")],
     ids=["agent", "world"],
 )
 def test_a_process_frozen_for_longer_than_its_lease_is_counted_and_fails_an_expectation(

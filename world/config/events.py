@@ -168,7 +168,7 @@ def parts(events: Iterable[EventConfig], robots: int, dt: float) -> list[tuple[i
 
 
 def schedule(events: Iterable[EventConfig], dt: float) -> dict[int, dict[str, Any]]:
-    """Tick -> settings of the channel from it on; of two events at one tick the later one in the file wins."""
+    """Tick -> settings of the channel from that tick on. Of two events at a tick, the later one in the file wins."""
     settings: dict[int, dict[str, Any]] = {}
     for event in events:
         if not event.settings:

@@ -15,7 +15,7 @@ RobotId = Annotated[int, Field(ge=0)]
 
 
 class TransmitterConfig(Table):
-    """Complete condition of a robot's transmitter from a tick on; a key that is absent means no such fault."""
+    """Complete condition of a robot's transmitter from a tick on; an absent key means that the fault is absent."""
 
     robot: RobotId
     """Id of the robot."""
@@ -64,7 +64,7 @@ def check(part: Part, robots: int, dt: float) -> None:
 
 
 def transmissions(parts: Iterable[tuple[int, Part]], robots: int) -> dict[int, Transmission | None]:
-    """Tick -> effect of the transmitters from it on, given `parts` in order; None if all are healthy."""
+    """Tick -> effect of the transmitters from that tick on, given `parts` in order; None if all are healthy."""
     factor, damaged = np.ones(robots), np.zeros(robots, dtype=np.bool_)
     effects: dict[int, Transmission | None] = {}
     for tick, part in parts:

@@ -4,7 +4,7 @@ The folder `checkpoint` of a run directory holds
 
     state        the run at one tick (world.execution.snapshot); replaced as a whole
     journal-<k>  notes made since checkpoint k (world.execution.journal)
-    trail        input of the digest until then (world.metrics.digest)
+    trail        input of the digest so far (world.metrics.digest)
     log-<k>      the log as checkpoint k recorded it, while it is copied
 
 Checkpoint k is written while the run continues and journal k is already in use. It replaces its predecessor in one
@@ -71,7 +71,7 @@ class CheckpointWriter:
         """Robots whose agents have joined, but answered no tick yet."""
 
     def begin(self, run: Run) -> None:
-        """Write the first checkpoint of a new run into a cleared run directory."""
+        """Write the first checkpoint of a new run into a cleared run directory; raises FesError."""
         try:
             self._folder.mkdir()
             self._start(run, run.metrics.link_errors.digest.record_input(self._folder / DIGEST_INPUT), 0.0)

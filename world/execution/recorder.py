@@ -30,7 +30,7 @@ from world.config.scenario import Scenario
 from world.metrics import report_builder
 from world.metrics.collector import MetricsCollector
 
-_ENDED = 4096  # bytes beside a summary, for the way the run ended
+_ENDED = 4096  # bytes reserved beside a summary for the reason why the run ended
 
 VIEW_PERIOD = 0.1
 """Simulated time between two Reports [s]."""

@@ -51,8 +51,8 @@ class Lockstep:
     async def present(self, state: State) -> Bools:
         """The robots that take part at the tick of `state` [n]: at least one, unless none is expected.
 
-        Raises Unavailable after RETURN_TIMEOUT. The world waits as long for a robot that its scenario restarts or
-        wakes, and then continues without it.
+        Raises Unavailable after RETURN_TIMEOUT. The world waits equally long for a robot that its scenario restarts
+        or wakes, and then continues without it.
         """
         end = time.monotonic() + RETURN_TIMEOUT
         while (missing := self._participation.missing(state)) or (due := self._participation.due(state)):

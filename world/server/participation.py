@@ -120,7 +120,7 @@ class Participation:
     def log_changes(self, before: State, after: State) -> None:
         """Log the robots that take part in only one of two states."""
         for robot in np.flatnonzero(before.present & ~after.present).tolist():
-            self._logger.info("robot %d is not there from tick %d on: its body stands still", robot, after.tick)
+            self._logger.info("robot %d is absent from tick %d on: its body stands still", robot, after.tick)
         for robot in np.flatnonzero(after.present & ~before.present).tolist():
             self._logger.info("robot %d is back from tick %d on", robot, after.tick)
 

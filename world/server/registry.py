@@ -92,7 +92,7 @@ class AgentRegistry:
         return self.hosts[robot].robots if robot in self.hosts else (robot,)
 
     def _on_lease_query(self, query: Query) -> None:
-        """Lease the lowest free robot to an agent without one; no other agent gets it while that agent joins."""
+        """Lease the lowest free robot to an agent that has none; no other agent gets it while that agent joins."""
         now = time.monotonic()
         for robot in range(self._info.robots):
             if not self._refusal((robot,)) and self._leased.get(robot, 0.0) <= now:

@@ -35,7 +35,7 @@ from world.server.report_publisher import ReportPublisher
 
 @dataclass(frozen=True)
 class Options:
-    """Settings of a server beside its run."""
+    """Settings of a server, in addition to its run."""
 
     rtf: float | None = None
     """Pace [simulated seconds per second]; None for full speed."""
