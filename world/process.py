@@ -45,9 +45,7 @@ _logger = logging.getLogger("world")
 class Outcome(Enum):
     """State of a run after the main loop of its world."""
 
-    FINISHED = (
-        "all ticks are executed: the robots are dismissed, and the checkpoint is deleted once the log is closed"
-    )
+    FINISHED = "all ticks executed: the robots are dismissed, and the checkpoint is deleted once the log is closed"
     PAUSED = "the checkpoint stays, and the robots wait for a world that resumes the run"
     CANCELLED = "the run cannot be resumed: the robots are dismissed, and the checkpoint is deleted"
 
@@ -224,9 +222,7 @@ def _read_flags(flags: argparse.Namespace, locks: contextlib.ExitStack) -> Start
             summary.write_scenario(flags.out, scenario)
         return Start(scenario, encoding.check_name(flags.name) if flags.name else encoding.name_of(path), run)
     if flags.scenario or flags.out or flags.name or flags.no_record or overrides(flags):
-        raise FesError(
-            "--resume continues the run with its own settings: give no SCENARIO, and no flag that sets them"
-        )
+        raise FesError("--resume keeps the settings of the run: give no SCENARIO, and no flag that sets them")
     locks.enter_context(exclusive_lock(flags.resume))
     saved = resume.load(flags.resume)
     if flags.run not in (None, saved.run):

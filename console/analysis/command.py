@@ -131,5 +131,5 @@ def _executed_again(directory: Path) -> History:
             recorded = f"it was made with {fingerprint.text(summary['arithmetic'])}"
         except (KeyError, TypeError):
             recorded = "its summary does not name the arithmetic"
-        raise FesError(f"{directory} cannot be executed again here, to the bit: {recorded}; {current}")
+        raise FesError(f"{directory} cannot be executed again bit for bit here: {recorded}; {current}")
     return run_history

@@ -97,7 +97,7 @@ def issue(
     _issue(_restore(keys), keys, checked, days, hosts)
     printing.line(f"{keys}: {', '.join(checked)}, valid for {days:g} days")
     if WORLD in checked:
-        printing.line(f"the world serves as {', '.join(_hosts(keys))}")
+        printing.line(f"names of the world: {', '.join(_hosts(keys))}")
     return process.SUCCESS
 
 

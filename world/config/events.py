@@ -138,7 +138,7 @@ def participation(events: Iterable[EventConfig], robots: int, dt: float) -> dict
             before, after = _BECOMES[verb]
             for robot in selected:
                 if robot >= robots:
-                    raise ScenarioError("event", f"{verb}: robot {robot} does not exist, there are {robots}")
+                    raise ScenarioError("event", f"{verb}: robot {robot} does not exist: there are only {robots}")
                 if states[robot] != before:
                     state = states[robot] + (" already" if states[robot] == after else "")
                     raise ScenarioError("event", f"{verb}: robot {robot} is {state} at {event.at:g} s")

@@ -53,7 +53,7 @@ def check(part: Part, robots: int, dt: float) -> None:
     """Raise ScenarioError in one line unless the part exists in a team of `robots`, with ticks of `dt` [s]."""
     name = "transmitter" if isinstance(part, TransmitterConfig) else "clock"
     if part.robot >= robots:
-        raise ScenarioError("event", f"{name}: robot {part.robot} does not exist, there are {robots}")
+        raise ScenarioError("event", f"{name}: robot {part.robot} does not exist: there are only {robots}")
     if (
         isinstance(part, TransmitterConfig)
         and part.delay > 0.0

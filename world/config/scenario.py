@@ -192,4 +192,4 @@ def _check_partition(channel: RadioConfig, robots: int) -> None:
     """Raise ValueError if the partition of a channel contains a robot that does not exist."""
     unknown = [robot for group in channel.partition for robot in group if robot >= robots]
     if unknown:
-        raise ValueError(f"channel.partition: robot {unknown[0]} does not exist, there are {robots}")
+        raise ValueError(f"channel.partition: robot {unknown[0]} does not exist: there are only {robots}")

@@ -204,9 +204,8 @@ class CheckpointWriter:
 
 def clear(directory: Path) -> None:
     """Delete the checkpoint of a run directory."""
-    (directory / FOLDER / STATE).unlink(
-        missing_ok=True
-    )  # first: a state without its journals would resume an older tick
+    # The state first: without its journals it would resume an older tick.
+    (directory / FOLDER / STATE).unlink(missing_ok=True)
     shutil.rmtree(directory / FOLDER, ignore_errors=True)
 
 

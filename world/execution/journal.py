@@ -20,9 +20,8 @@ import msgpack
 from fes.errors import FesError, reason
 from fes.recording import hashed_file
 
-_HEAD = struct.Struct(
-    "<12sIII"
-)  # magic, number, the checksum that the notes continue, and the checksum of these three
+# Magic, number, the checksum that the notes continue, and the checksum of these three.
+_HEAD = struct.Struct("<12sIII")
 _FRAME = struct.Struct("<III")
 _MAGIC = b"fes notes 3\n"
 

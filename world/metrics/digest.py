@@ -69,7 +69,9 @@ class Digest:
             for start in range(0, self.length, _BLOCK):
                 computed.update(file.read(min(_BLOCK, self.length - start)))
             if file.tell() < self.length:
-                raise FesError(f"{path} is damaged at byte {file.tell():,}: it ends there, of {self.length:,}")
+                raise FesError(
+                    f"{path} is damaged at byte {file.tell():,}: it ends there, instead of at byte {self.length:,}"
+                )
         if computed.hexdigest() != self._stored:
             raise FesError(f"{path} is damaged: the SHA-256 of its first {self.length:,} bytes differs")
         return computed

@@ -112,9 +112,7 @@ class Server:
         while not run.is_over:
             present = await self._clock.present(run.state)
             if run.state.tick == first > 0:
-                present &= (
-                    run.state.present
-                )  # a robot that rejoins now would change observations that may be published already
+                present &= run.state.present  # a robot that rejoins now would change what may be published already
             self._attend(present)
             sent = self._publish_observations()
             self._record_tick()  # the previous one, while the robots compute this one
@@ -197,9 +195,7 @@ class Server:
         self.run.readmit(join.robots)
         own = fingerprint.text()
         if join.arithmetic not in ("", own):
-            warning = (
-                "robots %s are computed with %s, and this world with %s: digits may differ from those of one loop"
-            )
+            warning = "robots %s are computed with %s, this world with %s: digits may differ from those of one loop"
             self.logger.warning(warning, list(join.robots), join.arithmetic, own)
         self._gate.expect(join)
 
