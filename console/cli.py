@@ -1,4 +1,4 @@
-"""The `fes` command: what a person runs."""
+"""The command `fes`, and those of its commands that run or show a scenario."""
 
 import argparse
 import signal
@@ -88,7 +88,7 @@ def about(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
-    """Formation by extremum seeking: robots that find the best separation for their radio together."""
+    """Distributed extremum seeking: robots that together find the best separation for their radio."""
 
 
 @guide.command(app, "run", guide.listing("Built-in scenarios", builtin.names()))
@@ -97,15 +97,15 @@ def run(
     set_: Annotated[list[str] | None, typer.Option("--set", metavar="A.B=C", help=options.SET)] = None,
     seed: Annotated[int | None, typer.Option(help="Override run.seed.")] = None,
     duration: Annotated[float | None, typer.Option(help="Override run.duration [s].")] = None,
-    backend: Annotated[Backend, typer.Option(help="Processes over Zenoh, or all robots in one loop.")] = (
+    backend: Annotated[Backend, typer.Option(help="Run processes over Zenoh, or all robots in one loop.")] = (
         Backend.PROCESSES
     ),
     agents_per_process: Annotated[int, typer.Option(min=1, help="Robots hosted by each agent.")] = 1,
     clock: Annotated[Clock | None, typer.Option(help="Override run.clock.")] = None,
-    rtf: Annotated[str, typer.Option(metavar="max|X", help="Pace: simulated seconds per second.")] = "max",
+    rtf: Annotated[str, typer.Option(metavar="max|X", help=options.PACE)] = "max",
     out: Annotated[Path | None, typer.Option(help="Run directory (default runs/<scenario>-<n>).")] = None,
-    secure: Annotated[bool, typer.Option("--secure", help="TLS, with certificates made for this run.")] = False,
-    headless: Annotated[bool, typer.Option("--headless", help="No dashboard.")] = False,
+    secure: Annotated[bool, typer.Option("--secure", help="Use TLS, with certificates made for this run.")] = False,
+    headless: Annotated[bool, typer.Option("--headless", help="Show no dashboard.")] = False,
     json_: Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else.")] = False,
     record: Annotated[bool, typer.Option(help="Write a log of every message, run.mcap.")] = True,
     respawn: Annotated[
@@ -130,7 +130,7 @@ def run(
         if in_process:
             inprocess.check(loaded)
         elif loaded.run.clock == "live" and pace is not None:
-            raise FesError("--rtf does not go with the live clock: its pace is that of the wall clock")
+            raise FesError("--rtf does not go with the live clock, which follows the wall clock")
         name, screen = encoding.name_of(path), printing.console(stderr=json_)
         dashboard = printing.is_screen(screen) and not headless and not json_
         launch = Launch(name, agents_per_process, rtf, dashboard, record, secure, respawn)
@@ -164,9 +164,11 @@ def view_command(
     certificates: options.ObserverKeys = None,
     run: options.Run = keys.DEFAULT_RUN,
     picture: Annotated[Path | None, typer.Option(help="Write the last frame to this SVG file.")] = None,
-    timeout: Annotated[float, typer.Option(min=1e-3, max=process.YEAR, help="Longest wait for a world [s].")] = 30.0,
+    timeout: Annotated[
+        float, typer.Option(min=1e-3, max=process.YEAR, help="Longest wait for the world [s].")
+    ] = 30.0,
 ) -> int:
-    """Show a run while it runs (by default the latest one started in this folder)."""
+    """Show the dashboard of a running run (by default the latest one started in this folder)."""
     client = Client(OBSERVER, certificates, run, timeout)
     endpoints = run_directory.endpoints(client, connect, config, cfg)
     screen = printing.console()
@@ -189,7 +191,7 @@ def main() -> None:
     output.configure()
     try:
         if signal.SIGINT in signals.heard():
-            signal.signal(signal.SIGINT, signal.default_int_handler)  # instead of the handler of the start-up
+            signal.signal(signal.SIGINT, signal.default_int_handler)  # replaces the handler of the start-up
         version()  # a command installed by an older clone skips the check in `fes_robots`
         code = typer.main.get_command(app)(standalone_mode=False)
     except KeyboardInterrupt:
@@ -224,7 +226,7 @@ def main() -> None:
 
 
 def _pace(text: str) -> float | None:
-    """The pace that --rtf asks for [simulated seconds per second]; None for full speed."""
+    """The pace in the argument of --rtf [simulated seconds per second]; None for full speed."""
     try:
         return process.real_time_factor(text)
     except argparse.ArgumentTypeError as error:

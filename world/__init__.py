@@ -2,10 +2,10 @@
 
 config      the scenario: tables, rules, events, expectations
 simulation  one tick of the truth: bodies, contacts, channel
-metrics     what a run achieved: errors, tracking, digest, report, summary
-execution   one run, its log, its checkpoints, and resuming it
+metrics     measures of a run: link errors, tracking, digest, report, summary
+execution   one run: its state, log and checkpoints, and its resumption
 server      the world on the bus: registry, barrier, live clock, access
 flags       the command line of fes-world
-process     the shell: fes-world
+process     the process fes-world: startup, main loop, shutdown
 __main__    entry point of fes-world
 """

@@ -5,7 +5,7 @@ from fes.system import signals
 
 def main() -> None:
     """Run fes-world."""
-    signals.hold(0)  # a service that stops when told to is a success
+    signals.hold(0)  # a service that stops on request exits with success
     from world import process
 
     process.main()

@@ -18,9 +18,14 @@ def parser() -> process.OneLineParser:
     )
     parser.add_argument("scenario", nargs="?", metavar="SCENARIO", help=builtin.ARGUMENT)
     parser.add_argument("--resume", type=Path, metavar="RUN_DIR", help="resume the run of this directory")
-    parser.add_argument("--name", help="name of the scenario in the summary (default: that of its file)")
+    parser.add_argument("--name", help="name of the scenario in the summary (default: the name of its file)")
     add_scenario_flags(parser)
-    parser.add_argument("--rtf", type=process.real_time_factor, metavar="max|X", help="pace: simulated s per s")
+    parser.add_argument(
+        "--rtf",
+        type=process.real_time_factor,
+        metavar="max|X",
+        help="pace: simulated seconds per second, or max for full speed (the default)",
+    )
     parser.add_argument("--out", type=Path, metavar="DIR", help="run directory for scenario, summary and log")
     parser.add_argument(
         "--checkpoint",
@@ -31,7 +36,7 @@ def parser() -> process.OneLineParser:
     )
     parser.add_argument("--no-record", action="store_true", help="write no log (run.mcap)")
     process.add_network_flags(parser)
-    parser.set_defaults(run=None)  # a resumed run has its own name
+    parser.set_defaults(run=None)  # None unless given: a resumed run keeps its name
     return parser
 
 

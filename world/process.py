@@ -1,4 +1,4 @@
-"""The shell of the world: fes-world."""
+"""The process fes-world: startup, main loop and shutdown of a world."""
 
 import os
 
@@ -45,7 +45,7 @@ _logger = logging.getLogger("world")
 class Outcome(Enum):
     """State of a run after the main loop of its world."""
 
-    FINISHED = "all ticks are executed: the robots are dismissed, and the checkpoint goes after the log is closed"
+    FINISHED = "all ticks executed: the robots are dismissed, and the checkpoint is deleted once the log is closed"
     PAUSED = "the checkpoint stays, and the robots wait for a world that resumes the run"
     CANCELLED = "the run cannot be resumed: the robots are dismissed, and the checkpoint is deleted"
 
@@ -58,7 +58,9 @@ class Start:
     name: str
     """Name of the scenario."""
     run: str
+    """Name of the run in every key."""
     saved: Snapshot | None = None
+    """State from which the run is resumed; None for a new run."""
 
 
 class World:
@@ -85,8 +87,8 @@ class World:
                 await self.server.gather()
             await self.server.main_loop()
         except asyncio.CancelledError as stop:
-            # Only Ctrl-C ends a run permanently. Exception: a resumed world that is still waiting for its robots, for
-            # a person may have resumed it with a wrong flag.
+            # Only Ctrl-C ends a run permanently. Exception: a resumed world that is still waiting for its robots. A
+            # person may have resumed it with a wrong flag.
             is_waiting = self._is_resumed_by_person and self._run.state.tick == self._first_tick
             self._is_cancelled = stop.args == (signal.SIGINT.name,) and not is_waiting
             if self.outcome is Outcome.PAUSED:
@@ -95,13 +97,13 @@ class World:
 
     @property
     def outcome(self) -> Outcome:
-        """The outcome if the main loop ends now."""
+        """The outcome if the main loop ended now."""
         if self._run.is_over:
             return Outcome.FINISHED
         return Outcome.CANCELLED if self._is_cancelled or self._checkpoints is None else Outcome.PAUSED
 
     def shutdown(self) -> Summary | None:
-        """Dismiss the robots unless the run is paused, and write the summary, which is returned."""
+        """Dismiss the robots unless the run is paused; write and return the summary."""
         outcome = self.outcome
         self._log_early_end(outcome)
         try:
@@ -160,7 +162,7 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
                 await world.main_loop()
             finally:
                 results = world.shutdown()
-        world.discard_checkpoint()  # after the log is closed: until here the run can be resumed
+        world.discard_checkpoint()  # the log is closed: until now the run could be resumed
         with contextlib.suppress(asyncio.CancelledError):  # the results are written: a signal only ends the wait
             await world.server.linger()
         _logger.info("the run is over after %d ticks", start.scenario.ticks)
@@ -220,7 +222,7 @@ def _read_flags(flags: argparse.Namespace, locks: contextlib.ExitStack) -> Start
             summary.write_scenario(flags.out, scenario)
         return Start(scenario, encoding.check_name(flags.name) if flags.name else encoding.name_of(path), run)
     if flags.scenario or flags.out or flags.name or flags.no_record or overrides(flags):
-        raise FesError("--resume continues the run as it was: no SCENARIO, and no flag about it")
+        raise FesError("--resume keeps the settings of the run: give no SCENARIO, and no flag that sets them")
     locks.enter_context(exclusive_lock(flags.resume))
     saved = resume.load(flags.resume)
     if flags.run not in (None, saved.run):
@@ -232,7 +234,7 @@ def _read_flags(flags: argparse.Namespace, locks: contextlib.ExitStack) -> Start
 
 def _check_pace(flags: argparse.Namespace, scenario: Scenario) -> None:
     if flags.rtf is not None and scenario.run.clock == "live":
-        raise FesError("--rtf does not go with the live clock: its pace is that of the wall clock")
+        raise FesError("--rtf does not go with the live clock, which follows the wall clock")
 
 
 def main() -> None:

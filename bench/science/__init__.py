@@ -1,4 +1,4 @@
 """Results over many seeds.
 
-measured  robots that count beacons: the table of docs/explanation/counting-beacons.md, some minutes
+measured  robots that count beacons: the table of docs/explanation/counting-beacons.md, within minutes
 """

@@ -1,4 +1,4 @@
-"""Robots that count beacons, over seeds: the table of docs/explanation/counting-beacons.md, in some minutes."""
+"""Robots that count beacons, over seeds: the table of docs/explanation/counting-beacons.md. It takes some minutes."""
 
 import argparse
 import math
@@ -124,7 +124,7 @@ def main() -> None:
         difference = indices[titles[-1]] - indices[compared]
         error = difference.std() / math.sqrt(max(1, len(difference) - 1))
         advantage = f"{difference.mean():+.4f} ± {error:.4f}"
-        print(f"mean J, {titles[-1]}, less that of '{compared}' on the same seeds: {advantage}")
+        print(f"mean J, {titles[-1]}, minus that of '{compared}' on the same seeds: {advantage}")
 
 
 if __name__ == "__main__":

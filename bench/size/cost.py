@@ -1,7 +1,7 @@
 """CPU time of a world and of a separate router with a hundred robots; rate of the lockstep behind a delay.
 
-World and router are separate processes, so that each has a CPU time of its own. The robots have a session each in
-this process. A relay delays every byte, because this kernel has no other means.
+World and router are separate processes, so that the CPU time of each can be measured. Each robot has a session in
+this process. A relay delays every byte, so the kernel needs no means to delay traffic.
 """
 
 import asyncio
@@ -36,7 +36,7 @@ DELAYS = (0.0, 0.005, 0.010, 0.020)
 
 @contextmanager
 def started(*words: str) -> Iterator["subprocess.Popen[str]"]:
-    """A program that ends with its standard input."""
+    """A program that ends when its standard input is closed."""
     process = subprocess.Popen(
         [sys.executable, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
     )
@@ -47,7 +47,7 @@ def started(*words: str) -> Iterator["subprocess.Popen[str]"]:
 
 
 def spent(pid: int) -> float:
-    """CPU time so far [s]."""
+    """CPU time of a process so far [s]."""
     fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
     return (int(fields[11]) + int(fields[12])) / 100.0
 

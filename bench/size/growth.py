@@ -1,8 +1,8 @@
 """Messages and bytes per tick at the world's router, for 10 to 100 robots with a session each.
 
-Each robot of fes has a session and a connection of its own, in one process with the world. Messages are counted where
-they are put and taken. Bytes are those that the kernel counts on the router's connections (`ss`, of iproute2): with
-Zenoh's framing, without the headers of TCP and IP.
+Each robot has its own session and connection, in the same process as the world. Messages are counted
+where they are put and taken. Bytes are those that the kernel counts on the router's connections (`ss`, of iproute2):
+with Zenoh's framing, without the headers of TCP and IP.
 """
 
 import asyncio
@@ -35,7 +35,7 @@ FIRST, TICKS = 20, 60
 """Counted window [ticks]."""
 
 LATER = 60.0
-"""Time at which the formation is complete, for its contacts and its log [s]."""
+"""Simulated time until the formation is complete, after which its contacts and its log are measured [s]."""
 
 KINDS = ("observation", "beacon", "command")
 
@@ -47,7 +47,7 @@ class Counted(Bus):
     """A bus that counts messages put and taken, by kind."""
 
     def __init__(self, opened: Bus, counts: Counts, beacons: str = "beacon taken") -> None:
-        """`beacons` is the kind of beacons taken here; those that the world takes do not cross a connection."""
+        """Beacons taken are counted as the kind `beacons`: those that the world takes cross no connection."""
         self.__dict__.update(opened.__dict__)
         self.counts = counts
         self.beacons = beacons
@@ -55,7 +55,7 @@ class Counted(Bus):
     def declare_publisher(
         self, key: str, schema: str, *, drop: bool = False, mark: bytes | None = None
     ) -> Callable[[bytes], None]:
-        """As a bus does."""
+        """Declare a publisher that counts its messages."""
         put, kind = super().declare_publisher(key, schema, drop=drop, mark=mark), key.rpartition("/")[2]
 
         def counted(payload: bytes) -> None:
@@ -65,7 +65,7 @@ class Counted(Bus):
         return counted
 
     def declare_subscriber(self, key: str, handler: Handler, gate: Gate | None = None) -> Callable[[], None]:
-        """As a bus does."""
+        """Declare a subscriber that counts its messages."""
         kind = key.rpartition("/")[2]
 
         def counted(sample: str, payload: bytes | None) -> None:
@@ -75,7 +75,7 @@ class Counted(Bus):
         return super().declare_subscriber(key, counted, gate)
 
     def mailbox(self, key: str) -> Mailbox:
-        """As a bus does."""
+        """A mailbox that counts the messages taken from it."""
         box = super().mailbox(key)
         take = box.take
 

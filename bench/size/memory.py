@@ -50,7 +50,7 @@ def growth(ticks: list[int], memory: list[float]) -> float:
 
 
 def in_one_loop(ticks: int, recorded: bool) -> None:
-    """Everything in one process, the dashboard drawn every fiftieth tick."""
+    """Run everything in one process, and draw the dashboard every fiftieth tick."""
     scenario = load(SCENARIO, {"run.duration": ticks * 0.02})
     ticks_read: list[int] = []
     memory: list[float] = []
@@ -77,7 +77,7 @@ def in_one_loop(ticks: int, recorded: bool) -> None:
 
 
 def in_processes(minutes: float) -> None:
-    """A world that keeps log and checkpoints, ten agents, and a viewer, at full speed."""
+    """Run a world with log and checkpoints, ten agents, and a viewer, at full speed."""
     with tempfile.TemporaryDirectory() as folder:
         out, endpoint = Path(folder) / "run", f"tcp/127.0.0.1:{free_port()}"
         words = {"world": ["world.process", str(SCENARIO), "--duration", "1e6", "--out", str(out), "-l", endpoint]}

@@ -1,7 +1,7 @@
 """A router separate from the world, as the source of a small program: a stand-in for zenohd, with the same code.
 
-The program takes an endpoint to listen on, and those of routers to connect to. It prints "ready", and ends with its
-standard input.
+The program takes an endpoint to listen on, and those of routers to connect to. It prints "ready", and ends
+when its standard input is closed.
 """
 
 SOURCE = """

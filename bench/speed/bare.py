@@ -84,7 +84,7 @@ async def world(n: int, ticks: int, endpoint: str, size: int, work: float) -> fl
             await asyncio.sleep(0.05)
         payload, begun = bytes(size), 0.0
         for tick in range(ticks + 1):
-            # Two threads may both call wake for one tick, the second late: so count the commands again.
+            # Two threads may both call wake for one tick, the second too late: so the commands are counted again.
             while len(arrived) < wanted:
                 barrier = loop.create_future()
                 if len(arrived) < wanted:

@@ -39,7 +39,7 @@ def main() -> None:
         f"crew.step, one robot, about 3 links: {np.median(costs.step) * 1e6:.0f} us"
         "    budget <= 250 us with sub-steps"
     )
-    print(f"  decoding: {np.median(costs.read) * 1e6:.0f} us, encoding: {np.median(costs.say) * 1e6:.0f} us")
+    print(f"  decoding: {np.median(costs.decoding) * 1e6:.0f} us, encoding: {np.median(costs.encoding) * 1e6:.0f} us")
     print(f"  the world's tick, 10 robots: {costs.world_tick * 1e6:.0f} us")
     print(f"in process, 10 robots: {rate(paper, 2000, 500):,.0f} ticks/s    budget >= 2,000")
     print("in process, relative neighborhood at constant density:")

@@ -1,4 +1,4 @@
-"""fes against the bare message pattern, alternating, on the same machine in the same minute."""
+"""Rates of fes and of the bare message pattern, measured alternately on the same machine in the same minute."""
 
 import json
 import subprocess
@@ -74,7 +74,7 @@ def main() -> None:
     print(
         f"lockstep, {n} robots in {n} processes, {np.mean([len(p) for p in peers]):.1f} peers in range each [ticks/s]"
     )
-    print("  bare: the messages alone; busy: the same, with a spin as long as the computation of a warm fes")
+    print("  bare: the messages alone; busy: the same, spinning for as long as a warm fes computes")
     for _ in range(ROUNDS):
         alone, busy = bare(n, ticks, peers), bare(n, ticks, peers, costs.robot, costs.world_tick)
         ours = fes(scenario, duration)

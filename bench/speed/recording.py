@@ -1,4 +1,4 @@
-"""Cost of a log: the lockstep with and without it, alternating, and its size."""
+"""Cost of a log: its size, and rates of the lockstep with and without it, measured alternately."""
 
 import tempfile
 from pathlib import Path

@@ -25,15 +25,15 @@ from world.simulation import truth
 class Costs:
     """Times per tick [s]."""
 
-    read: list[float] = field(default_factory=list)
+    decoding: list[float] = field(default_factory=list)
     step: list[float] = field(default_factory=list)
-    say: list[float] = field(default_factory=list)
+    encoding: list[float] = field(default_factory=list)
     world: list[float] = field(default_factory=list)
 
     @property
     def robot(self) -> float:
         """Median total of a robot's process [s]."""
-        return float(np.median(self.read) + np.median(self.step) + np.median(self.say))
+        return float(np.median(self.decoding) + np.median(self.step) + np.median(self.encoding))
 
     @property
     def world_tick(self) -> float:
@@ -84,14 +84,14 @@ def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
             received_beacons = assemblers[robot].beacons(
                 tick - 1, [messages.decode_beacon(beacon) for beacon in payloads]
             )
-            read = clock()
+            decoded = clock()
             states[robot], sent, twists = crew.step(crews[robot], states[robot], inputs, received_beacons)
             stepped = clock()
             telemetry = crew.telemetry(crews[robot], states[robot])
             [(_, beacon, command)] = marshalling.encode_tick(sent, twists, telemetry)
-            costs.say.append(clock() - stepped)
-            costs.step.append(stepped - read)
-            costs.read.append(read - begun)
+            costs.encoding.append(clock() - stepped)
+            costs.step.append(stepped - decoded)
+            costs.decoding.append(decoded - begun)
             beacons[robot] = beacon
             commands.append(command)
         previous_beacons = beacons

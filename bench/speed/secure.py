@@ -1,7 +1,7 @@
-"""Cost of TLS, access control and the audit: plain and secure runs, alternating.
+"""Cost of TLS, access control and the audit: plain and secure runs, measured alternately.
 
-The default is ten robots in ten processes. The arguments `configs/hundred.toml --agents-per-process 25` run a hundred
-in four.
+The default is ten robots in ten processes. The arguments `configs/hundred.toml --agents-per-process 25` run a
+hundred robots in four processes.
 """
 
 import argparse
@@ -19,7 +19,7 @@ import numpy as np
 from world.config.scenario import load
 
 KINDS: dict[str, list[str]] = {"plain": [], "secure": ["--secure"], "secure, no audit": ["--secure"]}
-"""Flags of each kind of run; without its log Zenoh does not write the audit."""
+"""Flags of each kind of run; the audit has nothing to read if Zenoh's log is off."""
 
 
 def measure(words: list[str], audit: bool) -> tuple[float, float]:

@@ -41,7 +41,7 @@ def plot(
             learning = convergence_study.learn(builtin.FOLDER)
             directory, drawn = out or Path("figures"), {"measured": figures.learning_figure(learning)}
         else:
-            bar.note("the run again")
+            bar.note("executing the run again")
             source = Path(target)
             directory, drawn = out or (source.parent if source.is_file() else source), _run_figures(source)
         written = []
@@ -63,7 +63,7 @@ def show_claims(
 ) -> int:
     """Compute the errors in the paper's text."""
     if name is not None and name not in claims.CLAIMS:
-        raise FesError(f"no claim '{name}'; there are {', '.join(claims.CLAIMS)}")
+        raise FesError(f"no claim '{name}'; the claims are {', '.join(claims.CLAIMS)}")
     wanted, results = [name] if name else list(claims.CLAIMS), {}
     with progress.bar("claims", len(wanted)) as bar:
         for key in wanted:
@@ -87,7 +87,7 @@ def show_claims(
 def _paper_figures(bar: progress.Bar) -> "dict[str, Figure]":
     bar.note("the paper's run")
     seen = history.follow(load(builtin.file_of("paper")))
-    bar.note("the same with other steps")
+    bar.note("the same run with other steps")
     return {
         "fig1-outage": figures.outage_figure(),
         "fig3-index": figures.index_figure(),
@@ -102,7 +102,7 @@ def _paper_figures(bar: progress.Bar) -> "dict[str, Figure]":
 def _run_figures(target: Path) -> "dict[str, Figure]":
     """The figures of a run, from its log, or from its directory if there is no log."""
     path = reader.find(target) if target.exists() else None
-    seen = _again(target) if path is None else _recorded(logs.load(path))
+    seen = _executed_again(target) if path is None else _recorded(logs.load(path))
     return {"formation": figures.formation_figure(seen), "convergence": figures.convergence_figure(seen)}
 
 
@@ -114,11 +114,11 @@ def _recorded(log: Log) -> History:
     return history.recorded(log)
 
 
-def _again(directory: Path) -> History:
+def _executed_again(directory: Path) -> History:
     """The history of a run executed again from its scenario; raises FesError if its digest differs."""
     scenario = directory / "scenario.toml"
     if not scenario.is_file() or not (directory / "summary.json").is_file():
-        raise FesError(f"{directory} is not a run directory: it has no scenario.toml and summary.json")
+        raise FesError(f"{directory} is not a run directory: it lacks scenario.toml or summary.json")
     summary, loaded = processes.read_summary(directory), load(scenario)
     ticks = summary.get("ticks")
     if not isinstance(ticks, int) or not 1 <= ticks <= loaded.ticks or "digest" not in summary:
@@ -130,6 +130,6 @@ def _again(directory: Path) -> History:
         try:
             recorded = f"it was made with {fingerprint.text(summary['arithmetic'])}"
         except (KeyError, TypeError):
-            recorded = "it does not say with which arithmetic it was made"
+            recorded = "its summary does not name the arithmetic"
         raise FesError(f"{directory} cannot be executed again bit for bit here: {recorded}; {current}")
     return run_history

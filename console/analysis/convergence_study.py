@@ -82,7 +82,7 @@ def time_to_one_meter(scenario: Scenario, links: int) -> float:
 
 
 def _errors(scenarios: list[Scenario]) -> Floats:
-    """Mean estimate less r* [runs, t] [m]; NaN before the first estimate."""
+    """Mean estimate minus r* [runs, t] [m]; NaN before the first estimate."""
     rows, channel, best = [], None, math.nan
     for together in stacked.ticks(scenarios):
         now = together[0].state.channel  # all runs change at the same time

@@ -91,22 +91,22 @@ def formation_figure(run: History) -> "Figure":
     last = len(run.time) - 1
     first = next((tick for tick, links in enumerate(run.links) if len(links)), 0)
     low, high = run.poses[..., :2].min(axis=(0, 1)) - MARGIN, run.poses[..., :2].max(axis=(0, 1)) + MARGIN
-    looks = sorted({first, min(last, first + last // 12), last})
+    shown_ticks = sorted({first, min(last, first + last // 12), last})
     height = max(2.2, 0.6 + 3.6 * float((high[1] - low[1]) / (high[0] - low[0])))
-    with sheet(3.8 * len(looks), min(height, 5.0), columns=len(looks)) as (figure, axes):
-        for tick, look in zip(looks, np.atleast_1d(axes), strict=True):
+    with sheet(3.8 * len(shown_ticks), min(height, 5.0), columns=len(shown_ticks)) as (figure, axes):
+        for tick, panel in zip(shown_ticks, np.atleast_1d(axes), strict=True):
             tail = run.poses[: tick + 1]
-            look.plot(tail[:, :, 0], tail[:, :, 1], "-", color="#999999", linewidth=0.8)
+            panel.plot(tail[:, :, 0], tail[:, :, 1], "-", color="#999999", linewidth=0.8)
             for link in history.ends_at(run, tick):
-                look.plot(link[:, 0], link[:, 1], "-", color=BLUE, linewidth=1.2)
-            _robots(look, run.poses[tick])
-            look.set(title=f"t = {run.time[tick]:.2f} s", xlabel="x [m]", ylabel="y [m]", aspect="equal")
-            look.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+                panel.plot(link[:, 0], link[:, 1], "-", color=BLUE, linewidth=1.2)
+            _robots(panel, run.poses[tick])
+            panel.set(title=f"t = {run.time[tick]:.2f} s", xlabel="x [m]", ylabel="y [m]", aspect="equal")
+            panel.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     return figure
 
 
 def convergence_figure(run: History) -> "Figure":
-    """The paper's Fig. 6 (a) and (b), and beside them (c), the largest separation error."""
+    """The paper's Fig. 6 (a) and (b), and (c), the largest separation error."""
     averaged = "\naveraged over a dither period" if run.averaged else ""
     series = (
         (r"(a) $\sum|\hat r_{ij}-\hat r_{ji}|$ [m]", run.disagreement),
@@ -114,11 +114,11 @@ def convergence_figure(run: History) -> "Figure":
         (rf"(c) max $|r_{{ij}}-r^*|$ [m]{averaged}", run.separation_error),
     )
     with sheet(10.8, 3.2, columns=3) as (figure, axes):
-        for look, (title, values) in zip(axes, series, strict=True):
-            look.semilogy(run.time, np.maximum(values, FLOOR), color=BLUE, linewidth=1.2)
-            look.axhline(1.0, color=INK, linewidth=0.8, linestyle=":")
-            look.set(title=title, xlabel="time [s]", xlim=(0.0, run.time[-1]))
-            look.grid(alpha=0.3)
+        for panel, (title, values) in zip(axes, series, strict=True):
+            panel.semilogy(run.time, np.maximum(values, FLOOR), color=BLUE, linewidth=1.2)
+            panel.axhline(1.0, color=INK, linewidth=0.8, linestyle=":")
+            panel.set(title=title, xlabel="time [s]", xlim=(0.0, run.time[-1]))
+            panel.grid(alpha=0.3)
     return figure
 
 
@@ -136,13 +136,13 @@ def step_figure(sub_steps: dict[str, list[tuple[float, float]]], ticks: list[tup
         axes[1].set(
             xlabel="tick [ms]", ylabel="distance after 6 s [m]", title="closed loop, neighborhood.toml, no loss"
         )
-        for look, shown in ((axes[0], [2.5, 5, 10, 20]), (axes[1], [5, 10, 20, 50])):
-            look.set_xticks(shown, [f"{tick:g}" for tick in shown])
-            look.set_xticks([], minor=True)
+        for panel, shown in ((axes[0], [2.5, 5, 10, 20]), (axes[1], [5, 10, 20, 50])):
+            panel.set_xticks(shown, [f"{tick:g}" for tick in shown])
+            panel.set_xticks([], minor=True)
         axes[1].set_yticks([0.5, 1, 2, 5], ["0.5", "1", "2", "5"])
         axes[1].set_yticks([], minor=True)
-        for look in axes:
-            look.grid(alpha=0.3)
+        for panel in axes:
+            panel.grid(alpha=0.3)
     return figure
 
 
@@ -152,19 +152,19 @@ def learning_figure(learning: Learning) -> "Figure":
         jump = int(np.searchsorted(learning.time, CHANGE))
         spans = (slice(0, jump), slice(jump, None))
         titles = ("from the start", "after the signal-to-noise ratio halved")
-        for look, span, title in zip(axes, spans, titles, strict=True):
+        for panel, span, title in zip(axes, spans, titles, strict=True):
             time = learning.time[span] - learning.time[span][0]
-            look.fill_between(
+            panel.fill_between(
                 time, -learning.bound[span], learning.bound[span], color="#cccccc", label="lower bound (1 σ)"
             )
             time = time[::THIN]
             for number, run in enumerate(learning.fed[:, span]):
-                look.plot(time, run[::THIN], ":", color=ORANGE, label=None if number else "(18), given samples")
+                panel.plot(time, run[::THIN], ":", color=ORANGE, label=None if number else "(18), given samples")
             for number, run in enumerate(learning.counted[:, span]):
-                look.plot(time, run[::THIN], color=BLUE, linewidth=0.6, label=None if number else "counting beacons")
-            look.axhline(0.0, color=INK, linewidth=0.8)
-            look.set(title=title, xlabel="time [s]", xlim=(0.0, 45.0), ylim=(-10.0, 14.0))
-            look.grid(alpha=0.3)
+                panel.plot(time, run[::THIN], color=BLUE, linewidth=0.6, label=None if number else "counting beacons")
+            panel.axhline(0.0, color=INK, linewidth=0.8)
+            panel.set(title=title, xlabel="time [s]", xlim=(0.0, 45.0), ylim=(-10.0, 14.0))
+            panel.grid(alpha=0.3)
         axes[0].set(ylabel=r"mean estimate $-\; r^*$ [m]")
         axes[0].legend(frameon=False, loc="upper right")
     return figure

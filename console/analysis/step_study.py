@@ -36,8 +36,8 @@ def tick_errors(scenario: Scenario, ticks: tuple[float, ...] = TICKS) -> list[tu
     The channel is perfect: losses depend on the tick, and would hide the error.
     """
     reference = _final(scenario, REFERENCE_TICK)
-    away = [_final(scenario, tick) - reference for tick in ticks]
-    return [(tick, float(np.hypot(*error.T).max())) for tick, error in zip(ticks, away, strict=True)]
+    displacements = [_final(scenario, tick) - reference for tick in ticks]
+    return [(tick, float(np.hypot(*error.T).max())) for tick, error in zip(ticks, displacements, strict=True)]
 
 
 def seeking_errors() -> dict[str, list[tuple[float, float]]]:
@@ -46,7 +46,7 @@ def seeking_errors() -> dict[str, list[tuple[float, float]]]:
 
 
 def _path(sub_step: float, transform: str, starts: Floats) -> Floats:
-    """Estimates [t, l] [m] of links alone, every 20 ms."""
+    """Estimates [t, l] [m] of links without consensus, every 20 ms."""
     gain = 44460.0 if transform == "none" else 40000.0
     config = SeekingConfig(index_transform=transform, index_gain=gain, sub_step=sub_step)  # type: ignore[arg-type]
     index = oracle.index(ObjectiveConfig(), ChannelConfig(), config.index_transform)

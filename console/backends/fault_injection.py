@@ -1,8 +1,8 @@
 """Scheduled deaths and hangs of robots and of the world, applied to their processes.
 
-The process of a robot that dies is killed, and restarted if the robot returns. That of a robot that hangs is
-suspended, and resumed in time. The world decides from which tick on a robot takes part, so the fate of processes
-changes no digit.
+The process of a robot that dies is killed, and restarted if the robot returns. The process of a robot that
+hangs is suspended, and resumed in time. The world decides from which tick on a robot takes part, so the fate of
+processes changes no digit.
 """
 
 import contextlib
@@ -30,7 +30,7 @@ STALLED = 1.0
 
 @dataclass(frozen=True)
 class ProcessControl:
-    """Operations on the agent of an `--id`, and on the world."""
+    """Operations on the agents, by their `--id`, and on the world."""
 
     kill: Callable[[str], Awaitable[None]]
     start: Callable[[str], Awaitable[None]]

@@ -84,7 +84,7 @@ class ManagedProcess:
 
 @dataclass(frozen=True)
 class NotStarted:
-    """An agent process that the system did not start."""
+    """An agent process that the operating system could not start."""
 
     name: str
     """The program and the robots that it should host."""
@@ -101,7 +101,7 @@ async def start(name: str, module: str, arguments: list[str], log: Path, robots:
     """Start a child that ends when this process does; it appends to its `log`. Raises OSError."""
     with log.open("ab") as stream:
         # A child inherits the mask, so that no signal reaches a half-started interpreter: `fes.system.signals.hold`
-        # delivers it later. No other child may start meanwhile, so no await stands before the process is created.
+        # delivers it later. No other child may start in between, so nothing is awaited before the process is created.
         signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
         # A background job of a script ignores SIGINT. Its children must not: SIGINT ends a world.
         before = signal.getsignal(signal.SIGINT)
@@ -110,12 +110,12 @@ async def start(name: str, module: str, arguments: list[str], log: Path, robots:
         try:
             process = await asyncio.create_subprocess_exec(
                 sys.executable,
-                "-P",  # a folder `world` in the working directory is not our package
+                "-P",  # never take a folder `world` in the working directory for our package
                 "-m",
                 module,
                 *map(encoding.as_bytes, arguments),
                 "--exit-with-stdin",
-                stdin=subprocess.PIPE,  # never written to: its end tells the child that this process has ended
+                stdin=subprocess.PIPE,  # never written to: its end tells the child that this process is gone
                 stdout=stream,
                 stderr=stream,
                 start_new_session=True,  # a Ctrl-C reaches only this process, which ends its children in order

@@ -108,14 +108,13 @@ class ProcessGroup:
     async def replace_world(self, seconds: float, arguments: list[str]) -> None:
         """Kill the world by schedule, and start another after this time [s]: its end is not a failure.
 
-        If the system cannot start another, `not_resumed` has the reason.
+        If another cannot be started, `not_resumed` has the reason.
         """
         world = self.world
         if world is None or not world.runs:
             return
-        self.killed.add(
-            world
-        )  # before the signal, so that its end counts neither as a failure nor as the end of the run
+        # Before the signal, so that its end counts neither as a failure nor as the end of the run.
+        self.killed.add(world)
         self.successor_due = True
         try:
             world.signal(signal.SIGKILL)
@@ -175,7 +174,7 @@ class ProcessGroup:
     def abandon(self) -> None:
         """Kill every child, and wait until all have ended.
 
-        It waits only on a system that can wait for a child without reaping it, which is left to asyncio.
+        It does not wait on a system without os.waitid, because any other call would reap a child before asyncio does.
         """
         self.kill()
         if hasattr(os, "waitid"):

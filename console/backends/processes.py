@@ -37,12 +37,12 @@ MAX_SUMMARY = 1 << 30
 """Largest summary that is read [bytes]; a hundred robots take 100 kB."""
 
 JOIN_TIMEOUT = 60.0
-"""Longest search of the children for the world [s]; a loaded machine starts ten interpreters slowly."""
+"""Longest time for which a child looks for the world [s]; a loaded machine starts ten interpreters slowly."""
 
 
 @dataclass(frozen=True)
 class Launch:
-    """Settings of a run beside its scenario."""
+    """Settings of a run, in addition to its scenario."""
 
     name: str
     """Name of the scenario."""
@@ -133,8 +133,8 @@ async def _run(
 async def _processes(directory: RunDirectory) -> AsyncIterator[ProcessGroup]:
     """The processes of a run, until the block ends.
 
-    A second signal waits for none of them. The world of a run that has begun then closes it by itself; other runs
-    leave no file behind.
+    After a second signal no process is awaited. The world of a run that has begun then closes the run by itself. A
+    run that has not begun leaves no file behind.
     """
     group = ProcessGroup(directory.path)
 
@@ -179,9 +179,8 @@ async def _inject_faults(
         yield
     finally:
         following.cancel()
-        with contextlib.suppress(
-            asyncio.CancelledError, Exception
-        ):  # the world keeps the schedule also without these faults
+        # The world keeps the schedule even if these faults fail.
+        with contextlib.suppress(asyncio.CancelledError, Exception):
             await following
 
 
@@ -210,7 +209,7 @@ def read_summary(directory: Path) -> dict[str, Any]:
 
 
 async def _attend(supervisor: Supervisor, launch: Launch, address: Address, console: Console) -> None:
-    """Wait for the end of the children, and show the run meanwhile in a terminal."""
+    """Wait for the end of the children; in a terminal, show the run in the meantime."""
     if not is_screen(console):
         await supervisor.finish()
         return

@@ -1,4 +1,4 @@
-"""Limits on restarts of agents that died: delays that grow, and a largest number."""
+"""Limits on restarts of agents that died: increasing delays, and a largest number."""
 
 from dataclasses import dataclass, field
 
@@ -9,7 +9,7 @@ SHORT = 30.0
 """A life shorter than this [s] is a short one."""
 
 MOST = 5
-"""Most short lives in a row after which an agent is restarted."""
+"""Largest number of short lives in a row after which an agent is still restarted."""
 
 
 @dataclass

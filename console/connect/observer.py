@@ -12,7 +12,7 @@ from fes.protocol.report import Report, decode_report
 from fes.transport.bus import Bus
 
 MAX_WAITING = 64
-"""Most reports that wait for a slow observer; older ones are dropped."""
+"""Largest number of reports that wait for a slow observer; the oldest are dropped."""
 
 RETURN = 15.0
 """Shortest absence [s] after which a world counts as gone: the connection may return, or another world may resume
@@ -44,9 +44,8 @@ async def reports(bus: Bus, run: str, timeout: float, idle: float) -> AsyncItera
     def on_report(key: str, payload: bytes | None) -> None:
         if payload is not None:
             waiting.append(payload)
-            if (
-                not wake_up.is_set()
-            ):  # cleared before the queue is read: no report is missed, and a flood is one wake-up
+            # The event is cleared before the queue is read: no report is missed, and a flood is one wake-up.
+            if not wake_up.is_set():
                 loop.call_soon_threadsafe(wake_up.set)
 
     def on_world(key: str, alive: bool) -> None:

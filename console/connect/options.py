@@ -11,6 +11,7 @@ from fes.transport.network_flags import NetworkFlag
 from world.config import builtin
 
 SET = "Override a field of the scenario; fes schema lists them."
+PACE = "Pace: simulated seconds per second, or max for full speed."
 VERBOSE = "Also print tracking, links, their beacons and all expectations."
 
 

@@ -68,7 +68,7 @@ def created(scenario: str, out: Path | None) -> Iterator["RunDirectory"]:
     """A new run directory: `out`, or runs/<scenario>-<n> with runs/latest pointing at it; raises FesError.
 
     It is removed if a signal ends the block before the first tick, or an error before the run writes a file. A
-    Stopped that leaves the block names the directory with the partial results.
+    Stopped raised in the block names the directory with the partial results.
     """
     directory = None
     try:
@@ -79,7 +79,7 @@ def created(scenario: str, out: Path | None) -> Iterator["RunDirectory"]:
         if directory is None:
             raise
         if has_checkpoint(directory.path) or (directory.path / SUMMARY).exists():
-            raise Stopped(f"{stopped}; what was reached is in {directory.path}") from None
+            raise Stopped(f"{stopped}; the results so far are in {directory.path}") from None
         directory.discard()
         raise
     except (FesError, OSError):

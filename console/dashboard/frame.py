@@ -21,7 +21,7 @@ CAPACITY = 1024
 
 _TWO_COLUMNS = 72  # narrower than this, the panels form one column
 _GAP = 2
-_SIDE = (49, 68)  # maximum width of the panels beside the map, at first and grown
+_SIDE = (49, 68)  # maximum width of the panels beside the map: by default, and if there is room
 _LEAST_LINKS = 4  # lines of the links' panel that show one link
 _MAX_BARS = 6
 _CHART = (4, 14)  # fewest and most lines of the chart of reception
@@ -134,7 +134,7 @@ def _narrow(history: ReportHistory, report: Report, width: int, height: int) -> 
     """The map above the other panels, if there is room for it."""
     lines, body = header(report, width, history.silence), height - 2
     chart = 1 + reception_panel.BESIDES + _CHART[0] if reception_panel.is_measured(report) else 0
-    spare = body - 4 - chart - 3 - (2 + len(report.a))  # lines beside the full height of the other panels
+    spare = body - 4 - chart - 3 - (2 + len(report.a))  # lines that the other panels at full height leave free
     tall = min(max(spare, 2 * body // 5), width // 2) if body >= 14 else 0
     if tall:
         lines += [title("Map", legend(width - 6), width), *team_map(report, width, tall - 1)]

@@ -23,7 +23,7 @@ _MEASURED = (
     ("separation", 10, 7),
     ("error", 7, 1),
     ("estimates", 13, 6),
-    ("outage", 6, 0),  # one less the true reception
+    ("outage", 6, 0),  # 1 minus the true reception
     ("decoded", 7, 4),
     ("learnt true", 11, 5),
     ("sent", 5, 2),

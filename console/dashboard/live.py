@@ -22,7 +22,7 @@ IDLE = 0.25
 """Time without a Report after which the screen is drawn again, for a resized terminal [s]."""
 
 LEAST = 12
-"""Fewest lines of the last frame, even in a smaller terminal."""
+"""Least height of the last frame [lines], even in a smaller terminal."""
 
 
 class Screen:

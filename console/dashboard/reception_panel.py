@@ -17,7 +17,7 @@ LEGEND = [styled("⠒⠒⠒", "cyan"), styled(" learnt  "), styled("⠂ ⠂", "m
 _PALETTE = ("", "magenta", "cyan", "bold")
 _TRUE, _LEARNT, _COUNTED = 1, 2, 3
 _AXIS = 5
-_EVERY = 3  # of this many dots of the true curve one is drawn
+_EVERY = 3  # one in this many dots of the true curve is drawn
 _LEAST, _MOST = 1e-3, 1e9  # m; separations outside are not drawn
 _FLAT = 50.0  # beyond, exp(-exp(x)) is 0 or 1
 
@@ -47,7 +47,7 @@ def panel(report: Report, width: int, height: int) -> list[Line]:
 
 
 def separation_range(separation: Floats) -> tuple[float, float]:
-    """Round separations [m] some way outside those present, so that the axis rarely changes.
+    """A range of round separations [m] somewhat wider than the present ones, so that the axis rarely changes.
 
     >>> separation_range(np.array([61.0, 73.0])), separation_range(np.array([0.4]))
     ((55.0, 80.0), (0.35, 0.45))
@@ -88,9 +88,9 @@ def _chart(report: Report, known: Bools, width: int, height: int) -> list[Line]:
 
 def _curves(report: Report, separation: Floats) -> tuple[Floats, Floats]:
     """Reception at each `separation` [k] [m]: of the links' median parameters, and true; NaN where unknown."""
-    ratio = np.log(np.maximum(separation, _LEAST) / reference_separation(report))
+    log_ratio = np.log(np.maximum(separation, _LEAST) / reference_separation(report))
     learnt = _median(report.learnt_level), _median(report.learnt_exponent)
-    return _reception(*learnt, ratio), _reception(report.true_level, report.true_exponent, ratio)
+    return _reception(*learnt, log_ratio), _reception(report.true_level, report.true_exponent, log_ratio)
 
 
 def _draw_curve(canvas: Canvas, x: Floats, y: Floats, every: int, ink: int) -> None:
@@ -122,11 +122,11 @@ def _axis(west: float, east: float, optimal: float, width: int) -> str:
     )
 
 
-def _reception(level: float, exponent: float, ratio: Floats) -> Floats:
-    """Reception p at ln(r / rho_0) of `ratio` [k]; NaN where the parameters are unknown."""
+def _reception(level: float, exponent: float, log_ratio: Floats) -> Floats:
+    """Reception p where ln(r / rho_0) is `log_ratio` [k]; NaN where the parameters are unknown."""
     with np.errstate(all="ignore"):
-        reached: Floats = np.exp(-np.exp(np.clip(level + exponent * ratio, -_FLAT, _FLAT)))
-    return reached
+        probability: Floats = np.exp(-np.exp(np.clip(level + exponent * log_ratio, -_FLAT, _FLAT)))
+    return probability
 
 
 def _reception_range(parts: Floats) -> tuple[float, float]:

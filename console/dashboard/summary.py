@@ -143,7 +143,7 @@ def _radio(summary: dict[str, Any]) -> list[RenderableType]:
     known = [row for row in contacts if row[4] is not None]
     outage = sum(row[2] * row[4] for row in known) / sum(row[2] for row in known) if known else None
     table.add_row("all", *_beacons(sent, decoded, outage, max(row[5] for row in contacts)), style="bold")
-    return [_title(f"Beacons over these links: the worst {len(worst)} of {len(contacts)} ways"), table]
+    return [_title(f"Beacons over these links: the worst {len(worst)} of {len(contacts)} directions"), table]
 
 
 def _expectations(summary: dict[str, Any]) -> list[RenderableType]:
@@ -202,7 +202,7 @@ def _deadlines(deadlines: dict[str, Any]) -> str:
     of_worst = f" (robot {worst}: {missed[worst]:,})" if missed[worst] else ""
     return (
         f"{sum(missed):,}, {share}{of_worst}; {sum(deadlines['late']):,} commands late, "
-        f"{sum(deadlines['stopped']):,} ticks without one; the world slipped by {slipped} s"
+        f"{sum(deadlines['stopped']):,} ticks without a command; the world slipped by {slipped} s"
     )
 
 

@@ -62,7 +62,7 @@ def doctor(
 
 
 async def examine(target: Endpoints | Finding, run: str, is_requested: bool) -> list[Finding]:
-    """All checks: those of the machine in a thread, those of the network meanwhile.
+    """All checks: those of the machine in a thread, and concurrently those of the network.
 
     If `target` is a finding, it takes the place of the checks of a run.
     """
@@ -95,7 +95,7 @@ def with_announcement(finding: Finding, path: Path, address: Address) -> Finding
     """
     if finding.check != "endpoint" or finding.status is not Status.FAILED or "certificate" in finding.seen:
         return finding
-    seen = f"{finding.seen}; by {path}, process {address.pid} still executes that run"
+    seen = f"{finding.seen}; according to {path}, process {address.pid} still executes that run"
     return warning("endpoint", seen, "its world is starting, suspended or being restarted: check again")
 
 

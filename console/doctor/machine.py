@@ -21,16 +21,16 @@ from fes.system import distribution
 OLDEST_PYTHON = (3, 11)
 
 LEAST_FILES = 18
-"""Fewest open files with which a run starts, besides those for its agent processes [measured: 17 are too few]."""
+"""Fewest open files with which a run starts, without those for its agent processes; measured: 17 are too few."""
 
 FILES_PER_CHILD = 2 if sys.version_info >= (3, 12) else 1
 """Files that `fes run` has open per agent process; from Python 3.12 on also a descriptor of the process."""
 
 FILES_PER_ROBOT, FILES_OF_A_PROCESS = 2, 32
-"""Open files per agent process, and in total besides, that also suffice for certificates and observers."""
+"""Open files per agent process, and for all else, which also suffice for certificates and observers."""
 
 USUAL_TEAM = 100
-"""Number of robots for which open files should suffice, if no run tells another."""
+"""Number of robots for which open files should suffice, unless a run reports its own number."""
 
 LITTLE_SPACE, NO_SPACE = 1 << 30, 10 << 20
 """Free space below which a long run may fail, and below which every run fails [bytes]."""
@@ -108,7 +108,7 @@ def loopback() -> Finding:
 
 
 def clock(moment: float = MOMENT) -> Finding:
-    """The clocks: both advance, at the same rate."""
+    """The realtime and the monotonic clock: both must advance, at the same rate."""
     real, steady = time.time(), time.monotonic()
     time.sleep(moment)
     passed, elapsed = time.time() - real, time.monotonic() - steady

@@ -57,7 +57,7 @@ def exposure(endpoint: str, table: str | None = None) -> Finding:
         return ok(check, f"{endpoint} is not on a network")
     if not match[1].startswith(LOCAL):
         remedy = "robots on other machines need this; else listen on 127.0.0.1, or use tls with certificates"
-        return warning(check, f"{endpoint} is on a network, from which every host can take part", remedy)
+        return warning(check, f"{endpoint} is on a network, and every host there can take part", remedy)
     if any(address != "0100007F" for address in _listening(int(match[2]), table)):
         remedy = f"start the world with -l {DEFAULT_ENDPOINT}"
         return warning(check, f"the program at port {match[2]} listens on every interface", remedy)

@@ -49,9 +49,8 @@ class Authority:
 def create(days: float) -> Authority:
     """A new authority, valid for `days`."""
     key = ec.generate_private_key(ec.SECP256R1())
-    name = _name(
-        f"fes authority {secrets.token_hex(4)}"
-    )  # two authorities of one name would differ in the signature only
+    # Two authorities of the same name would differ only in the signature.
+    name = _name(f"fes authority {secrets.token_hex(4)}")
     constraints = x509.BasicConstraints(ca=True, path_length=0)
     usage = _usage(signs_certificates=True)
     identifier = x509.SubjectKeyIdentifier.from_public_key(key.public_key())
@@ -76,7 +75,7 @@ def restore(issued: Issued) -> Authority:
 
 
 def issue(authority: Authority, role: str, days: float, hosts: tuple[str, ...] = ()) -> Issued:
-    """A certificate with a role as common name. Only the world's is for a server, under `hosts` and OWN_HOSTS."""
+    """A certificate with a role as common name. The world's is also for a server, at `hosts` and OWN_HOSTS."""
     key = ec.generate_private_key(ec.SECP256R1())
     purposes = [ExtendedKeyUsageOID.CLIENT_AUTH]
     if role == WORLD:

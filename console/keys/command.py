@@ -38,7 +38,7 @@ PRIVATE, PRIVATE_DIRECTORY = 0o600, 0o700
 _OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 YEARS_10, YEAR = 3650.0, 365.0  # days
 WIDE = 1000
-"""Columns of a list that is not shown in a terminal: each certificate takes one line."""
+"""Width of a list that is not shown in a terminal [columns]: each certificate takes one line."""
 
 RUN_DAYS = 30.0
 """Validity of the certificates of `fes run --secure` [days]; they are deleted when the run ends."""
@@ -48,14 +48,16 @@ Days = Annotated[float, typer.Option(min=1e-3, max=YEARS_10, help="Validity of t
 Hosts = Annotated[
     list[str] | None,
     typer.Option(
-        "--host", help="Further name or address of the world's machine (default for issue: those in its certificate)."
+        "--host", help="Further name or address of the world's machine (default of issue: those in its certificate)."
     ),
 ]
 
 
 @guide.command(app, "keys init")
 def init(
-    robots: Annotated[int, typer.Option(min=0, max=MAX_ROBOTS, help="Certificates for robots 0 to N-1.")] = 0,
+    robots: Annotated[
+        int, typer.Option(min=0, max=MAX_ROBOTS, metavar="N", help="Also issue certificates for robots 0 to N-1.")
+    ] = 0,
     host: Hosts = None,
     keys: Directory = DIRECTORY,
     days: Days = YEAR,
@@ -79,7 +81,8 @@ def init(
 @guide.command(app, "keys issue")
 def issue(
     roles: Annotated[
-        list[str], typer.Argument(help="Roles: world, observer, operator, robot-3, or the crew robot-0-4.")
+        list[str],
+        typer.Argument(help="Roles: world, observer, operator, robot-3, or robot-0-4 for the crew of robots 0 to 4."),
     ],
     host: Hosts = None,
     keys: Directory = DIRECTORY,
@@ -94,7 +97,7 @@ def issue(
     _issue(_restore(keys), keys, checked, days, hosts)
     printing.line(f"{keys}: {', '.join(checked)}, valid for {days:g} days")
     if WORLD in checked:
-        printing.line(f"the world serves as {', '.join(_hosts(keys))}")
+        printing.line(f"names of the world: {', '.join(_hosts(keys))}")
     return process.SUCCESS
 
 
@@ -131,7 +134,7 @@ def rules(
     certificate = identity.security(keys, WORLD)
     control = access.control(check_run(run), robots, identity.crews(keys), world=True)
     ends = Endpoints("router", tuple(connect or ()), (listen,), security={**certificate, **control})
-    settings = {**ends.house_rules(), "connect/timeout_ms": -1}  # the router waits for others forever
+    settings = {**ends.house_rules(), "connect/timeout_ms": -1}  # the router never stops trying to connect
     print(strict_json.dumps(_nested(settings), indent=2))
     return process.SUCCESS
 

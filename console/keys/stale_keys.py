@@ -1,6 +1,7 @@
 """Private keys that a killed `fes run --secure` left behind.
 
-`fes run` holds a lock on a file beside the keys of its run. The system releases it however the process ends.
+`fes run` holds a lock on a file beside the keys of its run. The operating system
+releases it however the process ends.
 """
 
 import contextlib

@@ -24,7 +24,7 @@ from world.metrics.collector import MetricsCollector
 def replay(
     target: Annotated[Path, typer.Argument(metavar="LOG", help="A log, run.mcap, or a run directory.")],
     robot: Annotated[
-        int | None, typer.Option(min=0, metavar="I", help="Execute this robot again, and compare.")
+        int | None, typer.Option(min=0, metavar="I", help="Execute this robot again, and compare it with the log.")
     ] = None,
     all_: Annotated[bool, typer.Option("--all", help="Execute the world and all robots again, and compare.")] = False,
     speed: Annotated[float, typer.Option(min=1e-3, max=1e6, help="Simulated seconds per second.")] = 1.0,
@@ -32,7 +32,7 @@ def replay(
     json_: Annotated[bool, typer.Option("--json", help="Print only the summary, as JSON.")] = False,
     verbose: Annotated[bool, typer.Option("--verbose", help=VERBOSE)] = False,
 ) -> int:
-    """Show a recorded run, or execute it again and compare it to the bit."""
+    """Show a recorded run, or execute it again and compare it with the log, to the bit."""
     if robot is not None and all_:
         raise FesError(f"--all executes every robot again: give either --all or --robot {robot}")
     log = logs.load(target)
@@ -60,9 +60,10 @@ def replay(
 
 
 def rerun_robot(log: Log, robot: int, advance: Callable[[], None] = lambda: None) -> int:
-    """Execute one robot again, from its recorded inputs; returns the number of ticks, or raises Mismatch.
+    """Execute one robot again, from its recorded inputs; returns the number of ticks.
 
-    `advance` is called after each tick.
+    `advance` is called after each tick. Raises Mismatch where a Beacon or Command differs, and FesError if the run
+    has no such robot or the log is incomplete.
     """
     robots = log.scenario.robots.number
     if robot >= robots:

@@ -38,7 +38,7 @@ def compare(
     """
     first_log, second_log = logs.load(first), logs.load(second)
     chosen = None if robots is None else chosen_robots(robots, first_log.scenario.robots.number)
-    with progress.bar("compared"):
+    with progress.bar("comparing"):
         settings = [] if chosen else list(of_scenarios(first_log, second_log))
         difference = first_difference(first_log, second_log, chosen)
     if json_:

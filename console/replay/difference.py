@@ -21,7 +21,7 @@ _PARTS = {"pose": ("x", "y", "heading"), "twist": ("linear", "angular")}
 _OUTSIDE = {"scenario", "elapsed", "ticks_per_s", "alive", "late"}
 """Fields of a Report that describe the machine or the scenario's file, not the run."""
 _OUTSIDE_SUMMARY = {"scenario", "backend", "wall_s", "ticks_per_s", "real_time_factor", "arithmetic"}
-"""Keys of a summary that describe them."""
+"""Keys of a summary that describe the machine or the scenario's file, not the run."""
 
 
 class Difference(NamedTuple):

@@ -29,7 +29,7 @@ _CAPACITY = 2_000_000  # robot-ticks whose Reports are stored, about 130 bytes e
 
 
 class Player:
-    """Position in a run, and the Reports up to it; the run is executed again as far as it has been shown."""
+    """Position in a run, and the Reports up to it; the run is executed again only as far as it is shown."""
 
     def __init__(self, log: Log, speed: float) -> None:
         self.dt, self.ticks = log.scenario.run.dt, log.scenario.ticks

@@ -35,7 +35,7 @@ from world.simulation import truth
 from world.simulation.truth import State
 
 YEARS = 1e12
-"""Longer than any run takes [s; wall clock]."""
+"""Bound beyond which a recorded wall-clock time is ignored [s]."""
 
 T = TypeVar("T", Observation, Beacon, Command)
 
@@ -117,7 +117,10 @@ def accounted(log: Log) -> Iterator[tuple[ReplayedTick, MetricsCollector]]:
 
 
 def summary(log: Log, metrics: MetricsCollector, elapsed: float = 0.0) -> dict[str, Any]:
-    """The summary of `metrics`; its wall-clock time is that of the log, or `elapsed` [s]."""
+    """The summary of `metrics`; its wall-clock time is that of the log, or `elapsed` [s].
+
+    Raises FesError if the deadlines in the log's summary cannot be read.
+    """
     wall = (log.summary or {}).get("wall_s")
     wall = float(wall) if isinstance(wall, int | float) and abs(wall) < YEARS else elapsed
     deadlines = (log.summary or {}).get("deadlines")
@@ -148,7 +151,7 @@ class ReplayedRobots:
         self._before: LoggedTick | None = None
 
     def step(self, tick: LoggedTick) -> None:
-        """Execute a tick, and compare each Beacon and Command; raises Mismatch."""
+        """Execute a tick, and compare each Beacon and Command; raises Mismatch, or FesError for an incomplete log."""
         sensing = [robot for robot in self._robots if tick.payloads.observations[robot]]
         sensed = dict(
             zip(

@@ -113,7 +113,7 @@ def _report(planned: Design, finished: Ledger, directory: Path, form: Format, pl
         run, error_text = failed[0]
         first_failure = f"{planned.title(run.cell)}, seed {run.seed}: {error_text}"
         repeat = f"to repeat them, delete the lines with an error in {directory / ledger.LINES}"
-        raise FesError(f"{len(failed)} of {len(planned.runs)} runs failed, the first {first_failure}; {repeat}")
+        raise FesError(f"{len(failed)} of {len(planned.runs)} runs failed; the first is {first_failure}; {repeat}")
     return process.SUCCESS
 
 

@@ -1,7 +1,7 @@
-"""Statistics of the rows: each cell by itself, and paired differences between cells on the same seeds.
+"""Statistics of the rows: those of each cell, and paired differences between cells on the same seeds.
 
-A run that never reaches a level has no time for it. Such runs are counted, not given a number. The mean of a cell is
-over the runs with a value, a difference over the seeds at which both cells have one.
+A run that never reaches a level has no time to that level. Such runs are counted, not given a number. The mean of a
+cell is over the runs with a value, a difference over the seeds at which both cells have one.
 """
 
 import math
@@ -17,6 +17,7 @@ from console.sweep.table import ERROR, SEED, Row
 from fes.arrays.types import Floats
 
 CONFIDENCE = 0.95
+"""Confidence level of the intervals of paired differences [1]."""
 
 SETTINGS = frozenset({"robots", "ticks", "dt", "simulated_s", "optimal_separation"})
 """Numbers of the summary that the scenario determines."""
@@ -38,7 +39,7 @@ class Spread:
 
 @dataclass(frozen=True)
 class PairedDifference:
-    """An outcome in one cell minus the same in another, at the same seeds."""
+    """An outcome in one cell minus the same outcome in another, at the same seeds."""
 
     axis: int
     base: int

@@ -20,6 +20,7 @@ from world.simulation import crowd
 
 SEED = "run.seed"
 MAX_RUNS = 1_000_000
+"""Largest number of runs of a sweep."""
 
 _BRACKETS = {"[": 1, "{": 1, "]": -1, "}": -1}
 
@@ -96,7 +97,7 @@ def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design
             raise ScenarioError("--axis", f"'{short(field)}' is given by --set, and cannot be an axis too")
         fields[field] = values
     if SEED in fields or SEED in fixed:
-        raise ScenarioError("--seeds", f"is where seeds are given, not '{SEED}'")
+        raise ScenarioError("--seeds", f"sets the seeds: '{SEED}' can be neither an axis nor in --set")
     numbers = parse_seeds(seeds)
     count = len(numbers)
     for values in fields.values():
@@ -119,6 +120,8 @@ def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design
 def parse_axis(text: str) -> tuple[str, list[Any]]:
     """Parse an `--axis` argument `a.b=v1,v2` to its path and TOML values; bare words are strings.
 
+    Raises ScenarioError.
+
     >>> parse_axis("formation.rule=disk,two_nearest")
     ('formation.rule', ['disk', 'two_nearest'])
     >>> parse_axis("seeking.initial_estimate=[50.0, 90.0],[60.0, 60.0]")
@@ -132,7 +135,7 @@ def parse_axis(text: str) -> tuple[str, list[Any]]:
 
 
 def parse_seeds(text: str) -> list[int]:
-    """Parse the argument of --seeds: `A:B` for A to B - 1, or a list.
+    """Parse the argument of --seeds: `A:B` for A to B - 1, or a list; raises ScenarioError.
 
     >>> parse_seeds("2:5"), parse_seeds("7,1")
     ([2, 3, 4], [7, 1])
@@ -143,7 +146,7 @@ def parse_seeds(text: str) -> list[int]:
     except ValueError:
         seeds = []
     if len(seeds[: MAX_RUNS + 1]) > MAX_RUNS:
-        raise ScenarioError("--seeds", f"are at most {MAX_RUNS}, got '{short(text)}'")
+        raise ScenarioError("--seeds", f"lists at most {MAX_RUNS} seeds, got '{short(text)}'")
     if not seeds or min(seeds) < 0 or max(seeds) >= 2**63:
         raise ScenarioError("--seeds", f"expects A:B with 0 <= A < B, or a list such as 1,2,5, got '{short(text)}'")
     if len(set(seeds)) < len(seeds):

@@ -1,7 +1,7 @@
 """Finished runs, durable through every interruption: one line per run, appended at its end.
 
-A line cut short by a kill is dropped, and its run repeated. A run has one line, by its key. Each line ends with a
-checksum of the text before it. All runs of a directory are computed with one arithmetic.
+A line cut short by a kill is dropped, and its run is repeated. Each run has one line, found by its key. Each line
+ends with a checksum of the text before it. All runs of a directory are computed with one arithmetic.
 """
 
 import contextlib

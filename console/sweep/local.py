@@ -69,17 +69,17 @@ def _carry_out(jobs: int, batches: Sequence[Batch], watch: Watch) -> Generator[l
 @contextlib.contextmanager
 def _pool(count: int, context: SpawnContext, ticks: Ticks) -> Iterator[ProcessPoolExecutor]:
     """A pool whose workers end when this end of a pipe closes: with the block, or with this process."""
-    held, leash = context.Pipe(duplex=False)
+    worker_end, own_end = context.Pipe(duplex=False)
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     os.environ.update(ONE_THREAD)
-    pool = ProcessPoolExecutor(count, context, _begin, (held, ticks))
+    pool = ProcessPoolExecutor(count, context, _begin, (worker_end, ticks))
     try:
         yield pool
         pool.shutdown(wait=True)
     finally:
-        leash.close()
+        own_end.close()
         pool.shutdown(wait=True, cancel_futures=True)
-        held.close()
+        worker_end.close()
         for name, value in before.items():
             if value is None:
                 del os.environ[name]
@@ -92,12 +92,12 @@ def _begin(leash: Connection, ticks: Ticks) -> None:
     global _ticks
     _ticks = ticks
 
-    def hold() -> None:
+    def end_with_leash() -> None:
         with contextlib.suppress(EOFError, OSError):
             leash.recv_bytes()
         os._exit(0)
 
-    threading.Thread(target=hold, name="leash", daemon=True).start()
+    threading.Thread(target=end_with_leash, name="leash", daemon=True).start()
 
 
 def _work(index: int, batch: Batch) -> list[Done]:

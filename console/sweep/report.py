@@ -20,7 +20,7 @@ SHOWN = ("time_to.", "separation_error_max")
 
 
 def render(design: Design, spreads: list[Spread], differences: list[PairedDifference]) -> RenderableType:
-    """Each cell by itself, and the paired differences between cells."""
+    """Statistics of each cell, and the paired differences between cells."""
     outcomes = dict.fromkeys(spread.outcome for spread in spreads)
     names = [name for prefix in SHOWN for name in outcomes if name.startswith(prefix)]
     parts: list[RenderableType] = [_cells(design, names, spreads)]

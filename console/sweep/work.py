@@ -59,11 +59,11 @@ class Workers:
     count: int
     """Number of batches carried out at a time."""
     carry_out: Callable[[Sequence[Batch], Watch], Generator[list[Done], None, None]]
-    """Yields the results of each batch at its end; calls Watch meanwhile."""
+    """Yields the results of each batch at its end, and calls the Watch periodically."""
 
 
 def batches(name: str, runs: Sequence[SweepRun], workers: int) -> list[Batch]:
-    """Batches of similar runs, in a number that keeps all workers busy to the end."""
+    """Batches of similar runs, as many as keep all workers busy to the end."""
     groups: list[tuple[Any, list[SweepRun]]] = []
     cell = None
     for run in runs:

@@ -1,6 +1,6 @@
 """Text and terminals.
 
-formatting  numbers for people
+formatting  numbers as text
 printing    lines and tables, in which data is never markup
 progress    bars of commands that take longer than a second
 screen      full-screen frames: the only user of rich's Live

@@ -1,4 +1,4 @@
-"""Numbers for people, and segments of styled lines."""
+"""Numbers as text, and segments of styled lines."""
 
 import math
 
@@ -6,7 +6,7 @@ from rich.segment import Segment
 from rich.style import Style
 
 UNKNOWN = "–"
-"""Text for a number that does not exist."""
+"""Text for a missing number."""
 
 _UNITS = ((1e3, "km"), (1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
 

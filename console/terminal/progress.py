@@ -62,7 +62,7 @@ class Bar:
 def bar(task: str, total: float | None = None) -> Iterator[Bar]:
     """A block in which a bar shows the completed part of `total`; None if the total is unknown.
 
-    Within it a signal raises Stopped, so that the cursor always returns.
+    Within it a signal raises Stopped, so that the cursor always reappears.
     """
     measured = (BarColumn(), TaskProgressColumn(), _text("{task.fields[note]}"), TimeElapsedColumn())
     console = printing.console(stderr=True)

@@ -50,7 +50,7 @@ def full_screen(console: Console) -> Iterator[Draw]:
 
 @contextmanager
 def cursor_back(console: Console) -> Iterator[None]:
-    """A block that may hide the cursor; it returns even if a second signal ends the process."""
+    """A block that may hide the cursor, which reappears even if a second signal ends the process."""
     with signals.if_forced(lambda: _write(console, CURSOR) if is_screen(console) else None):
         yield
 

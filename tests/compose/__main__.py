@@ -90,7 +90,7 @@ def partition(team: Team, network: Network) -> None:
     rules = [("DOCKER-USER", way, address, "-j", "DROP") for address in addresses for way in ("-s", "-d")]
     for rule in rules:
         network.call("iptables", "-I", *rule)
-    wait(f"robot {robot} is disconnected, and excluded", lambda: news(team, robot)[-1:] == ["not there"])
+    wait(f"robot {robot} is disconnected, and excluded", lambda: news(team, robot)[-1:] == ["absent"])
     dropped = re.findall(r"^ *([1-9]\d*) +\d+ DROP", network.call("iptables", "-vnL", "DOCKER-USER"), re.MULTILINE)
     claim(len(dropped) > 0, "the firewall has dropped packets")
     for rule in rules:
@@ -116,12 +116,12 @@ def hosted(log: str) -> list[int]:
 
 def news(team: Team, robot: int) -> list[str]:
     """Absences and returns of a robot in the world's log."""
-    return re.findall(rf"robot {robot} is (not there|back) from tick", team.log(team.world))
+    return re.findall(rf"robot {robot} is (absent|back) from tick", team.log(team.world))
 
 
 def away_and_back(team: Team, robot: int, why: str) -> None:
     """Wait until a robot is excluded, then rejoins."""
-    wait(f"robot {robot} is excluded, and rejoins: {why}", lambda: news(team, robot) == ["not there", "back"])
+    wait(f"robot {robot} is excluded, and rejoins: {why}", lambda: news(team, robot) == ["absent", "back"])
 
 
 def reached(team: Team, run: str, simulated: float) -> dict[str, Any]:
@@ -188,7 +188,7 @@ def scale(network: Network) -> None:
 def exclusions(team: Team) -> tuple[int, int]:
     """Numbers of robots that the world excluded, and admitted again."""
     log = team.log(team.world)
-    return log.count("is not there from tick"), log.count("is back from tick")
+    return log.count("is absent from tick"), log.count("is back from tick")
 
 
 def secure(network: Network) -> None:

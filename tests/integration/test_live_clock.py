@@ -55,7 +55,7 @@ def test_an_agent_that_is_suspended_past_its_lease_rejoins(tmp_path: Path) -> No
     for agent in agents:
         agent.communicate(timeout=PATIENCE)
         assert agent.returncode == 0
-    assert "robot 1 is not there from tick" in output
+    assert "robot 1 is absent from tick" in output
     assert "robot 1 is back from tick" in output
     kept = json.loads((tmp_path / "out" / "summary.json").read_text())["deadlines"]
     assert kept["due"][0] == 700 > kept["due"][1] > 300

@@ -85,7 +85,7 @@ def test_a_due_robot_that_does_not_join_is_reported_and_the_run_continues(
     scenario = load("pair.toml", run__duration=1.0, event=DYING)
     _, summary = asyncio.run(due(scenario, comes=False))
     assert (summary["ticks"], summary["unscheduled_absences"]) == (50, 20)
-    late = "robots [1] are due at tick 30 and did not come within 0.5 s: the run continues without them"
+    late = "robots [1] are due at tick 30 and did not join within 0.5 s: the run continues without them"
     assert caplog.messages.count(late) == 1
 
 

@@ -87,7 +87,7 @@ def test_dead_agents_do_not_end_a_run_and_the_summary_counts_them(tmp_path: Path
     assert code == 0
     summary = json.loads(out)
     assert summary["ticks"] == 400
-    gone = [re.search(rf"robot {robot} is not there from tick (\d+) on", run.log()) for robot in (3, 4, 7, 8)]
+    gone = [re.search(rf"robot {robot} is absent from tick (\d+) on", run.log()) for robot in (3, 4, 7, 8)]
     absent = sum(400 - int(match[1]) for match in gone if match)
     assert summary["unscheduled_absences"] == absent > 0
     *deaths, last = output
@@ -104,7 +104,7 @@ def test_dead_agents_do_not_end_a_run_and_the_summary_counts_them(tmp_path: Path
 
 @pytest.mark.parametrize(
     ("program", "log", "sign"),
-    [(" -m agents --id 0 ", "world", "robot 0 is not there"), (" -m world ", "agent-0", "left after tick")],
+    [(" -m agents --id 0 ", "world", "robot 0 is absent"), (" -m world ", "agent-0", "left after tick")],
     ids=["agent", "world"],
 )
 def test_a_process_frozen_for_longer_than_its_lease_is_counted_and_fails_an_expectation(
@@ -142,7 +142,7 @@ def test_with_respawn_a_dead_crew_is_restarted_with_all_of_its_robots(tmp_path: 
     assert code == 1  # it was interrupted
     why = "fes-agent --id 5-9 was ended by SIGKILL (its log: out/agent-5-9.log)"
     assert output[0] == f"fes: warning: robots 5-9: {why}; restarted in 0.5 s"
-    assert output[1:] == ["fes: error: stopped by SIGINT; what was reached is in out"]
+    assert output[1:] == ["fes: error: stopped by SIGINT; the results so far are in out"]
 
 
 def test_an_agent_that_dies_before_the_run_begins_is_named_and_ends_it(tmp_path: Path) -> None:
@@ -171,7 +171,7 @@ def test_a_run_without_an_agent_names_the_robot_it_waits_for(tmp_path: Path) -> 
     )
     assert endpoint
     assert endpoint[1].startswith("tcp/127.0.0.1:")
-    assert err == "fes: error: stopped by SIGINT; what was reached is in out\n"
+    assert err == "fes: error: stopped by SIGINT; the results so far are in out\n"
 
 
 def test_a_world_whose_directory_was_removed_is_still_named(tmp_path: Path) -> None:

@@ -28,7 +28,7 @@ def test_an_absent_world_of_a_running_run_is_only_a_warning(tmp_path: Path) -> N
     [result] = [finding for finding in json.loads(done.stdout) if finding["check"] == "endpoint"]
     assert (result["status"], done.returncode) == ("warning", 0)
     assert announced.endpoint in result["seen"]
-    assert f"by runs/pair-1/endpoint.json, process {os.getpid()} still executes that run" in result["seen"]
+    assert f"according to runs/pair-1/endpoint.json, process {os.getpid()} still executes that run" in result["seen"]
     assert result["remedy"] == "its world is starting, suspended or being restarted: check again"
 
 

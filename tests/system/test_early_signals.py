@@ -76,7 +76,7 @@ def test_a_signal_at_any_moment_ends_a_run_quietly_and_leaves_only_its_results(
         running.kill()
     assert not any(alive(pid) for pid in family)
     summary = tmp_path / "runs" / "latest" / "summary.json"
-    reached = "; what was reached is in runs/pair-1" if summary.exists() else ""
+    reached = "; the results so far are in runs/pair-1" if summary.exists() else ""
     assert (running.returncode, out) == (1, "")
     assert err.removeprefix(STARTING.format(2)) == f"fes: error: stopped by {how.name}{reached}\n"
     if reached:

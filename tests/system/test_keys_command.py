@@ -46,7 +46,7 @@ def test_a_second_authority_is_rejected_and_issue_adds_and_replaces(tmp_path: Pa
     assert line == "--keys keys: the folder has an authority already; fes keys issue adds certificates to it"
     before = (tmp_path / "keys/world.crt").read_bytes()
     done = call(tmp_path, "fes", "keys", "issue", "robot-0-4", "world", "--host", "10.0.0.7")
-    served = "the world serves as localhost, 127.0.0.1, 10.0.0.7\n"
+    served = "names of the world: localhost, 127.0.0.1, 10.0.0.7\n"
     assert (done.returncode, done.stdout) == (0, f"keys: robot-0-4, world, valid for 365 days\n{served}")
     assert (tmp_path / "keys/world.crt").read_bytes() != before
     Identity(tmp_path / "keys", "robot-0-4").check()
@@ -87,7 +87,7 @@ def test_a_renewed_certificate_of_the_world_keeps_its_names_unless_others_are_gi
     world = tmp_path / "keys/world.crt"
     before = world.read_bytes()
     done = call(tmp_path, "fes", "keys", "issue", "world", "observer")
-    assert done.stdout.splitlines()[1] == "the world serves as localhost, 127.0.0.1, lab.example, fd00::7"
+    assert done.stdout.splitlines()[1] == "names of the world: localhost, 127.0.0.1, lab.example, fd00::7"
     assert world.read_bytes() != before
     assert certificates.hosts_of(world.read_bytes()) == ("localhost", "127.0.0.1", "lab.example", "fd00::7")
     assert certificates.hosts_of((tmp_path / "keys/observer.crt").read_bytes()) == ()

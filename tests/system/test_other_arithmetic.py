@@ -38,7 +38,9 @@ def test_programs_with_another_arithmetic_reject_resumed_runs_and_sweeps(
     line = complaint(call(tmp_path, "fes", *words, "--seeds", "0:2"), "fes")
     assert line.endswith(f'sweep.json has arithmetic = "{there}", and this is {HERE}')
     assert (tmp_path / "out" / ledger.LINES).read_bytes() == before
-    assert complaint(resumed, "fes-world").endswith(f"was kept with {HERE}; this is {there}: the digits would differ")
+    assert complaint(resumed, "fes-world").endswith(
+        f"was written with {HERE}; this is {there}: the digits would differ"
+    )
     # The switch decides if a second of ten robots has other digits; the next line is the same.
     if again.returncode == 0:
         assert again.stderr == ""

@@ -71,7 +71,7 @@ def test_a_signal_ends_every_process_and_keeps_the_results(
     assert (endless.returncode, out, err) == (
         1,
         "",
-        STARTING.format(2) + f"fes: error: stopped by {number.name}; what was reached is in out\n",
+        STARTING.format(2) + f"fes: error: stopped by {number.name}; the results so far are in out\n",
     )
     assert not any(alive(pid) for pid in pids)
     assert json.loads((tmp_path / "out/summary.json").read_text())["ticks"] > 0

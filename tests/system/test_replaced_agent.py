@@ -62,7 +62,7 @@ def test_a_replaced_agent_that_wakes_ends_without_its_robot(
     hosted.agent(1)
     hosted.says("all robots are here")
     first.send_signal(signal.SIGSTOP)
-    hosted.says("robot 0 is not there")
+    hosted.says("robot 0 is absent")
     second = hosted.agent(0)
     hosted.says("robot 0 is back")
     first.send_signal(signal.SIGCONT)
@@ -70,7 +70,7 @@ def test_a_replaced_agent_that_wakes_ends_without_its_robot(
     assert first.returncode == 1
     assert complaint.splitlines()[-1] == "fes-agent: error: robot 0 is hosted by another agent already"
     second.kill()
-    hosted.says("robot 0 is not there", 2)
+    hosted.says("robot 0 is absent", 2)
     assert "does not answer" not in hosted.log.read_text()  # its death was detected by its token, not by its silence
     hosted.agent(0)
     hosted.says("robot 0 is back", 2)

@@ -105,7 +105,7 @@ def test_fes_run_suspends_and_continues_processes_as_scheduled_and_the_digest_is
         assert "dropped" not in watched.log(robot)
     world = (watched.where / "out/world.log").read_text()
     assert "starts" in world
-    assert not any(words in world for words in ("is not there", "does not answer", "dropped"))
+    assert not any(words in world for words in ("is absent", "does not answer", "dropped"))
 
 
 def test_robots_that_hang_to_the_end_do_not_delay_it(watch: Watch) -> None:

@@ -71,7 +71,7 @@ class Team:
         self.reaches(back + 10, host, endpoint)
         self.processes[0].send_signal(signal.SIGINT)
         result = self.summary()
-        assert "robot 0 is not there" not in self.said()
+        assert "robot 0 is absent" not in self.said()
         recorded = log.load(self.where / "out/run.mcap")
         assert replay_command.rerun(recorded, all_robots=True)["digest"] == result["digest"]
 
@@ -182,7 +182,7 @@ def test_a_disconnected_robot_is_excluded_until_it_reconnects(team: Team, net: I
         team.agent(f"robot-{robot}", str(robot), net.hosts["world"].endpoint())
     team.reaches(50, "world", net.hosts["world"].endpoint())
     net.pull("robot-1")
-    until(lambda: "robot 1 is not there from tick" in team.said())
+    until(lambda: "robot 1 is absent from tick" in team.said())
     net.plug("robot-1")
     until(lambda: "robot 1 is back from tick" in team.said())
     team.ends_well("world", net.hosts["world"].endpoint())
@@ -199,7 +199,7 @@ def test_a_disconnected_site_is_excluded_until_it_reconnects(team: Team, net: In
     team.reaches(50, "east-world", net.hosts["east-router"].endpoint())
     router = net.hosts["west-router"]
     router.ip("link", "set", "lan2", "down")
-    until(lambda: all(f"robot {robot} is not there from tick" in team.said() for robot in (2, 3)))
+    until(lambda: all(f"robot {robot} is absent from tick" in team.said() for robot in (2, 3)))
     router.ip("link", "set", "lan2", "up")
     until(lambda: all(f"robot {robot} is back from tick" in team.said() for robot in (2, 3)))
     team.ends_well("east-world", net.hosts["east-router"].endpoint())

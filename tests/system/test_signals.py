@@ -85,7 +85,7 @@ def test_a_background_run_of_a_script_ignores_ctrl_c_and_still_ends_its_world_in
     finally:
         running.kill()
     assert running.returncode == 1
-    assert err.endswith("fes: error: stopped by SIGTERM; what was reached is in out\n")
+    assert err.endswith("fes: error: stopped by SIGTERM; the results so far are in out\n")
     assert (tmp_path / "out" / "summary.json").exists()  # a world that had to be killed writes none
     assert not any(alive(pid) for pid in pids)
 

@@ -161,7 +161,7 @@ def test_a_failed_run_is_in_the_table_with_its_reason_and_the_others_are_there(t
     gains = ["--axis", "seeking.index_gain=4e4,1e308", "--set", "run.duration=1", "--out", "out"]
     done = call(tmp_path, "fes", "sweep", PAIR, "--seeds", "0:2", *gains)
     assert done.returncode == 1
-    assert done.stderr.startswith("fes: error: 2 of 4 runs failed, the first 1e+308, seed 0: robot ")
+    assert done.stderr.startswith("fes: error: 2 of 4 runs failed; the first is 1e+308, seed 0: robot ")
     assert done.stderr.count("\n") == 1
     with (tmp_path / "out" / "table.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
@@ -219,7 +219,7 @@ def test_a_sweep_whose_runs_all_failed_draws_no_figure_and_names_the_command_tha
     words = ["sweep", PAIR, "--seeds", "0:2", "--set", "seeking.index_gain=1e308", "--set", "run.duration=1"]
     done = call(tmp_path, "fes", *words, "--out", "out", "--plot")
     assert done.returncode == 1
-    assert done.stderr.startswith("fes: error: 2 of 2 runs failed, the first ")
+    assert done.stderr.startswith("fes: error: 2 of 2 runs failed; the first is ")
     assert done.stderr.endswith("to repeat them, delete the lines with an error in out/runs.jsonl\n")
     assert done.stderr.count("\n") == 1
     assert not (tmp_path / "out" / "sweep.png").exists()

@@ -121,7 +121,7 @@ def test_a_signal_restores_the_terminal_and_leaves_the_last_frame_on_it(
     assert shown.end() == 1
     assert is_restored(shown.text)
     *frame, last = shown.left.rstrip("\n").split("\n")
-    assert last == f"fes: error: stopped by {number.name}; what was reached is in out"
+    assert last == f"fes: error: stopped by {number.name}; the results so far are in out"
     assert any(line.startswith("pair ") for line in frame)
 
 

@@ -101,7 +101,11 @@ def test_a_checkpoint_changed_during_its_run_is_reported_at_the_end(
                 shutil.rmtree(folder)
         team.step(run)
     checkpoints.discard(run)
-    lines = [line for line in caplog.text.splitlines() if "during the run: it could not have been resumed" in line]
+    lines = [
+        line
+        for line in caplog.text.splitlines()
+        if "during the run: from then on the run could not have been resumed" in line
+    ]
     assert len(lines) == (3 if what == "the folder" else 1)
     assert all(str(removed.get(what, folder)) in line for line in lines)
     assert run.metrics.link_errors.digest.text() == inprocess.run(scenario, "pair")["digest"]
@@ -117,7 +121,7 @@ def test_no_checkpoint_is_written_without_its_digest_input(tmp_path: Path) -> No
     assert checkpoints.losses(run) == []  # flushes pending data
     os.truncate(tmp_path / FOLDER / DIGEST_INPUT, 0)
     team.step(run)
-    with pytest.raises(FesError, match=r"^cannot keep a checkpoint: .*trail was cut by \d+ bytes$"):
+    with pytest.raises(FesError, match=r"^cannot write a checkpoint: .*trail was cut by \d+ bytes$"):
         checkpoints.save(run, {}, 0.1, at_once=True)
     checkpoints.discard(run)
 

@@ -127,7 +127,7 @@ _BECOMES = {
     "restart": ("dead", "alive"),
     "wake": ("hung", "alive"),
 }
-"""Key of an event -> the state before that it requires of a robot, and the state after."""
+"""Key of an event -> the state of a robot that it requires, and the state that follows."""
 
 
 def participation(events: Iterable[EventConfig], robots: int, dt: float) -> dict[int, ParticipationChange]:
@@ -138,7 +138,7 @@ def participation(events: Iterable[EventConfig], robots: int, dt: float) -> dict
             before, after = _BECOMES[verb]
             for robot in selected:
                 if robot >= robots:
-                    raise ScenarioError("event", f"{verb}: robot {robot} does not exist, there are {robots}")
+                    raise ScenarioError("event", f"{verb}: robot {robot} does not exist: there are only {robots}")
                 if states[robot] != before:
                     state = states[robot] + (" already" if states[robot] == after else "")
                     raise ScenarioError("event", f"{verb}: robot {robot} is {state} at {event.at:g} s")
@@ -168,13 +168,13 @@ def parts(events: Iterable[EventConfig], robots: int, dt: float) -> list[tuple[i
 
 
 def schedule(events: Iterable[EventConfig], dt: float) -> dict[int, dict[str, Any]]:
-    """Tick -> settings of the channel from it on; of two events at one tick the later one in the file wins."""
+    """Tick -> settings of the channel from that tick on. Of two events at a tick, the later one in the file wins."""
     settings: dict[int, dict[str, Any]] = {}
     for event in events:
         if not event.settings:
             continue
-        now = settings.setdefault(counts.ticks(event.at, dt), {})
+        at_tick = settings.setdefault(counts.ticks(event.at, dt), {})
         for path, value in event.settings.items():
-            now.pop(path, None)  # a field that is set again goes last
-            now[path] = value
+            at_tick.pop(path, None)  # a field that is set again goes last
+            at_tick[path] = value
     return dict(sorted(settings.items()))

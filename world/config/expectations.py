@@ -15,7 +15,7 @@ from fes.model.quantities import FLAG, NUMBER, TEXT, Shape
 _SUMMARY = {key: part for key, part in quantities.shape().items() if key != quantities.VERDICTS}
 """Shape of a summary; each part of it may also be null."""
 
-_PLACE = re.compile(r"-?[0-9]{1,9}")
+_INDEX = re.compile(r"-?[0-9]{1,9}")
 
 Bound = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -40,15 +40,15 @@ class ExpectConfig(Table):
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
-        """Reject what no summary can meet: a run of an hour must not end with that news."""
+        """Reject, before a run that may take hours, an expectation that no summary can meet."""
         bounded, wanted, shape = self.below is not None or self.above is not None, self.equals, shape_at(self.of)
         if not bounded and wanted is None:
             raise ValueError("give at least one of below, above and equals")
         if not isinstance(shape, str):
-            raise ValueError(f"'{self.of}' is not a single value: name one in it, such as '{_within(self.of)}'")
+            raise ValueError(f"'{self.of}' is not a single value: name one in it, such as '{_first_scalar(self.of)}'")
         if bounded and shape != NUMBER:
             raise ValueError(f"'{self.of}' is {shape}: give equals")
-        if wanted is not None and not _is(shape, wanted):
+        if wanted is not None and not _can_equal(shape, wanted):
             raise ValueError(f"'{self.of}' is {shape}, and never equal to {reprlib.repr(wanted)}")
         if self.below is not None and self.above is not None and self.above >= self.below:
             raise ValueError(f"no value is above {self.above} and below {self.below}")
@@ -78,7 +78,7 @@ def shape_at(path: str) -> Shape:
                 hint = f"; did you mean '{before}{'.' * bool(before)}{near[0]}'?" if near else ""
                 raise ValueError(f"a summary has no {key!r}{hint}")
             shape = shape[part]
-        elif not _PLACE.fullmatch(part):
+        elif not _INDEX.fullmatch(part):
             raise ValueError(f"'{before}' is a list: give the index of an entry, from 0, got {part[:60]!r}")
         elif isinstance(shape, list):
             shape = shape[0]
@@ -89,14 +89,14 @@ def shape_at(path: str) -> Shape:
     return shape
 
 
-def _within(path: str) -> str:
+def _first_scalar(path: str) -> str:
     """Path of the first scalar in the part at `path`."""
     while not isinstance(shape := shape_at(path), str):
         path += f".{next(iter(shape))}" if isinstance(shape, dict) else ".0"
     return path
 
 
-def _is(shape: str, value: bool | float | str) -> bool:
+def _can_equal(shape: str, value: bool | float | str) -> bool:
     """True if a scalar of this kind can be equal to the value."""
     if isinstance(value, str):
         return shape == TEXT
@@ -104,9 +104,9 @@ def _is(shape: str, value: bool | float | str) -> bool:
 
 
 def verdicts(expected: list[ExpectConfig], summary: dict[str, Any]) -> list[dict[str, Any]]:
-    """For each expectation `of`, `expected` (its rule), `seen` and `holds`.
+    """One table per expectation: `of`, `expected` (its rule), `seen` (the value) and `holds`.
 
-    A value that the summary does not have, or has as null, is seen as null and meets no bound.
+    A value that the summary lacks, or has as null, is seen as null and meets no bound.
     """
     seen = [_value(summary, expectation.of) for expectation in expected]
     return [

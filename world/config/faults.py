@@ -1,4 +1,4 @@
-"""Faults of robots' transmitters and clocks: the part that the world emulates, and the part of the agents."""
+"""Faults of robots' transmitters and clocks: those that the world emulates, and those that the agents emulate."""
 
 from collections.abc import Iterable
 from typing import Annotated, NamedTuple
@@ -15,14 +15,14 @@ RobotId = Annotated[int, Field(ge=0)]
 
 
 class TransmitterConfig(Table):
-    """Complete condition of a robot's transmitter from a tick on; a key that is absent means no such fault."""
+    """Complete condition of a robot's transmitter from a tick on; an absent key means that the fault is absent."""
 
     robot: RobotId
     """Id of the robot."""
     loss: Annotated[float, Field(ge=0, le=1)] = 0.0
     """Share of its beacons that are lost at every receiver, in addition to the losses of the channel [1]."""
     delay: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
-    """Age of the data that it sends with the present tick [s]; a whole number of ticks."""
+    """Age of the data in its beacons, which carry the present tick [s]; a whole number of ticks."""
     corrupt: bool = False
     """True if its beacons are damaged in transit: none decodes."""
 
@@ -53,7 +53,7 @@ def check(part: Part, robots: int, dt: float) -> None:
     """Raise ScenarioError in one line unless the part exists in a team of `robots`, with ticks of `dt` [s]."""
     name = "transmitter" if isinstance(part, TransmitterConfig) else "clock"
     if part.robot >= robots:
-        raise ScenarioError("event", f"{name}: robot {part.robot} does not exist, there are {robots}")
+        raise ScenarioError("event", f"{name}: robot {part.robot} does not exist: there are only {robots}")
     if (
         isinstance(part, TransmitterConfig)
         and part.delay > 0.0
@@ -64,7 +64,7 @@ def check(part: Part, robots: int, dt: float) -> None:
 
 
 def transmissions(parts: Iterable[tuple[int, Part]], robots: int) -> dict[int, Transmission | None]:
-    """Tick -> effect of the transmitters from it on, given `parts` in order; None if all are healthy."""
+    """Tick -> effect of the transmitters from that tick on, given `parts` in order; None if all are healthy."""
     factor, damaged = np.ones(robots), np.zeros(robots, dtype=np.bool_)
     effects: dict[int, Transmission | None] = {}
     for tick, part in parts:

@@ -11,6 +11,8 @@ from world.config.validation import short
 def parse_override(text: str) -> tuple[str, Any]:
     """The path and the TOML value of a `--set` argument `a.b=value`; bare words are strings.
 
+    Raises ScenarioError.
+
     >>> parse_override("run.seed=3"), parse_override("formation.rule=disk")
     (('run.seed', 3), ('formation.rule', 'disk'))
     """

@@ -1,4 +1,4 @@
-"""The world's radio, a scenario's table [channel]: the formula, and effects that no robot is told of."""
+"""The world's radio, a scenario's table [channel]: the formula, and effects that the robots do not know."""
 
 from itertools import chain
 from typing import Annotated, Self

@@ -1,7 +1,7 @@
 """Remarks on parts of a scenario that do not run as written: one line per kind.
 
-None of them is an error: a run is a whole number of ticks, and events act at ticks. No part of a scenario is changed
-or ignored without a remark.
+None of them is an error. A run has a whole number of ticks, and events act at ticks, so some values are rounded. No
+part of a scenario is changed or ignored without a remark.
 """
 
 from collections.abc import Iterable, Iterator
@@ -16,7 +16,7 @@ TOLERANCE = 1e-6
 """Largest distance from a multiple of a tick, as a share of the tick [1], that is ignored: decimals are rounded."""
 
 MOST = 5
-"""Most times listed per line."""
+"""Largest number of times listed per line."""
 
 UNNOTICED = (
     "the robots of this run are given the channel (seeking.index = 'oracle') and do not notice the change; "
@@ -26,7 +26,13 @@ UNNOTICED = (
 
 def of(scenario: Scenario) -> list[str]:
     """All remarks on a scenario."""
-    return [*_duration(scenario), *_late(scenario), *_moved(scenario), *_delays(scenario), *_unnoticed(scenario)]
+    return [
+        *_duration(scenario),
+        *_late_events(scenario),
+        *_rounded_events(scenario),
+        *_delays(scenario),
+        *_unnoticed(scenario),
+    ]
 
 
 def is_unnoticed(seeking: SeekingConfig, known: ChannelConfig, true: ChannelConfig) -> bool:
@@ -36,14 +42,14 @@ def is_unnoticed(seeking: SeekingConfig, known: ChannelConfig, true: ChannelConf
 
 def _duration(scenario: Scenario) -> Iterator[str]:
     duration, dt = scenario.run.duration, scenario.run.dt
-    if _is_moved(duration, dt) or duration < dt / 2.0:
+    if _is_rounded(duration, dt) or duration < dt / 2.0:
         yield (
             f"run.duration {duration:g} s is not a multiple of run.dt {dt:g} s: "
             f"{scenario.ticks} ticks are run, {scenario.ticks * dt:.9g} s"
         )
 
 
-def _late(scenario: Scenario) -> Iterator[str]:
+def _late_events(scenario: Scenario) -> Iterator[str]:
     dt = scenario.run.dt
     late = [event.at for event in scenario.event if counts.ticks(event.at, dt) >= scenario.ticks]
     if late:
@@ -51,21 +57,23 @@ def _late(scenario: Scenario) -> Iterator[str]:
         yield f"event at {_listed(late)} s is not before the end of the run at {end:.9g} s: it never acts"
 
 
-def _moved(scenario: Scenario) -> Iterator[str]:
+def _rounded_events(scenario: Scenario) -> Iterator[str]:
     dt = scenario.run.dt
-    moved = [event.at for event in scenario.event if _is_moved(event.at, dt)]
-    if moved:
-        ticks = _listed(counts.ticks(time, dt) * dt for time in moved)
-        yield f"event at {_listed(moved)} s is not a multiple of run.dt {dt:g} s: it acts at {ticks} s"
+    rounded = [event.at for event in scenario.event if _is_rounded(event.at, dt)]
+    if rounded:
+        ticks = _listed(counts.ticks(time, dt) * dt for time in rounded)
+        yield f"event at {_listed(rounded)} s is not a multiple of run.dt {dt:g} s: it acts at {ticks} s"
 
 
 def _delays(scenario: Scenario) -> Iterator[str]:
     dt = scenario.run.dt
     parts = [part for event in scenario.event for part in event.parts]
-    delays = [part.delay for part in parts if isinstance(part, TransmitterConfig) and _is_moved(part.delay, dt)]
+    delays = [part.delay for part in parts if isinstance(part, TransmitterConfig) and _is_rounded(part.delay, dt)]
     if delays:
         ticks = _listed(counts.ticks(delay, dt) * dt for delay in delays)
-        yield f"transmitter: delay {_listed(delays)} s is not a multiple of run.dt {dt:g} s: it is {ticks} s"
+        yield (
+            f"transmitter: delay {_listed(delays)} s is not a multiple of run.dt {dt:g} s: it is rounded to {ticks} s"
+        )
 
 
 def _unnoticed(scenario: Scenario) -> Iterator[str]:
@@ -78,13 +86,13 @@ def _unnoticed(scenario: Scenario) -> Iterator[str]:
         yield f"the channel is set at {_listed(ticks)} s, but {UNNOTICED}"
 
 
-def _is_moved(time: float, dt: float) -> bool:
+def _is_rounded(time: float, dt: float) -> bool:
     """True if a time [s] is not a whole number of ticks."""
     return abs(counts.ratio(time, dt) - counts.ticks(time, dt)) > TOLERANCE
 
 
 def _listed(times: Iterable[float]) -> str:
-    """A list of times, cut to the first few.
+    """A list of times, shortened to the first few.
 
     >>> _listed([0.5]), _listed(range(7))
     ('0.5', '0, 1, 2, 3, 4 and 2 more')

@@ -103,7 +103,7 @@ class Scenario(Table):
 
     @property
     def changes(self) -> dict[int, dict[str, Any]]:
-        """Tick -> settings of the channel from it on, in order."""
+        """Tick -> settings of the channel from that tick on, in order."""
         return schedule(self.event, self.run.dt)
 
     @property
@@ -119,7 +119,7 @@ class Scenario(Table):
 
     @property
     def transmissions(self) -> dict[int, Transmission | None]:
-        """Tick -> effect of the transmitters from it on, in order; None if all are healthy."""
+        """Tick -> effect of the transmitters from that tick on, in order; None if all are healthy."""
         robots = self.robots.number
         return faults.transmissions(events.parts(self.event, robots, self.run.dt), robots)
 
@@ -151,7 +151,7 @@ def load(path: Path, overrides: dict[str, Any] | None = None) -> Scenario:
 
 
 def parse(tables: dict[str, Any], where: str) -> Scenario:
-    """The scenario of parsed TOML `tables`; errors name their origin `where`."""
+    """The scenario of parsed TOML `tables`; raises ScenarioError, which names their origin `where`."""
     try:
         return Scenario.model_validate(tables)
     except ValidationError as error:
@@ -189,6 +189,7 @@ def initial_poses(scenario: Scenario) -> Floats:
 
 
 def _check_partition(channel: RadioConfig, robots: int) -> None:
+    """Raise ValueError if the partition of a channel contains a robot that does not exist."""
     unknown = [robot for group in channel.partition for robot in group if robot >= robots]
     if unknown:
-        raise ValueError(f"channel.partition: robot {unknown[0]} does not exist, there are {robots}")
+        raise ValueError(f"channel.partition: robot {unknown[0]} does not exist: there are only {robots}")

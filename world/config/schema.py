@@ -34,7 +34,7 @@ class ScenarioField(NamedTuple):
     range: str
     """Bounds, such as `> 0, <= 20`; empty without bounds."""
     default: Any
-    """Default as in JSON; None without one."""
+    """Default as in JSON; None for a field without a default."""
     is_required: bool
     description: str
 

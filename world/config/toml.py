@@ -6,7 +6,7 @@ from typing import Any
 from fes.system.encoding import DEEPEST
 
 LARGEST = 2**64
-"""Bound of integers, exclusive: TOML promises 64 bits, and Python does not print very long ones."""
+"""Exclusive bound of the size of integers. TOML promises 64 bits, and Python does not print very long integers."""
 
 
 class Malformed(ValueError):

@@ -18,7 +18,7 @@ def first_rule(error: ValidationError, model: type[Table], table: str, prefix: s
 
     `table` names the model itself, `prefix` precedes its fields.
     """
-    # an unknown field goes first: it may be the missing one, misspelt
+    # an unknown field is reported first: it may be a required field, misspelt
     first = min(error.errors(include_url=False), key=lambda broken: broken["type"] != "extra_forbidden")
     path = ".".join(str(part) for part in first["loc"])
     field = short(prefix + path) if path else table
@@ -36,13 +36,13 @@ def first_rule(error: ValidationError, model: type[Table], table: str, prefix: s
 
 
 def short(text: str) -> str:
-    """A printable text from one of outside: without control characters, and cut to length."""
+    """Text from outside, made safe to print: without control characters, and cut to LONGEST."""
     shown = printable(text[: LONGEST + 1])
     return shown if len(shown) <= LONGEST else shown[: LONGEST - 1] + "…"
 
 
 def _nearest(field: str, known: list[str]) -> str | None:
-    """The nearest known field: of the same table first, then one of this name in another table.
+    """The nearest known field: one of the same table first, then one of the same name in another table.
 
     >>> _nearest("channel.snr", ["channel", "channel.reference_snr", "run.dt"])
     'channel.reference_snr'

@@ -2,13 +2,14 @@
 
 The folder `checkpoint` of a run directory holds
 
-    state        the run at one tick (world.execution.snapshot): complete, or the one before it
+    state        the run at one tick (world.execution.snapshot); replaced as a whole
     journal-<k>  notes made since checkpoint k (world.execution.journal)
-    trail        input of the digest until then (world.metrics.digest)
+    trail        input of the digest so far (world.metrics.digest)
     log-<k>      the log as checkpoint k recorded it, while it is copied
 
 Checkpoint k is written while the run continues and journal k is already in use. It replaces its predecessor in one
-step, and the journals before k are then deleted. So a checkpoint and all notes since exist at every moment.
+step, and the journals before k are then deleted. So the folder always holds a checkpoint and all
+notes since.
 """
 
 import contextlib
@@ -40,7 +41,7 @@ PERIOD = 10.0
 _logger = logging.getLogger("world")
 
 JOIN = "join"
-"""Kind of a note beside those of a run: [JOIN, robots, agent, arithmetic]; the agent hosts them from now on."""
+"""Kind of a note beside those of a run: [JOIN, robots, agent, arithmetic]; the agent hosts the robots from now on."""
 
 
 class CheckpointWriter:
@@ -60,7 +61,7 @@ class CheckpointWriter:
         self._lock = threading.Lock()
         self._written = 0
         self._journal: Journal | None = None
-        self._checksum = secrets.randbits(32)  # notes of another run never fit: each run starts with its own checksum
+        self._checksum = secrets.randbits(32)  # random, so that notes of another run never match
         self._digest_input: BinaryIO | None = None
         self._state: os.stat_result | None = None
         """Status of the file that was written last."""
@@ -70,12 +71,12 @@ class CheckpointWriter:
         """Robots whose agents have joined, but answered no tick yet."""
 
     def begin(self, run: Run) -> None:
-        """Write the first checkpoint of a new run into a cleared run directory."""
+        """Write the first checkpoint of a new run into a cleared run directory; raises FesError."""
         try:
             self._folder.mkdir()
             self._start(run, run.metrics.link_errors.digest.record_input(self._folder / DIGEST_INPUT), 0.0)
         except OSError as error:
-            raise FesError(f"cannot keep checkpoints: {reason(error)}") from None
+            raise FesError(f"cannot write checkpoints: {reason(error)}") from None
 
     def resume(self, run: Run, digest_input: BinaryIO, number: int, checksum: int, elapsed: float) -> None:
         """Continue a resumed run after its checkpoint `number`, and after all notes that have this `checksum`."""
@@ -94,13 +95,13 @@ class CheckpointWriter:
         return not busy and time.monotonic() - self._saved >= self._period
 
     def note(self, note: list[Any]) -> None:
-        """Append a note to the journal; before the first checkpoint and after `close` there is none."""
+        """Append a note to the journal; there is no journal before the first checkpoint and after `close`."""
         update_renewed(self.renewed, note)
         if self._journal is not None:
             self._journal.add(note)
 
     def check(self) -> None:
-        """Raise the FesError after which the journal takes no more notes, if one occurred."""
+        """Raise the FesError that stopped the journal, if a note could not be written."""
         if self._journal is not None and self._journal.failure is not None:
             raise self._journal.failure
 
@@ -112,7 +113,7 @@ class CheckpointWriter:
         assert self._digest_input is not None
         loss = self._loss_of_digest_input(run)
         if loss is not None:
-            raise FesError(f"cannot keep a checkpoint: {loss}")
+            raise FesError(f"cannot write a checkpoint: {loss}")
         before = self._journal
         checksum = self._checksum if before is None else before.checksum
         self._number += 1
@@ -157,7 +158,7 @@ class CheckpointWriter:
         """Write no more checkpoints and notes."""
         with contextlib.suppress(OSError), self._lock:
             for loss in self.losses(run):
-                _logger.warning("%s during the run: it could not have been resumed", loss)
+                _logger.warning("%s during the run: from then on the run could not have been resumed", loss)
         self._writer.shutdown(wait=False, cancel_futures=True)
         with self._lock:
             self._written = self._number + 1  # so that a write in progress has no effect
@@ -181,7 +182,7 @@ class CheckpointWriter:
     def _write(self, number: int, content: bytes, files: list[int]) -> None:
         with self._lock:
             if number < self._written:
-                return  # a later one was quicker
+                return  # a later checkpoint was written first
             self._written = number
             try:
                 for fileno in files:
@@ -195,7 +196,7 @@ class CheckpointWriter:
                 os.replace(part, self._folder / STATE)
                 self._state = written
             except OSError as error:
-                raise FesError(f"cannot keep a checkpoint: {reason(error)}") from None
+                raise FesError(f"cannot write a checkpoint: {reason(error)}") from None
             for old in [*self._folder.glob("journal-*"), *self._folder.glob("log-*")]:
                 if _number(old) < number:
                     old.unlink(missing_ok=True)
@@ -203,7 +204,8 @@ class CheckpointWriter:
 
 def clear(directory: Path) -> None:
     """Delete the checkpoint of a run directory."""
-    (directory / FOLDER / STATE).unlink(missing_ok=True)  # first: without the other files it would be an older run
+    # The state first: without its journals it would resume an older tick.
+    (directory / FOLDER / STATE).unlink(missing_ok=True)
     shutil.rmtree(directory / FOLDER, ignore_errors=True)
 
 

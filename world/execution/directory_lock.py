@@ -1,4 +1,4 @@
-"""One world per run directory: the system's lock on it."""
+"""One world per run directory: a lock of the operating system on it."""
 
 import contextlib
 import fcntl
@@ -11,9 +11,9 @@ from fes.errors import FesError, reason
 
 @contextlib.contextmanager
 def exclusive_lock(directory: Path) -> Iterator[None]:
-    """Block in which no other world writes into this run directory; raises FesError if one does.
+    """Context in which no other world writes into this run directory; raises FesError if one does.
 
-    The system's lock is on the folder itself, and ends with the process, however that ends.
+    The operating system locks the folder itself, and releases the lock however the process ends.
     """
     with contextlib.ExitStack() as held:
         try:

@@ -1,11 +1,11 @@
 """The journal of a run: notes of every external input since a checkpoint.
 
-A note is handed to the system at once, so it outlives this process however it ends. Its frame holds its length, a
-checksum of the length, and a checksum of the note. Each checksum continues the one before it, from the first note of
-the run on, through all its journals. So an altered, lost or moved note is detected anywhere.
+A note is handed to the operating system at once, so it survives however this process ends. Its frame holds its
+length, a checksum of the length, and a checksum of the note. Each checksum continues the one before it, from the
+first note of the run on, through all its journals. So an altered, lost or moved note is detected anywhere.
 
 An incomplete frame ends a journal: power loss or a full disk may cut the last note. A complete frame whose checksum
-differs is damage, even the last one: the system writes a file from front to end.
+differs is damage, even in the last note: the operating system writes a file from front to end.
 """
 
 import os
@@ -20,7 +20,8 @@ import msgpack
 from fes.errors import FesError, reason
 from fes.recording import hashed_file
 
-_HEAD = struct.Struct("<12sIII")  # magic, number, the checksum that the notes continue, and that of these three
+# Magic, number, the checksum that the notes continue, and the checksum of these three.
+_HEAD = struct.Struct("<12sIII")
 _FRAME = struct.Struct("<III")
 _MAGIC = b"fes notes 3\n"
 
@@ -46,7 +47,7 @@ class Journal:
     def add(self, note: list[Any]) -> None:
         """Append a note of numbers, text, bytes, and lists of them.
 
-        After a failed write no further note is written, because reading ends at a torn one.
+        After a failed write no further note is written, because a reader stops at a torn note.
         """
         if self.failure is not None:
             raise self.failure
@@ -84,7 +85,8 @@ def notes(path: Path) -> Iterator[list[Any]]:
 
 
 def chained(paths: list[Path], number: int, checksum: int) -> Iterator[tuple[int, list[Any]]]:
-    """The notes in the journals from `number` on, which continue `checksum`: checksum of all so far, and note.
+    """The notes in the journals from `number` on, which continue `checksum`: pairs of the checksum so
+    far and a note.
 
     Raises FesError if a journal is damaged or missing, and OSError if it cannot be read.
     """

@@ -2,8 +2,8 @@
 
 The order is canonical (see docs/reference/log.md). A tick begins with its Observations, Beacons and Commands, each
 with the payloads of all robots in id order. Events follow. Ten times per simulated second a Report and the topics
-for viewers end the tick. A chunk never divides a tick and is handed to the system when it is closed. So the file
-can be read up to its last chunk, however this process ends.
+for viewers end the tick. A chunk never divides a tick, and is handed to the operating system when it is closed.
+So the file can be read up to its last chunk, however this process ends.
 """
 
 import logging
@@ -30,7 +30,7 @@ from world.config.scenario import Scenario
 from world.metrics import report_builder
 from world.metrics.collector import MetricsCollector
 
-_ENDED = 4096  # bytes beside a summary, for the way the run ended
+_ENDED = 4096  # bytes reserved beside a summary for the reason why the run ended
 
 VIEW_PERIOD = 0.1
 """Simulated time between two Reports [s]."""
@@ -53,13 +53,13 @@ class LogPosition:
     pending: list[tuple[int, str, Any]]
     """Changes by persons that no tick holds yet: tick, path, value."""
     present: dict[int, list[list[int]]]
-    """Tick -> robots that take part from then on, otherwise than by schedule."""
+    """Tick -> robots that take part from then on, where the schedule has others."""
     excluded: dict[int, list[tuple[list[int], str]]]
     """Tick -> robots that are excluded from then on, and the reason."""
 
 
 class Recorder:
-    """Writes the log of one run while its block lasts; raises FesError if the file cannot be written."""
+    """Context that writes the log of one run; raises FesError if the file cannot be written."""
 
     def __init__(
         self,

@@ -35,7 +35,7 @@ def load(directory: Path) -> Snapshot:
     if not checkpoint.has_checkpoint(directory):
         if not directory.exists():
             raise FesError(f"there is no run directory {directory}")
-        raise FesError(f"{directory} has no checkpoint: its run is over, or kept none")
+        raise FesError(f"{directory} has no checkpoint: its run is over, or wrote none")
     saved = snapshot.read(directory / FOLDER / STATE)
     try:
         saved.metrics.link_errors.digest.check_input(directory / FOLDER / DIGEST_INPUT)
@@ -46,7 +46,7 @@ def load(directory: Path) -> Snapshot:
         raise FesError(f"the checkpoint of {directory} cannot be read: {reason(error)}") from None
     except FesError:
         raise
-    except Exception as error:  # impossible values may have valid checksums
+    except Exception as error:  # impossible values may have a valid checksum
         raise FesError(f"{directory / FOLDER} is damaged: {type(error).__name__}") from None
     return saved
 
@@ -58,7 +58,7 @@ def _notes(directory: Path, saved: Snapshot) -> Iterator[tuple[int, list[Any]]]:
 
 def _check_log(path: Path, log: LogPosition) -> None:
     """Raise FesError unless a log begins as the checkpoint recorded it, and OSError if it cannot be read."""
-    deque(records.Reader(path, log.size), maxlen=0)  # its errors name the place
+    deque(records.Reader(path, log.size), maxlen=0)  # its errors name the byte
     if files.sha256(path, log.size) != log.sha256:
         raise FesError(f"{path} is damaged: the SHA-256 of its first {log.size:,} bytes differs")
 
@@ -134,7 +134,7 @@ def _replay(run: Run, note: list[Any], elapsed: float) -> float:
     """Execute a note, `elapsed` [s; wall clock] after tick 0; returns the time after it."""
     kind, tick, *rest = note
     if tick != run.state.tick:
-        raise ValueError(f"a note of tick {tick} stands at tick {run.state.tick}")
+        raise ValueError(f"a note of tick {tick} is at tick {run.state.tick}")
     if kind == ATTEND:
         run.attend(np.isin(run.world.ids, rest[0]))
     elif kind == EXCLUDE:
@@ -150,5 +150,5 @@ def _replay(run: Run, note: list[Any], elapsed: float) -> float:
         run.record_tick()
         return float(elapsed)
     else:
-        raise ValueError(f"a note of kind {kind!r}")
+        raise ValueError(f"a note has the unknown kind {kind!r}")
     return elapsed

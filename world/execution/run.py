@@ -1,7 +1,7 @@
-"""One run of a scenario: the truth at this tick, the metrics until then, and the log and notes of both.
+"""One run of a scenario: the truth at this tick, the metrics so far, and their log and notes.
 
-A run waits for nothing. Each external input is noted before it takes effect. From a checkpoint and these notes a run
-is executed again, to the bit (`world.execution.resume`).
+A run waits for nothing. Each external input is noted before it takes effect. A checkpoint and these notes suffice to
+execute the run again, to the bit (`world.execution.resume`).
 """
 
 from collections.abc import Callable, Iterable

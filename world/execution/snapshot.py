@@ -50,7 +50,7 @@ _FOREIGN = {
 """Names that a checkpoint may hold beside the world's own tables: loading them cannot execute code."""
 
 _FORBIDDEN = {"PUT", "BINPUT", "LONG_BINPUT"}
-"""Opcodes that the project's pickles never have: a few bytes of them would claim all memory."""
+"""Opcodes that the project's pickles never have: a few bytes with them could claim all memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,11 +139,11 @@ def read(path: Path) -> Snapshot:
 def _check_arithmetic(path: Path, head: bytes) -> None:
     """Raise FesError unless the run was computed with this process's arithmetic."""
     try:
-        theirs = fingerprint.text(strict_json.loads(head)["arithmetic"])
+        recorded = fingerprint.text(strict_json.loads(head)["arithmetic"])
     except (ValueError, KeyError, TypeError) as error:
         raise FesError(f"{path} is damaged: its head cannot be read: {type(error).__name__}") from None
-    if theirs != fingerprint.text():
-        raise FesError(f"{path} was kept with {theirs}; this is {fingerprint.text()}: the digits would differ")
+    if recorded != fingerprint.text():
+        raise FesError(f"{path} was written with {recorded}; this is {fingerprint.text()}: the digits would differ")
 
 
 class _Tables(pickle.Unpickler):

@@ -1,11 +1,11 @@
-"""Metrics of a run, from the truth and from what the robots report.
+"""Metrics of a run, from the truth and from the robots' telemetry.
 
 collector       collects the metrics, tick by tick
 tick_truth      one tick as the metrics see it
-link_errors     errors of links and estimates, and the times at which they fall
+link_errors     errors of links and estimates, and when they fall below their levels
 tracking        time and accuracy of seeking, after the start and each change
 period_average  separations averaged over a dither period
-deadlines       deadlines of the live clock, kept and missed
+deadlines       deadlines of the live clock, met and missed
 optimum         r*, the separation that maximizes the index (16)
 graphs          algebraic connectivity of a graph
 digest          SHA-256 over all ticks

@@ -23,7 +23,7 @@ from world.simulation.truth import State
 
 
 class MetricsCollector:
-    """Metrics of a run; call `add` once per tick, in order."""
+    """Metrics of a run up to the last tick; call `add` once per tick, in order."""
 
     state: State
     """State at the last tick."""
@@ -46,13 +46,13 @@ class MetricsCollector:
         self.deadlines = deadlines.no_deadlines(scenario.robots.number) if scenario.run.clock == "live" else None
         """Deadlines of the live clock; None in lockstep."""
         self.unscheduled_absences = 0
-        """Robot-ticks in which a robot took no part although the scenario had it present."""
+        """Number of robot-ticks without the robot, although it was present by schedule."""
         self._schedule = scenario.participation
         self._scheduled = np.ones(scenario.robots.number, dtype=np.bool_)
 
     @np.errstate(over="ignore", invalid="ignore")  # a run may diverge: its errors are then infinite
     def add(self, state: State, twists: Floats, telemetry: Telemetry, command_ticks: Ints | None = None) -> None:
-        """Add a tick: the state, the twists [n, 2] that the bodies hold in it, and the robots' telemetry.
+        """Add a tick: the state, the twists [n, 2] that the bodies hold from it on, and the robots' telemetry.
 
         With the live clock, `command_ticks` [n] is the tick of the command that each robot follows, -1 for none.
         """
@@ -94,8 +94,8 @@ class MetricsCollector:
             error = float(truth.telemetry.estimates.sum()) / len(links) - optimal
         if len(links) and self.tracking.is_settled(truth.state.tick, truth.is_changed):
             mean = truth.mean_separation
-            old = mean[np.isfinite(mean)]  # links that have stood for a period
-            rms = math.sqrt(float(np.mean((old - optimal) ** 2))) if len(old) else math.nan
+            of_old_links = mean[np.isfinite(mean)]  # a younger link has no mean over a period yet
+            rms = math.sqrt(float(np.mean((of_old_links - optimal) ** 2))) if len(of_old_links) else math.nan
             preference = objective.preference(truth.separation, self.scenario.objective)
             index = float(np.mean(preference * link_reception(truth.state.radio, links)))
         return TeamErrors(error, self.link_errors.errors["disagreement"], rms, index)
@@ -109,7 +109,7 @@ class MetricsCollector:
 
 
 def link_reception(radio: Radio, links: Edges) -> Floats:
-    """True reception probability of each of `links.undirected` [u], mean of both ways; NaN without a contact."""
+    """True reception probability of each of `links.undirected` [u], mean over directions; NaN without a contact."""
     if not len(radio.edges):
         return np.full(len(links.undirected), np.nan)
     positions = links.after(radio.edges).positions[links.undirected]

@@ -16,12 +16,13 @@ class Deadlines:
     """Counts per robot [n]; a deadline is the end of a tick in which the robot takes part."""
 
     due: Ints
+    """Deadlines of ticks in which the robot took part."""
     missed: Ints
     """Deadlines without the command of their tick, at which the robot held an older command."""
     stopped: Ints
     """Missed deadlines at which the last command was older than COMMAND_TIMEOUT."""
     late: Ints
-    """Commands that arrived after their deadline: a fact of the machine, which no log can reproduce."""
+    """Commands that arrived after their deadline: a property of the machine, which no log can reproduce."""
     slipped: float = 0.0
     """Total delay of the world's own ticks [s]."""
 

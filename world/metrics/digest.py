@@ -19,7 +19,7 @@ _BLOCK = 1 << 20  # bytes
 
 
 class Digest:
-    """SHA-256 over ticks; `add` them in order."""
+    """SHA-256 over ticks; call `add` once per tick, in order."""
 
     def __init__(self) -> None:
         self._hash = hashlib.sha256()
@@ -28,7 +28,7 @@ class Digest:
         self.length = 0
         """Number of bytes hashed."""
         self._stored = ""
-        """Text of the hash when it was stored, to compare with the recorded input."""
+        """Text of the hash at the checkpoint, to compare with the recorded input."""
 
     def add(self, tick: int, poses: Floats, twists: Floats) -> None:
         """Add a tick: poses [n, 3] and twists [n, 2]."""
@@ -69,7 +69,9 @@ class Digest:
             for start in range(0, self.length, _BLOCK):
                 computed.update(file.read(min(_BLOCK, self.length - start)))
             if file.tell() < self.length:
-                raise FesError(f"{path} is damaged at byte {file.tell():,}: it ends there, of {self.length:,}")
+                raise FesError(
+                    f"{path} is damaged at byte {file.tell():,}: it ends there, instead of at byte {self.length:,}"
+                )
         if computed.hexdigest() != self._stored:
             raise FesError(f"{path} is damaged: the SHA-256 of its first {self.length:,} bytes differs")
         return computed

@@ -5,7 +5,7 @@ import numpy as np
 from fes.arrays.types import Floats, Ints
 
 MAX_DENSE = 1500
-"""Most robots for which the algebraic connectivity is computed, from the dense Laplacian."""
+"""Largest number of robots whose algebraic connectivity is computed: the Laplacian is dense."""
 
 
 def components(n: int, a: Ints, b: Ints) -> Ints:

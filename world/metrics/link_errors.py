@@ -1,4 +1,4 @@
-"""Errors over the links in use, connectivity of the graphs, and times at which errors fall."""
+"""Errors over the links in use, connectivity of the graphs, and the times from which errors stay low."""
 
 import math
 from dataclasses import dataclass, field
@@ -16,7 +16,7 @@ from world.metrics.digest import Digest
 from world.metrics.tick_truth import TickTruth
 
 HOLD = 10.0
-"""A level counts as reached at the first time from which it holds for this long [s], or to the end."""
+"""An error has reached its level at the first time from which it stays below it for this long [s], or to the end."""
 
 
 @dataclass(eq=False)
@@ -50,7 +50,7 @@ class LinkErrors:
     disk_now: bool = False
     """True if the disk graph is connected at the last tick."""
     longest_gap: int = 0
-    """Most ticks in a row at which the links did not connect all robots present."""
+    """Largest number of consecutive ticks at which the links did not connect all robots present."""
     _gap: int = 0
     _linked: int = -1
     """Last tick with a link."""
@@ -88,7 +88,7 @@ class LinkErrors:
 
     @property
     def links_always(self) -> bool:
-        """The same for the graph of the links in use."""
+        """True if the links in use connected all robots at each tick since the first contact; False without one."""
         return self._opened and self._links_always
 
     @property
@@ -101,7 +101,7 @@ class LinkErrors:
         return round(since * self.dt, 9) if since < self.ticks and self.ticks > OPENING_TICKS + 1 else None
 
     def times(self) -> dict[str, float | None]:
-        """For each level the first time [s] from which it held for HOLD, or to the end; None if it never did."""
+        """For each level the first time [s] from which its error stayed below it, as HOLD says; None without one."""
         ticks = {name: self._reached.get(name, self._since[name]) for name in LEVELS}
         return {name: None if tick is None else round(tick * self.dt, 9) for name, tick in ticks.items()}
 

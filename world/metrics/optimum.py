@@ -47,7 +47,7 @@ def _optimum(objective: ObjectiveConfig, channel: ChannelConfig) -> float:
 
 
 def _rises(r: Decimal, objective: ObjectiveConfig, channel: ChannelConfig) -> bool:
-    """True if ln J rises at r [m]: the sign of r (ln J)' / s."""
+    """True if ln J rises at r [m], that is, if r (ln J)' / s is positive."""
     shape, log = Decimal(objective.shape_exponent), r.ln()
     spread, reach = (
         (shape * (log - _ln(scale))).exp() for scale in (objective.minimum_separation, objective.maximum_separation)

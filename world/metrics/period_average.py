@@ -1,7 +1,7 @@
 """Separations averaged over a period of the dither.
 
-With a physical dither the formation breathes and lags the desired separation. The separation that it settles at is
-the average over a period.
+With a physical dither the formation oscillates, and lags the desired separation. Its average over a period is the
+separation at which it settles.
 """
 
 from collections import deque
@@ -12,7 +12,7 @@ from fes.arrays.edges import Edges, Transition, no_edges
 from fes.arrays.types import Floats, Ints
 
 MOST_BLOCKS = 20
-"""Most blocks that a period is divided into; the average is renewed at the end of each block."""
+"""Largest number of blocks per period; the average is updated at the end of each block."""
 
 
 class PeriodAverage:
@@ -47,7 +47,7 @@ class PeriodAverage:
                 self.mean = np.add.reduce(list(self._blocks), axis=0) / self._period
 
     def _carry(self, links: Edges) -> None:
-        """Links that stay keep their sums; those of new ones are not numbers until a period has passed."""
+        """Carry the sums of links that stay; those of new links are NaN until a period has passed."""
         old, self._links = self._links, links
         links_after = Transition(_positions(links, old))
         begun = self._ticks > 0 or len(self._blocks) > 0
@@ -58,8 +58,8 @@ class PeriodAverage:
 
 
 def _positions(links: Edges, old: Edges) -> Ints:
-    """Position in `old.undirected` of each link in `links.undirected`, or -1, in whichever direction it stood."""
-    rank = np.full(len(old) + 1, -1)  # the last stays -1, for links that were not there
+    """Position in `old.undirected` of each link in `links.undirected`, or -1, in either direction."""
+    rank = np.full(len(old) + 1, -1)  # the last stays -1, for links that are new
     rank[old.undirected] = np.arange(len(old.undirected))
     pairs = links.undirected
     forth, back = old.find(links.keys[pairs]), old.find(links.reverse_keys[pairs])

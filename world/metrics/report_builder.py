@@ -18,7 +18,7 @@ PERIOD = 0.1
 """Wall-clock time between two reports [s]."""
 
 
-@np.errstate(over="ignore", invalid="ignore")  # a run may diverge: it is shown as it is
+@np.errstate(over="ignore", invalid="ignore")  # a run may diverge: the report shows that
 def build(metrics: MetricsCollector, name: str, alive: Bytes, elapsed: float, ticks_per_s: float) -> Report:
     """The report of the last tick of `metrics`; `elapsed` [s] and `ticks_per_s` [1/s] are wall-clock.
 

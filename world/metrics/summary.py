@@ -1,4 +1,4 @@
-"""The summary of a run, and the files of its directory that scripts outside the project read."""
+"""The summary of a run, and summary.json and scenario.toml, which scripts outside the project read."""
 
 import contextlib
 import os
@@ -24,7 +24,7 @@ from world.simulation.channel import Radio
 def summarize(metrics: MetricsCollector, name: str, backend: str, wall: float) -> dict[str, Any]:
     """The summary of a run up to the last tick of `metrics`; `wall` is its wall-clock time [s].
 
-    `fes.model.quantities` describes its values; a number that does not exist or is not finite is None.
+    `fes.model.quantities` describes its values; a number that is missing or not finite is None.
     """
     scenario, errors, optimal = metrics.scenario, metrics.link_errors, metrics.optimal
     n, links, estimates = scenario.robots.number, metrics.telemetry.links, metrics.telemetry.estimates

@@ -8,7 +8,7 @@ from world.simulation.truth import State
 
 
 class TickTruth(NamedTuple):
-    """The truth at one tick, with what the robots report; u undirected links."""
+    """The truth at one tick, and the robots' telemetry, for u undirected links."""
 
     state: State
     twists: Floats

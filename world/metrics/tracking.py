@@ -10,17 +10,17 @@ NEAR = 1.0
 """Largest distance of the mean estimate from r* that counts as reached [m]."""
 
 HOLD_AT_START, HOLD_AFTER_CHANGE = 10.0, 5.0
-"""Time for which the mean estimate must stay that near [s]."""
+"""Time for which the mean estimate must stay within NEAR [s]."""
 
 SETTLED = 60.0
 """Errors are averaged from this time after the start or the change [s]."""
 
 
 class TeamErrors(NamedTuple):
-    """Errors over all links at one tick; NaN where there is no such number yet."""
+    """Errors over all links at one tick; NaN while an error is not defined."""
 
     error: float
-    """Mean estimate less r* [m]."""
+    """Mean estimate minus r* [m]."""
     disagreement: float
     """Sum over the links of the difference of their two estimates [m]."""
     separation: float
@@ -59,7 +59,7 @@ class Tracking:
         self._dt = dt
         self.segments: list[Segment] = []
         self.error = math.nan
-        """Mean estimate less r* at the last tick [m]; NaN while there are no estimates."""
+        """Mean estimate minus r* at the last tick [m]; NaN while there are no estimates."""
 
     @property
     def now(self) -> Segment:
@@ -98,7 +98,7 @@ class Tracking:
             segment.disagreement = float(np.fmax(segment.disagreement, errors.disagreement))
 
     def table(self) -> list[dict[str, Any]]:
-        """The table `tracking` of a summary, one row per segment; a number of too short a segment is None."""
+        """The table `tracking` of a summary, one row per segment; a number that a short segment lacks is None."""
         return [self._row(segment) for segment in self.segments]
 
     def _row(self, segment: Segment) -> dict[str, Any]:

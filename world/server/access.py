@@ -1,8 +1,8 @@
 """Zenoh's access control: the keys on which each role may publish and receive, from the table of keys.
 
-It acts where messages enter and leave the world's router, by the common name of each link's certificate. It denies
-every message that no rule allows. Messages of the world itself pass no link, and so no rule. If the router is another
-process, the world is one more role, which may publish and receive everything.
+Zenoh checks each message that enters or leaves the world's router. The common name on the certificate of the link
+selects the rules. A message that no rule allows is denied. The world's own messages cross no link, so no rule applies
+to them. If the router is another process, the world is one more role, which may publish and receive everything.
 
 | role        | may publish                   | may receive                                  | may query            |
 |-------------|-------------------------------|----------------------------------------------|----------------------|
@@ -23,8 +23,8 @@ Rule = dict[str, object]
 def control(run: str, robots: int, crews: Iterable[Sequence[int]] = (), *, world: bool = False) -> dict[str, object]:
     """The access control of a run of `robots` robots, each with an agent of its own or hosted by one of `crews`.
 
-    With `world` it is for a router that is not the world. The world then uses a link too, as do further routers,
-    which show the world's certificate.
+    With `world`, the settings are for a router in another process. The world then connects to it by a link too, as do
+    further routers, which present the world's certificate.
     """
     hosted_by: dict[str, Sequence[int]] = {robot_role([robot]): range(robot, robot + 1) for robot in range(robots)}
     hosted_by |= {robot_role(crew): crew for crew in crews if crew[-1] < robots}
@@ -48,7 +48,7 @@ def control(run: str, robots: int, crews: Iterable[Sequence[int]] = (), *, world
 
 
 def roles(settings: dict[str, object]) -> list[str]:
-    """The roles in such settings."""
+    """The roles in settings that `control` returned."""
     control: Any = settings["access_control"]
     return [subject["id"] for subject in control["subjects"]]
 
@@ -108,7 +108,7 @@ def _everything(run: str) -> Rule:
 def _declarations(run: str) -> list[Rule]:
     """The rule by which each role sees subscribers and queryables.
 
-    Without it a publisher stays mute, and a forgery is neither sent nor logged.
+    Without it a publisher sees no subscriber and sends nothing, so a forgery would not even be logged.
     """
     return [_allow("all see declarations", "egress", ["declare_subscriber", "declare_queryable"], [keys.tree(run)])]
 

@@ -21,16 +21,16 @@ from fes.transport.drop_log import DropLog
 
 LEVELS = "off,zenoh::net::routing::interceptor::access_control=trace,zenoh_link_tls=warn"
 PIPE = 1 << 20
-"""Length of log that its reader may lag behind [bytes]."""
+"""Size of the pipe: the length of log by which the reader may lag behind [bytes]."""
 
 PAUSE = 0.05
-"""Pause of the reader between two blocks [s]. A shorter one would hold up the world's own thread."""
+"""Pause of the reader between two blocks [s]. A shorter one would delay the world's own thread."""
 
 KINDS_PER_NAME = 20
-"""Kinds that are logged per name on a certificate, so that no client can fill the log or hide another client."""
+"""Largest number of kinds logged per certificate name: no client can fill the log or hide another client."""
 
 MAX_NAMES = 10_000
-"""Number of sessions whose names are stored."""
+"""Largest number of sessions whose names are stored."""
 
 _MARKS = (b" is unauthorized to ", b" caching permissions ", b"zenoh_link_tls", b" did not match any ")
 
@@ -58,13 +58,13 @@ class Audit:
     """Rejected connections and messages by kind, from blocks of the log."""
 
     def __init__(self, logger: logging.Logger, roles: Iterable[str]) -> None:
-        """For a run with these `roles`; every other name, even in a forged line, counts as one of the others."""
+        """`roles` are those of the run. All other names, even in a forged line, share one limit of kinds."""
         self._connections, self._others = DropLog(logger), DropLog(logger, KINDS_PER_NAME)
         self._by_role = {role: DropLog(logger, KINDS_PER_NAME, f"{role}: other") for role in roles}
         self._rest = b""
         self._names: dict[bytes, str] = {}
         self._caching: dict[bytes, tuple[bytes, bytes, set[bytes]]] = {}
-        """Thread -> its computation ahead: flow, key, and actions that would be denied."""
+        """Thread -> the permissions that it computes in advance: flow, key, and actions found to be denied."""
 
     @property
     def counts(self) -> Counter[str]:
@@ -97,23 +97,23 @@ class Audit:
             self._connections.reject(f"connection: {why}", f"a connection: {why}")
         elif _STRANGER.search(line):
             self._connections.reject(
-                "stranger", "all that a client says: no role of this run has its certificate's name"
+                "stranger", "all messages of a client: no role of this run has its certificate's name"
             )
 
     def _on_denial(self, line: bytes, match: re.Match[bytes]) -> None:
-        """Count a denied message, but not one that Zenoh only computes ahead for a key."""
+        """Count a denied message, but not a denial that Zenoh only computes in advance for a key."""
         if match["zid"]:
             if len(self._names) >= MAX_NAMES:
                 self._names.clear()
             self._names[match["zid"]] = match["name"].decode(errors="replace")
         if match["flow"] == b"egress":
-            return  # not an act of a client: a wildcard of the world's reaches a client that has no right to it
+            return  # not a client's action: a wildcard of the world matched a client that may not receive it
         thread = _THREAD.search(line)
         ahead = self._caching.get(thread[1]) if thread and match["zid"] else None
         if ahead is not None and ahead[:2] == (match["flow"], match["key"]) and match["act"] not in ahead[2]:
             ahead[2].add(match["act"])
             return
-        name = self._names.get(match["zid"] or match["cached"], "somebody")
+        name = self._names.get(match["zid"] or match["cached"], "an unknown client")
         act, key = match["act"].decode().lower(), match["key"].decode(errors="replace")
         drops = self._by_role.get(name, self._others)
         drops.reject(f"{name}: {act} on {key}", f"{name}'s {act} on {key}: it has no right to it")
@@ -121,18 +121,18 @@ class Audit:
 
 @contextlib.asynccontextmanager
 async def running(roles: Iterable[str]) -> AsyncIterator[None]:
-    """Block in which rejections from a run of these `roles` are logged, with their totals at its end."""
+    """Context in which the rejections of a run with these `roles` are logged, and at its end their totals."""
     audit = Audit(logging.getLogger("world"), roles)
     sys.stdout.flush()
     original = os.dup(1)
-    out, into = os.pipe()
+    read_end, write_end = os.pipe()
     if hasattr(fcntl, "F_SETPIPE_SZ"):
-        fcntl.fcntl(out, fcntl.F_SETPIPE_SZ, PIPE)
-    os.dup2(into, 1)
-    os.close(into)
+        fcntl.fcntl(read_end, fcntl.F_SETPIPE_SZ, PIPE)
+    os.dup2(write_end, 1)
+    os.close(write_end)
     os.environ["NO_COLOR"] = "1"
     bus.log(LEVELS)
-    reader = threading.Thread(target=_follow, args=(out, audit), name="audit", daemon=True)
+    reader = threading.Thread(target=_follow, args=(read_end, audit), name="audit", daemon=True)
     reader.start()
     try:
         yield
@@ -144,9 +144,9 @@ async def running(roles: Iterable[str]) -> AsyncIterator[None]:
 
 
 def _follow(pipe: int, audit: Audit) -> None:
-    """Feed the audit from the pipe, to its end."""
+    """Feed the audit from the pipe until its writers have closed it."""
     while block := os.read(pipe, PIPE):
         audit.feed(block)
-        if len(block) < PIPE // 2:  # else the log grows faster than it is read, and would hold up its writers
+        if len(block) < PIPE // 2:  # a fuller pipe is read again at once: a full one blocks the threads that log
             time.sleep(PAUSE)
     os.close(pipe)

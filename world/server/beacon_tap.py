@@ -39,15 +39,16 @@ class BeaconTap:
         judged: Mapping[int, list[bytes]],
         guarded: bool = False,
     ) -> None:
-        """`judged` holds, now and later, the beacons of past ticks that peers may ask for: tick -> payloads.
+        """`judged` maps past ticks to the beacons that peers may ask for; its owner keeps it up to date.
 
-        `guarded`: access control lets only a robot itself put on its key, so all messages there are its own.
+        `guarded` is True if access control lets only the robot itself publish on its key: all messages there are its
+        own.
         """
         self._judged, self._guarded, self._robots = judged, guarded, robots
         self._bus, self._run, self._drops = bus, run, drops
         self._mailboxes = [bus.mailbox(keys.beacon(run, robot)) for robot in range(robots)]
         self._payloads: dict[int, dict[int, bytes]] = {}
-        """Tick -> robot -> the first readable payload, of three ticks at most."""
+        """Tick -> robot -> its first readable payload; three ticks at most are stored."""
         self._faults: dict[int, Faults] = {}
         """Tick -> robot -> the rule that it broke."""
         bus.declare_queryable(keys.held_beacon(run, "*", "*"), self._on_recall)
@@ -55,12 +56,12 @@ class BeaconTap:
     def received(self, tick: int, decodable: Bools) -> list[bytes]:
         """The payload of each robot's Beacon of `tick`, in id order; missing ones are counted.
 
-        The payload is empty for a robot that is not `decodable` [n], and if no readable beacon arrived.
+        The payload of a robot is empty if it is not `decodable` [n], or if no readable beacon of it arrived.
         """
         payloads = self._collect(tick, decodable)
         for robot in np.flatnonzero(decodable).tolist():
             if not payloads[robot]:
-                self._drops.note_missing("beacons in the log", f"no beacon of robot {robot} came for tick {tick}")
+                self._drops.note_missing("beacons in the log", f"no beacon of robot {robot} arrived for tick {tick}")
         return payloads
 
     def _collect(self, tick: int, decodable: Bools) -> list[bytes]:
@@ -102,7 +103,7 @@ class BeaconTap:
             query.reply_err(f"the world holds no beacon of robot {shown(robot)} from tick {tick}")
 
     def _read(self, robot: int, tick: int) -> None:
-        """Sort the beacons in a mailbox by tick, at most MAILBOX of them: it may be filled while it is emptied."""
+        """Sort at most MAILBOX beacons of a mailbox by tick: the mailbox may fill while it is emptied."""
         for _ in range(MAILBOX):
             sample = self._mailboxes[robot].take()
             if sample is None:
@@ -110,7 +111,7 @@ class BeaconTap:
             payload = sample[1]
             stamp = wire.peek(payload) if payload is not None else None
             if stamp is not None and stamp[1] == robot and stamp[0] > tick + 1:
-                if self._guarded:  # a peer may hold it, for the tick that it names
+                if self._guarded:  # a peer may have stored it for that later tick
                     self._faults.setdefault(tick, {})[robot] = f"it sent a beacon ahead of its time at tick {tick}"
                 continue
             if stamp is not None and stamp[0] < tick - 1:
@@ -126,7 +127,7 @@ class BeaconTap:
                 self._faults.setdefault(beacon.tick, {})[robot] = fault
 
     async def _recall(self, robot: int, tick: int) -> bytes | str:
-        """The beacon that a robot repeats, or its fault."""
+        """The beacon that a robot sends again on request, or its fault."""
         key, missing = keys.recall(self._run, robot), f"no readable beacon of tick {tick}"
         end = time.monotonic() + RECALL_TIMEOUT
         while True:
@@ -139,13 +140,13 @@ class BeaconTap:
                 break
             except (Overloaded, Unavailable):  # its queue may be full, or its session new
                 await asyncio.sleep(RETRY)
-            except Rejected as refused:
-                return f"{missing}, and it refused to repeat it: {refused}"
+            except Rejected as refusal:
+                return f"{missing}, and it refused to repeat it: {refusal}"
             except MessageError as error:
                 return f"{missing}, and it repeated junk: {error}"
         if beacon.tick != tick:
             return f"{missing}, and it repeated that of tick {beacon.tick}"
-        self._drops.reject("Beacon: recalled", f"by a full mailbox: a beacon of robot {robot}; asked for anew")
+        self._drops.reject("Beacon: recalled", f"by a full mailbox: a beacon of robot {robot}; it was recalled")
         return payload
 
     def _decoded(self, payload: bytes | None, robot: int) -> Beacon:

@@ -1,9 +1,9 @@
 """One world per run: a claim that a world makes before it does anything else.
 
 A world first declares a token of its own, then looks for tokens of other worlds. If two worlds start at the same
-time, at least one of them sees the other's token. Of two tokens that pass one router, the owner of the later one
-looks later still. Both may see each other: then neither starts, and a person starts one of them again. Two running
-worlds would both have moved the same team.
+time, at least one of them sees the other's token. For if both tokens pass one router, the world of the later token
+looks after both have passed it. If both worlds see a token, neither starts, and a person starts one of them again.
+Two running worlds would both move the same team.
 """
 
 import asyncio
@@ -23,7 +23,8 @@ SETTLING = 0.3
 async def claim_run(bus: Bus, run: str, *, connected: bool) -> None:
     """Claim the run until the session ends.
 
-    Raises Rejected if another world has it or claims it too, and Unavailable if that cannot be seen.
+    Raises Rejected if another world has it or claims it too, and Unavailable if the other
+    tokens cannot be queried within TIMEOUT.
     """
     own = keys.claim(run, uuid.uuid4().hex)
     bus.declare_token(own)

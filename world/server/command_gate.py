@@ -7,10 +7,10 @@ from fes.protocol.messages import Join
 
 
 class CommandGate:
-    """Admits a Command by the mark beside it, which only the agent that joined knows.
+    """Admits a Command by the mark attached to it, which only the agent that joined knows.
 
-    `admits` runs in threads of Zenoh, before a message waits anywhere. So a flood of commands from another process of
-    the same robot neither fills a queue nor wakes the world.
+    `admits` runs in threads of Zenoh, before a message is queued. So a flood of commands from another process of the
+    same robot neither fills a queue nor wakes the world.
     """
 
     def __init__(self, run: str, hosts: Mapping[int, Join]) -> None:

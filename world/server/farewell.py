@@ -13,7 +13,8 @@ LINGER = 5.0
 """A world whose run is over stays at most this long [s] for robots that have not received the farewell."""
 
 PROMPT = 1.0
-"""An agent withdraws its tokens within this time [s] of the farewell; a token lost later was cut off."""
+"""An agent withdraws its tokens within this time [s] of the farewell; a token that is lost later belongs
+to an agent that was cut off."""
 
 REPEAT = 0.5
 """The farewell is repeated this often [s] while a token is alive."""
@@ -23,8 +24,8 @@ class Farewell:
     """Tells each robot that the run is over, even if its link is down at that moment.
 
     An agent that receives the farewell withdraws its tokens at once. A token that stays, or that was lost at another
-    time, belongs to a robot that may not know. Its agent would wait for a world that never returns, and may reconnect
-    in a moment.
+    time, belongs to a robot that may not have received it. Its agent may reconnect soon, and would then wait for a
+    world that never returns.
     """
 
     def __init__(self, observe: Sequence[Callable[[bytes], None]], registry: AgentRegistry) -> None:
@@ -57,8 +58,8 @@ class Farewell:
         begun = time.monotonic()
         while (left := begun + LINGER - time.monotonic()) > 0.0:
             alive = np.flatnonzero((self._registry.alive == 1) & expected).tolist()
-            cut = [robot for robot, lost in self._lost.items() if expected[robot] and lost > begun - LINGER]
-            if not alive and not cut:
+            cut_off = [robot for robot, lost in self._lost.items() if expected[robot] and lost > begun - LINGER]
+            if not alive and not cut_off:
                 return
             self._registry.changed.clear()
             try:

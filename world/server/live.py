@@ -91,7 +91,7 @@ class LiveClock:
             self._deadlines.slipped += behind
 
     def _read(self, state: State, key: str, payload: bytes | None) -> None:
-        """Keep a command if it is the newest of its robot."""
+        """Store a command if it is the newest of its robot."""
         try:
             command = marshalling.decode(key, payload, len(state.present))
             if command.tick > state.tick:

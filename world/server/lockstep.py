@@ -37,7 +37,8 @@ class Lockstep:
     def __init__(
         self, inbox: Inbox, participation: Participation, drops: DropLog, send: Send, pace: float | None = None
     ) -> None:
-        """`pace` is the wall-clock time of a tick [s] on average: a late tick is made up for. None: full speed."""
+        """`pace` is the average wall-clock time per tick [s]: after a late tick the next ones are shorter. None: full
+        speed."""
         self._inbox, self._participation = inbox, participation
         self._drops = drops
         self._send = send
@@ -48,10 +49,10 @@ class Lockstep:
         """Robot -> the last two ticks whose observations were sent again: a second answer may come a tick later."""
 
     async def present(self, state: State) -> Bools:
-        """The robots that take part at the tick of `state` [n]: at least one, unless none should.
+        """The robots that take part at the tick of `state` [n]: at least one, unless none is expected.
 
-        Raises Unavailable after RETURN_TIMEOUT. A robot that its scenario restarts or wakes is awaited as long, and
-        then missed.
+        Raises Unavailable after RETURN_TIMEOUT. The world waits equally long for a robot that its scenario restarts
+        or wakes, and then continues without it.
         """
         end = time.monotonic() + RETURN_TIMEOUT
         while (missing := self._participation.missing(state)) or (due := self._participation.due(state)):
@@ -60,7 +61,7 @@ class Lockstep:
                 raise Unavailable(f"{missing}: the world waited {RETURN_TIMEOUT:g} s at tick {state.tick}")
             if left <= 0.0:
                 self._logger.warning(
-                    "robots %s are due at tick %d and did not come within %g s: the run continues without them",
+                    "robots %s are due at tick %d and did not join within %g s: the run continues without them",
                     due,
                     state.tick,
                     RETURN_TIMEOUT,

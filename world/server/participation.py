@@ -30,7 +30,8 @@ class Participation:
         self._suspended = np.zeros(self._robots, dtype=np.bool_)
         """Robots that hang by schedule at this tick, each in a process of its own [n]."""
         self._disconnected = np.zeros(self._robots, dtype=np.bool_)
-        """Robots whose token was lost since the last tick [n]. It may be back, but the messages to it are lost."""
+        """Robots whose token was lost since the last tick [n]. It may have a new
+        token, but messages sent in between are lost."""
         self._logger = logging.getLogger("world")
 
     @property
@@ -58,7 +59,7 @@ class Participation:
             self._logger.warning("robot %d does not answer", robot)
 
     def disconnect(self, robot: int) -> None:
-        """Note that the process or the session of this robot is gone; the next one does not hang."""
+        """Note that the process or the session of this robot is gone; its next one is not hung."""
         group = list(self._registry.group(robot))
         self._hung[group], self._disconnected[group] = False, True
 
@@ -85,8 +86,8 @@ class Participation:
     def participating(self, state: State) -> Bools:
         """The robots that take part at the tick of `state` [n]."""
         expected, self._suspended = self._scheduled(state.tick)
-        informed: Bools = state.present & (state.since != state.tick)  # others start without state in any case
-        able = self._able & ~self._hung & ~(self._disconnected & informed)
+        has_state: Bools = state.present & (state.since != state.tick)  # other robots start without state anyway
+        able = self._able & ~self._hung & ~(self._disconnected & has_state)
         self._disconnected[:] = False
         return able & expected & ~self._restarted(state, able)
 
@@ -109,7 +110,7 @@ class Participation:
         return able
 
     def _restarted(self, state: State, able: Bools) -> Bools:
-        """Robots that took part until now, but have a new process [n]: they miss a tick."""
+        """Robots that took part until now, but have a new process [n]: they are excluded for one tick."""
         restarted = np.zeros(self._robots, dtype=np.bool_)
         for robot in [robot for robot in self._registry.renewed if able[robot]]:
             self._registry.renewed.discard(robot)
@@ -119,7 +120,7 @@ class Participation:
     def log_changes(self, before: State, after: State) -> None:
         """Log the robots that take part in only one of two states."""
         for robot in np.flatnonzero(before.present & ~after.present).tolist():
-            self._logger.info("robot %d is not there from tick %d on: its body stands still", robot, after.tick)
+            self._logger.info("robot %d is absent from tick %d on: its body stands still", robot, after.tick)
         for robot in np.flatnonzero(after.present & ~before.present).tolist():
             self._logger.info("robot %d is back from tick %d on", robot, after.tick)
 

@@ -18,8 +18,8 @@ from fes.transport.bus import Bus, Query
 from fes.transport.drop_log import DropLog
 
 RESUME_TIMEOUT = 10.0
-"""A resumed world expects its robots for this long [s], and leases them to no agent; agents look for it twice per
-second."""
+"""A resumed world waits for its robots for this long [s], and leases them to no other agent. Agents look for the
+world twice per second."""
 
 LEASE = 5.0
 """A robot that was promised to an agent is free again if no liveliness token follows within this time [s]."""
@@ -59,7 +59,7 @@ class AgentRegistry:
         on_join: Callable[[Join], None],
         on_token: Callable[[int, bool], None],
     ) -> None:
-        """`on_join` is called with each Join that would be accepted, and rejects it by a FesError.
+        """`on_join` is called with each Join that would be accepted, and rejects it by raising a FesError.
 
         `on_token` is called with each robot whose token appears or is lost, and True if it appears.
         """
@@ -92,7 +92,7 @@ class AgentRegistry:
         return self.hosts[robot].robots if robot in self.hosts else (robot,)
 
     def _on_lease_query(self, query: Query) -> None:
-        """Lease the lowest free robot to an agent without one; no other agent gets it while that agent joins."""
+        """Lease the lowest free robot to an agent that has none; no other agent gets it while that agent joins."""
         now = time.monotonic()
         for robot in range(self._info.robots):
             if not self._refusal((robot,)) and self._leased.get(robot, 0.0) <= now:
@@ -110,16 +110,15 @@ class AgentRegistry:
             return
         robots = join.robots
         if query.key != keys.welcome(self._info.run, keys.span(robots)):
-            # Access rules name keys: an agent with rights to its own robots must not get others by asking there.
+            # Access rules name keys: an agent must not get other robots by a join on the key of its own.
             self._drops.reject("Join: on another's key", f"{query.key}: a join of robots {keys.span(robots)}")
             query.reply_err(f"a join of robots {keys.span(robots)} came on {query.key}")
             return
         is_known = all(self.hosts.get(robot) == join for robot in robots)
         fault = next((f"robot {robot} is {self._excluded[robot]}" for robot in robots if robot in self._excluded), "")
         if fault and is_known:
-            query.reply_err(
-                fault
-            )  # its agent asks why it gets no observations; only another agent may have the robot
+            # The agent asks why it gets no observations. Only another agent may host its robots from now on.
+            query.reply_err(fault)
             return
         if not is_known and not self._accept(query, join):  # a known agent only asks whether it is still welcome
             return

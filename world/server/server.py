@@ -35,7 +35,7 @@ from world.server.report_publisher import ReportPublisher
 
 @dataclass(frozen=True)
 class Options:
-    """Settings of a server beside its run."""
+    """Settings of a server, in addition to its run."""
 
     rtf: float | None = None
     """Pace [simulated seconds per second]; None for full speed."""
@@ -112,10 +112,10 @@ class Server:
         while not run.is_over:
             present = await self._clock.present(run.state)
             if run.state.tick == first > 0:
-                present &= run.state.present  # a robot that rejoined now would change what may be published already
+                present &= run.state.present  # a robot that rejoins now would change what may be published already
             self._attend(present)
             sent = self._publish_observations()
-            self._record_tick()  # the last one, while the robots compute this one
+            self._record_tick()  # the previous one, while the robots compute this one
             if self._checkpoints is not None and self._checkpoints.due:
                 self._checkpoints.save(run, self._registry.hosts, self.elapsed)
 
@@ -195,7 +195,7 @@ class Server:
         self.run.readmit(join.robots)
         own = fingerprint.text()
         if join.arithmetic not in ("", own):
-            warning = "robots %s are computed with %s, and this world with %s: their digits are not those of one loop"
+            warning = "robots %s are computed with %s, this world with %s: digits may differ from those of one loop"
             self.logger.warning(warning, list(join.robots), join.arithmetic, own)
         self._gate.expect(join)
 
@@ -235,10 +235,10 @@ class Server:
         beacons, faults = await self._tap.judge(tick, decodable)
         for robot, fault in faults.items():
             group = list(hosts[robot].robots) if robot in hosts else [robot]
-            if hosts.get(robot) != self._registry.hosts.get(robot):  # its agent died: the next one is not at fault
+            if hosts.get(robot) != self._registry.hosts.get(robot):  # a new agent hosts it, and is not at fault
                 group = [robot]
             elif robot in self.run.excluded:
-                continue  # with another robot of its process
+                continue  # excluded with another robot of its process
             else:
                 self.run.exclude(group, f"robot {robot}: {fault}")
                 self.logger.warning("robots %s are excluded from tick %d on: %s", group, tick, fault)

@@ -1,7 +1,7 @@
 """Bursts of losses: a two-state Markov chain on each directed contact (Gilbert 1960, Elliott 1963).
 
-The state at the first tick in range is drawn from the stationary law. It then makes one step per tick, by numbers
-that are functions of (seed, tick, sender, receiver).
+The state at the first tick in range is drawn from the stationary law. It then makes one step per tick. Its random
+numbers are functions of (seed, tick, sender, receiver).
 """
 
 import numpy as np

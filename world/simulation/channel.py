@@ -1,7 +1,7 @@
 """The radio: the fate of each beacon at each robot in range.
 
-Every robot sends a beacon at every tick. At a robot in range it decodes with the reception probability of the channel
-between the two at that tick. But for bursts, ticks and directions are independent (block fading). A contact opens two
+Every robot sends a beacon at every tick. A robot in range decodes it with the reception probability of the channel
+between the two at that tick. Without bursts, ticks and directions are independent (block fading). A contact opens two
 ticks after the robots came in range.
 """
 
@@ -96,13 +96,13 @@ def quiet(edges: Edges) -> Radio:
 
 @dataclass(frozen=True, eq=False)
 class RadioInput:
-    """The state of the robots at one tick, as far as it decides which of their beacons decode."""
+    """The state of the robots at one tick, as far as it determines which beacons decode."""
 
     tick: int
     poses: Floats
     """[n, 3] [m, m, rad; world frame]"""
     present: Bools
-    """Robots that take part [n]: another neither sends nor receives."""
+    """Robots that take part [n]; the others neither send nor receive."""
     proximity: Proximity
     reception_factor: Floats | None = None
     """Factor of each robot's own transmitter on the reception probability [n]; None where all are healthy."""
@@ -125,16 +125,16 @@ def transmit(medium: Medium, config: RadioConfig, radio: Radio, robots: RadioInp
         burst = bursts.step(burst, config.bursts, medium.dt, medium.bursts.numbers(robots.tick, edges))
         average = probability * bursts.mean_reception_factor(config.bursts)
         probability = probability * bursts.reception_factor(burst, config.bursts)
-    heard = on_air
+    is_decoded = on_air
     if factor is not None or not config.is_certain:
-        heard = on_air & (medium.fading.numbers(robots.tick, edges) < probability)
-    gap = (radio.gap + 1) * (on_air ^ heard)
+        is_decoded = on_air & (medium.fading.numbers(robots.tick, edges) < probability)
+    gap = (radio.gap + 1) * (on_air ^ is_decoded)
     now = Radio(
         edges,
         age,
-        np.add(is_open, heard, dtype=np.uint8),  # CLOSED, LOST and DECODED count the two
+        np.add(is_open, is_decoded, dtype=np.uint8),  # CLOSED, LOST and DECODED count the two
         radio.sent + on_air,
-        radio.decoded + heard,
+        radio.decoded + is_decoded,
         average,
         radio.outage_sum + (1.0 - average) * on_air,
         gap,
@@ -173,16 +173,21 @@ def _effective(
 ) -> Floats:
     """The separation [p] [m] at which the candidates in range would have their SNR without shadowing.
 
-    A gain of g dB is a separation times 10^(-g/(10 nu)), exactly so in (3).
+    A gain of g dB has the effect of a separation times 10^(-g/(10 nu)); in (3) this is exact.
     """
     in_range = np.flatnonzero(near.mask)
     separation = near.separation.copy()
-    apart = separation.take(in_range)
+    true_separation = separation.take(in_range)
     gain = shadowing.gain(
-        medium.waves, shadows, poses, near.candidates.a.take(in_range), near.candidates.b.take(in_range), apart
+        medium.waves,
+        shadows,
+        poses,
+        near.candidates.a.take(in_range),
+        near.candidates.b.take(in_range),
+        true_separation,
     )
     power = np.clip(gain / (-10.0 * config.path_loss_exponent), -_FARTHEST, _FARTHEST)
-    separation[in_range] = apart * np.power(10.0, power)
+    separation[in_range] = true_separation * np.power(10.0, power)
     return separation
 
 
@@ -190,8 +195,8 @@ def _jamming_factor(jammers: list[JammerConfig], poses: Floats) -> Floats:
     """Factor of the jammers on the reception probability of each robot [n]."""
     factor = np.ones(len(poses))
     for jammer in jammers:
-        away = geometry.separation(poses[:, geometry.X] - jammer.x, poses[:, geometry.Y] - jammer.y)
-        factor[away <= jammer.radius] *= jammer.reception_factor
+        distance = geometry.separation(poses[:, geometry.X] - jammer.x, poses[:, geometry.Y] - jammer.y)
+        factor[distance <= jammer.radius] *= jammer.reception_factor
     return factor
 
 

@@ -31,5 +31,5 @@ def check_contacts(poses: Floats, reach: float) -> None:
         raise ScenarioError(
             "robots",
             f"the memory of the {contacts:,} contacts within {reach:g} m must be at most the "
-            f"{memory.gigabytes(free)} that are free, got {needed}: take fewer robots, farther apart",
+            f"{memory.gigabytes(free)} that are free, got {needed}: use fewer robots, or a larger spacing",
         )

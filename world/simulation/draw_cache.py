@@ -1,4 +1,4 @@
-"""Uniform numbers for the pairs in range, drawn ahead."""
+"""Uniform random numbers for the pairs in range, drawn in advance."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ _MOST = 1 << 24  # largest number of cached numbers
 
 
 class DrawCache:
-    """Uniform numbers for the pairs in range, drawn ahead in blocks of ticks.
+    """Uniform random numbers for the pairs in range, drawn in advance in blocks of ticks.
 
     A cache, not a state: every number is a function of (seed, tick, sender, receiver).
     """

@@ -1,8 +1,8 @@
 """The pairs of robots within communication range.
 
-A list of candidate pairs (a Verlet list) has a margin, and holds until a robot has moved half of it. Per tick only
-the candidates' separations are measured. The search sorts robots into square cells, and examines a bounded number of
-pairs at once: memory grows only with the pairs in range.
+A list of candidate pairs (a Verlet list) has a margin, and is valid until a robot has moved by half of it. Per tick
+only the candidates' separations are measured. The search sorts robots into square cells, and examines a bounded
+number of pairs at once, so memory grows only with the pairs in range.
 """
 
 from collections.abc import Iterator
@@ -15,13 +15,13 @@ from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats, Ints
 
 SMALL = 64
-"""Largest team of which every pair is a permanent candidate: maintaining a list costs more."""
+"""Largest team of which every pair is a permanent candidate, since maintaining a list would cost more."""
 
 MARGIN = 0.2
 """Margin of the candidate list, as a fraction of the communication range."""
 
 BLOCK = 2**16
-"""Approximate number of pairs of robots in near cells that are examined at once."""
+"""Approximate number of pairs that are examined at once."""
 
 _FARTHEST_CELL = 2.0**61
 """Largest number of a cell. There a double's spacing is hundreds of cells: only coinciding robots are in range."""
@@ -58,7 +58,7 @@ class Proximity:
 
 def measure(ids: Ints, poses: Floats, reach: float, before: Proximity | None) -> Proximity:
     """The pairs of robots at most `reach` [m] apart, given the pairs of the tick before."""
-    candidates = before.candidates if before and _holds(before.candidates, poses, reach) else _find(poses, reach)
+    candidates = before.candidates if before and _is_valid(before.candidates, poses, reach) else _find(poses, reach)
     x, y = poses[:, geometry.X], poses[:, geometry.Y]
     separation = geometry.separation(
         x.take(candidates.a) - x.take(candidates.b), y.take(candidates.a) - y.take(candidates.b)
@@ -77,7 +77,8 @@ def _edges(ids: Ints, candidates: Candidates, near: Ints) -> tuple[Edges, Ints]:
     return Edges(ids, rows[order], ids[columns[order]]), np.concatenate([near, near])[order]
 
 
-def _holds(candidates: Candidates, poses: Floats, reach: float) -> bool:
+def _is_valid(candidates: Candidates, poses: Floats, reach: float) -> bool:
+    """True if candidates contain all pairs within `reach` [m] at `poses` [n, 3]."""
     if candidates.positions is None:
         return True
     if candidates.reach != reach:

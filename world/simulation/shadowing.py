@@ -6,8 +6,8 @@ decorrelation distance d0 (random Fourier features: Rahimi & Recht 2007). The ch
 exp(-|d|). So the correlation is exp(-d/d0) when one end moves by d (Gudmundson 1991), and the product when both move.
 g is f made reciprocal, (f(a, b) + f(b, a)) / sqrt(2 (1 + exp(-2 |a - b|/d0))).
 
-The q of each wave is the k of the next. They are independent, as the correlation requires. It halves the number of
-cosines per robot, which are the cost of shadowing.
+The q of each wave is the k of the next. The two are still independent, as the correlation requires. Sharing them
+halves the number of cosines per robot, which dominate the cost.
 """
 
 import math

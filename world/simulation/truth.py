@@ -85,7 +85,7 @@ def start(world: World) -> State:
 
 @np.errstate(over="ignore", invalid="ignore")  # a robot may be driven anywhere: at infinity it is out of range
 def step(world: World, state: State, twists: Floats) -> State:
-    """The state one tick later, the robots holding `twists` [n, 2] [m/s, rad/s]; see `held`."""
+    """The state one tick later, with the bodies holding `twists` [n, 2] [m/s, rad/s]; see `held`."""
     poses = unicycle.move(state.poses, twists, world.scenario.run.dt)
     near = neighbor_list.measure(world.ids, poses, state.channel.communication_range, state.proximity)
     factor = None if state.transmission is None else state.transmission.reception_factor

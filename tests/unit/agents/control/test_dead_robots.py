@@ -110,7 +110,7 @@ def test_links_count_as_connected_among_those_that_are_present() -> None:
 @pytest.mark.parametrize(
     ("events", "rule"),
     [
-        ([{"at": 1.0, "kill": [10]}], "kill: robot 10 does not exist, there are 10"),
+        ([{"at": 1.0, "kill": [10]}], "kill: robot 10 does not exist: there are only 10"),
         ([{"at": 1.0, "restart": [1]}], "restart: robot 1 is alive already at 1 s"),
         ([{"at": 1.0, "kill": [1]}, {"at": 2.0, "kill": [1]}], "kill: robot 1 is dead already at 2 s"),
         ([{"at": 1.0}], "give at least one of set, kill, restart, hang, wake, transmitter, clock and world_away"),

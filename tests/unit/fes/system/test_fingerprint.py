@@ -80,7 +80,7 @@ def test_a_checkpoint_is_not_resumed_with_another_arithmetic(tmp_path: Path, els
         with pytest.raises(FesError) as caught:
             resume.load(tmp_path / "run")
     assert str(caught.value) == (
-        f"{state} was kept with {THERE}; this is numpy 1.0.0, arithmetic ba9876543210: the digits would differ"
+        f"{state} was written with {THERE}; this is numpy 1.0.0, arithmetic ba9876543210: the digits would differ"
     )
     assert state.read_bytes() == kept
 

@@ -203,7 +203,7 @@ def test_an_agent_receives_the_faults_of_its_own_robots_only_and_no_losses() -> 
 @pytest.mark.parametrize(
     ("events", "rule"),
     [
-        ([{"at": 1.0, "hang": [10]}], "hang: robot 10 does not exist, there are 10"),
+        ([{"at": 1.0, "hang": [10]}], "hang: robot 10 does not exist: there are only 10"),
         ([{"at": 1.0, "kill": [1]}, {"at": 2.0, "hang": [1]}], "hang: robot 1 is dead at 2 s"),
         ([{"at": 1.0, "hang": [1]}, {"at": 2.0, "kill": [1]}], "kill: robot 1 is hung at 2 s"),
         ([{"at": 1.0, "hang": [1]}, {"at": 2.0, "restart": [1]}], "restart: robot 1 is hung at 2 s"),
@@ -211,7 +211,7 @@ def test_an_agent_receives_the_faults_of_its_own_robots_only_and_no_losses() -> 
         ([{"at": 1.0, "wake": [1]}], "wake: robot 1 is alive already at 1 s"),
         ([{"at": 1.0, "hang": [1, 1]}], "robot 1 must be named once, but is in hang and in hang"),
         ([{"at": 1.0, "hang": [1]}, {"at": 1.001, "wake": [1]}], "wake: robot 1 leaves and rejoins in one tick"),
-        ([{"at": 1.0, "transmitter": {"robot": 10}}], "transmitter: robot 10 does not exist, there are 10"),
+        ([{"at": 1.0, "transmitter": {"robot": 10}}], "transmitter: robot 10 does not exist: there are only 10"),
         ([{"at": 1.0, "transmitter": {"loss": 0.5}}], "transmitter.robot: is required"),
         ([{"at": 1.0, "transmitter": {"robot": 1, "delay": -0.1}}], "delay: must be greater than or equal to 0"),
         (
@@ -221,7 +221,7 @@ def test_an_agent_receives_the_faults_of_its_own_robots_only_and_no_losses() -> 
         ([{"at": 1.0, "transmitter": {"robot": 1, "delay": 201.0}}], "0.02 to 200 s, got 201"),
         ([{"at": 1.0, "transmitter": {"robot": 1, "loss": 1.1}}], "loss: must be less than or equal to 1, got 1.1"),
         ([{"at": 1.0, "transmitter": {"robot": 1, "noise": 1.0}}], "unknown field 'event.0.transmitter.noise'"),
-        ([{"at": 1.0, "clock": {"robot": 10, "skew": 0.1}}], "clock: robot 10 does not exist, there are 10"),
+        ([{"at": 1.0, "clock": {"robot": 10, "skew": 0.1}}], "clock: robot 10 does not exist: there are only 10"),
         ([{"at": 1.0, "clock": {"robot": 1, "skew": 11.0}}], "skew: must be less than or equal to 10, got 11"),
         ([{"at": 1.0, "set": {"channel.partition": [[0, 10]]}}], "channel.partition: robot 10 does not exist"),
         ([{"at": 1.0, "set": {"channel.partition": [[0, 1], [1]]}}], "partition: robot 1 is listed twice"),
@@ -236,9 +236,9 @@ def test_an_impossible_fault_is_rejected_in_one_line(events: list[Event], rule: 
 
 
 def test_a_partition_is_checked_at_the_start_and_when_it_is_set() -> None:
-    with pytest.raises(ScenarioError, match="robot 2 does not exist, there are 2"):
+    with pytest.raises(ScenarioError, match="robot 2 does not exist: there are only 2"):
         load("pair.toml", channel__partition=[[0], [2]])
-    with pytest.raises(ScenarioError, match="robot 2 does not exist, there are 2"):
+    with pytest.raises(ScenarioError, match="robot 2 does not exist: there are only 2"):
         scenarios.with_event(load("pair.toml"), 10, "channel.partition", [[0], [2]])
     assert not RadioConfig(model="perfect", partition=[[0]]).is_certain
 

@@ -47,7 +47,7 @@ CASES: dict[str, tuple[dict[str, Any], list[str]]] = {
     ),
     "a delay": (
         {"event": [{"at": 1.0, "transmitter": {"robot": 0, "delay": 0.05}}]},
-        ["transmitter: delay 0.05 s is not a multiple of run.dt 0.02 s: it is 0.04 s"],
+        ["transmitter: delay 0.05 s is not a multiple of run.dt 0.02 s: it is rounded to 0.04 s"],
     ),
     "a channel that the robots know": (
         {"event": [{"at": 1.0, "set": {"channel.reference_snr": 5e6}}]},

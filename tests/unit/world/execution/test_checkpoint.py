@@ -166,7 +166,7 @@ def test_loading_a_checkpoint_cannot_execute_code(
 
 
 def test_an_unusable_checkpoint_is_rejected_in_one_line(tmp_path: Path) -> None:
-    with pytest.raises(FesError, match=r"has no checkpoint: its run is over, or kept none$"):
+    with pytest.raises(FesError, match=r"has no checkpoint: its run is over, or wrote none$"):
         resume.load(tmp_path)
     state = begun(tmp_path / "run")
     content = state.read_bytes()
@@ -207,8 +207,8 @@ def test_an_unusable_checkpoint_is_rejected_in_one_line(tmp_path: Path) -> None:
     [
         ([], "give a SCENARIO, or --resume RUN_DIR"),
         (["--resume", "nowhere"], "there is no run directory nowhere"),
-        (["x.toml", "--resume", "nowhere"], "--resume continues the run as it was"),
-        (["--resume", "nowhere", "--seed", "3"], "--resume continues the run as it was"),
+        (["x.toml", "--resume", "nowhere"], "--resume keeps the settings of the run"),
+        (["--resume", "nowhere", "--seed", "3"], "--resume keeps the settings of the run"),
     ],
 )
 def test_flags_that_exclude_each_other_are_reported_in_one_line(

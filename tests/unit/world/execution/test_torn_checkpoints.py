@@ -71,7 +71,7 @@ def test_a_failed_checkpoint_keeps_its_predecessor_and_the_whole_journal(
         HOW[2]: failing("fsync", 1),
         HOW[3]: failing("replace"),
     }
-    with broken[how], pytest.raises(FesError, match=r"^cannot keep a checkpoint: "):
+    with broken[how], pytest.raises(FesError, match=r"^cannot write a checkpoint: "):
         checkpoints.save(run, {}, 0.1, at_once=True)
     assert state.read_bytes() == before
     run.attend(run.world.ids != 1)  # noted in the new journal

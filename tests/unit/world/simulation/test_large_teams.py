@@ -125,7 +125,7 @@ def test_a_crowd_that_does_not_fit_into_memory_is_rejected_in_one_line(monkeypat
     monkeypatch.setattr(memory, "available", lambda: 2_000_000_000)
     expected = (
         "robots: the memory of the 8,997,000 contacts within 150 m must be at most the 2.0 GB that are free, "
-        "got 9.0 GB: take fewer robots, farther apart"
+        "got 9.0 GB: use fewer robots, or a larger spacing"
     )
     with pytest.raises(ScenarioError) as refused:
         truth.start(truth.create(dense(3000, "disk")))
