@@ -70,7 +70,7 @@ class BeaconSubscriptions:
         if (beacon.robot, beacon.tick) != (peer, tick):
             return False
         self._drops.reject(
-            "Beacon: recalled", f"by a full mailbox, or late: a beacon of robot {peer}; asked for anew"
+            "Beacon: recalled", f"dropped from a full mailbox, or late: a beacon of robot {peer}; it was recalled"
         )
         return beacon
 

@@ -102,7 +102,7 @@ def weights() -> Numbers:
 def theorem_1() -> Numbers:
     """(12) drops cross terms: a robot at rest between two equal errors, whose V falls according to (12)."""
     best = optimum.optimal_separation(ObjectiveConfig(), ChannelConfig())
-    # Both peers are straight ahead, the first 1 m too far, the second 1 m too near. They head across: their v is 0.
+    # Both peers are straight ahead, the first 1 m too far, the second 1 m too near. They face sideways: their v is 0.
     ahead = np.array([best + 1.0, best - 1.0])
     pair = Edges(np.array([0]), np.array([0, 0]), np.array([1, 2]))
     error = ahead - best

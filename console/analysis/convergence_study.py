@@ -59,8 +59,7 @@ def learn(configs: Path, runs: int = 20, fed: int = 3) -> Learning:
     errors, fed_errors = _errors(counted), _errors(fed_scenarios)
     time: Floats = counted[0].run.dt * np.arange(errors.shape[1], dtype=np.float64)
     since = np.where(time < CHANGE, time, time - CHANGE) + counted[0].run.dt
-    links = 26
-    return Learning(time, errors, fed_errors, np.sqrt(time_to_one_meter(counted[0], links) / since))
+    return Learning(time, errors, fed_errors, np.sqrt(time_to_one_meter(counted[0], LINKS) / since))
 
 
 def time_to_one_meter(scenario: Scenario, links: int) -> float:

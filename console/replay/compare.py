@@ -154,11 +154,8 @@ def _events(log: Log) -> list[dict[str, Any]]:
     changes = [
         {"at": round(tick * scenario.run.dt, 9), "set": dict(settings)} for tick, settings in sorted(sets.items())
     ]
-    return changes + [
-        {"at": event.at, "kill": event.kill, "restart": event.restart}
-        for event in scenario.event
-        if event.kill or event.restart
-    ]
+    others = [event.model_dump(mode="json", exclude={"settings"}, exclude_defaults=True) for event in scenario.event]
+    return changes + [event for event in others if event.keys() - {"at"}]
 
 
 def _fields(value: Any, path: str) -> Iterator[tuple[str, Any]]:

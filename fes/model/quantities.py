@@ -19,7 +19,7 @@ class Quantity(NamedTuple):
     name: str
     """Dotted path; `[]` stands for each entry of a list, a number for a column of a row: `tracking[].rmse`."""
     unit: str
-    """SI unit, 1 for a ratio, the noun for a count; empty for a text or a flag."""
+    """SI unit, 1 for a ratio, the noun for a count; empty for a text, a flag, a seed or the id of a robot."""
     description: str
     null: str = ""
     """Condition under which the value is null; any number that is not finite is null too."""

@@ -1,6 +1,5 @@
 """A recorded run executed again: the same to the bit, and each difference is named."""
 
-import asyncio
 import json
 import os
 import signal
@@ -21,15 +20,13 @@ from console.replay import command as replay_command
 from console.replay import compare, log
 from console.replay.reexecution import Mismatch
 from fes.errors import FesError
-from fes.protocol import channel_change, keys, messages
-from fes.protocol.channel_change import ParameterChange
+from fes.protocol import messages
 from fes.system import fingerprint
-from tests.support import recordings, session
+from tests.support import recordings
 from tests.support.loop import load
 from tests.support.paths import CONFIGS
 from tests.support.processes import PATIENCE, alive, children, fes, start, until
 from world.execution.recorder import Recorder
-from world.server.server import Server
 
 SHORT = {"run__duration": 2.0}
 
@@ -91,40 +88,6 @@ def test_a_run_of_ten_processes_can_be_reexecuted_in_one_loop(tmp_path: Path) ->
 @pytest.mark.parametrize("robot", range(10))
 def test_a_robot_reexecuted_alone_sends_its_recorded_beacons_and_commands(recorded: Recorded, robot: int) -> None:
     assert replay_command.rerun_robot(log.load(recorded[0]), robot) == recorded[1]["ticks"]
-
-
-def test_changes_by_fes_set_are_replayed(tmp_path: Path) -> None:
-    pair = load("pair.toml", run__duration=4.0)
-
-    async def disturb(endpoint: str, begin: asyncio.Event) -> None:
-        async with session.client(endpoint) as person:
-            begin.set()
-            objective = channel_change.encode_change(ParameterChange("channel.reference_snr", 2e6))
-            await person.get(keys.change(session.RUN), objective, PATIENCE)
-
-    async def run() -> tuple[dict[str, Any], Server]:
-        with Recorder(tmp_path / "run.mcap", pair, "test", "processes") as recorder:
-            summary, server, _ = await session.run(pair, [[0], [1]], disturb, recorder)
-            recorder.conclude(summary)
-            assert server.run.scenario.event
-        return summary, server
-
-    summary, server = asyncio.run(asyncio.wait_for(run(), PATIENCE))
-    loaded = log.load(tmp_path / "run.mcap")
-    [changes] = [tick.changes for tick in loaded.ticks() if tick.changes]
-    assert changes == [("channel.reference_snr", 2e6)]
-    assert loaded.scenario == pair
-    assert summary["digest"] != inprocess.run(pair, "test")["digest"]
-    assert replay_command.rerun(loaded, all_robots=True) == as_json(summary)
-
-    recordings.record(tmp_path / "again.mcap", server.run.scenario, "scenario")  # as scenario.toml holds it then
-    again = log.load(tmp_path / "again.mcap")
-    assert list(compare.of_scenarios(loaded, again)) == []
-    assert compare.first_difference(loaded, again) is None
-    recordings.record(tmp_path / "before.mcap", pair)
-    [(path, mine, theirs)] = compare.of_scenarios(loaded, log.load(tmp_path / "before.mcap"))
-    assert (path, theirs) == ("event", [])
-    assert mine[0]["set"] == {"channel.reference_snr": 2e6}
 
 
 def test_a_change_is_named_with_tick_robot_field_and_both_values(recorded: Recorded, tampered: Path) -> None:

@@ -87,11 +87,11 @@ def test_only_quantities_that_state_when_they_are_null_are_null() -> None:
 
 def test_each_quantity_has_a_name_of_its_own_a_sentence_and_a_unit_if_it_measures() -> None:
     assert len({quantity.name for quantity in SUMMARY}) == len(SUMMARY)
-    ids = {"edges[].0", "edges[].1", "radio[].0", "radio[].1"}
+    labels = {"seed", "edges[].0", "edges[].1", "radio[].0", "radio[].1"}
     for quantity in SUMMARY:
         assert quantity.description.endswith("."), quantity
         assert len(quantity.description.split()) > 1, quantity
-        assert bool(quantity.unit) == (quantity.kind == NUMBER and quantity.name not in ids), quantity
+        assert bool(quantity.unit) == (quantity.kind == NUMBER and quantity.name not in labels), quantity
         assert not quantity.null.endswith("."), quantity
 
 
