@@ -103,11 +103,11 @@ class Agent:
             heard = sorted([*heard, *recalled], key=lambda beacon: beacon.robot)
             if len(recalled) == len(absent):
                 break
-            if not (await world.comes_back() if rejected else await world.stays()):
+            if not (await world.should_retry_rejected() if rejected else await world.should_retry()):
                 raise Unavailable(f"a beacon that decoded did not arrive at tick {observations.tick}")
         return heard
 
-    def certified(self, endpoints: Endpoints, directory: Path) -> str:
+    def certificate_reason(self, endpoints: Endpoints, directory: Path) -> str:
         """Reason why this agent's certificate may hide the world from it, in words; empty without one."""
         own = Identity(directory, identity.robot_role(self._robots))
         try:
@@ -166,7 +166,7 @@ async def serve(flags: argparse.Namespace) -> int:
             await agent.live(welcome)
             agent.logger.info("the run is over")
         except Unavailable as absent:
-            if flags.keys and (why := agent.certified(endpoints, flags.keys)):
+            if flags.keys and (why := agent.certificate_reason(endpoints, flags.keys)):
                 raise Unavailable(f"{absent}: {why}") from None
             raise
         finally:

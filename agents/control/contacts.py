@@ -81,7 +81,7 @@ def mean_estimates(contacts: Contacts, beacons: Beacons) -> Floats:
     return np.where(count > 0, total / np.maximum(count, 1.0), np.nan)
 
 
-def all_here(contacts: Contacts, observations: Observations) -> bool:
+def have_arrived(contacts: Contacts, observations: Observations) -> bool:
     """True if each beacon that decoded, according to the world, has arrived: the guarantee of the lockstep."""
     present = contacts.lookup.present
     return bool(present.all() or present[observations.reception == DECODED].all())

@@ -22,7 +22,7 @@ from fes.errors import FesError
 from fes.model import counts, objective, stability
 from fes.model.config import AgentConfig
 from fes.model.contacts import Contacts
-from fes.model.sensing import MAX_TOLD, MAX_TWIST, Beacons, Observations, Telemetry, bounded
+from fes.model.sensing import MAX_NUMBER, MAX_TWIST, Beacons, Observations, Telemetry, bounded
 
 FIRST_EXCHANGE_TICKS = 2
 """Ticks from a robot's first link until it has heard which peers selected it. Then its initial graph is complete."""
@@ -135,13 +135,13 @@ def step(
 
     # Beacons, and the estimates until the next tick
     reception = seeking.measure(crew, state, tick, known, used, heard)
-    estimates, statistics = bounded(used.state[ESTIMATE], MAX_TOLD), np.zeros((len(crew.ids), 0))
+    estimates, statistics = bounded(used.state[ESTIMATE], MAX_NUMBER), np.zeros((len(crew.ids), 0))
     if crew.statistics:
-        statistics = bounded(reception.statistics, MAX_TOLD)
+        statistics = bounded(reception.statistics, MAX_NUMBER)
     beacons = Beacons(
         tick,
         crew.ids,
-        bounded(observations.poses, MAX_TOLD),
+        bounded(observations.poses, MAX_NUMBER),
         used.edges,
         estimates,
         selected.take(used.contact),

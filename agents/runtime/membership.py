@@ -50,7 +50,7 @@ class Membership:
         self.world.patience = timeout
         end = time.monotonic() + timeout
         while True:
-            await self.world.appears(max(0.0, end - time.monotonic()))
+            await self.world.wait(max(0.0, end - time.monotonic()))
             try:
                 answer = await self._bus.get(self._key, self._request, ANSWER_TIMEOUT)
                 break
@@ -65,7 +65,7 @@ class Membership:
 
     def on_quiet(self) -> None:
         """Confirm the membership after a silence, since the world may have excluded the robots."""
-        if self.world.is_here and (self._confirming is None or self._confirming.done()):
+        if self.world.is_alive and (self._confirming is None or self._confirming.done()):
             self._confirm(1)
 
     def on_world(self, key: str, alive: bool) -> None:

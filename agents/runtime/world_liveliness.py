@@ -30,7 +30,7 @@ class WorldLiveliness:
         self._timer: asyncio.TimerHandle | None = None
         self._logger = logging.getLogger("agent")
 
-    async def appears(self, timeout: float) -> None:
+    async def wait(self, timeout: float) -> None:
         """Wait for the world; raises Unavailable after `timeout` [s]. Its message gives the whole `patience`."""
         try:
             async with asyncio.timeout(timeout):
@@ -55,21 +55,21 @@ class WorldLiveliness:
             self._timer = self._loop.call_later(self.patience, self._inbox.fail, gone)
 
     @property
-    def is_here(self) -> bool:
+    def is_alive(self) -> bool:
         """True while the world's token is alive."""
         return self._alive.is_set()
 
-    async def stays(self) -> bool:
+    async def should_retry(self) -> bool:
         """True if a recall that timed out is worth repeating: the world is alive, or returns in time.
 
         Returns after a pause, or after the world's absence.
         """
         if not self._alive.is_set():
-            return await self.comes_back()
+            return await self.should_retry_rejected()
         await asyncio.sleep(RETRY)
         return True
 
-    async def comes_back(self) -> bool:
+    async def should_retry_rejected(self) -> bool:
         """True if a rejected recall is worth repeating: the world has just returned, or returns in time.
 
         Until its agents see it again, a restarted world may lack beacons that they will resend.

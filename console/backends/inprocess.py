@@ -11,7 +11,7 @@ from agents.control import crew
 from agents.runtime import marshalling as agent_marshalling
 from fes.arrays.types import Floats
 from fes.errors import FesError, ScenarioError
-from fes.model.sensing import Beacons, Telemetry, no_beacons, of_those
+from fes.model.sensing import Beacons, Telemetry, no_beacons, telemetry_of
 from fes.protocol.report import Report
 from fes.recording.layout import TickPayloads
 from world.config.scenario import Scenario, agent_config
@@ -65,7 +65,7 @@ def tick(state: State, beacons: Beacons, twists: Floats, telemetry: Telemetry) -
     """A tick, from the output of a crew that includes absent robots."""
     present = state.present
     if not present.all():
-        telemetry = of_those(telemetry, present)
+        telemetry = telemetry_of(telemetry, present)
     return Tick(state, beacons, truth.held(state, twists), telemetry)
 
 

@@ -171,7 +171,7 @@ class ReplayedRobots:
             received = _decoded(self._before, messages.decode_beacon, payloads, peers)
         beacons = self._stack.beacons(tick.number - 1, received)
         self._state, sent, twists = crew.step(self._crew, self._state, observations, beacons)
-        if not contacts.all_here(self._state.contacts, observations):
+        if not contacts.have_arrived(self._state.contacts, observations):
             raise FesError(f"tick {tick.number - 1}: a Beacon that was decoded is not in the log")
         telemetry = crew.telemetry(self._crew, self._state)
         broken = transmitter.damaging(self._crew.transmitters, tick.number)

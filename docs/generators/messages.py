@@ -51,7 +51,7 @@ def _keys() -> list[str]:
 def _bounds() -> list[str]:
     rows = [
         ["robots of a run", f"{keys.MAX_ROBOTS:,}"],
-        ["a number in a beacon", f"±{sensing.MAX_TOLD:g}"],
+        ["a number in a beacon", f"±{sensing.MAX_NUMBER:g}"],
         ["a twist in a command", f"±{sensing.MAX_TWIST:g} m/s, rad/s"],
         ["statistics of a beacon", f"{messages.MAX_STATISTICS}"],
         ["value in a Change", f"{channel_change.LONGEST:,} characters of JSON"],

@@ -16,7 +16,7 @@ CLOSED, LOST, DECODED = 0, 1, 2
 OPENING_TICKS = 2
 """A contact opens this many ticks after a peer comes in range: the rule of the radio in every backend."""
 
-MAX_TOLD = 1e12
+MAX_NUMBER = 1e12
 """Largest magnitude of a number in a Beacon, and of an estimate in a Command. Robots send no larger numbers, and
 reject them: their squares and powers would overflow in the law of a peer, which would then have no twist."""
 
@@ -74,7 +74,7 @@ class Telemetry:
     ln(-ln p) = level + exponent ln(r / rho_0) [2, l]; [2, 0] if no robot measures."""
 
 
-def of_those(telemetry: Telemetry, present: Bools) -> Telemetry:
+def telemetry_of(telemetry: Telemetry, present: Bools) -> Telemetry:
     """The telemetry of the robots that are `present` [n]."""
     among = present[telemetry.links.rows]
     learnt = telemetry.learnt[:, among] if telemetry.learnt.size else telemetry.learnt

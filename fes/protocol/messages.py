@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from fes.arrays.types import Bytes, Floats, Ints
 from fes.errors import MessageError
 from fes.model.config import AgentConfig
-from fes.model.sensing import DECODED, MAX_TOLD, MAX_TWIST
+from fes.model.sensing import DECODED, MAX_NUMBER, MAX_TWIST
 from fes.protocol import wire
 
 MAX_STATISTICS = 64
@@ -142,11 +142,11 @@ def decode_beacon(payload: bytes) -> Beacon:
     peers = wire.ids(name, links)
     return Beacon(
         *wire.stamp(name, tick, robot),
-        wire.finite(name, (x, y, heading), MAX_TOLD),
+        wire.finite(name, (x, y, heading), MAX_NUMBER),
         peers,
-        wire.numbers(name, estimates, len(peers), MAX_TOLD),
+        wire.numbers(name, estimates, len(peers), MAX_NUMBER),
         wire.codes(name, selected, len(peers), 1),
-        wire.some_numbers(name, statistics, MAX_STATISTICS, MAX_TOLD),
+        wire.some_numbers(name, statistics, MAX_STATISTICS, MAX_NUMBER),
     )
 
 
@@ -167,13 +167,13 @@ def decode_command(payload: bytes) -> Command:
     name = "Command"
     tick, robot, linear, angular, links, estimates, learnt = wire.unpack(name, payload, 7)
     peers = wire.ids(name, links)
-    parameters = wire.some_numbers(name, learnt, 2 * len(peers), MAX_TOLD)
+    parameters = wire.some_numbers(name, learnt, 2 * len(peers), MAX_NUMBER)
     wire.check(name, len(parameters) in (0, 2 * len(peers)), "expects two numbers per link, or none", len(parameters))
     return Command(
         *wire.stamp(name, tick, robot),
         wire.finite(name, (linear, angular), MAX_TWIST),
         peers,
-        wire.numbers(name, estimates, len(peers), MAX_TOLD),
+        wire.numbers(name, estimates, len(peers), MAX_NUMBER),
         parameters,
     )
 

@@ -23,16 +23,16 @@ from fes.transport.endpoints import Endpoints
 MAILBOX = 64
 """Largest number of samples in a mailbox: peers are at most one tick ahead, and 64 of the longest take 64 MiB."""
 
-QUESTIONS = 64
+MAX_QUERIES = 64
 """Largest number of queries of one client that wait for one handler; further ones are rejected at once, undecoded."""
 
-ASKERS = 1024
+MAX_CLIENTS = 1024
 """Largest number of clients whose queries wait for one handler."""
 
-REFUSED = b"refused: "
+REJECTION = b"refused: "
 """Prefix of a reply that rejects a query."""
 
-CROWDED = "too many questions at once"
+OVERLOADED = "too many questions at once"
 """Reason of a rejection after which the same query may succeed later."""
 
 LOCKSTEP = zenoh.Priority.INTERACTIVE_HIGH
@@ -62,7 +62,7 @@ class Query:
     def reply_err(self, reason: str) -> None:
         """Reject the query, with a reason in one line."""
         with self._query as query:
-            query.reply_err(REFUSED + reason.encode())
+            query.reply_err(REJECTION + reason.encode())
 
 
 class Mailbox:
@@ -161,7 +161,7 @@ class Bus:
     def declare_queryable(self, key: str, handler: Callable[[Query], None]) -> None:
         """Call `handler` on the loop with each query on `key`.
 
-        At most QUESTIONS of one client wait. The last part of a key names the client, so that a flood of one robot
+        At most MAX_QUERIES of one client wait. The last part of a key names the client, so that a flood of one robot
         does not crowd out the others. A FesError that the handler raises rejects the query.
         """
         waiting: dict[str, deque[Query]] = {}
@@ -179,8 +179,8 @@ class Bus:
             name = str(query.key_expr)
             client = name.rpartition("/")[2]
             queue = waiting.get(client)
-            if (queue is None and len(waiting) >= ASKERS) or (queue is not None and len(queue) >= QUESTIONS):
-                Query(name, b"", query).reply_err(CROWDED)
+            if (queue is None and len(waiting) >= MAX_CLIENTS) or (queue is not None and len(queue) >= MAX_QUERIES):
+                Query(name, b"", query).reply_err(OVERLOADED)
                 return
             if queue is None:
                 queue = waiting.setdefault(client, deque())
@@ -210,9 +210,9 @@ class Bus:
         if reply.ok is not None:
             return reply.ok.payload.to_bytes()
         answer = reply.err.payload.to_bytes() if reply.err is not None else b""
-        if answer.startswith(REFUSED):
-            why = answer.removeprefix(REFUSED).decode(errors="replace")
-            raise Overloaded(why) if why == CROWDED else Rejected(why)
+        if answer.startswith(REJECTION):
+            why = answer.removeprefix(REJECTION).decode(errors="replace")
+            raise Overloaded(why) if why == OVERLOADED else Rejected(why)
         # Zenoh reports a timeout as an error reply.
         raise Unavailable(f"no process answered on {key} within {timeout:g} s")
 

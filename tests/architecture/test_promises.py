@@ -45,7 +45,7 @@ FIGURES = [
     f"its session is gone with its lease of {SESSION_LEASE:g} s",
     f"its world has {process_group.CLOSING:g} s to write them",
     f"over TLS {audit.KINDS_PER_NAME} per certificate",
-    f"{bus.QUESTIONS} of one client wait for one handler",
+    f"{bus.MAX_QUERIES} of one client wait for one handler",
     f"(Zenoh's ring) | {bus.MAILBOX} samples",
     f"`agents.runtime.outbox`, published beacons | {outbox.REMEMBERED} ticks",
     f"cut to {drop_log.LONGEST_LINE} characters",

@@ -11,7 +11,7 @@ from agents.runtime import marshalling as agent_marshalling
 from agents.runtime.marshalling import MessageAssembler
 from fes.arrays.types import Floats
 from fes.errors import MessageError
-from fes.model.sensing import MAX_TOLD, MAX_TWIST, Beacons, bounded, no_beacons
+from fes.model.sensing import MAX_NUMBER, MAX_TWIST, Beacons, bounded, no_beacons
 from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon, Command
 from fes.protocol.report import decode_report, encode_report
@@ -33,7 +33,7 @@ LAWS: dict[str, tuple[str, dict[str, Any]]] = {
     "measured by links": ("measured.toml", {"seeking__pooling": "none"}),
     "sampled": ("measured.toml", {"seeking__index": "sampled", "seeking__index_transform": "none"}),
 }
-EXTREMES = [MAX_TOLD, -MAX_TOLD, 1e6, 0.0, -5.0, 5e-324]
+EXTREMES = [MAX_NUMBER, -MAX_NUMBER, 1e6, 0.0, -5.0, 5e-324]
 
 
 def falsified(said: Beacons, field: str, value: float) -> Beacons:
@@ -69,7 +69,7 @@ def test_no_number_in_a_beacon_leaves_a_peer_without_a_twist(law: str, field: st
 
 
 def some(choose: np.random.Generator, count: int) -> Floats:
-    return choose.choice(np.array([0.0, MAX_TOLD, -MAX_TOLD, 5e-324, 1.0, -70.0, 70.0]), size=count)
+    return choose.choice(np.array([0.0, MAX_NUMBER, -MAX_NUMBER, 5e-324, 1.0, -70.0, 70.0]), size=count)
 
 
 def any_beacon(choose: np.random.Generator, tick: int, statistics: int) -> bytes:
@@ -146,12 +146,12 @@ def command(linear: float = 0.0, angular: float = 0.0, estimate: float = 0.0) ->
 @pytest.mark.parametrize("field", ["x", "estimate", "statistic"])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_beacon_holds_numbers_up_to_a_bound(field: str, sign: float) -> None:
-    messages.decode_beacon(beacon(**{field: sign * MAX_TOLD}))
+    messages.decode_beacon(beacon(**{field: sign * MAX_NUMBER}))
     with pytest.raises(MessageError, match=r"Beacon: (expects a number|numbers must be) within 1e\+12 of zero"):
-        messages.decode_beacon(beacon(**{field: sign * MAX_TOLD * BEYOND}))
+        messages.decode_beacon(beacon(**{field: sign * MAX_NUMBER * BEYOND}))
 
 
-@pytest.mark.parametrize(("field", "most"), [("linear", MAX_TWIST), ("angular", MAX_TWIST), ("estimate", MAX_TOLD)])
+@pytest.mark.parametrize(("field", "most"), [("linear", MAX_TWIST), ("angular", MAX_TWIST), ("estimate", MAX_NUMBER)])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_command_holds_numbers_up_to_a_bound(field: str, most: float, sign: float) -> None:
     messages.decode_command(command(**{field: sign * most}))
@@ -160,8 +160,8 @@ def test_a_command_holds_numbers_up_to_a_bound(field: str, most: float, sign: fl
 
 
 def test_bounded_keeps_values_within_the_bounds_to_the_bit() -> None:
-    values = np.array([-0.0, 0.0, 1.5, -3e11, MAX_TOLD, 2e12, -2e12, np.inf, -np.inf, np.nan])
-    result = bounded(values, MAX_TOLD)
+    values = np.array([-0.0, 0.0, 1.5, -3e11, MAX_NUMBER, 2e12, -2e12, np.inf, -np.inf, np.nan])
+    result = bounded(values, MAX_NUMBER)
     assert result[:5].tobytes() == values[:5].tobytes()
-    assert result[5:9].tolist() == [MAX_TOLD, -MAX_TOLD, MAX_TOLD, -MAX_TOLD]
+    assert result[5:9].tolist() == [MAX_NUMBER, -MAX_NUMBER, MAX_NUMBER, -MAX_NUMBER]
     assert np.isnan(result[9])

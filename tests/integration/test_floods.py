@@ -155,16 +155,16 @@ def test_more_queries_than_the_queue_holds_are_rejected_at_once(monkeypatch: pyt
     async def main() -> list[str]:
         async with session.router() as (world, endpoint), client(endpoint) as asker:
             world.declare_queryable("desk", lambda query: query.reply(b"yes", "x"))
-            asked = [asyncio.ensure_future(asker.get("desk", b"", PATIENCE)) for _ in range(5 * bus.QUESTIONS)]
+            asked = [asyncio.ensure_future(asker.get("desk", b"", PATIENCE)) for _ in range(5 * bus.MAX_QUERIES)]
             await asyncio.sleep(0)  # all queries are sent
-            for _ in range(4 * bus.QUESTIONS):  # the loop is busy, so it can answer none
+            for _ in range(4 * bus.MAX_QUERIES):  # the loop is busy, so it can answer none
                 assert refused.acquire(timeout=PATIENCE)
             outcomes = await asyncio.gather(*asked, return_exceptions=True)
             return [str(outcome) for outcome in outcomes]
 
     answers = asyncio.run(main())
-    assert answers.count("b'yes'") == bus.QUESTIONS
-    assert answers.count("too many questions at once") == 4 * bus.QUESTIONS
+    assert answers.count("b'yes'") == bus.MAX_QUERIES
+    assert answers.count("too many questions at once") == 4 * bus.MAX_QUERIES
 
 
 def test_agents_that_query_a_new_world_all_at_once_retry(
@@ -181,7 +181,7 @@ def test_agents_that_query_a_new_world_all_at_once_retry(
             busy += 1
             raise
 
-    monkeypatch.setattr(bus, "ASKERS", 1)
+    monkeypatch.setattr(bus, "MAX_CLIENTS", 1)
     monkeypatch.setattr(bus.Bus, "get", counted)
     attacked(None)
     assert busy > 0

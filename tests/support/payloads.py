@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from fes.arrays.types import Floats
 from fes.errors import MessageError
 from fes.model.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
-from fes.model.sensing import MAX_TOLD, MAX_TWIST
+from fes.model.sensing import MAX_NUMBER, MAX_TWIST
 from fes.protocol import channel_change, messages, world_info
 from fes.protocol import report as reports
 from fes.protocol.channel_change import ChangeResult, ParameterChange
@@ -31,7 +31,7 @@ class Codec(NamedTuple):
 
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
-reals = st.floats(-MAX_TOLD, MAX_TOLD)
+reals = st.floats(-MAX_NUMBER, MAX_NUMBER)
 rates = st.floats(-MAX_TWIST, MAX_TWIST)
 positive = st.floats(0, exclude_min=True, allow_infinity=False)
 small = st.floats(1e-3, 1.0)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from agents.runtime.marshalling import MessageAssembler, encode_tick
 from fes.arrays.types import Bytes, Floats, Ints
-from fes.model.sensing import MAX_TOLD, MAX_TWIST, Beacons, Telemetry, bounded
+from fes.model.sensing import MAX_NUMBER, MAX_TWIST, Beacons, Telemetry, bounded
 from fes.protocol import messages
 from fes.protocol.messages import Beacon, Observation
 from tests.support import layouts
@@ -21,7 +21,7 @@ pair_sets = st.sets(st.tuples(st.sampled_from(IDS), st.sampled_from(IDS)).filter
 seeds = st.integers(0, 2**32)
 
 
-def wild(rng: np.random.Generator, *shape: int, most: float = MAX_TOLD) -> Floats:
+def wild(rng: np.random.Generator, *shape: int, most: float = MAX_NUMBER) -> Floats:
     """Numbers within `most` of zero, of every bit pattern: both zeros, subnormal ones, the largest."""
     numbers = rng.integers(0, 2**64, shape, dtype=np.uint64, endpoint=False).view(np.float64)
     kept = np.where(np.isfinite(numbers) & (rng.random(shape) < 0.8), numbers, -0.0)
