@@ -4,7 +4,7 @@ crew             crew.step, from observations and beacons to twists and the next
 state            a crew and its state.
 seeking          each index with the law that climbs it.
 contacts         the peers in range, updated by the beacons of a tick.
-links            the links that the graph rule selected.
+links            the links that the neighbor rule selected.
 beacon_counting  beacons as samples of the packet reception ratio.
 clocks           emulated clocks that drift.
 transmitter      emulated transmitters that are faulty.

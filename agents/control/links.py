@@ -1,4 +1,4 @@
-"""The links that robots use: the contacts that the graph rule of either end selected."""
+"""The links that robots use: the contacts that the neighbor rule of either end selected."""
 
 from dataclasses import dataclass
 

@@ -1,6 +1,6 @@
 """The laws: pure functions of arrays.
 
-neighbor_rules   graph rules: the contacts that become links.
+neighbor_rules   neighbor rules: the contacts that become links.
 formation        distance-based formation control (6), (7), (9).
 perturbation     extremum seeking by perturbation, with consensus (18).
 collocation      solution of the linear filters over one step.

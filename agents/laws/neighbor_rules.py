@@ -1,4 +1,4 @@
-"""Graph rules: the contacts that a robot selects as neighbors, only from the beacons that it hears.
+"""Neighbor rules: the contacts that a robot selects as neighbors, only from the beacons that it hears.
 
 Ties break by robot id: pairs are ordered by peer id, and a rule takes the first of equals.
 """

@@ -43,7 +43,7 @@ class Contacts:
     estimates: Floats
     """The peer's own separation estimate for the link to this robot [m]; NaN if it has no such link."""
     selected_by_peer: Bools
-    """True if the peer's graph rule chose this robot."""
+    """True if the peer's neighbor rule chose this robot."""
     heard_separation: Floats
     """Separation at the tick of that beacon [m]."""
     known: Bools

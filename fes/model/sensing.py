@@ -56,7 +56,7 @@ class Beacons:
     estimates: Floats
     """Its separation estimate for each link [l] [m]."""
     selected: Bools
-    """True if the robot's own graph rule chose the link; else only the peer's rule did [l]."""
+    """True if the robot's own neighbor rule chose the link; else only the peer's rule did [l]."""
     statistics: Floats
     """Statistics of the channel that each sender has measured [n, q]; q = 0 if no robot measures."""
 

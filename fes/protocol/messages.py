@@ -74,7 +74,7 @@ class Beacon(NamedTuple):
     estimates: Floats
     """Its separation estimate of each link [l] [m]."""
     selected: Bytes
-    """1 where its own graph rule chose the link [l]."""
+    """1 where its own neighbor rule chose the link [l]."""
     statistics: Floats
     """Statistics of the channel that it has measured [q]; empty if no robot measures."""
 

@@ -1,4 +1,4 @@
-"""Each graph rule against its own definition, tried on every triple of robots."""
+"""Each neighbor rule against its own definition, tried on every triple of robots."""
 
 import numpy as np
 import pytest
