@@ -148,7 +148,7 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
     # A copy with other content is rejected, and the original stays in its place.
     with pytest.MonkeyPatch.context() as broken:
         broken.setattr(Recorder, "add", lambda *words: None)
-        broken.setattr("fes.recording.mcap_file.McapFile._again", lambda *words: None)
+        broken.setattr("fes.recording.mcap_file.McapFile._add_copy", lambda *words: None)
         with pytest.raises(FesError, match=r"cannot be continued: .*run\.mcap does not hold what was copied to it$"):
             resume.recorder(run, kept)
     assert (run / NAME).read_bytes() == original
