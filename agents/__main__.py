@@ -5,7 +5,7 @@ from fes.system import signals
 
 def main() -> None:
     """Run fes-agent."""
-    signals.hold(0)  # to stop on request is a success for a service
+    signals.hold(0)  # a service that stops on request exits with success
     from agents import process
 
     process.main()

@@ -77,7 +77,7 @@ class Log(Generic[S]):
         if self.summary is not None and count != self.summary.get("ticks"):
             raise FesError(f"{self.path}: {count} ticks are there, and its summary is of {self.summary.get('ticks')}")
         if self.ended == AT_ITS_END and count != self.scenario.ticks:
-            raise FesError(f"{self.path}: {count} of {self.scenario.ticks} ticks are there, and no reason for it")
+            raise FesError(f"{self.path}: {count} of {self.scenario.ticks} ticks are there, and it gives no reason")
 
     @property
     def complaint(self) -> str | None:

@@ -1,7 +1,7 @@
 """One world per run: a claim that a world makes before it does anything else.
 
 A world first declares a token of its own, then looks for tokens of other worlds. If two worlds start at the same
-time, at least one of them sees the other's token. For if both tokens pass one router, the world of the later token
+time, at least one of them sees the other's token. If both tokens pass one router, the world of the later token
 looks after both have passed it. If both worlds see a token, neither starts, and a person starts one of them again.
 Two running worlds would both move the same team.
 """
