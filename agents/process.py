@@ -12,12 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
-from agents.control import contacts, crew, transmitter
-from agents.runtime import marshalling
+from agents.control import crew, transmitter
+from agents.runtime import marshalling, reception
 from agents.runtime.beacon_subscriptions import BeaconSubscriptions
 from agents.runtime.marshalling import MessageAssembler
 from agents.runtime.membership import PATIENCE, Membership
 from agents.runtime.outbox import Outbox
+from agents.runtime.reception import Receiver
 from agents.runtime.tick_source import TickSource
 from fes import process
 from fes.errors import FesError, Rejected, Unavailable
@@ -62,7 +63,7 @@ class Agent:
         ids = np.array(welcome.robots, dtype=np.int64)
         robots = crew.create(welcome.config, ids)
         state = crew.start(robots)
-        stack = MessageAssembler(ids)
+        stack, receiver = MessageAssembler(ids), Receiver()
         for robot in self._robots:
             self._bus.declare_subscriber(keys.observation(self._run, robot), self._inbox.put)
         for robot in self._robots:  # last: a token promises that all subscriptions are declared
@@ -80,13 +81,14 @@ class Agent:
             if lockstep:
                 heard = await self._complete(observations, heard)
             else:  # the live clock does not wait for late beacons
-                self._late += contacts.missing(observations, [beacon.robot for beacon in heard])
+                self._late += reception.missing(observations, [beacon.robot for beacon in heard])
             beacons = stack.beacons(observations.tick - 1, heard)
-            state, sent, twists = crew.step(robots, state, observations, beacons)
+            received_beacons = receiver.receive(observations, beacons, state.contacts.edges)
+            state, sent, twists, telemetry = crew.step(robots, state, observations.sensed, received_beacons)
             if observations.in_range is not subscribed:
                 subscribed = observations.in_range
                 self.radio.update(set(subscribed.peers.tolist()))
-            payloads = list(marshalling.encode_tick(sent, twists, crew.telemetry(robots, state)))
+            payloads = list(marshalling.encode_tick(sent, twists, telemetry))
             payloads = transmitter.on_air(robots.transmitters, observations.tick, payloads)
             self._outbox.publish(observations.tick, payloads)
         self.membership.close()
@@ -98,7 +100,7 @@ class Agent:
         slower path than the tick, or a router died with it. A busy world is asked again while it is reachable.
         """
         world = self.membership.world
-        while absent := contacts.decoded(observations) - {beacon.robot for beacon in heard}:
+        while absent := reception.decoded(observations) - {beacon.robot for beacon in heard}:
             recalled, rejected = await self.radio.recall(observations.tick - 1, sorted(absent))
             heard = sorted([*heard, *recalled], key=lambda beacon: beacon.robot)
             if len(recalled) == len(absent):

@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-from agents.laws import perturbation
-from agents.laws.draws import Draws
+from agents.laws.link_estimates import NO_SKEW
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
+from fes.extension.context import Draws
 from fes.model.config import AgentConfig
 
 
@@ -34,7 +34,7 @@ def of(config: AgentConfig, ids: Ints, draws: Draws) -> Clocks:
 def skew(clocks: Clocks, tick: int, edges: Edges) -> Floats:
     """Skew of the clock of each link's robot at a tick [l] [s], or [1] if all clocks are exact."""
     if clocks.is_exact:
-        return perturbation.NO_SKEW
+        return NO_SKEW
     ahead = clocks.initial
     if clocks.changes:
         ahead = ahead.copy()

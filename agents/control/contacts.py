@@ -1,6 +1,5 @@
-"""Updates of contacts: the peers in range of each robot, each with the content of its last decoded beacon."""
+"""Updates of contacts: the peers that each robot has heard, each with the content of its last beacon."""
 
-from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,118 +8,105 @@ from numpy.typing import NDArray
 from fes.arrays import geometry
 from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Bools, Floats, Ints
-from fes.model.contacts import NEVER, Contacts, Lookup
-from fes.model.sensing import DECODED, Beacons, Observations, no_beacons
+from fes.model.contacts import NEVER, Contacts
+from fes.model.sensing import Received
 
 Array = NDArray[Any]
 
 
-def no_contacts(ids: Ints) -> Contacts:
-    """The contacts of a crew that has heard no beacon."""
-    edges = no_edges(ids)
+def no_contacts(ids: Ints, statistics: int, declared: int) -> Contacts:
+    """The contacts of a crew that has heard no beacon; a beacon has this many `statistics` and `declared` bytes."""
+    nothing = no_edges(ids)
     floats, bools = np.zeros(0), np.zeros(0, dtype=np.bool_)
-    lookup = _look_up(edges, no_beacons())
-    return Contacts(edges, lookup, edges.rows, floats, floats, floats, bools, floats, bools, floats, floats, floats)
+    blank = np.zeros((0, statistics)), np.zeros((0, declared), dtype=np.uint8)
+    return Contacts(
+        nothing, nothing.rows, floats, floats, floats, bools, *blank, floats, bools, floats, floats, floats
+    )
 
 
-def update(contacts: Contacts, observations: Observations, own: Floats, beacons: Beacons, timeout: int) -> Contacts:
+def update(contacts: Contacts, received: Received, own: Floats, timeout: int) -> Contacts:
     """The contacts after the beacons of the previous tick.
 
     `own` holds the robots' poses [n, 3] at that tick. Where both beacons decoded, both ends compute the separation
     from the same two poses, so r_ij = r_ji to the bit. A peer unheard for more than `timeout` [ticks] is no longer
     known.
     """
-    if observations.in_range is not contacts.edges:
-        carry = observations.in_range.after(contacts.edges).carry
-        contacts = _converted(contacts, observations.in_range, carry)
-    edges = contacts.edges
-    lookup = contacts.lookup if contacts.lookup.fits(edges, beacons) else _look_up(edges, beacons)
-    decoded = (observations.reception == DECODED) & lookup.present
-    heard, x, y = contacts.heard, contacts.x, contacts.y
-    estimates, selected_by_peer = contacts.estimates, contacts.selected_by_peer
-    if np.count_nonzero(decoded):
-        linked = lookup.link >= 0
-        heard = np.where(decoded, beacons.tick, heard)
-        x = np.where(decoded, beacons.poses[:, geometry.X].take(lookup.sender), x)
-        y = np.where(decoded, beacons.poses[:, geometry.Y].take(lookup.sender), y)
-        received, selected = np.full(len(edges), np.nan), linked
-        if len(beacons.links):  # else no sender has a link, and earlier estimates no longer hold
-            received = np.where(linked, beacons.estimates.take(lookup.link, mode="clip"), np.nan)
-            selected = beacons.selected.take(lookup.link, mode="clip") & linked
-        estimates = np.where(decoded, received, estimates)
-        selected_by_peer = np.where(decoded, selected, selected_by_peer)
+    contacts = _carried(contacts, received.edges)
+    edges, heard = contacts.edges, received.heard
+    x, y = _replaced(contacts.x, heard, received.x), _replaced(contacts.y, heard, received.y)
     dx = x - own[:, geometry.X].take(edges.rows)
     dy = y - own[:, geometry.Y].take(edges.rows)
-    known = heard >= observations.tick - timeout
     separation = geometry.separation(dx, dy)
-    heard_separation = np.where(decoded, separation, contacts.heard_separation)
+    last = contacts.heard
+    if len(heard):
+        last = last.copy()
+        last[heard] = received.tick
     return Contacts(
-        edges, lookup, heard, x, y, estimates, selected_by_peer, heard_separation, known, dx, dy, separation
+        edges,
+        last,
+        x,
+        y,
+        _replaced(contacts.estimates, heard, received.estimates),
+        _replaced(contacts.selected_by_peer, heard, received.selected),
+        _replaced(contacts.statistics, heard, _fitting(received.statistics, contacts.statistics)),
+        _replaced(contacts.declared, heard, _fitting(received.declared, contacts.declared)),
+        _replaced(contacts.heard_separation, heard, separation.take(heard)),
+        last >= received.tick + 1 - timeout,
+        dx,
+        dy,
+        separation,
     )
 
 
 def forget(contacts: Contacts, restarted: Bools) -> Contacts:
-    """The contacts, with those of the robots `restarted` [n] reset to the values before the first beacon."""
-    blank = restarted[contacts.edges.rows]
-    return _converted(contacts, contacts.edges, lambda values, initial: np.where(blank, initial, values))
+    """The contacts without those of the robots `restarted` [n]."""
+    return _carried(contacts, contacts.edges.select(~restarted[contacts.edges.rows]))
 
 
-def mean_estimates(contacts: Contacts, beacons: Beacons) -> Floats:
-    """Mean of what each robot's peers estimate on average [n] [m].
+def mean_estimates(edges: Edges, received: Received) -> Floats:
+    """Mean of what each robot's peers estimate on average [n] [m], by the beacons `received`.
 
-    Only peers count that were heard at the tick of `beacons` and have links; NaN without such a peer.
+    Only peers that have links count; NaN without such a peer.
     """
-    links = beacons.links
-    if len(links) == 0 or len(contacts.edges) == 0:
-        return np.full(len(contacts.edges.ids), np.nan)
-    means = links.sum(beacons.estimates) / np.maximum(links.counts, 1)
-    sender = contacts.lookup.sender
-    fresh = (contacts.heard == beacons.tick) & contacts.lookup.present & (links.counts.take(sender) > 0)
-    count = contacts.edges.sum(fresh.astype(np.float64))
-    total = contacts.edges.sum(np.where(fresh, means.take(sender), 0.0))
+    means = np.full(len(edges), np.nan)
+    means[received.heard] = received.mean_estimates()
+    counts = np.isfinite(means)
+    count = edges.sum(counts.astype(np.float64))
+    total = edges.sum(np.where(counts, means, 0.0))
     return np.where(count > 0, total / np.maximum(count, 1.0), np.nan)
 
 
-def have_arrived(contacts: Contacts, observations: Observations) -> bool:
-    """True if each beacon that decoded, according to the world, has arrived: the guarantee of the lockstep."""
-    present = contacts.lookup.present
-    return bool(present.all() or present[observations.reception == DECODED].all())
+def _replaced(values: Array, positions: Ints, new: Array) -> Array:
+    """A copy of the values, with the `new` ones at `positions`; the same array where nothing changes."""
+    if not len(positions) or not new.size:
+        return values
+    result = values.copy()
+    result[positions] = new
+    return result
 
 
-def decoded(observations: Observations) -> set[int]:
-    """Ids of the peers whose beacon of the previous tick decoded at a robot of this crew."""
-    return set(observations.in_range.peers[observations.reception == DECODED].tolist())
+def _fitting(values: Array, like: Array) -> Array:
+    """Columns of `values` if there are as many as in `like`; else zeros: the sender has another law."""
+    return values if values.shape[1] == like.shape[1] else np.zeros((len(values), like.shape[1]), like.dtype)
 
 
-def missing(observations: Observations, senders: Sequence[int]) -> int:
-    """Number of contacts whose beacon decoded, but whose peer is not among the `senders` of the beacons received."""
-    peers = observations.in_range.peers[observations.reception == DECODED]
-    return int(np.count_nonzero(~np.isin(peers, senders)))
-
-
-def _look_up(edges: Edges, beacons: Beacons) -> Lookup:
-    """The index of each contact's beacon among `beacons`."""
-    if len(beacons.ids) == 0:
-        zeros = np.zeros(len(edges), dtype=np.int64)
-        return Lookup(edges, beacons.ids, beacons.links, zeros, zeros > 0, zeros - 1)
-    sender = np.minimum(np.searchsorted(beacons.ids, edges.peers), len(beacons.ids) - 1)
-    present = beacons.ids[sender] == edges.peers
-    return Lookup(edges, beacons.ids, beacons.links, sender, present, beacons.links.find(edges.reverse_keys))
-
-
-def _converted(contacts: Contacts, edges: Edges, convert: Callable[[Array, float], Array]) -> Contacts:
-    """The contacts over `edges`, each array converted by `convert(values, value before the first beacon)`."""
+def _carried(contacts: Contacts, edges: Edges) -> Contacts:
+    """The contacts over `edges`; a new one has heard no beacon yet."""
+    if edges is contacts.edges:
+        return contacts
+    carry = edges.after(contacts.edges).carry
     return Contacts(
         edges,
-        _look_up(edges, no_beacons()) if edges is not contacts.edges else contacts.lookup,
-        heard=convert(contacts.heard, NEVER),
-        x=convert(contacts.x, 0.0),
-        y=convert(contacts.y, 0.0),
-        estimates=convert(contacts.estimates, np.nan),
-        selected_by_peer=convert(contacts.selected_by_peer, False),
-        heard_separation=convert(contacts.heard_separation, 0.0),
-        known=convert(contacts.known, False),
-        dx=convert(contacts.dx, 0.0),
-        dy=convert(contacts.dy, 0.0),
-        separation=convert(contacts.separation, 0.0),
+        heard=carry(contacts.heard, NEVER),
+        x=carry(contacts.x, 0.0),
+        y=carry(contacts.y, 0.0),
+        estimates=carry(contacts.estimates, np.nan),
+        selected_by_peer=carry(contacts.selected_by_peer, False),
+        statistics=carry(contacts.statistics, 0.0),
+        declared=carry(contacts.declared, 0),
+        heard_separation=carry(contacts.heard_separation, 0.0),
+        known=carry(contacts.known, False),
+        dx=carry(contacts.dx, 0.0),
+        dy=carry(contacts.dy, 0.0),
+        separation=carry(contacts.separation, 0.0),
     )

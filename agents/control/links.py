@@ -6,45 +6,46 @@ import numpy as np
 
 from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Bools, Floats, Ints
+from fes.extension.neighborhood import LinkGeometry
 from fes.model.contacts import Contacts
 
 
 @dataclass(frozen=True, eq=False)
 class Links:
-    """The links that the robots use, and the seeking state of each."""
+    """The links that the robots use."""
 
     is_link: Bools
     """True for a contact that is a link [m]."""
     contact: Ints
     """Position of each link among the contacts [l]."""
     edges: Edges
-    state: Floats
-    """Seeking state [3, l]; rows as in `agents.laws.perturbation`."""
-    published: Floats
-    """Estimates as in the last beacon [l] [m]."""
-    stagger: Floats
-    """Time by which the dither of each link is ahead of the common one [l] [s]."""
 
 
-def no_links(contacts: Contacts) -> Links:
-    """No link among these contacts."""
-    edges, nothing = no_edges(contacts.edges.ids), np.zeros(0)
-    return Links(contacts.known & False, edges.rows, edges, np.zeros((3, 0)), nothing, nothing)
+def no_links(ids: Ints) -> Links:
+    """No link, and no contact."""
+    edges = no_edges(ids)
+    return Links(np.zeros(0, dtype=np.bool_), edges.rows, edges)
 
 
-def forget(links: Links, restarted: Bools) -> Links:
-    """The links without those of the robots `restarted` [n]."""
-    remains = ~restarted[links.edges.rows]
-    is_link = links.is_link.copy()
-    is_link[links.contact[~remains]] = False
-    return Links(
-        is_link,
-        links.contact[remains],
-        links.edges.select(remains),
-        links.state[:, remains],
-        links.published[remains],
-        links.stagger[remains],
-    )
+def among(old: Links, before: Contacts, now: Contacts, is_link: Bools) -> Links:
+    """The links among the contacts `now`, those where `is_link` [m]; the `old` ones if they are the same."""
+    if now.edges is before.edges and is_link.tobytes() == old.is_link.tobytes():
+        return old
+    edges = now.edges.select(is_link)
+    if edges.keys.tobytes() == old.edges.keys.tobytes():
+        edges = old.edges
+    return Links(is_link, np.flatnonzero(is_link), edges)
+
+
+def forget(links: Links, contacts: Contacts, restarted: Bools) -> Links:
+    """The links without those of the robots `restarted` [n]; the contacts of these robots are gone too."""
+    is_link = links.is_link[~restarted[contacts.edges.rows]]
+    return Links(is_link, np.flatnonzero(is_link), links.edges.select(~restarted[links.edges.rows]))
+
+
+def geometry(contacts: Contacts, links: Links, desired: Floats) -> LinkGeometry:
+    """The links as the formation law sees them; `desired` [l] [m] are the separations that the seeking law wants."""
+    return LinkGeometry(contacts.separation.take(links.contact), desired, bearing(contacts, links.contact))
 
 
 def bearing(contacts: Contacts, positions: Ints) -> Floats:

@@ -1,15 +1,13 @@
 """A crew and its state."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from agents.control.clocks import Clocks
 from agents.control.links import Links
 from agents.control.transmitter import Memory, Transmitters
-from agents.laws.draws import Draws
-from agents.laws.neighbor_rules import Witnesses
-from agents.laws.packet_counting import ReceptionFit
-from agents.laws.perturbation import Seeker
 from fes.arrays.types import Floats, Ints
+from fes.extension.protocols import FormationLaw, NeighborRule, SeekingLaw
 from fes.model.config import AgentConfig
 from fes.model.contacts import Contacts
 
@@ -21,12 +19,11 @@ class Crew:
     config: AgentConfig
     ids: Ints
     """Robot ids, ascending [n]."""
-    draws: Draws
-    seeker: Seeker
+    rule: NeighborRule
+    formation: FormationLaw[Any]
+    seeking: SeekingLaw[Any]
     contact_timeout: int
     """Ticks without a beacon after which a peer is no longer known."""
-    statistics: int
-    """Number of statistics in a beacon; 0 if robots do not pool any."""
     clocks: Clocks
     transmitters: Transmitters
 
@@ -38,9 +35,11 @@ class CrewState:
     poses: Floats
     """Own poses at the previous tick [n, 3]."""
     contacts: Contacts
-    witnesses: Witnesses
     links: Links
-    reception: ReceptionFit
+    formation: Any
+    """State of the formation law."""
+    seeking: Any
+    """State of the seeking law."""
     linked_since: Ints
     """Tick of each robot's first link [n]; a large number before."""
     since: Ints

@@ -12,7 +12,7 @@ import numpy as np
 
 from fes.arrays import draws
 from fes.arrays.edges import Edges
-from fes.arrays.types import Bools, Floats, Ints
+from fes.arrays.types import Bools, Bytes, Floats, Ints
 from fes.errors import MessageError
 from fes.model.config import AgentConfig
 from fes.model.sensing import Beacons
@@ -41,6 +41,7 @@ class BeaconContent(NamedTuple):
     estimates: Floats
     selected: Bools
     statistics: Floats
+    declared: Bytes
 
 
 Memory = Mapping[int, tuple[BeaconContent, ...]]
@@ -123,14 +124,17 @@ def _values_at(changes: tuple[tuple[int, int, int], ...], tick: int) -> dict[int
 def _content(beacons: Beacons, row: int) -> BeaconContent:
     span = beacons.links.spans[row]
     links, estimates, selected = beacons.links.peers[span], beacons.estimates[span], beacons.selected[span]
-    return BeaconContent(beacons.poses[row], links, estimates, selected, beacons.statistics[row])
+    return BeaconContent(
+        beacons.poses[row], links, estimates, selected, beacons.statistics[row], beacons.declared[row]
+    )
 
 
 def _replaced(beacons: Beacons, old: Mapping[int, BeaconContent]) -> Beacons:
     """The beacons, with the contents of `old` in its rows."""
-    poses, statistics, links = beacons.poses.copy(), beacons.statistics.copy(), beacons.links
+    poses, statistics, declared = beacons.poses.copy(), beacons.statistics.copy(), beacons.declared.copy()
+    links = beacons.links
     for row, content in old.items():
-        poses[row], statistics[row] = content.pose, content.statistics
+        poses[row], statistics[row], declared[row] = content.pose, content.statistics, content.declared
     spans = links.spans
     estimates = [beacons.estimates[span] for span in spans]
     selected = [beacons.selected[span] for span in spans]
@@ -149,6 +153,7 @@ def _replaced(beacons: Beacons, old: Mapping[int, BeaconContent]) -> Beacons:
         estimates=np.concatenate(estimates),
         selected=np.concatenate(selected),
         statistics=statistics,
+        declared=declared,
     )
 
 

@@ -1,11 +1,12 @@
-"""The formation law: twists that drive each separation to the desired one; equations (6), (7), (9)."""
+"""The formation law: where each robot is pulled, so that each separation becomes the desired one; equation (9)."""
 
 import numpy as np
 
-from fes.arrays import geometry
 from fes.arrays.edges import Edges
-from fes.arrays.types import Floats
-from fes.model.config import FormationConfig
+from fes.arrays.types import Bools, Floats
+from fes.extension.context import LawContext
+from fes.extension.neighborhood import LinkGeometry, Neighborhood
+from fes.extension.protocols import Formed, NoParameters
 
 
 def weights(links: Edges, separation_error: Floats) -> Floats:
@@ -36,20 +37,22 @@ def formation_vector(links: Edges, separation_error: Floats, bearing: Floats) ->
     return total
 
 
-def twist(vector: Floats, heading: Floats, dt: float, config: FormationConfig) -> Floats:
-    """Twists [n, 2] [m/s, rad/s] to hold over a tick of `dt` [s]; equations (6), (7).
+class PaperFormation:
+    """The law of the paper: each robot is pulled by g_i."""
 
-    `vector` [n, 2] [m] is g, held over the tick. (7) then turns the heading by delta' = -mu'|g| sin(delta), with
-    delta the bearing of g from the heading. At mu' = 10 that is stiff (hundreds of rad/s). So omega is the mean rate
-    of the exact flow, delta(h) = 2 atan(tan(delta_0 / 2) exp(-mu'|g| h)). v is that of (6) at the tick's beginning.
-    """
-    size = geometry.separation(vector[:, 0], vector[:, 1])
-    begin = geometry.wrap(np.arctan2(vector[:, 1], vector[:, 0]) - heading)
-    end = 2.0 * np.arctan(np.tan(0.5 * begin) * np.exp(-config.angular_gain * dt * size))
-    result = np.empty((len(heading), 2))
-    result[:, geometry.LINEAR] = config.linear_gain * size * np.cos(begin)
-    result[:, geometry.ANGULAR] = (begin - end) / dt
-    for column, limit in ((geometry.LINEAR, config.linear_limit), (geometry.ANGULAR, config.angular_limit)):
-        if limit is not None:
-            np.clip(result[:, column], -limit, limit, out=result[:, column])
-    return result
+    Parameters = NoParameters
+    declared = 0
+    details: tuple[str, ...] = ()
+
+    def __init__(self, parameters: NoParameters, context: LawContext) -> None:
+        self._nothing = np.zeros((len(context.ids), 0), dtype=np.uint8)
+
+    def start(self) -> None:
+        """It has no state."""
+
+    def forget(self, state: None, restarted: Bools) -> None:
+        """It has no state."""
+
+    def step(self, state: None, around: Neighborhood, geometry: LinkGeometry) -> Formed:
+        """The pull g_i of each robot."""
+        return Formed(None, formation_vector(around.links, geometry.error, geometry.bearing), self._nothing)

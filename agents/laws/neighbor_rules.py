@@ -3,13 +3,15 @@
 Ties break by robot id: pairs are ordered by peer id, and a rule takes the first of equals.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
 from fes.arrays import geometry
-from fes.arrays.edges import Edges
+from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Bools, Floats, Ints
+from fes.extension.context import LawContext
+from fes.extension.protocols import NoParameters
 from fes.model.contacts import Contacts
 
 FEW = 4096
@@ -61,12 +63,12 @@ class Witnesses:
         self.last = np.where(old >= 0, self.edges.find(before.edges.keys[old]), -1)
 
 
-def disk(contacts: Contacts, witnesses: Witnesses) -> Bools:
+def disk(contacts: Contacts) -> Bools:
     """Every contact is a neighbor: the disk graph, [S]_ij of (2) with r_ij <= r_x [m]."""
     return contacts.known
 
 
-def two_nearest(contacts: Contacts, witnesses: Witnesses) -> Bools:
+def two_nearest(contacts: Contacts) -> Bools:
     """The two nearest contacts (the paper's footnote 2); a link exists if either end selected it [m]."""
     chosen = np.zeros(len(contacts.edges), dtype=np.bool_)
     chosen[contacts.edges.smallest(np.where(contacts.known, contacts.separation, np.inf), 2)] = True
@@ -137,10 +139,35 @@ def _excludes(contacts: Contacts, reach: Floats, pair: Ints, witness: Ints) -> B
     return np.less(np.maximum(reach.take(witness), across), contacts.separation.take(pair))
 
 
-Rule = Callable[[Contacts, Witnesses], Bools]
+class Disk:
+    """The rule `disk`."""
 
-RULES: dict[str, Rule] = {
-    "disk": disk,
-    "two_nearest": two_nearest,
-    "relative_neighborhood": relative_neighborhood,
-}
+    Parameters = NoParameters
+
+    def __init__(self, parameters: NoParameters, context: LawContext) -> None:
+        pass
+
+    def __call__(self, contacts: Contacts) -> Bools:
+        """True for each contact that its robot selects [m]."""
+        return disk(contacts)
+
+
+class TwoNearest(Disk):
+    """The rule `two_nearest`."""
+
+    def __call__(self, contacts: Contacts) -> Bools:
+        """True for each contact that its robot selects [m]."""
+        return two_nearest(contacts)
+
+
+class RelativeNeighborhood(Disk):
+    """The rule `relative_neighborhood`, with its cache of witnesses."""
+
+    def __init__(self, parameters: NoParameters, context: LawContext) -> None:
+        self._witnesses = Witnesses(no_edges(context.ids))
+
+    def __call__(self, contacts: Contacts) -> Bools:
+        """True for each contact that its robot selects [m]."""
+        if self._witnesses.edges is not contacts.edges:
+            self._witnesses = Witnesses(contacts.edges, self._witnesses)
+        return relative_neighborhood(contacts, self._witnesses)

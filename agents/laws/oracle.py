@@ -3,16 +3,18 @@
 No process of a measured run imports this module.
 """
 
-from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
 
+from agents.laws.perturbation import Index
+from agents.laws.seeking_perturbation import PerturbationSeeking
 from fes.arrays.types import Floats
+from fes.errors import FesError
+from fes.extension.context import LawContext
 from fes.model import outage
 from fes.model.config import ChannelConfig, ObjectiveConfig
-
-Index = Callable[[Floats], Floats]
+from fes.model.seeking import OracleConfig
 
 NEARLY_ZERO = 1e-9
 """The smallest separation [m] at which the index is evaluated: an estimate may overshoot below zero."""
@@ -61,3 +63,15 @@ def index(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal
         return decay
 
     return log if transform == "log" else plain
+
+
+class OracleSeeking(PerturbationSeeking):
+    """(18) with the index of the channel's formula."""
+
+    Parameters = OracleConfig
+    knows_channel = True
+
+    def __init__(self, parameters: OracleConfig, context: LawContext) -> None:
+        if context.channel is None:
+            raise FesError("seeking.index = 'oracle' needs the channel, and this agent did not receive it")
+        super().__init__(parameters, context, index(context.objective, context.channel, parameters.index_transform))

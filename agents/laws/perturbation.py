@@ -7,20 +7,21 @@ default, reverses the sign of the kappa term in xi'. At the paper's own kappa = 
 of its Lyapunov function (28) negative definite.
 """
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from agents.laws import collocation
+from agents.laws import collocation, link_estimates
 from agents.laws.collocation import Step
-from agents.laws.draws import Draws
+from agents.laws.link_estimates import NO_SKEW, dither
 from fes.arrays.edges import Edges
-from fes.arrays.types import Bools, Floats
+from fes.arrays.types import Floats
+from fes.extension.context import Draws
+from fes.extension.neighborhood import Entry
 from fes.model import counts
-from fes.model.config import SeekingConfig
+from fes.model.seeking import PerturbationConfig
 
 ESTIMATE, DRIFT, BASELINE = 0, 1, 2
 """Rows of the seeking state [3, l]: r_hat [m], xi [m/s], eta [index]."""
@@ -34,18 +35,12 @@ MAX_EXTRAPOLATION = 0.1
 
 Index = Callable[[Floats], Floats]
 
-FIRST_ESTIMATE, STAGGER = "first estimate", "stagger"
-"""Streams of random numbers for links."""
-
-NO_SKEW = np.zeros(1)
-"""The skew of clocks that are all exact [s]."""
-
 
 @dataclass(frozen=True)
 class Seeker:
     """The constants of the law for one run: its configuration, its index, and its linear part over a sub-step."""
 
-    config: SeekingConfig
+    config: PerturbationConfig
     index: Index
     dt: float
     """Tick length [s]."""
@@ -71,28 +66,6 @@ class Seeker:
         return collocation.step(length, config.low_pass_cutoff, config.washout_cutoff, consensus, sign)
 
 
-def dither(seeker: Seeker, time: Floats) -> Floats:
-    """a sin(beta_0 t) [m] at `time` [s], any shape; the same for all links, on one clock."""
-    return seeker.config.dither_amplitude * np.sin(seeker.config.dither_frequency * time)
-
-
-def stagger(seeker: Seeker, draws: Draws, links: Edges) -> Floats:
-    """Time by which the dither of each link is ahead of the common one [l] [s], the same at both ends.
-
-    With one phase for all links, the formation oscillates as a whole, and far from its center robots move by many
-    times the amplitude. Under shadowing, which depends on place, a link would then learn how reception changes with
-    its place, not with its length.
-    """
-    low, high = np.minimum(links.robots, links.peers), np.maximum(links.robots, links.peers)
-    return 2.0 * math.pi / seeker.config.dither_frequency * draws(STAGGER, low, high)
-
-
-def first_estimates(seeker: Seeker, draws: Draws, links: Edges) -> Floats:
-    """r_hat_ij(0) [l] [m], uniform in the configured interval; a function of (seed, i, j)."""
-    low, high = seeker.config.initial_estimate
-    return low + (high - low) * draws(FIRST_ESTIMATE, links.robots, links.peers)
-
-
 def begin(seeker: Seeker, tick: int, estimates: Floats) -> Floats:
     """State [3, l] of links that begin at this tick with `estimates` [l] [m]: xi = 0, eta = the first sample.
 
@@ -100,35 +73,17 @@ def begin(seeker: Seeker, tick: int, estimates: Floats) -> Floats:
     """
     state = np.zeros((3, len(estimates)))
     state[ESTIMATE] = estimates
-    sample = seeker.index(estimates + dither(seeker, np.array([tick * seeker.dt])))
+    sample = seeker.index(estimates + dither(seeker.config, np.array([tick * seeker.dt])))
     state[BASELINE] = sample * seeker.config.index_gain
     return state
 
 
-@dataclass(frozen=True, eq=False)
-class Entry:
-    """The conditions at the tick at which new links begin."""
-
-    tick: int
-    is_fresh: Bools
-    """True for a robot whose initial graph is not complete yet: its own mean estimate does not count [n]."""
-    reported: Floats
-    """Mean estimate that the neighbors of each robot reported [n] [m]; NaN where none did."""
-
-
 def relink(seeker: Seeker, draws: Draws, old: Edges, state: Floats, new: Edges, entry: Entry) -> Floats:
-    """State [3, l'] of the links `new`: that of `state` [3, l] for a link that `old` has.
-
-    A new link begins with its robot's own mean estimate. A fresh robot, or one without an estimate, takes the
-    reported mean instead, and a seeded draw where none was reported.
-    """
+    """State [3, l'] of the links `new`: that of `state` [3, l] for a link that `old` has."""
     transition = new.after(old)
     result, is_new = transition.carry(state, np.nan, axis=1), transition.is_new
     if is_new.any():
-        mean = (old.sum(state[ESTIMATE]) / np.maximum(old.counts, 1)).take(new.rows)
-        without_mean = (entry.is_fresh | (old.counts == 0)).take(new.rows)
-        reported, first = entry.reported.take(new.rows), first_estimates(seeker, draws, new)
-        estimates = np.where(without_mean, np.where(np.isfinite(reported), reported, first), mean)
+        estimates = link_estimates.of_new_links(seeker.config, draws, old, state[ESTIMATE], new, entry)
         result[:, is_new] = begin(seeker, entry.tick, estimates[is_new])
     return result
 
@@ -175,7 +130,7 @@ def _integrate(seeker: Seeker, begin: Floats, state: Floats, peer: Floats, linea
     start = np.empty((3, len(peer)))
     start[2] = peer
     for step in range(seeker.sub_steps):
-        wave = dither(seeker, begin + (step * seeker.dt / seeker.sub_steps) + linear.nodes[:, None])
+        wave = dither(seeker.config, begin + (step * seeker.dt / seeker.sub_steps) + linear.nodes[:, None])
         held = linear.washout_start * state[BASELINE]
         start[:2] = state[:2]
         drift = np.add.reduce(linear.path_start * start, axis=1)

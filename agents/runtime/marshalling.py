@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from fes.arrays.edges import Stack
-from fes.arrays.types import Floats, Ints
+from fes.arrays.types import Bytes, Floats, Ints
 from fes.model.sensing import Beacons, Observations, Telemetry, no_beacons
 from fes.protocol import messages
 from fes.protocol.messages import Beacon, Command, Observation
@@ -44,6 +44,7 @@ class MessageAssembler:
             np.concatenate([message.estimates for message in received]),
             np.concatenate([message.selected for message in received]).view(np.bool_),
             self._statistics([message.statistics for message in received]),
+            self._declared([message.declared for message in received]),
         )
 
     @staticmethod
@@ -52,15 +53,25 @@ class MessageAssembler:
         q = max(map(len, received))
         return np.array([row if len(row) == q else np.zeros(q) for row in received]).reshape(len(received), q)
 
+    @staticmethod
+    def _declared(received: list[bytes]) -> Bytes:
+        """Declared bytes [n, b], with b the largest number received; zeros for a sender with fewer."""
+        b = max(map(len, received))
+        rows = [row if len(row) == b else bytes(b) for row in received]
+        return np.frombuffer(b"".join(rows), dtype=np.uint8).reshape(len(received), b)
+
 
 def encode_tick(beacons: Beacons, twists: Floats, telemetry: Telemetry) -> Iterator[tuple[int, bytes, bytes]]:
     """Id, beacon payload and command payload of each robot."""
     selected = beacons.selected.view(np.uint8)
     spans = zip(beacons.links.spans, telemetry.links.spans, strict=True)  # a late transmitter sends other links
-    rows = zip(beacons.ids.tolist(), beacons.poses.tolist(), twists.tolist(), spans, beacons.statistics, strict=True)
-    for robot, pose, twist, (sent, own), statistics in rows:
+    robots = zip(beacons.ids.tolist(), beacons.poses.tolist(), twists.tolist(), strict=True)
+    laws = zip(beacons.statistics, beacons.declared, telemetry.details, strict=True)
+    for (robot, pose, twist), (sent, own), (statistics, declared, details) in zip(robots, spans, laws, strict=True):
         links, estimates = beacons.links.peers[sent], beacons.estimates[sent]
-        beacon = Beacon(beacons.tick, robot, tuple(pose), links, estimates, selected[sent], statistics)
+        told = statistics, declared.tobytes()
+        beacon = Beacon(beacons.tick, robot, tuple(pose), links, estimates, selected[sent], *told)
         links, estimates = telemetry.links.peers[own], telemetry.estimates[own]
-        command = Command(beacons.tick, robot, tuple(twist), links, estimates, telemetry.learnt[:, own].ravel())
+        learnt = telemetry.learnt[:, own].ravel()
+        command = Command(beacons.tick, robot, tuple(twist), links, estimates, learnt, details)
         yield robot, messages.encode_beacon(beacon), messages.encode_command(command)

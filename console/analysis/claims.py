@@ -13,7 +13,8 @@ from agents.laws.perturbation import Seeker
 from console.backends import inprocess, stacked
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
-from fes.model.config import ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
+from fes.model.config import ChannelConfig, FormationConfig, ObjectiveConfig
+from fes.model.seeking import OracleConfig
 from world.config import builtin
 from world.config.scenario import Scenario, load
 from world.metrics import optimum
@@ -29,7 +30,7 @@ PAIR = np.array([58.0, 78.0])
 
 def printed_law() -> Numbers:
     """(18) as printed: beta_l r_hat + xi is conserved, and the disagreement freezes at 2/(2 + beta_l)."""
-    config = SeekingConfig(law="paper", index_transform="none", index_gain=1.0)
+    config = OracleConfig(law="paper", index_transform="none", index_gain=1.0)
     start, end = _pair(config, 10.0)
     conserved = config.low_pass_cutoff * end[perturbation.ESTIMATE] + end[perturbation.DRIFT]
     _, with_gain = _pair(config.model_copy(update={"index_gain": 44460.0}), 10.0)
@@ -46,7 +47,7 @@ def printed_law() -> Numbers:
 
 def corrected_law() -> Numbers:
     """(18) with one sign reversed: the disagreement vanishes, with eigenvalues -6 +- 5.29i."""
-    config = SeekingConfig(index_transform="none", index_gain=1.0)
+    config = OracleConfig(index_transform="none", index_gain=1.0)
     _, end = _pair(config, 4.0)
     low, kappa = config.low_pass_cutoff, config.consensus_gain
     # d' = e - 2 kappa d, e' = -beta_l e - 2 kappa beta_l d, for d = r_ij - r_ji and e = xi_ij - xi_ji
@@ -157,7 +158,7 @@ CLAIMS: dict[str, Callable[[], Numbers]] = {
 }
 
 
-def _pair(config: SeekingConfig, duration: float) -> tuple[Floats, Floats]:
+def _pair(config: OracleConfig, duration: float) -> tuple[Floats, Floats]:
     """State [3, 2] of the two ends of one link at the start and after `duration` [s]."""
     index = oracle.index(ObjectiveConfig(), ChannelConfig(), config.index_transform)
     seeker = Seeker(config, index, 0.02)

@@ -10,6 +10,7 @@ import numpy as np
 from console.backends import stacked
 from fes.arrays.types import Floats
 from fes.model import objective, outage
+from fes.model.table import Use
 from world.config.scenario import Scenario, load
 from world.metrics.optimum import optimal_separation
 
@@ -76,6 +77,7 @@ def time_to_one_meter(scenario: Scenario, links: int) -> float:
         outage.log_reception_slope(best + step, channel) - outage.log_reception_slope(best - step, channel)
     ) / step
     curvature = float((objective.log_preference_curvature(best, objective_config) + 0.5 * slope_change)[0])
+    assert not isinstance(scenario.seeking, Use)
     excited = 0.5 * scenario.seeking.dither_amplitude**2
     return (1.0 - p) / p / (links / scenario.run.dt * excited * curvature**2)
 

@@ -6,7 +6,8 @@ from agents.laws import oracle, perturbation
 from agents.laws.perturbation import Seeker
 from console.analysis import history
 from fes.arrays.types import Floats
-from fes.model.config import ChannelConfig, ObjectiveConfig, SeekingConfig
+from fes.model.config import ChannelConfig, ObjectiveConfig
+from fes.model.seeking import OracleConfig
 from world.config.scenario import Scenario
 
 STARTS = np.array([50.0, 60.0, 80.0, 90.0])
@@ -48,7 +49,7 @@ def seeking_errors() -> dict[str, list[tuple[float, float]]]:
 def _path(sub_step: float, transform: str, starts: Floats) -> Floats:
     """Estimates [t, l] [m] of links without consensus, every 20 ms."""
     gain = 44460.0 if transform == "none" else 40000.0
-    config = SeekingConfig(index_transform=transform, index_gain=gain, sub_step=sub_step)  # type: ignore[arg-type]
+    config = OracleConfig(index_transform=transform, index_gain=gain, sub_step=sub_step)  # type: ignore[arg-type]
     index = oracle.index(ObjectiveConfig(), ChannelConfig(), config.index_transform)
     seeker = Seeker(config, index, 0.02)
     state, path = perturbation.begin(seeker, 0, starts), []

@@ -9,6 +9,7 @@ import numpy as np
 
 from agents.control import crew
 from agents.runtime import marshalling as agent_marshalling
+from agents.runtime.reception import Receiver
 from fes.arrays.types import Floats
 from fes.errors import FesError, ScenarioError
 from fes.model.sensing import Beacons, Telemetry, no_beacons, telemetry_of
@@ -49,14 +50,16 @@ def ticks(scenario: Scenario) -> Iterator[Tick]:
     world = truth.create(scenario)
     state = truth.start(world)
     robots = crew.create(agent_config(scenario), world.ids)
-    memories, beacons = crew.start(robots), no_beacons()
+    memories, beacons, receiver = crew.start(robots), no_beacons(), Receiver()
     present = state.present
     for _ in range(scenario.ticks):
         if state.present is not present:
             memories = crew.forget(robots, memories, state.present & ~present)
             present = state.present
-        memories, beacons, twists = crew.step(robots, memories, truth.observe(state), beacons)
-        current = tick(state, beacons, twists, crew.telemetry(robots, memories))
+        observations = truth.observe(state)
+        received = receiver.receive(observations, beacons, memories.contacts.edges)
+        memories, beacons, twists, telemetry = crew.step(robots, memories, observations.sensed, received)
+        current = tick(state, beacons, twists, telemetry)
         yield current
         state = truth.step(world, state, current.twists)
 

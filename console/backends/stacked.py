@@ -12,14 +12,16 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from agents.control import crew
 from agents.control.state import Crew
-from agents.laws.draws import SeededDraws
+from agents.runtime.reception import Receiver
 from console.backends import inprocess
 from console.backends.inprocess import Tick
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
+from fes.extension.context import SeededDraws
 from fes.model.config import AgentConfig
 from fes.model.sensing import Beacons, Observations, Telemetry, no_beacons
 from world.config.scenario import Scenario, agent_config
@@ -56,16 +58,17 @@ def ticks(scenarios: Sequence[Scenario]) -> Iterator[list[Tick]]:
     states = [truth.start(world) for world in worlds]
     places = _Places.of([world.ids for world in worlds])
     robots = _assemble(scenarios, places)
-    joined, split = _Joined(places), _Split(places)
+    joined, split, receiver = _Joined(places), _Split(places), Receiver()
     crew_state, beacons, present = crew.start(robots), no_beacons(), [state.present for state in states]
     for _ in range(scenarios[0].ticks):
         now = [state.present for state in states]
         if any(new is not old for new, old in zip(now, present, strict=True)):
             rejoined = [new & ~old for new, old in zip(now, present, strict=True)]
             crew_state, present = crew.forget(robots, crew_state, np.concatenate(rejoined)), now
-        crew_state, beacons, twists = crew.step(robots, crew_state, joined.observations(states), beacons)
-        telemetry = split.telemetry(crew.telemetry(robots, crew_state))
-        by_run = zip(states, split.beacons(beacons), places.rows(twists), telemetry, strict=True)
+        observations = joined.observations(states)
+        received = receiver.receive(observations, beacons, crew_state.contacts.edges)
+        crew_state, beacons, twists, telemetry = crew.step(robots, crew_state, observations.sensed, received)
+        by_run = zip(states, split.beacons(beacons), places.rows(twists), split.telemetry(telemetry), strict=True)
         finished = [inprocess.tick(*of_run) for of_run in by_run]
         yield finished
         states = [truth.step(world, tick.state, tick.twists) for world, tick in zip(worlds, finished, strict=True)]
@@ -84,7 +87,7 @@ class _Places:
     def of(own: list[Ints]) -> "_Places":
         return _Places(own, np.cumsum([0, *map(len, own)]))
 
-    def rows(self, values: Floats) -> list[Floats]:
+    def rows(self, values: NDArray[Any]) -> list[NDArray[Any]]:
         """The rows of `values` of each run."""
         return [values[a:b] for a, b in zip(self.first[:-1].tolist(), self.first[1:].tolist(), strict=True)]
 
@@ -171,17 +174,21 @@ class _Split:
     def beacons(self, beacons: Beacons) -> list[Beacons]:
         """The beacons of each run."""
         self._update(beacons.links)
-        rows = zip(self._places.own, *map(self._places.rows, (beacons.poses, beacons.statistics)), strict=True)
+        by_robot: tuple[NDArray[Any], ...] = beacons.poses, beacons.statistics, beacons.declared
+        rows = zip(self._places.own, *map(self._places.rows, by_robot), strict=True)
         return [
-            Beacons(beacons.tick, own, poses, links, beacons.estimates[cut], beacons.selected[cut], statistics)
-            for (own, poses, statistics), links, cut in zip(rows, self._parts, self._cuts, strict=True)
+            Beacons(beacons.tick, own, poses, links, beacons.estimates[cut], beacons.selected[cut], *laws)
+            for (own, poses, *laws), links, cut in zip(rows, self._parts, self._cuts, strict=True)
         ]
 
     def telemetry(self, telemetry: Telemetry) -> list[Telemetry]:
         """The telemetry of each run."""
         self._update(telemetry.links)  # the links of the beacons, unless a transmitter is late
-        parts = zip(self._parts, self._cuts, strict=True)
-        return [Telemetry(links, telemetry.estimates[cut], telemetry.learnt[:, cut]) for links, cut in parts]
+        parts = zip(self._parts, self._cuts, self._places.rows(telemetry.details), strict=True)
+        return [
+            Telemetry(links, telemetry.estimates[cut], telemetry.learnt[:, cut], details)
+            for links, cut, details in parts
+        ]
 
     def _update(self, links: Edges) -> None:
         if links is self._links:

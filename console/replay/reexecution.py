@@ -9,9 +9,11 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from agents.control import contacts, crew, transmitter
+from agents.control import crew, transmitter
 from agents.runtime import marshalling as agent_marshalling
+from agents.runtime import reception
 from agents.runtime.marshalling import MessageAssembler
+from agents.runtime.reception import Receiver
 from console.replay.difference import Difference, between, of_payloads, of_reports
 from console.replay.log import Log
 from fes.arrays.types import Floats, Ints
@@ -145,7 +147,7 @@ class ReplayedRobots:
         robots = np.array(sorted(ids), dtype=np.int64)
         self._crew = crew.create(agent_config(log.scenario), robots)
         self._state = crew.start(self._crew)
-        self._stack = MessageAssembler(robots)
+        self._stack, self._receiver = MessageAssembler(robots), Receiver()
         self._robots = robots.tolist()
         self._log = log
         self._before: LoggedTick | None = None
@@ -169,11 +171,11 @@ class ReplayedRobots:
             payloads = self._before.payloads.beacons
             peers = [peer for peer in np.unique(observations.in_range.peers).tolist() if payloads[peer]]
             received = _decoded(self._before, messages.decode_beacon, payloads, peers)
-        beacons = self._stack.beacons(tick.number - 1, received)
-        self._state, sent, twists = crew.step(self._crew, self._state, observations, beacons)
-        if not contacts.have_arrived(self._state.contacts, observations):
+        if reception.missing(observations, [beacon.robot for beacon in received]):
             raise FesError(f"tick {tick.number - 1}: a Beacon that was decoded is not in the log")
-        telemetry = crew.telemetry(self._crew, self._state)
+        beacons = self._stack.beacons(tick.number - 1, received)
+        arrived = self._receiver.receive(observations, beacons, self._state.contacts.edges)
+        self._state, sent, twists, telemetry = crew.step(self._crew, self._state, observations.sensed, arrived)
         broken = transmitter.damaging(self._crew.transmitters, tick.number)
         for robot, encoded, command in agent_marshalling.encode_tick(sent, twists, telemetry):
             if robot not in sensed:

@@ -8,14 +8,10 @@ brackets.
 from collections.abc import Collection
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
-Exponent = Annotated[float, Field(gt=0, le=20, allow_inf_nan=False)]
-"""Bounded, so that powers stay finite; larger exponents have no use."""
-
-Cutoff = Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+from fes.model.seeking import SeekingConfig
+from fes.model.table import Choice, Exponent, NonNegative, Positive, Table
 
 Clock = Annotated[
     Literal["lockstep", "live"],
@@ -30,16 +26,6 @@ MAX_DELAY = 10_000
 
 MAX_SKEW = 10.0
 """Largest skew of a clock [s]."""
-
-MAX_SUB_STEP_PHASE = 2.0
-"""Largest dither phase per step of the integration [rad]; beyond it the integration aliases the dither."""
-
-
-class Table(BaseModel):
-    """A table of a scenario: frozen, complete, strict."""
-
-    # Without use_attribute_docstrings, which parses the source at each start: world.config.schema reads it on demand.
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
 
 class ChannelConfig(Table):
@@ -85,69 +71,17 @@ class ObjectiveConfig(Table):
         return self
 
 
-class SeekingConfig(Table):
-    """The seeking law (18)."""
-
-    index: Literal["oracle", "measured", "sampled"] = "oracle"
-    """Source of the performance index. `oracle`: computed from the channel's formula, as in the paper's simulation
-    (33). `measured`: learnt from the beacons that decode and those that are lost. Of the gains and filters of (18),
-    only the consensus gain is then used. The dither is physical: the formation oscillates with it. `sampled`: (18)
-    with samples of J, S(r) for a decoded beacon and 0 for a lost one; the dither is physical too."""
-    pooling: Literal["network", "none"] = "network"
-    """Pooling of the measured index. `network`: robots mix their counts of beacons, so that each learns from all
-    links. `none`: each link learns its own slope, which is better under shadowing."""
-    reference_separation: Positive = 75.0
-    """Separation about which measured reception is fitted [m] (rho_0)."""
-    law: Literal["consensus", "paper"] = "consensus"
-    """Seeking law. `paper`: (18) as printed. `consensus`: (18) with the sign of its second consensus term
-    reversed."""
-    index_transform: Literal["log", "none"] = "log"
-    """Transform of the index. `log`: the robots climb ln J, whose curvature at the optimum hardly depends on the
-    objective, so that one gain serves all objectives. `none`: they climb J, as printed."""
-    index_gain: Positive = 40000.0
-    """Gain on the index [1] (k). For J and r_min 50, 44460 = 1/(a^2 |J''|/2) makes the averaged gradient's time
-    constant 1 s. With a gain or a dither far above the default, reduce `sub_step`: estimates that move by meters per
-    step are integrated less exactly.
-    """
-    dither_amplitude: Positive = 0.2
-    """Amplitude of the dither [m] (a)."""
-    dither_frequency: Positive = 100.0
-    """Frequency of the dither [rad/s] (beta_0)."""
-    consensus_gain: Annotated[float, Field(ge=0, le=1e4)] = 4.0
-    """Gain of the consensus of estimates [1/s] (kappa); the paper requires beta_l^2 / 4."""
-    low_pass_cutoff: Cutoff = 4.0
-    """Cut-off of the low-pass filter [rad/s] (beta_l)."""
-    washout_cutoff: Cutoff = 25.0
-    """Cut-off of the washout filter [rad/s] (beta_h)."""
-    sub_step: Positive = 0.02
-    """Longest step of the integration [s]; a tick is divided into equal steps no longer than this."""
-    initial_estimate: tuple[Positive, Positive] = Field(default=(50.0, 90.0), strict=False)
-    """Interval from which the estimates of the first links are drawn uniformly [m]."""
-
-    @model_validator(mode="after")
-    def _bounds(self) -> Self:
-        low, high = self.initial_estimate
-        if self.index == "sampled" and self.index_transform != "none":
-            raise ValueError("index 'sampled' needs index_transform 'none': a lost beacon's sample is 0")
-        if low > high:
-            raise ValueError(f"initial_estimate must be [low, high], got [{low}, {high}]")
-        if self.sub_step * self.dither_frequency > MAX_SUB_STEP_PHASE:
-            raise ValueError(
-                f"sub_step x dither_frequency must be at most {MAX_SUB_STEP_PHASE} rad, "
-                f"got {self.sub_step * self.dither_frequency:g}"
-            )
-        for name in ("low_pass_cutoff", "consensus_gain"):
-            if getattr(self, name) * self.sub_step > 1.0:
-                raise ValueError(f"sub_step x {name} must be at most 1, got {self.sub_step * getattr(self, name):g}")
-        return self
-
-
 class FormationConfig(Table):
-    """The formation law (6), (7) and its graph."""
+    """The formation law, its graph, and the motion that follows its pull by (6), (7)."""
 
-    rule: Literal["disk", "two_nearest", "relative_neighborhood"] = "relative_neighborhood"
+    law: Choice = "paper"
+    """Formation law, which computes where each robot is pulled. `paper`: toward the desired separations of its links,
+    with the weights (9). An extension is named by `module:Class`, by the name of an installed one, or as a table
+    with `use` and its parameters."""
+    rule: Choice = "relative_neighborhood"
     """Neighbor rule, which selects the links among the robots in range. `disk`: all of them. `two_nearest`: the two
-    nearest. `relative_neighborhood`: those without a third robot nearer to both ends."""
+    nearest. `relative_neighborhood`: those without a third robot nearer to both ends. An extension is named as for
+    `law`."""
     linear_gain: Positive = 1.0
     """Gain of the linear velocity [1/s] (mu)."""
     angular_gain: Positive = 10.0
@@ -189,7 +123,9 @@ class AgentConfig(Table):
     formation: FormationConfig
     """The formation law."""
     channel: ChannelConfig | None
-    """The true channel, for the oracle index only."""
+    """The true channel, for laws that are told it."""
+    controller: Choice | None = None
+    """A whole robot in plain Python, which replaces both laws; none by default."""
     clock: Clock = "lockstep"
     clock_skew: NonNegative = 0.0
     """Largest skew of a robot's own clock [s]; a robot draws its skew from the seed."""

@@ -46,3 +46,9 @@ def check(name: str, whole: float, part: float, most: float) -> None:
     """Raise ValueError in one line if `part` fits into `whole` more than `most` times."""
     if ratio(whole, part) > most:
         raise ValueError(f"{name} must be at most {most:g}, got {ratio(whole, part):g}")
+
+
+def below(name: str, value: float, bound: float) -> None:
+    """Raise ValueError in one line, the rule and then the value, unless the value is below the bound."""
+    if value >= bound:
+        raise ValueError(f"{name} must be below {bound:g}, got {value:g}: it cannot be stable")

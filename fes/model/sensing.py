@@ -1,9 +1,12 @@
 """Signals that a crew receives and sends in one tick, as arrays; the shells turn messages into these and back.
 
-An observation holds only what a real robot could sense or receive.
+The world's observations hold what a robot senses, and the verdict of the radio: which beacons decoded. The shells
+apply the verdict. So a crew gets only what a real robot could sense or receive.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,9 +32,17 @@ def bounded(values: Floats, most: float) -> Floats:
     return np.minimum(np.maximum(values, -most), most)
 
 
+class Sensed(NamedTuple):
+    """Measurements of the robots of a crew at one tick."""
+
+    tick: int
+    poses: Floats
+    """Own poses at this tick [n, 3] [m, m, rad; world frame]."""
+
+
 @dataclass(frozen=True, eq=False)
 class Observations:
-    """Measurements of the robots of a crew at one tick."""
+    """What the world tells the robots of a crew at one tick: their measurements, and the verdict of the radio."""
 
     tick: int
     poses: Floats
@@ -40,6 +51,40 @@ class Observations:
     """Peers within communication range at this tick [m]."""
     reception: Bytes
     """Reception of each peer's beacon of the previous tick: CLOSED, LOST or DECODED [m]."""
+
+    @property
+    def sensed(self) -> Sensed:
+        """The measurements alone."""
+        return Sensed(self.tick, self.poses)
+
+
+@dataclass(frozen=True, eq=False)
+class Received:
+    """The beacons of one tick that a crew received: nothing of a peer whose beacon did not decode.
+
+    Its arrays have one entry for each beacon that decoded at a robot [d].
+    """
+
+    tick: int
+    """Tick of the beacons."""
+    edges: Edges
+    """The contacts: all peers in range that each robot has heard since they came in range [m]."""
+    heard: Ints
+    """Positions among the contacts, ascending [d]."""
+    x: Floats
+    y: Floats
+    """Position in the beacon [d] [m; world frame]."""
+    estimates: Floats
+    """The sender's own separation estimate for the link to this robot [d] [m]; NaN if it has no such link."""
+    selected: Bools
+    """True if the sender's neighbor rule chose this robot [d]."""
+    statistics: Floats
+    """The sender's statistics [d, q]."""
+    declared: Bytes
+    """Bytes that the sender's laws declared [d, b]."""
+    mean_estimates: Callable[[], Floats]
+    """The sender's mean estimate over all its links [d] [m], NaN without links; computed on demand, as few ticks
+    need it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +103,9 @@ class Beacons:
     selected: Bools
     """True if the robot's own neighbor rule chose the link; else only the peer's rule did [l]."""
     statistics: Floats
-    """Statistics of the channel that each sender has measured [n, q]; q = 0 if no robot measures."""
+    """Numbers of each sender's seeking law [n, q]; q = 0 if it has none."""
+    declared: Bytes
+    """Bytes that each sender's laws declared [n, b]; b = 0 if they declare none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,25 +117,25 @@ class Telemetry:
     estimates: Floats
     """Separation estimate for each link [l] [m]."""
     learnt: Floats
-    """Parameters of reception that each link's robot has learnt: rows level and exponent of
-    ln(-ln p) = level + exponent ln(r / rho_0) [2, l]; [2, 0] if no robot measures."""
+    """Numbers that each link's robot has learnt [k, l]: those that the seeking law names. A measured run has level
+    and exponent of ln(-ln p) = level + exponent ln(r / rho_0). k = 0 if the law learns none."""
+    details: Floats
+    """Further numbers of each robot [n, j]: those that the formation law names."""
 
 
 def telemetry_of(telemetry: Telemetry, present: Bools) -> Telemetry:
     """The telemetry of the robots that are `present` [n]."""
     among = present[telemetry.links.rows]
-    learnt = telemetry.learnt[:, among] if telemetry.learnt.size else telemetry.learnt
-    return Telemetry(telemetry.links.select(among), telemetry.estimates[among], learnt)
+    details = np.where(present[:, None], telemetry.details, np.nan)
+    return Telemetry(telemetry.links.select(among), telemetry.estimates[among], telemetry.learnt[:, among], details)
 
 
 def no_telemetry(ids: Ints) -> Telemetry:
     """The telemetry of robots `ids` [n] before the first tick."""
-    return Telemetry(no_edges(ids), np.zeros(0), np.zeros((2, 0)))
+    return Telemetry(no_edges(ids), np.zeros(0), np.zeros((0, 0)), np.zeros((len(ids), 0)))
 
 
 def no_beacons() -> Beacons:
     """The beacons before the first tick: no robot has sent one."""
-    ids = np.zeros(0, dtype=np.int64)
-    return Beacons(
-        -1, ids, np.zeros((0, 3)), no_edges(ids), np.zeros(0), np.zeros(0, dtype=np.bool_), np.zeros((0, 0))
-    )
+    ids, nothing, codes = np.zeros(0, dtype=np.int64), np.zeros((0, 0)), np.zeros((0, 0), dtype=np.uint8)
+    return Beacons(-1, ids, np.zeros((0, 3)), no_edges(ids), np.zeros(0), np.zeros(0, dtype=np.bool_), nothing, codes)

@@ -5,6 +5,7 @@ A decoder raises MessageError, and nothing else, on any bytes.
 
 from typing import NamedTuple
 
+import numpy as np
 from pydantic import ValidationError
 
 from fes.arrays.types import Bytes, Floats, Ints
@@ -15,6 +16,15 @@ from fes.protocol import wire
 
 MAX_STATISTICS = 64
 """Largest number of statistics in a Beacon."""
+
+MAX_DECLARED = 256
+"""Largest number of bytes that the laws of a robot declare in a Beacon."""
+
+MAX_LEARNT = 16
+"""Largest number of learnt numbers per link in a Command."""
+
+MAX_DETAILS = 64
+"""Largest number of further numbers in a Command."""
 
 MAX_AGENT = 2**62
 """Largest number of an agent in a Join."""
@@ -76,7 +86,9 @@ class Beacon(NamedTuple):
     selected: Bytes
     """1 where its own neighbor rule chose the link [l]."""
     statistics: Floats
-    """Statistics of the channel that it has measured [q]; empty if no robot measures."""
+    """Numbers of its seeking law [q]; empty if it has none."""
+    declared: bytes = b""
+    """Bytes that its laws declared."""
 
 
 class Command(NamedTuple):
@@ -91,7 +103,9 @@ class Command(NamedTuple):
     estimates: Floats
     """As in the beacon [l] [m]."""
     learnt: Floats
-    """Parameters of reception that it has learnt [2 l]: levels, then exponents of its links. Empty if unmeasured."""
+    """Numbers that it has learnt [k l], one row after the other over its links, as the seeking law names them."""
+    details: Floats = np.zeros(0)
+    """Further numbers [j], as the formation law names them."""
 
 
 def encode_observation(message: Observation) -> bytes:
@@ -132,13 +146,14 @@ def encode_beacon(message: Beacon) -> bytes:
         message.estimates.tobytes(),
         message.selected.tobytes(),
         message.statistics.tobytes(),
+        message.declared,
     )
 
 
 def decode_beacon(payload: bytes) -> Beacon:
     """The Beacon in a payload."""
     name = "Beacon"
-    tick, robot, x, y, heading, links, estimates, selected, statistics = wire.unpack(name, payload, 9)
+    tick, robot, x, y, heading, links, estimates, selected, statistics, declared = wire.unpack(name, payload, 10)
     peers = wire.ids(name, links)
     return Beacon(
         *wire.stamp(name, tick, robot),
@@ -147,6 +162,7 @@ def decode_beacon(payload: bytes) -> Beacon:
         wire.numbers(name, estimates, len(peers), MAX_NUMBER),
         wire.codes(name, selected, len(peers), 1),
         wire.some_numbers(name, statistics, MAX_STATISTICS, MAX_NUMBER),
+        wire.some_bytes(name, declared, MAX_DECLARED),
     )
 
 
@@ -159,22 +175,25 @@ def encode_command(message: Command) -> bytes:
         wire.id_bytes(message.links),
         message.estimates.tobytes(),
         message.learnt.tobytes(),
+        message.details.tobytes(),
     )
 
 
 def decode_command(payload: bytes) -> Command:
     """The Command in a payload."""
     name = "Command"
-    tick, robot, linear, angular, links, estimates, learnt = wire.unpack(name, payload, 7)
+    tick, robot, linear, angular, links, estimates, learnt, details = wire.unpack(name, payload, 8)
     peers = wire.ids(name, links)
-    parameters = wire.some_numbers(name, learnt, 2 * len(peers), MAX_NUMBER)
-    wire.check(name, len(parameters) in (0, 2 * len(peers)), "expects two numbers per link, or none", len(parameters))
+    parameters = wire.some_numbers(name, learnt, MAX_LEARNT * len(peers), MAX_NUMBER)
+    is_whole = len(parameters) % len(peers) == 0 if len(peers) else len(parameters) == 0
+    wire.check(name, is_whole, "expects equally many numbers for each link", len(parameters))
     return Command(
         *wire.stamp(name, tick, robot),
         wire.finite(name, (linear, angular), MAX_TWIST),
         peers,
         wire.numbers(name, estimates, len(peers), MAX_NUMBER),
         parameters,
+        wire.some_numbers(name, details, MAX_DETAILS, MAX_NUMBER),
     )
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from fes.arrays.types import Bytes, Floats, Ints
 from fes.errors import MessageError
 
-PROTOCOL = 2
+PROTOCOL = 3
 """Version of the messages: increase it with each change of a message, or of the mark beside one."""
 MAX_PAYLOAD = 1 << 20
 """Longest payload that is decoded [bytes]."""
@@ -164,6 +164,13 @@ def some_numbers(name: str, blob: Any, count: int, most: float = sys.float_info.
     if type(blob) is not bytes or len(blob) % 8 or len(blob) > 8 * count:
         check(name, False, f"expects at most {count} float64", blob)
     return numbers(name, blob, len(blob) // 8, most)
+
+
+def some_bytes(name: str, blob: Any, count: int) -> bytes:
+    """At most `count` bytes of any value."""
+    if type(blob) is not bytes or len(blob) > count:
+        check(name, False, f"expects at most {count} bytes", blob)
+    return blob  # type: ignore[no-any-return]
 
 
 def codes(name: str, blob: Any, count: int, highest: int) -> Bytes:

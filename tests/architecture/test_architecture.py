@@ -143,9 +143,10 @@ def test_a_crew_without_channel_settings_never_loads_the_formula() -> None:
 import sys
 import numpy as np
 from agents.control import crew
-from fes.model.config import AgentConfig, FormationConfig, ObjectiveConfig, SeekingConfig
+from fes.model.config import AgentConfig, FormationConfig, ObjectiveConfig
+from fes.model.seeking import OracleConfig
 from fes.errors import FesError
-seeking = SeekingConfig()
+seeking = OracleConfig()
 config = AgentConfig(
     dt=0.02, seed=1, objective=ObjectiveConfig(), seeking=seeking, formation=FormationConfig(), channel=None
 )

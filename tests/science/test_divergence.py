@@ -17,7 +17,8 @@ from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
 from fes.errors import FesError, ScenarioError
 from fes.model import stability
-from fes.model.config import FormationConfig, Table
+from fes.model.config import FormationConfig
+from fes.model.table import Table
 from tests.support.loop import load
 from world.config.scenario import Scenario
 from world.metrics import summary as summaries

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from fes.arrays.types import Floats
 from fes.errors import MessageError
-from fes.model.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
+from fes.model.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig
+from fes.model.seeking import OracleConfig
 from fes.model.sensing import MAX_NUMBER, MAX_TWIST
 from fes.protocol import channel_change, messages, world_info
 from fes.protocol import report as reports
@@ -82,7 +83,7 @@ def commands(draw: st.DrawFn) -> Command:
 @st.composite
 def welcomes(draw: st.DrawFn) -> Welcome:
     low, high = sorted((draw(positive), draw(positive)))
-    seeking = SeekingConfig(
+    seeking = OracleConfig(
         index_gain=draw(positive), sub_step=draw(st.floats(1e-9, 0.2)), dither_frequency=draw(st.floats(1e-9, 9.0))
     )
     formation = FormationConfig(linear_limit=draw(st.none() | positive), angular_gain=draw(positive))

@@ -4,7 +4,8 @@ import math
 
 from agents.laws import oracle
 from agents.laws.perturbation import Seeker
-from fes.model.config import ChannelConfig, ObjectiveConfig, SeekingConfig
+from fes.model.config import ChannelConfig, ObjectiveConfig
+from fes.model.seeking import OracleConfig
 from tests.support import reference as witness
 
 AMPLITUDE, FREQUENCY, KAPPA, LOW_PASS, WASHOUT = 0.2, 100.0, 4.0, 4.0, 25.0
@@ -13,7 +14,7 @@ DT = 0.02
 
 
 def seeker(law: str = "consensus", gain: float = 44460.0, sub_step: float = 0.01, dt: float = DT) -> Seeker:
-    config = SeekingConfig.model_validate({"law": law, "index_gain": gain, "sub_step": sub_step})
+    config = OracleConfig.model_validate({"law": law, "index_gain": gain, "sub_step": sub_step})
     return Seeker(config, oracle.index(ObjectiveConfig(), ChannelConfig(), "none"), dt)
 
 

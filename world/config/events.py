@@ -9,7 +9,7 @@ from pydantic import Field, ValidationError, model_validator
 from fes.arrays.types import Bools
 from fes.errors import ScenarioError
 from fes.model import counts
-from fes.model.config import Table
+from fes.model.table import Table
 from world.config import faults
 from world.config.faults import ClockConfig, Part, RobotId, TransmitterConfig
 from world.config.radio import RadioConfig

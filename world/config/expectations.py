@@ -9,8 +9,8 @@ from typing import Annotated, Any, Self
 from pydantic import Field, field_validator, model_validator
 
 from fes.model import quantities
-from fes.model.config import Table
 from fes.model.quantities import FLAG, NUMBER, TEXT, Shape
+from fes.model.table import Table
 
 _SUMMARY = {key: part for key, part in quantities.shape().items() if key != quantities.VERDICTS}
 """Shape of a summary; each part of it may also be null."""

@@ -9,7 +9,8 @@ from pydantic import Field
 from fes.arrays.types import Bools, Floats
 from fes.errors import ScenarioError
 from fes.model import counts
-from fes.model.config import MAX_DELAY, MAX_SKEW, FaultConfig, Table
+from fes.model.config import MAX_DELAY, MAX_SKEW, FaultConfig
+from fes.model.table import Table
 
 RobotId = Annotated[int, Field(ge=0)]
 

@@ -5,7 +5,8 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from fes.model.config import ChannelConfig, Positive, Table
+from fes.model.config import ChannelConfig
+from fes.model.table import Positive, Table
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 

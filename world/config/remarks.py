@@ -6,8 +6,10 @@ part of a scenario is changed or ignored without a remark.
 
 from collections.abc import Iterable, Iterator
 
+from fes.extension import registry
 from fes.model import counts
-from fes.model.config import ChannelConfig, SeekingConfig
+from fes.model.config import ChannelConfig
+from fes.model.seeking import SeekingConfig
 from world.config.events import changed
 from world.config.faults import TransmitterConfig
 from world.config.scenario import Scenario
@@ -37,7 +39,7 @@ def of(scenario: Scenario) -> list[str]:
 
 def is_unnoticed(seeking: SeekingConfig, known: ChannelConfig, true: ChannelConfig) -> bool:
     """True if the robots use the `known` formula of the channel, and the `true` formula differs from it."""
-    return seeking.index == "oracle" and known != true
+    return registry.knows_channel(seeking) and known != true
 
 
 def _duration(scenario: Scenario) -> Iterator[str]:

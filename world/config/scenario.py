@@ -1,5 +1,6 @@
 """The scenario: one TOML file, typed, frozen and complete."""
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -8,16 +9,11 @@ from pydantic import Field, ValidationError, model_validator
 from fes.arrays import draws
 from fes.arrays.types import Floats
 from fes.errors import ScenarioError, reason
+from fes.extension import registry
 from fes.model import counts, stability
-from fes.model.config import (
-    AgentConfig,
-    Clock,
-    FaultConfig,
-    FormationConfig,
-    ObjectiveConfig,
-    SeekingConfig,
-    Table,
-)
+from fes.model.config import AgentConfig, Clock, FaultConfig, FormationConfig, ObjectiveConfig
+from fes.model.seeking import BUILT_IN, MAX_TICKS, OracleConfig, SeekingConfig
+from fes.model.table import Table
 from fes.system import encoding
 from world.config import events, faults, starts, toml
 from world.config.events import EventConfig, ParticipationChange, changed, schedule
@@ -45,7 +41,7 @@ class RunConfig(Table):
 
     @model_validator(mode="after")
     def _countable(self) -> Self:
-        counts.check("duration / dt", self.duration, self.dt, stability.MAX_TICKS)
+        counts.check("duration / dt", self.duration, self.dt, MAX_TICKS)
         return self
 
 
@@ -62,7 +58,7 @@ class Scenario(Table):
     """The radio channel."""
     objective: ObjectiveConfig = ObjectiveConfig()
     """The separations that the team prefers."""
-    seeking: SeekingConfig = SeekingConfig()
+    seeking: SeekingConfig = OracleConfig()
     """The seeking law."""
     formation: FormationConfig = FormationConfig()
     """The formation law and its graph."""
@@ -145,9 +141,31 @@ def load(path: Path, overrides: dict[str, Any] | None = None) -> Scenario:
         raise ScenarioError(str(path), f"cannot be read: {reason(error, with_file=False)}") from None
     except ValueError as error:
         raise ScenarioError(str(path), str(error)) from None
+    law = _seeking_law(tables)
     for dotted, value in (overrides or {}).items():
         override(tables, dotted, value)
+    if _seeking_law(tables) != law:
+        _drop_former_keys(tables, set(overrides or {}))
     return parse(tables, str(path))
+
+
+def _seeking_law(tables: dict[str, Any]) -> Any:
+    """What chooses the seeking law."""
+    table = tables.get("seeking")
+    if not isinstance(table, dict):
+        return None
+    return table.get("use"), table.get("index", "oracle")
+
+
+def _drop_former_keys(tables: dict[str, Any], overridden: Collection[str]) -> None:
+    """Where overrides choose another seeking law, drop the file's keys that this law does not have."""
+    table = tables["seeking"]
+    if "seeking.index" in overridden and "seeking.use" not in overridden:
+        table.pop("use", None)
+    kind = BUILT_IN.get(str(table.get("index", "oracle"))) if "use" not in table else None
+    known = {"use"} if kind is None else set(kind.model_fields)
+    for name in [name for name in table if name not in known and f"seeking.{name}" not in overridden]:
+        del table[name]
 
 
 def parse(tables: dict[str, Any], where: str) -> Scenario:
@@ -176,7 +194,7 @@ def agent_config(scenario: Scenario) -> AgentConfig:
         objective=scenario.objective,
         seeking=scenario.seeking,
         formation=scenario.formation,
-        channel=scenario.channel.formula if scenario.seeking.index == "oracle" else None,
+        channel=scenario.channel.formula if registry.knows_channel(scenario.seeking) else None,
         clock=scenario.run.clock,
         clock_skew=scenario.run.clock_skew,
         faults=scenario.faults,

@@ -13,7 +13,7 @@ from functools import cache
 from itertools import pairwise
 from typing import Any, NamedTuple, get_args
 
-from fes.model.config import Table
+from fes.model.table import Table
 from world.config.scenario import Scenario
 
 _UNITS = "1|m|s|rad|dB|m/s|rad/s|1/s|rad/s/m|bit/s/Hz|ticks"

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from fes.arrays import draws
 from fes.arrays.types import Floats
-from fes.model.config import NonNegative, Positive, Table
+from fes.model.table import NonNegative, Positive, Table
 from fes.protocol.keys import MAX_ROBOTS
 
 FARTHEST = 1e12

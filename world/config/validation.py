@@ -6,7 +6,7 @@ from typing import get_args
 
 from pydantic import ValidationError
 
-from fes.model.config import Table
+from fes.model.table import Table
 from fes.system.output import printable
 
 LONGEST = 120

@@ -76,7 +76,19 @@ class CommandBatch:
         commands = [_STANDSTILL if command is None else command for command in received]
         links = self._stack.edges(self._ids, [command.links for command in commands])
         estimates = np.concatenate([command.estimates for command in commands])
-        learnt = np.zeros((2, 0))
-        if len(estimates) and all(len(command.learnt) == 2 * len(command.links) for command in commands):
-            learnt = np.concatenate([command.learnt.reshape(2, -1) for command in commands], axis=1)
-        return np.array([command.twist for command in commands]), Telemetry(links, estimates, learnt)
+        twists = np.array([command.twist for command in commands])
+        return twists, Telemetry(links, estimates, self._learnt(commands), self._details(commands))
+
+    def _learnt(self, commands: list[Command]) -> Floats:
+        """The numbers learnt [k, l]; none unless all robots with links have learnt equally many per link."""
+        rows = {len(command.learnt) // len(command.links) for command in commands if len(command.links)}
+        if len(rows) != 1:
+            return np.zeros((0, sum(len(command.links) for command in commands)))
+        [k] = rows
+        return np.concatenate([command.learnt.reshape(k, -1) for command in commands], axis=1)
+
+    def _details(self, commands: list[Command]) -> Floats:
+        """Further numbers [n, j]; NaN for a robot that sent fewer than others."""
+        j = max((len(command.details) for command in commands), default=0)
+        rows = [command.details if len(command.details) == j else np.full(j, np.nan) for command in commands]
+        return np.array(rows).reshape(len(commands), j)

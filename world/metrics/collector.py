@@ -7,6 +7,7 @@ import numpy as np
 
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
+from fes.extension import registry
 from fes.model import counts, objective
 from fes.model.sensing import Telemetry
 from world.config import events
@@ -120,6 +121,5 @@ def link_reception(radio: Radio, links: Edges) -> Floats:
 
 def dither_period(scenario: Scenario) -> int:
     """Ticks over which separations are averaged: the period of a physical dither, else 1."""
-    if scenario.seeking.index == "oracle":
-        return 1
-    return counts.ticks_of(2.0 * math.pi / scenario.seeking.dither_frequency, scenario.run.dt)
+    period = registry.physical_period(scenario.seeking)
+    return 1 if period is None else counts.ticks_of(period, scenario.run.dt)

@@ -7,6 +7,7 @@ import numpy as np
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bytes, Floats, Ints
 from fes.model import outage
+from fes.model.seeking import REFERENCE_SEPARATION, MeasuredConfig
 from fes.protocol.report import Report
 from world.config.radio import RadioConfig
 from world.metrics import link_errors
@@ -31,11 +32,12 @@ def build(metrics: MetricsCollector, name: str, alive: Bytes, elapsed: float, ti
     ab, ba = _positions(telemetry.links, low, high), _positions(telemetry.links, high, low)
     radio = state.radio
     forward, backward = _positions(radio.edges, low, high), _positions(radio.edges, high, low)
-    scale = scenario.seeking.reference_separation
-    learnt = [_mean(_pick(row, ab), _pick(row, ba)) for row in telemetry.learnt]
+    scale = getattr(scenario.seeking, "reference_separation", REFERENCE_SEPARATION)
+    learnt = [_mean(_pick(row, ab), _pick(row, ba)) for row in telemetry.learnt]  # other laws learn other numbers
     none = np.zeros(0, dtype=np.int64)
     missed, late = (metrics.deadlines.missed, metrics.deadlines.late) if metrics.deadlines else (none, none)
-    level, exponent = learnt if telemetry.learnt.size else [np.full(len(low), np.nan)] * 2
+    fits = isinstance(scenario.seeking, MeasuredConfig) and telemetry.learnt.size
+    level, exponent = learnt if fits else [np.full(len(low), np.nan)] * 2
     true_level, true_exponent = _reception_line(state.channel, scale)
     return Report(
         **metrics.shared(),

@@ -9,8 +9,9 @@ import pytest
 from agents.control import contacts, crew
 from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Floats
-from fes.model.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig, SeekingConfig
+from fes.model.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig
 from fes.model.contacts import NEVER, Contacts
+from fes.model.seeking import OracleConfig
 from fes.model.sensing import DECODED, LOST, Beacons, Observations
 from tests.support import layouts
 
@@ -92,7 +93,7 @@ def test_two_robots_at_the_same_point_drive_apart() -> None:
         dt=0.02,
         seed=1,
         objective=ObjectiveConfig(),
-        seeking=SeekingConfig(),
+        seeking=OracleConfig(),
         formation=FormationConfig(),
         channel=ChannelConfig(),
     )

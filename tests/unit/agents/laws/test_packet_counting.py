@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
+from agents.laws.draws import SeededDraws
 
 from agents.control import beacon_counting, contacts
 from agents.laws import packet_counting, perturbation
-from agents.laws.draws import SeededDraws
 from agents.laws.packet_counting import ALONE, POOLED, STATISTICS, ReceptionFit
 from agents.laws.perturbation import Seeker
 from fes.arrays.edges import Edges
 from fes.model import objective
-from fes.model.config import ObjectiveConfig, SeekingConfig
+from fes.model.config import ObjectiveConfig
 from fes.model.sensing import Observations
 from tests.support import layouts
 
@@ -148,7 +148,7 @@ def test_a_sample_of_the_index_is_the_preference_if_the_beacon_decoded_and_zero_
 
 
 def test_the_dithers_of_links_that_learn_alone_are_staggered_equally_at_both_ends() -> None:
-    seeker = Seeker(SeekingConfig(index="measured", dither_frequency=0.5), np.zeros_like, 0.02)
+    seeker = Seeker(MeasuredConfig(index="measured", dither_frequency=0.5), np.zeros_like, 0.02)
     pairs = [(i, j) for i in range(30) for j in range(30) if i != j]
     links = layouts.edges(range(30), pairs)
     ahead = perturbation.stagger(seeker, SeededDraws(3), links)

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from agents.laws.draws import SeededDraws
 
 from agents.laws import perturbation
-from agents.laws.draws import SeededDraws
 from agents.laws.perturbation import BASELINE, DRIFT, ESTIMATE, Entry, Seeker
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
-from fes.model.config import SeekingConfig
+from fes.model.seeking import OracleConfig
 from tests.support.layouts import edges
 
 DRAWS = SeededDraws(11)
@@ -19,7 +19,7 @@ def constant(separation: Floats) -> Floats:
     return np.full_like(separation, 0.5)
 
 
-SEEKER = Seeker(SeekingConfig(index_gain=10.0, initial_estimate=(50.0, 90.0)), constant, 0.02)
+SEEKER = Seeker(OracleConfig(index_gain=10.0, initial_estimate=(50.0, 90.0)), constant, 0.02)
 NO_STATE = np.zeros((3, 0))
 
 
@@ -85,7 +85,7 @@ def test_a_first_estimate_depends_on_seed_robot_and_peer_only() -> None:
 
 
 def test_an_interval_of_one_point_is_that_point() -> None:
-    exact = Seeker(SeekingConfig(initial_estimate=(77.0, 77.0)), constant, 0.02)
+    exact = Seeker(OracleConfig(initial_estimate=(77.0, 77.0)), constant, 0.02)
     assert perturbation.first_estimates(exact, DRAWS, edges([0], [(0, 1), (0, 2)])).tolist() == [77.0, 77.0]
 
 

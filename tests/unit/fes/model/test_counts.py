@@ -15,7 +15,8 @@ from agents.control import crew
 from console.backends import inprocess
 from fes.errors import FesError, ScenarioError
 from fes.model import counts, stability
-from fes.model.config import AgentConfig, SeekingConfig
+from fes.model.config import AgentConfig
+from fes.model.seeking import OracleConfig
 from fes.process import real_time_factor
 from tests.support.loop import load
 from tests.support.paths import ROOT
@@ -103,7 +104,7 @@ def test_a_physical_dither_with_an_infinite_period_is_rejected() -> None:
 
 def test_a_crew_rejects_settings_that_the_world_should_have_rejected() -> None:
     config = agent_config(load("pair.toml"))
-    endless = config.model_copy(update={"seeking": SeekingConfig(sub_step=1e-9)})
+    endless = config.model_copy(update={"seeking": OracleConfig(sub_step=1e-9)})
     with pytest.raises(FesError, match=r"^the run's settings: run\.dt / seeking\.sub_step must be at most 10000"):
         crew.create(AgentConfig.model_validate(endless.model_dump()), np.arange(2))
 

@@ -5,7 +5,8 @@ from typing import Any
 
 import pytest
 
-from fes.model.config import AgentConfig, FaultConfig, Table
+from fes.model.config import AgentConfig, FaultConfig
+from fes.model.table import Table
 from fes.system import strict_json
 from tests.support.paths import CONFIGS
 from world.config import schema, validation

@@ -1,0 +1,50 @@
+"""Motion: the twists that follow a formation law's pull; equations (6), (7)."""
+
+import numpy as np
+
+from fes.arrays import geometry
+from fes.arrays.types import Floats, Ints
+from fes.errors import FesError
+from fes.extension.protocols import Formed
+from fes.model.config import FormationConfig
+from fes.model.sensing import MAX_TWIST, Sensed, bounded
+
+
+def twists(ids: Ints, formed: Formed, sensed: Sensed, dt: float, config: FormationConfig) -> Floats:
+    """Twists [n, 2] [m/s, rad/s] of robots `ids` [n]; raises FesError for one that is not finite."""
+    result = twist(formed.pull, sensed.poses[:, geometry.HEADING], dt, config)
+    if formed.twists is not None:
+        result = np.where(np.isnan(formed.twists), result, limited(formed.twists, config))
+    if not np.isfinite(result).all():
+        robot = int(ids[~np.isfinite(result).all(axis=1)][0])
+        raise FesError(
+            f"robot {robot} computed a twist that is not finite at tick {sensed.tick}: check gains and exponents"
+        )
+    return bounded(result, MAX_TWIST)
+
+
+def twist(vector: Floats, heading: Floats, dt: float, config: FormationConfig) -> Floats:
+    """Twists [n, 2] [m/s, rad/s] to hold over a tick of `dt` [s]; equations (6), (7).
+
+    `vector` [n, 2] [m] is g, held over the tick. (7) then turns the heading by delta' = -mu'|g| sin(delta), with
+    delta the bearing of g from the heading. At mu' = 10 that is stiff (hundreds of rad/s). So omega is the mean rate
+    of the exact flow, delta(h) = 2 atan(tan(delta_0 / 2) exp(-mu'|g| h)). v is that of (6) at the tick's beginning.
+    """
+    size = geometry.separation(vector[:, 0], vector[:, 1])
+    begin = geometry.wrap(np.arctan2(vector[:, 1], vector[:, 0]) - heading)
+    end = 2.0 * np.arctan(np.tan(0.5 * begin) * np.exp(-config.angular_gain * dt * size))
+    result = np.empty((len(heading), 2))
+    result[:, geometry.LINEAR] = config.linear_gain * size * np.cos(begin)
+    result[:, geometry.ANGULAR] = (begin - end) / dt
+    return limited(result, config)
+
+
+def limited(values: Floats, config: FormationConfig) -> Floats:
+    """Twists [n, 2], within the limits of the configuration."""
+    if config.linear_limit is None and config.angular_limit is None:
+        return values
+    result = values.copy()
+    for column, limit in ((geometry.LINEAR, config.linear_limit), (geometry.ANGULAR, config.angular_limit)):
+        if limit is not None:
+            np.clip(result[:, column], -limit, limit, out=result[:, column])
+    return result

@@ -1,0 +1,105 @@
+"""The seeking laws that climb an index by perturbation (18): with the oracle's index, and with samples of J."""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from agents.laws import link_estimates, perturbation
+from agents.laws.perturbation import ESTIMATE, Index, Seeker
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bools, Floats
+from fes.extension.context import LawContext
+from fes.extension.neighborhood import Entry, Neighborhood
+from fes.extension.protocols import Formed, Published
+from fes.model import objective
+from fes.model.seeking import PerturbationConfig, SampledConfig
+
+
+class PerturbationSeeking:
+    """(18) with any index; its state is [3, l], rows as in `agents.laws.perturbation`."""
+
+    knows_channel = False
+    statistics = 0
+    declared = 0
+    learnt: tuple[str, ...] = ()
+
+    def __init__(self, parameters: PerturbationConfig, context: LawContext, index: Index) -> None:
+        self.seeker = Seeker(parameters, index, context.dt)
+        self.context = context
+        self._nothing = np.zeros((len(context.ids), 0))
+
+    def start(self) -> Floats:
+        """No link."""
+        return np.zeros((3, 0))
+
+    def forget(self, state: Floats, restarted: Bools, old: Edges, new: Edges) -> Floats:
+        """The state of the links that remain."""
+        return new.carry(state, old, np.nan, axis=1)
+
+    def relink(self, state: Floats, old: Edges, new: Edges, entry: Entry) -> Floats:
+        """The state over the links `new`."""
+        return perturbation.relink(self.seeker, self.context.draws, old, state, new, entry)
+
+    def desired(self, state: Floats, tick: int, links: Edges) -> Floats:
+        """The estimates."""
+        estimates: Floats = state[ESTIMATE]
+        return estimates
+
+    def measure(self, state: Floats, around: Neighborhood, formed: Formed) -> Floats:
+        """Unchanged: nothing is counted."""
+        return state
+
+    def publish(self, state: Floats, links: Edges) -> Published:
+        """The estimates alone."""
+        return Published(state[ESTIMATE], self._nothing, np.zeros((0, len(links))))
+
+    def seek(self, state: Floats, around: Neighborhood) -> Floats:
+        """One tick of (18)."""
+        return self.climb(state, around, None)
+
+    def climb(self, state: Floats, around: Neighborhood, index: Index | None) -> Floats:
+        """One tick of (18) with this index, by default that of the law."""
+        peers = perturbation.extrapolate(self.seeker, state, around.peer_estimates, around.age)
+        skew = self.context.skew(around.tick, around.links)
+        return perturbation.advance(self.seeker, around.tick, state, peers, skew, index)
+
+
+class SampledSeeking(PerturbationSeeking):
+    """(18) with samples of J. The dither is physical: the robots drive to the dithered separations."""
+
+    Parameters = SampledConfig
+
+    def __init__(self, parameters: SampledConfig, context: LawContext) -> None:
+        # This index gives only the initial baseline of a link.
+        super().__init__(parameters, context, partial(objective.preference, objective=context.objective))
+
+    def desired(self, state: Floats, tick: int, links: Edges) -> Floats:
+        """The estimates, with the dither of each robot's clock."""
+        time = tick * self.context.dt + self.context.skew(tick, links)
+        desired: Floats = state[ESTIMATE] + link_estimates.dither(self.seeker.config, time)
+        return desired
+
+    def seek(self, state: Floats, around: Neighborhood) -> Floats:
+        """One tick of (18) with this tick's samples."""
+        return self.climb(state, around, _Constant(sample(around, self.context)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Constant:
+    """An index that has the same sample at every separation: a tick gives only one."""
+
+    sample: Floats
+
+    def __call__(self, separation: Floats) -> Floats:
+        return np.broadcast_to(self.sample, separation.shape).copy()
+
+
+def sample(around: Neighborhood, context: LawContext) -> Floats:
+    """One sample of J of (16) for each link [l]: S(r) if the last tick's beacon decoded, else 0.
+
+    Its mean is S(r) p(r) at the true separation r. A real radio cannot give (18) a better sample.
+    """
+    separation = around.contacts.separation.take(around.link_contact)
+    is_heard = around.is_heard.take(around.link_contact)
+    return np.where(is_heard, objective.preference(separation, context.objective), 0.0)

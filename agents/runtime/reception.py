@@ -1,0 +1,118 @@
+"""The verdict of the radio, applied: a crew gets only the beacons that decoded."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fes.arrays import geometry
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bools, Floats, Ints
+from fes.model.sensing import DECODED, Beacons, Observations, Received
+
+
+@dataclass(frozen=True, eq=False)
+class _Lookup:
+    """Where the beacon of each peer in range is, for one set of pairs and one set of senders and links."""
+
+    in_range: Edges
+    ids: Ints
+    links: Edges
+    sender: Ints
+    """Row of the peer's beacon; 0 where it is absent."""
+    present: Bools
+    """True if the peer's beacon is there."""
+    link: Ints
+    """Position of the peer's link to this robot among all links, or -1."""
+
+    def fits(self, in_range: Edges, beacons: Beacons) -> bool:
+        """True if this lookup is valid for these pairs and beacons."""
+        return self.in_range is in_range and self.ids is beacons.ids and self.links is beacons.links
+
+
+class Receiver:
+    """Keeps of each tick's beacons those that decoded. What it remembers is a cache: it never changes the result."""
+
+    def __init__(self) -> None:
+        self._lookup: _Lookup | None = None
+        self._in_range: Edges | None = None
+        self._contacts: Edges | None = None
+        self._is_contact: Bools = np.zeros(0, dtype=np.bool_)
+        self._positions: Ints = np.zeros(0, dtype=np.int64)
+
+    def receive(self, observations: Observations, beacons: Beacons, contacts: Edges) -> Received:
+        """The `beacons` of the previous tick that decoded, for a crew whose contacts until now are `contacts`.
+
+        A peer in range becomes a contact when its first beacon decodes. A contact out of range is dropped.
+        """
+        in_range = observations.in_range
+        lookup = self._lookup
+        if lookup is None or not lookup.fits(in_range, beacons):
+            lookup = self._lookup = _look_up(in_range, beacons)
+        is_decoded = (observations.reception == DECODED) & lookup.present
+        edges = self._update(in_range, is_decoded, contacts)
+        positions = self._positions
+        heard = np.flatnonzero(is_decoded.take(positions))
+        pairs = positions.take(heard)
+        sender, link = lookup.sender.take(pairs), lookup.link.take(pairs)
+        estimates, selected = np.full(len(heard), np.nan), np.zeros(len(heard), dtype=np.bool_)
+        if len(beacons.links):
+            has_link = link >= 0
+            estimates = np.where(has_link, beacons.estimates.take(link, mode="clip"), np.nan)
+            selected = beacons.selected.take(link, mode="clip") & has_link
+        return Received(
+            observations.tick - 1,
+            edges,
+            heard,
+            beacons.poses[:, geometry.X].take(sender),
+            beacons.poses[:, geometry.Y].take(sender),
+            estimates,
+            selected,
+            beacons.statistics.take(sender, axis=0),
+            beacons.declared.take(sender, axis=0),
+            lambda: _mean_estimates(beacons).take(sender),
+        )
+
+    def _update(self, in_range: Edges, is_decoded: Bools, contacts: Edges) -> Edges:
+        """The contacts now; the same object while its pairs are the same."""
+        if in_range is not self._in_range or contacts is not self._contacts:
+            self._in_range = in_range
+            self._is_contact = in_range.after(contacts).positions >= 0
+        elif not np.count_nonzero(is_decoded & ~self._is_contact):
+            return contacts
+        self._is_contact |= is_decoded
+        self._positions = np.flatnonzero(self._is_contact)
+        edges = in_range if self._is_contact.all() else in_range.select(self._is_contact)
+        if edges.ids is contacts.ids and edges.keys.tobytes() == contacts.keys.tobytes():
+            edges = contacts
+        self._contacts = edges
+        return edges
+
+
+def decoded(observations: Observations) -> set[int]:
+    """Ids of the peers whose beacon of the previous tick decoded at a robot of this crew."""
+    return set(observations.in_range.peers[observations.reception == DECODED].tolist())
+
+
+def missing(observations: Observations, senders: Sequence[int]) -> int:
+    """Number of beacons that decoded at a robot, but whose peer is not among the `senders` of those received."""
+    peers = observations.in_range.peers[observations.reception == DECODED]
+    return int(np.count_nonzero(~np.isin(peers, senders)))
+
+
+def _mean_estimates(beacons: Beacons) -> Floats:
+    """Mean estimate of each sender over all its links [n] [m]; NaN without links."""
+    links = beacons.links
+    if len(links) == 0:
+        return np.full(len(links.ids), np.nan)
+    return np.where(links.counts > 0, links.sum(beacons.estimates) / np.maximum(links.counts, 1), np.nan)
+
+
+def _look_up(edges: Edges, beacons: Beacons) -> _Lookup:
+    """The place of each peer's beacon among `beacons`."""
+    if len(beacons.ids) == 0:
+        zeros = np.zeros(len(edges), dtype=np.int64)
+        return _Lookup(edges, beacons.ids, beacons.links, zeros, zeros > 0, zeros - 1)
+    sender = np.minimum(np.searchsorted(beacons.ids, edges.peers), len(beacons.ids) - 1)
+    present = beacons.ids[sender] == edges.peers
+    return _Lookup(edges, beacons.ids, beacons.links, sender, present, beacons.links.find(edges.reverse_keys))

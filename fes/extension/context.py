@@ -1,0 +1,65 @@
+"""What the constructor of an extension gets beside its parameters."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from fes.arrays import draws
+from fes.arrays.edges import Edges
+from fes.arrays.types import Floats, Ints
+from fes.model.config import ChannelConfig, ObjectiveConfig
+
+
+class Draws(Protocol):
+    """The random numbers of a crew, as a function of a stream and of ids."""
+
+    def __call__(self, stream: str, robots: Ints, peers: Ints) -> Floats:
+        """A uniform number in [0, 1) for each pair of ids (robot, peer) [m]; a robot alone is its own peer."""
+
+
+@dataclass(frozen=True)
+class SeededDraws:
+    """The numbers of one run: a function of (seed, stream, robot, peer)."""
+
+    seed: int
+
+    def __call__(self, stream: str, robots: Ints, peers: Ints) -> Floats:
+        """A uniform number in [0, 1) for each pair of ids (robot, peer) [m]."""
+        return draws.uniform_pairs(draws.key(self.seed, stream), robots, peers)
+
+
+@dataclass(frozen=True, eq=False)
+class LawContext:
+    """The circumstances of a law: those of its crew and its run.
+
+    The constructor of a law gets no seed and no generator. A law that needs a number takes it from `draws`. So its
+    digits depend on neither process, nor neighbors in an array, nor order. For a new number at each tick, put the
+    tick into the name of the stream. Sums over a robot's peers go through `Edges.sum`, whose order is fixed.
+    """
+
+    ids: Ints
+    """Robot ids of the crew, ascending [n]."""
+    dt: float
+    """Tick length [s]."""
+    objective: ObjectiveConfig
+    """The separations that the team prefers."""
+    draws: Draws
+    """Random numbers by stream and ids."""
+    skew: Callable[[int, Edges], Floats]
+    """Skew of the clock of each link's robot at a tick [l] [s], or [1] if all clocks are exact."""
+    channel: ChannelConfig | None
+    """The true channel, for a law with `knows_channel`; None for every other law."""
+
+
+@dataclass(frozen=True)
+class WorldContext:
+    """The circumstances of a channel, a body or a metric: they are on the world's side, and may know the truth."""
+
+    dt: float
+    """Tick length [s]."""
+    robots: int
+    """Number of robots."""
+    objective: ObjectiveConfig
+    """The separations that the team prefers."""
+    draws: Draws
+    """Random numbers by stream and ids, of the world's seed."""

@@ -1,0 +1,85 @@
+"""What a robot's laws know of its peers at one tick: only what was heard."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bools, Floats, Ints
+from fes.model import beacon_slots
+from fes.model.beacon_slots import Slots
+from fes.model.contacts import Contacts
+
+
+@dataclass(frozen=True, eq=False)
+class Neighborhood:
+    """The contacts of a crew of n robots and its links among them, at one tick.
+
+    Pairs lie one after the other, by robot, then by peer: m contacts, l links. Arrays must not be written to.
+    """
+
+    tick: int
+    dt: float
+    """Tick length [s]."""
+    poses: Floats
+    """Own poses at this tick [n, 3] [m, m, rad; world frame]."""
+    contacts: Contacts
+    """Each peer that a robot has heard, with its last beacon [m]."""
+    before: Contacts
+    """The contacts of the previous tick."""
+    links: Edges
+    """The links: contacts that the neighbor rule of either end selected [l]."""
+    link_contact: Ints
+    """Position of each link among the contacts [l]."""
+
+    @cached_property
+    def is_heard(self) -> Bools:
+        """True for a contact whose beacon of the previous tick decoded [m]."""
+        is_heard: Bools = np.equal(self.contacts.heard, self.tick - 1)
+        return is_heard
+
+    @cached_property
+    def peer_estimates(self) -> Floats:
+        """The peer's own estimate for each link, by its last beacon [l] [m]; NaN if it has no such link."""
+        return self.contacts.estimates.take(self.link_contact)
+
+    @cached_property
+    def age(self) -> Floats:
+        """Age of each link's last beacon [l] [s]."""
+        return self.dt * (self.tick - self.contacts.heard.take(self.link_contact)).astype(np.float64)
+
+    @cached_property
+    def slots(self) -> Slots:
+        """The beacon slots of links that become known at this tick: decoded beacons, and those missed before them."""
+        is_link = np.zeros(len(self.contacts.edges), dtype=np.bool_)
+        is_link[self.link_contact] = True
+        return beacon_slots.between(self.before, self.contacts, self.tick, is_link)
+
+
+@dataclass(frozen=True, eq=False)
+class LinkGeometry:
+    """The links of a crew as the formation law sees them [l]."""
+
+    separation: Floats
+    """Length of the line of sight [l] [m]."""
+    desired: Floats
+    """Separation that the seeking law asks for [l] [m]."""
+    bearing: Floats
+    """Unit vector of the line of sight [2, l; world frame]."""
+
+    @cached_property
+    def error(self) -> Floats:
+        """Separation less the desired one [l] [m]."""
+        return self.separation - self.desired
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """The conditions at the tick at which new links begin."""
+
+    tick: int
+    is_fresh: Bools
+    """True for a robot whose initial graph is not complete yet: its own mean estimate does not count [n]."""
+    reported: Floats
+    """Mean estimate that the neighbors of each robot reported [n] [m]; NaN where none did."""

@@ -1,0 +1,162 @@
+"""The seven kinds of extension, as protocols: any class that has these members is one.
+
+Shapes: n robots, m contacts, l links, q statistics, b bytes, k learnt numbers. A constructor gets (parameters,
+context). `parameters` is an instance of the class's own `Parameters`, a pydantic table. State is an ordinary value:
+it must pickle, and a method returns a new one instead of changing it.
+"""
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
+
+import numpy as np
+
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bools, Bytes, Floats, Ints
+from fes.extension.neighborhood import Entry, LinkGeometry, Neighborhood
+from fes.model.contacts import Contacts
+from fes.model.table import Table
+
+S = TypeVar("S")
+"""State of an extension."""
+
+MAX_DECLARED = 256
+"""Largest number of bytes that the laws of a robot may declare in a beacon together."""
+
+
+class NoParameters(Table):
+    """The parameters of an extension that has none."""
+
+
+class Formed(NamedTuple):
+    """What a formation law finds at one tick."""
+
+    state: Any
+    pull: Floats
+    """Vector from each robot to where it should go [n, 2] [m; world frame]."""
+    declared: Bytes = np.zeros((0, 0), dtype=np.uint8)
+    """Bytes for the robots' beacons [n, b]."""
+    details: Floats = np.zeros((0, 0))
+    """Numbers for observers [n, j], named by `details` of the class."""
+    twists: Floats | None = None
+    """Twists [n, 2] [m/s, rad/s] that replace those that follow from the pull, where they are not NaN."""
+
+
+class Published(NamedTuple):
+    """What a seeking law tells peers and observers at one tick."""
+
+    estimates: Floats
+    """Estimate of the optimal separation of each link [l] [m]."""
+    statistics: Floats
+    """Numbers for the robots' beacons [n, q]."""
+    learnt: Floats
+    """Numbers learnt, by link, for observers [k, l]."""
+    declared: Bytes | None = None
+    """Bytes for the robots' beacons [n, b]; None without any."""
+
+
+class NeighborRule(Protocol):
+    """Selects neighbors among contacts. A rule may keep a cache: it may change the work, never the result."""
+
+    Parameters: ClassVar[type[Table]]
+
+    def __call__(self, contacts: Contacts) -> Bools:
+        """True for each contact that its robot selects [m]."""
+
+
+class FormationLaw(Protocol[S]):
+    """Computes where each robot is pulled. Limits and the twist come after it."""
+
+    Parameters: ClassVar[type[Table]]
+    declared: ClassVar[int]
+    """Number of bytes of its own in each beacon, b."""
+    details: ClassVar[tuple[str, ...]]
+    """Names of its numbers for observers, j of them."""
+
+    def start(self) -> S:
+        """The state before the first tick."""
+
+    def forget(self, state: S, restarted: Bools) -> S:
+        """The state in which the robots `restarted` [n] begin anew."""
+
+    def step(self, state: S, around: Neighborhood, geometry: LinkGeometry) -> Formed:
+        """The pull of each robot at this tick."""
+
+
+class SeekingLaw(Protocol[S]):
+    """Seeks the optimal separation of each link. A tick calls its methods in the order in which they stand here."""
+
+    Parameters: ClassVar[type[Table]]
+    knows_channel: ClassVar[bool]
+    """True if the law must be told the channel: its context then has it, and the run is not model-free."""
+    statistics: ClassVar[int]
+    """Number of statistics in each beacon, q."""
+    declared: ClassVar[int]
+    """Number of bytes of its own in each beacon, b."""
+    learnt: ClassVar[tuple[str, ...]]
+    """Names of its learnt numbers, k of them."""
+
+    def start(self) -> S:
+        """The state before the first tick: no robot has a link."""
+
+    def forget(self, state: S, restarted: Bools, old: Edges, new: Edges) -> S:
+        """The state in which the robots `restarted` [n] begin anew; the `new` links are those of the others."""
+
+    def relink(self, state: S, old: Edges, new: Edges, entry: Entry) -> S:
+        """The state over the links `new`, from that over `old`. It is called when the set of links changes."""
+
+    def desired(self, state: S, tick: int, links: Edges) -> Floats:
+        """The separation to which each link is driven [l] [m]."""
+
+    def measure(self, state: S, around: Neighborhood, formed: Formed) -> S:
+        """The state after the beacons of the previous tick, and after the formation law's step."""
+
+    def publish(self, state: S, links: Edges) -> Published:
+        """What beacons and observers get at this tick."""
+
+    def seek(self, state: S, around: Neighborhood) -> S:
+        """The state one tick later."""
+
+
+class Channel(Protocol):
+    """The reception probability of the world's radio."""
+
+    Parameters: ClassVar[type[Table]]
+
+    def probability(self, separation: Floats) -> Floats:
+        """Probability that a beacon decodes at `separation` [m], of the same shape."""
+
+
+class PairChannel(Protocol):
+    """A channel that is known by pair and time, not by separation."""
+
+    Parameters: ClassVar[type[Table]]
+
+    def pair_probability(self, time: float, senders: Ints, receivers: Ints, separation: Floats) -> Floats:
+        """Probability that a beacon of `time` [s] decodes, for each pair of ids [m]."""
+
+
+class Dynamics(Protocol[S]):
+    """How bodies follow their commands."""
+
+    Parameters: ClassVar[type[Table]]
+
+    def start(self, poses: Floats) -> S:
+        """The state of bodies at rest at `poses` [n, 3] [m, m, rad; world frame]."""
+
+    def step(self, state: S, twists: Floats, dt: float) -> S:
+        """The state after bodies were told to hold `twists` [n, 2] [m/s, rad/s] for `dt` [s]."""
+
+    def poses(self, state: S) -> Floats:
+        """Poses [n, 3] [m, m, rad; world frame]."""
+
+
+class Metric(Protocol):
+    """Named numbers of a run, from the truth of each tick. The object itself is its state, and must pickle."""
+
+    Parameters: ClassVar[type[Table]]
+
+    def add(self, tick: Any) -> None:
+        """Add a tick, a `world.metrics.tick_truth.TickTruth`."""
+
+    def result(self) -> Mapping[str, float | None]:
+        """The numbers up to the last tick."""
