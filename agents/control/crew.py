@@ -88,7 +88,7 @@ def step(
     published = crew.seeking.publish(sought, used.edges)
     beacons = _beacons(sensed, crew.ids, used, selected, published, formed)
     beacons, unsent = transmitter.send(crew.transmitters, state.unsent, beacons)
-    telemetry = Telemetry(used.edges, bounded(published.estimates, MAX_NUMBER), published.learnt, formed.details)
+    telemetry = _telemetry(used, published, formed)
     sought = crew.seeking.seek(sought, around)
     after = CrewState(sensed.poses, known, used, formed.state, sought, linked_since, since, unsent)
     return after, beacons, twists, telemetry
@@ -114,9 +114,7 @@ def _beacons(
     sensed: Sensed, ids: Ints, used: Links, selected: Bools, published: Published, formed: Formed
 ) -> Beacons:
     """The beacons that the robots hand to their transmitters."""
-    declared = formed.declared
-    if published.declared is not None:
-        declared = np.concatenate([declared, published.declared], axis=1)
+    parts = [part for part in (formed.declared, published.declared) if part is not None]
     return Beacons(
         sensed.tick,
         ids,
@@ -125,5 +123,12 @@ def _beacons(
         bounded(published.estimates, MAX_NUMBER),
         selected.take(used.contact),
         bounded(published.statistics, MAX_NUMBER),
-        declared,
+        np.concatenate(parts, axis=1) if parts else np.zeros((len(ids), 0), dtype=np.uint8),
     )
+
+
+def _telemetry(used: Links, published: Published, formed: Formed) -> Telemetry:
+    """What observers get."""
+    details = np.zeros((len(used.edges.ids), 0)) if formed.details is None else bounded(formed.details, MAX_NUMBER)
+    estimates, learnt = bounded(published.estimates, MAX_NUMBER), bounded(published.learnt, MAX_NUMBER)
+    return Telemetry(used.edges, estimates, learnt, details)

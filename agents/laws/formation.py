@@ -45,7 +45,7 @@ class PaperFormation:
     details: tuple[str, ...] = ()
 
     def __init__(self, parameters: NoParameters, context: LawContext) -> None:
-        self._nothing = np.zeros((len(context.ids), 0), dtype=np.uint8)
+        """It depends on nothing but its links."""
 
     def start(self) -> None:
         """It has no state."""
@@ -55,4 +55,4 @@ class PaperFormation:
 
     def step(self, state: None, around: Neighborhood, geometry: LinkGeometry) -> Formed:
         """The pull g_i of each robot."""
-        return Formed(None, formation_vector(around.links, geometry.error, geometry.bearing), self._nothing)
+        return Formed(None, formation_vector(around.links, geometry.error, geometry.bearing))

@@ -8,8 +8,6 @@ it must pickle, and a method returns a new one instead of changing it.
 from collections.abc import Mapping
 from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
 
-import numpy as np
-
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Bytes, Floats, Ints
 from fes.extension.neighborhood import Entry, LinkGeometry, Neighborhood
@@ -33,10 +31,10 @@ class Formed(NamedTuple):
     state: Any
     pull: Floats
     """Vector from each robot to where it should go [n, 2] [m; world frame]."""
-    declared: Bytes = np.zeros((0, 0), dtype=np.uint8)
-    """Bytes for the robots' beacons [n, b]."""
-    details: Floats = np.zeros((0, 0))
-    """Numbers for observers [n, j], named by `details` of the class."""
+    declared: Bytes | None = None
+    """Bytes for the robots' beacons [n, b]; None without any."""
+    details: Floats | None = None
+    """Numbers for observers [n, j], named by `details` of the class; None without any."""
     twists: Floats | None = None
     """Twists [n, 2] [m/s, rad/s] that replace those that follow from the pull, where they are not NaN."""
 
