@@ -33,14 +33,11 @@ def update(contacts: Contacts, received: Received, own: Floats, timeout: int) ->
     """
     contacts = _carried(contacts, received.edges)
     edges, heard = contacts.edges, received.heard
+    last = _replaced(contacts.heard, heard, np.full(len(heard), received.tick))
     x, y = _replaced(contacts.x, heard, received.x), _replaced(contacts.y, heard, received.y)
     dx = x - own[:, geometry.X].take(edges.rows)
     dy = y - own[:, geometry.Y].take(edges.rows)
     separation = geometry.separation(dx, dy)
-    last = contacts.heard
-    if len(heard):
-        last = last.copy()
-        last[heard] = received.tick
     return Contacts(
         edges,
         last,
@@ -77,9 +74,11 @@ def mean_estimates(edges: Edges, received: Received) -> Floats:
 
 
 def _replaced(values: Array, positions: Ints, new: Array) -> Array:
-    """A copy of the values, with the `new` ones at `positions`; the same array where nothing changes."""
-    if not len(positions) or not new.size:
+    """A copy of the values, with the `new` ones at `positions`; an array that is there already where it will do."""
+    if not new.size:
         return values
+    if len(positions) == len(values):
+        return new
     result = values.copy()
     result[positions] = new
     return result

@@ -29,7 +29,7 @@ MAX_TWIST = 1e9
 
 def bounded(values: Floats, most: float) -> Floats:
     """The values, clipped to [-`most`, `most`]; NaN remains."""
-    return np.minimum(np.maximum(values, -most), most)
+    return np.minimum(np.maximum(values, -most), most) if values.size else values
 
 
 class Sensed(NamedTuple):
@@ -58,8 +58,7 @@ class Observations:
         return Sensed(self.tick, self.poses)
 
 
-@dataclass(frozen=True, eq=False)
-class Received:
+class Received(NamedTuple):
     """The beacons of one tick that a crew received: nothing of a peer whose beacon did not decode.
 
     Its arrays have one entry for each beacon that decoded at a robot [d].
