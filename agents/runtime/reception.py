@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fes.arrays import geometry
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats, Ints
 from fes.model.sensing import DECODED, Beacons, Observations, Received
@@ -65,8 +64,7 @@ class Receiver:
             observations.tick - 1,
             edges,
             heard,
-            beacons.poses[:, geometry.X].take(sender),
-            beacons.poses[:, geometry.Y].take(sender),
+            beacons.poses.take(sender, axis=0),
             estimates,
             selected,
             _rows(beacons.statistics, sender),

@@ -76,7 +76,7 @@ class FormationLaw(Protocol[S]):
     def forget(self, state: S, restarted: Bools) -> S:
         """The state in which the robots `restarted` [n] begin anew."""
 
-    def step(self, state: S, around: Neighborhood, geometry: LinkGeometry) -> Formed:
+    def step(self, state: S, around: Neighborhood, links: LinkGeometry) -> Formed:
         """The pull of each robot at this tick."""
 
 

@@ -16,6 +16,7 @@ from pydantic import ValidationError
 
 from fes.errors import FesError
 from fes.extension.context import LawContext
+from fes.extension.controllers import ControllerFormation, ControllerSeeking
 from fes.extension.protocols import MAX_DECLARED, FormationLaw, NeighborRule, SeekingLaw
 from fes.model.config import AgentConfig
 from fes.model.seeking import MeasuredConfig, SeekingConfig
@@ -144,11 +145,6 @@ def create(kind: Kind, choice: str | Use, context: Any) -> Any:
         raise FesError(f"{kind.name} '{chosen(choice).use}': {type(error).__name__}: {text}") from None
 
 
-def seeking_class(config: SeekingConfig) -> Any:
-    """The class of a seeking law; raises FesError in one line."""
-    return load(SEEKING, _seeking_name(config))
-
-
 def knows_channel(config: SeekingConfig) -> bool:
     """True if the law must be told the channel; no built-in law is loaded. Raises FesError in one line."""
     return bool(load(SEEKING, config.use).knows_channel) if isinstance(config, Use) else config.knows_channel
@@ -171,11 +167,15 @@ def physical_period(config: SeekingConfig) -> float | None:
 def laws(config: AgentConfig, context: LawContext) -> Laws:
     """The laws of a crew with `config`; raises FesError in one line."""
     rule = create(RULE, config.formation.rule, context)
+    if config.controller is not None:
+        controller = load(CONTROLLER, chosen(config.controller).use)
+        checked = parameters(CONTROLLER, config.controller, controller)
+        return Laws(rule, ControllerFormation(controller, checked, context), ControllerSeeking(controller, context))
     formation = create(FORMATION, config.formation.law, context)
     if isinstance(config.seeking, Use):
         seeking = create(SEEKING, config.seeking, context)
     else:
-        seeking = seeking_class(config.seeking)(config.seeking, context)
+        seeking = load(SEEKING, _seeking_name(config))(config.seeking, context)
     declared = formation.declared + seeking.declared
     if declared > MAX_DECLARED:
         raise FesError(f"the laws declare {declared} bytes in each beacon: at most {MAX_DECLARED} are allowed")

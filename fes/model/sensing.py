@@ -70,9 +70,8 @@ class Received(NamedTuple):
     """The contacts: all peers in range that each robot has heard since they came in range [m]."""
     heard: Ints
     """Positions among the contacts, ascending [d]."""
-    x: Floats
-    y: Floats
-    """Position in the beacon [d] [m; world frame]."""
+    poses: Floats
+    """Pose in the beacon [d, 3] [m, m, rad; world frame]."""
     estimates: Floats
     """The sender's own separation estimate for the link to this robot [d] [m]; NaN if it has no such link."""
     selected: Bools
