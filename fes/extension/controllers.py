@@ -17,7 +17,7 @@ from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Bools, Floats
 from fes.extension.context import LawContext
 from fes.extension.neighborhood import Entry, LinkGeometry, Neighborhood
-from fes.extension.protocols import Formed, Published
+from fes.extension.protocols import Formed, NoParameters, Published
 from fes.model.config import ObjectiveConfig
 from fes.model.table import Table
 
@@ -130,6 +130,7 @@ class ControllerState:
 class ControllerFormation:
     """The formation law of a crew of controllers: it steps them."""
 
+    Parameters = NoParameters
     declared = 0
     details: tuple[str, ...] = ()
 
@@ -207,6 +208,7 @@ class ControllerFormation:
 class ControllerSeeking:
     """The seeking law beside `ControllerFormation`: it publishes what the controllers told."""
 
+    Parameters = NoParameters
     knows_channel = False
     declared = 0
     learnt: tuple[str, ...] = ()

@@ -65,10 +65,14 @@ class FormationLaw(Protocol[S]):
     """Computes where each robot is pulled. Limits and the twist come after it."""
 
     Parameters: ClassVar[type[Table]]
-    declared: ClassVar[int]
-    """Number of bytes of its own in each beacon, b."""
-    details: ClassVar[tuple[str, ...]]
-    """Names of its numbers for observers, j of them."""
+
+    @property
+    def declared(self) -> int:
+        """Number of bytes of its own in each beacon, b."""
+
+    @property
+    def details(self) -> tuple[str, ...]:
+        """Names of its numbers for observers, j of them."""
 
     def start(self) -> S:
         """The state before the first tick."""
@@ -84,14 +88,22 @@ class SeekingLaw(Protocol[S]):
     """Seeks the optimal separation of each link. A tick calls its methods in the order in which they stand here."""
 
     Parameters: ClassVar[type[Table]]
-    knows_channel: ClassVar[bool]
-    """True if the law must be told the channel: its context then has it, and the run is not model-free."""
-    statistics: ClassVar[int]
-    """Number of statistics in each beacon, q."""
-    declared: ClassVar[int]
-    """Number of bytes of its own in each beacon, b."""
-    learnt: ClassVar[tuple[str, ...]]
-    """Names of its learnt numbers, k of them."""
+
+    @property
+    def knows_channel(self) -> bool:
+        """True if the law must be told the channel: its context then has it, and the run is not model-free."""
+
+    @property
+    def statistics(self) -> int:
+        """Number of statistics in each beacon, q."""
+
+    @property
+    def declared(self) -> int:
+        """Number of bytes of its own in each beacon, b."""
+
+    @property
+    def learnt(self) -> tuple[str, ...]:
+        """Names of its learnt numbers, k of them."""
 
     def start(self) -> S:
         """The state before the first tick: no robot has a link."""

@@ -175,7 +175,7 @@ def laws(config: AgentConfig, context: LawContext) -> Laws:
     if isinstance(config.seeking, Use):
         seeking = create(SEEKING, config.seeking, context)
     else:
-        seeking = load(SEEKING, _seeking_name(config))(config.seeking, context)
+        seeking = load(SEEKING, _seeking_name(config.seeking))(config.seeking, context)
     declared = formation.declared + seeking.declared
     if declared > MAX_DECLARED:
         raise FesError(f"the laws declare {declared} bytes in each beacon: at most {MAX_DECLARED} are allowed")
