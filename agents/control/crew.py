@@ -13,7 +13,7 @@ from agents.control.links import Links
 from agents.control.state import Crew, CrewState
 from fes.arrays.types import Bools, Floats, Ints
 from fes.errors import FesError
-from fes.extension import registry
+from fes.extension import crew_laws
 from fes.extension.context import Draws, LawContext, SeededDraws
 from fes.extension.neighborhood import Entry, Neighborhood
 from fes.extension.protocols import Formed, Published
@@ -37,7 +37,7 @@ def create(config: AgentConfig, ids: Ints, draws: Draws | None = None) -> Crew:
     numbers = SeededDraws(config.seed) if draws is None else draws
     emulated = clocks.of(config, ids, numbers)
     context = LawContext(ids, config.dt, config.objective, numbers, partial(clocks.skew, emulated), config.channel)
-    laws = registry.laws(config, context)
+    laws = crew_laws.laws(config, context)
     timeout = counts.ticks_within(config.formation.contact_timeout, config.dt)
     return Crew(config, ids, laws.rule, laws.formation, laws.seeking, timeout, emulated, transmitter.of(config, ids))
 

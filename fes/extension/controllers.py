@@ -15,6 +15,7 @@ import numpy as np
 from fes.arrays import geometry
 from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Bools, Floats
+from fes.extension.checked import Checked
 from fes.extension.context import LawContext
 from fes.extension.neighborhood import Entry, LinkGeometry, Neighborhood
 from fes.extension.protocols import Formed, NoParameters, Published
@@ -134,7 +135,8 @@ class ControllerFormation:
     declared = 0
     details: tuple[str, ...] = ()
 
-    def __init__(self, controller: Any, parameters: Table, context: LawContext) -> None:
+    def __init__(self, controller: Any, parameters: Table, context: LawContext, name: str) -> None:
+        self._checked = Checked(controller, name)
         self._class, self._parameters, self._context = controller, parameters, context
         self._own_ids = context.draws.own_ids(context.ids).tolist()
 
@@ -162,9 +164,11 @@ class ControllerFormation:
         linked = self._context.draws.own_ids(around.links.peers).tolist()
         poses = around.poses.tolist()
         for row, controller in enumerate(state.controllers):
-            robot = RobotView(self._own_ids[row], around.tick, around.dt, *poses[row], tuple(neighbors[row]))
-            result = controller.step(robot)
-            action = result if isinstance(result, Action) else Action(result)
+            x, y, heading = poses[row]
+            seen = tuple(neighbors[row])
+            action = self._action(
+                controller, RobotView(self._own_ids[row], around.tick, around.dt, x, y, heading, seen)
+            )
             (twists if isinstance(action.move, Twist) else pull)[row] = action.move
             if len(action.statistics):
                 statistics[row] = action.statistics
@@ -176,7 +180,21 @@ class ControllerFormation:
     def _new(self, row: int) -> Any:
         context = self._context
         own = ControllerContext(self._own_ids[row], context.dt, context.objective, context, int(context.ids[row]))
-        return self._class(self._parameters, own)
+        return self._checked.call(self._class, self._parameters, own)
+
+    def _action(self, controller: Any, robot: RobotView) -> Action:
+        """What a controller returns, checked; raises FesError in one line."""
+        result = self._checked.call(controller.step, robot)
+        action = result if isinstance(result, Action) else Action(result)
+        if not isinstance(action.move, Twist | Pull):
+            self._checked.fail(f"step must return a Twist, a Pull or an Action, got {type(result).__name__}")
+        count = self._class.statistics if len(action.statistics) else 0
+        if len(action.statistics) != count:
+            self._checked.fail(f"step must return {self._class.statistics} statistics, got {len(action.statistics)}")
+        numbers = [*action.move, *action.estimates.values(), *action.statistics]
+        if not all(map(math.isfinite, numbers)):
+            self._checked.fail(f"step must return finite numbers, got {action} at tick {robot.tick}")
+        return action
 
     def _neighbors(self, around: Neighborhood) -> list[list[Neighbor]]:
         """The neighbors of each robot."""
@@ -201,7 +219,7 @@ class ControllerFormation:
         for (*seen, estimate), statistics, is_known, row in zip(rows, told, known, robots, strict=True):
             if is_known:
                 own = None if math.isnan(estimate) else estimate
-                result[row].append(Neighbor(*seen, own, tuple(statistics)))
+                result[row].append(Neighbor._make((*seen, own, tuple(statistics))))
         return result
 
 

@@ -1,12 +1,14 @@
 """The seven kinds of extension, as protocols: any class that has these members is one.
 
+Each class has also `Parameters`, a subclass of `fes.extension.Table`: pydantic rejects what it does not know.
+
 Shapes: n robots, m contacts, l links, q statistics, b bytes, k learnt numbers. A constructor gets (parameters,
 context). `parameters` is an instance of the class's own `Parameters`, a pydantic table. State is an ordinary value:
 it must pickle, and a method returns a new one instead of changing it.
 """
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Bytes, Floats, Ints
@@ -55,16 +57,12 @@ class Published(NamedTuple):
 class NeighborRule(Protocol):
     """Selects neighbors among contacts. A rule may keep a cache: it may change the work, never the result."""
 
-    Parameters: ClassVar[type[Table]]
-
     def __call__(self, contacts: Contacts) -> Bools:
         """True for each contact that its robot selects [m]."""
 
 
 class FormationLaw(Protocol[S]):
     """Computes where each robot is pulled. Limits and the twist come after it."""
-
-    Parameters: ClassVar[type[Table]]
 
     @property
     def declared(self) -> int:
@@ -86,8 +84,6 @@ class FormationLaw(Protocol[S]):
 
 class SeekingLaw(Protocol[S]):
     """Seeks the optimal separation of each link. A tick calls its methods in the order in which they stand here."""
-
-    Parameters: ClassVar[type[Table]]
 
     @property
     def knows_channel(self) -> bool:
@@ -130,8 +126,6 @@ class SeekingLaw(Protocol[S]):
 class Channel(Protocol):
     """The reception probability of the world's radio."""
 
-    Parameters: ClassVar[type[Table]]
-
     def probability(self, separation: Floats) -> Floats:
         """Probability that a beacon decodes at `separation` [m], of the same shape."""
 
@@ -139,16 +133,12 @@ class Channel(Protocol):
 class PairChannel(Protocol):
     """A channel that is known by pair and time, not by separation."""
 
-    Parameters: ClassVar[type[Table]]
-
     def pair_probability(self, time: float, senders: Ints, receivers: Ints, separation: Floats) -> Floats:
         """Probability that a beacon of `time` [s] decodes, for each pair of ids [m]."""
 
 
 class Dynamics(Protocol[S]):
     """How bodies follow their commands."""
-
-    Parameters: ClassVar[type[Table]]
 
     def start(self, poses: Floats) -> S:
         """The state of bodies at rest at `poses` [n, 3] [m, m, rad; world frame]."""
@@ -162,8 +152,6 @@ class Dynamics(Protocol[S]):
 
 class Metric(Protocol):
     """Named numbers of a run, from the truth of each tick. The object itself is its state, and must pickle."""
-
-    Parameters: ClassVar[type[Table]]
 
     def add(self, tick: Any) -> None:
         """Add a tick, a `world.metrics.tick_truth.TickTruth`."""
