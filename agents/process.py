@@ -195,6 +195,7 @@ def main() -> None:
         metavar="S",
         help="longest wait for the world, at the start and whenever it is absent (default: %(default)g s)",
     )
+    process.add_use_flag(parser)
     process.add_network_flags(parser)
     flags = parser.parse_args()
     process.run("fes-agent", lambda: serve(flags), exit_with_stdin=flags.exit_with_stdin)
