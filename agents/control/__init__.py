@@ -1,4 +1,4 @@
-"""The control step of a crew: pure.
+"""The control step of a crew, and the choice of its ticks: pure.
 
 crew             crew.step, from observations and beacons to twists and the next beacons
 state            a crew and its state.
@@ -7,5 +7,6 @@ contacts         the peers in range, updated by the beacons of a tick.
 links            the links that the neighbor rule selected.
 beacon_counting  beacons as samples of the packet reception ratio.
 clocks           emulated clocks that drift.
+ticks            the tick to answer next, in lockstep and with a live clock.
 transmitter      emulated transmitters that are faulty.
 """
