@@ -47,25 +47,27 @@ def read(where: str, content: bytes, wanted: Sequence[tuple[Column, ...]]) -> di
     try:
         names = [name.strip() for name in next(rows, [])]
         columns = _chosen(where, names, wanted)
-        values = [array("d") for _ in columns]
-        lines = array("q")
+        positions = [position for position, _ in columns]
+        values, lines = array("d"), array("q")
         for fields in rows:
-            if not any(map(str.strip, fields)):
+            if not "".join(fields).strip():
                 continue
             if len(fields) != len(names):
                 rule = f"must have {len(names)} fields, got {len(fields)}"
                 raise FesError(f"{where}, line {rows.line_num}: {rule}: '{','.join(fields)[:_SHOWN]}'")
             lines.append(rows.line_num)
-            for (position, column), numbers in zip(columns, values, strict=True):
-                numbers.append(_number(where, rows.line_num, column, fields[position]))
+            try:
+                values.extend([float(fields[position]) for position in positions])
+            except ValueError:
+                values.extend(_number(where, rows.line_num, column, fields[position]) for position, column in columns)
     except csv.Error as error:
         raise FesError(f"{where}, line {rows.line_num}: {error}") from None
     if not lines:
         raise FesError(f"{where} has no row after its line of names")
-    result = {column.name: np.array(numbers) for (_, column), numbers in zip(columns, values, strict=True)}
-    for _, column in columns:
-        _check(where, lines, column, result[column.name])
-    return result
+    table = np.array(values).reshape(-1, len(columns)).T.copy()
+    for (_, column), numbers in zip(columns, table, strict=True):
+        _check(where, lines, column, numbers)
+    return {column.name: numbers for (_, column), numbers in zip(columns, table, strict=True)}
 
 
 def _chosen(where: str, names: list[str], wanted: Sequence[tuple[Column, ...]]) -> list[tuple[int, Column]]:

@@ -1,6 +1,7 @@
 """The file of a trace: time, sender, receiver, and probability or decoded."""
 
 import hashlib
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -78,7 +79,7 @@ def locate(tables: dict[str, Any], folder: Path, overrides: Mapping[str, Any]) -
 def _locate(table: Any, prefix: str, folder: Path) -> None:
     if not isinstance(table, dict) or not isinstance(table.get(prefix + TRACE), str):
         return
-    path = str((folder / table[prefix + TRACE]).resolve())
+    path = os.path.abspath(folder / table[prefix + TRACE])
     table[prefix + TRACE] = path
     checksum = table.get(prefix + CHECKSUM)
     if checksum is None:
