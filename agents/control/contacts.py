@@ -18,10 +18,9 @@ def no_contacts(ids: Ints, statistics: int, declared: int) -> Contacts:
     """The contacts of a crew that has heard no beacon; a beacon has this many `statistics` and `declared` bytes."""
     nothing = no_edges(ids)
     floats, bools = np.zeros(0), np.zeros(0, dtype=np.bool_)
-    blank = np.zeros((0, statistics)), np.zeros((0, declared), dtype=np.uint8)
-    return Contacts(
-        nothing, nothing.rows, floats, floats, floats, bools, *blank, floats, bools, floats, floats, floats
-    )
+    poses, numbers, declared_bytes = np.zeros((0, 3)), np.zeros((0, statistics)), np.zeros((0, declared), np.uint8)
+    of_beacons = nothing.rows, poses, floats, bools, numbers, declared_bytes
+    return Contacts(nothing, *of_beacons, floats, bools, floats, floats, floats)
 
 
 def update(contacts: Contacts, received: Received, own: Floats, timeout: int) -> Contacts:
@@ -33,19 +32,15 @@ def update(contacts: Contacts, received: Received, own: Floats, timeout: int) ->
     """
     contacts = _carried(contacts, received.edges)
     edges, heard = contacts.edges, received.heard
-    x, y = _replaced(contacts.x, heard, received.x), _replaced(contacts.y, heard, received.y)
-    dx = x - own[:, geometry.X].take(edges.rows)
-    dy = y - own[:, geometry.Y].take(edges.rows)
+    last = _replaced(contacts.heard, heard, np.full(len(heard), received.tick))
+    poses = _replaced(contacts.poses, heard, received.poses)
+    dx = poses[:, geometry.X] - own[:, geometry.X].take(edges.rows)
+    dy = poses[:, geometry.Y] - own[:, geometry.Y].take(edges.rows)
     separation = geometry.separation(dx, dy)
-    last = contacts.heard
-    if len(heard):
-        last = last.copy()
-        last[heard] = received.tick
     return Contacts(
         edges,
         last,
-        x,
-        y,
+        poses,
         _replaced(contacts.estimates, heard, received.estimates),
         _replaced(contacts.selected_by_peer, heard, received.selected),
         _replaced(contacts.statistics, heard, _fitting(received.statistics, contacts.statistics)),
@@ -77,9 +72,11 @@ def mean_estimates(edges: Edges, received: Received) -> Floats:
 
 
 def _replaced(values: Array, positions: Ints, new: Array) -> Array:
-    """A copy of the values, with the `new` ones at `positions`; the same array where nothing changes."""
-    if not len(positions) or not new.size:
+    """A copy of the values, with the `new` ones at `positions`; an array that is there already where it will do."""
+    if not new.size:
         return values
+    if len(positions) == len(values):
+        return new
     result = values.copy()
     result[positions] = new
     return result
@@ -98,8 +95,7 @@ def _carried(contacts: Contacts, edges: Edges) -> Contacts:
     return Contacts(
         edges,
         heard=carry(contacts.heard, NEVER),
-        x=carry(contacts.x, 0.0),
-        y=carry(contacts.y, 0.0),
+        poses=carry(contacts.poses, 0.0),
         estimates=carry(contacts.estimates, np.nan),
         selected_by_peer=carry(contacts.selected_by_peer, False),
         statistics=carry(contacts.statistics, 0.0),

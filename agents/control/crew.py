@@ -13,7 +13,7 @@ from agents.control.links import Links
 from agents.control.state import Crew, CrewState
 from fes.arrays.types import Bools, Floats, Ints
 from fes.errors import FesError
-from fes.extension import registry
+from fes.extension import crew_laws
 from fes.extension.context import Draws, LawContext, SeededDraws
 from fes.extension.neighborhood import Entry, Neighborhood
 from fes.extension.protocols import Formed, Published
@@ -37,7 +37,7 @@ def create(config: AgentConfig, ids: Ints, draws: Draws | None = None) -> Crew:
     numbers = SeededDraws(config.seed) if draws is None else draws
     emulated = clocks.of(config, ids, numbers)
     context = LawContext(ids, config.dt, config.objective, numbers, partial(clocks.skew, emulated), config.channel)
-    laws = registry.laws(config, context)
+    laws = crew_laws.laws(config, context)
     timeout = counts.ticks_within(config.formation.contact_timeout, config.dt)
     return Crew(config, ids, laws.rule, laws.formation, laws.seeking, timeout, emulated, transmitter.of(config, ids))
 
@@ -86,7 +86,8 @@ def step(
     twists = motion.twists(crew.ids, formed, sensed, crew.config.dt, crew.config.formation)
     sought = crew.seeking.measure(sought, around, formed)
     published = crew.seeking.publish(sought, used.edges)
-    beacons = _beacons(sensed, crew.ids, used, selected, published, formed)
+    published = _bounded(published)
+    beacons = _beacons(sensed, used, selected, published, formed)
     beacons, unsent = transmitter.send(crew.transmitters, state.unsent, beacons)
     telemetry = _telemetry(used, published, formed)
     sought = crew.seeking.seek(sought, around)
@@ -110,25 +111,28 @@ def _relink(
     return linked_since, crew.seeking.relink(state.seeking, old, edges, Entry(tick, is_fresh, reported))
 
 
-def _beacons(
-    sensed: Sensed, ids: Ints, used: Links, selected: Bools, published: Published, formed: Formed
-) -> Beacons:
+def _bounded(published: Published) -> Published:
+    """What a seeking law publishes, within the bounds of a message."""
+    estimates, statistics = bounded(published.estimates, MAX_NUMBER), bounded(published.statistics, MAX_NUMBER)
+    return Published(estimates, statistics, bounded(published.learnt, MAX_NUMBER), published.declared)
+
+
+def _beacons(sensed: Sensed, used: Links, selected: Bools, published: Published, formed: Formed) -> Beacons:
     """The beacons that the robots hand to their transmitters."""
     parts = [part for part in (formed.declared, published.declared) if part is not None]
     return Beacons(
         sensed.tick,
-        ids,
+        used.edges.ids,
         bounded(sensed.poses, MAX_NUMBER),
         used.edges,
-        bounded(published.estimates, MAX_NUMBER),
+        published.estimates,
         selected.take(used.contact),
-        bounded(published.statistics, MAX_NUMBER),
-        np.concatenate(parts, axis=1) if parts else np.zeros((len(ids), 0), dtype=np.uint8),
+        published.statistics,
+        np.concatenate(parts, axis=1) if parts else np.zeros((len(sensed.poses), 0), dtype=np.uint8),
     )
 
 
 def _telemetry(used: Links, published: Published, formed: Formed) -> Telemetry:
     """What observers get."""
     details = np.zeros((len(used.edges.ids), 0)) if formed.details is None else bounded(formed.details, MAX_NUMBER)
-    estimates, learnt = bounded(published.estimates, MAX_NUMBER), bounded(published.learnt, MAX_NUMBER)
-    return Telemetry(used.edges, estimates, learnt, details)
+    return Telemetry(used.edges, published.estimates, published.learnt, details)

@@ -45,15 +45,15 @@ def forget(links: Links, contacts: Contacts, restarted: Bools) -> Links:
 
 def geometry(contacts: Contacts, links: Links, desired: Floats) -> LinkGeometry:
     """The links as the formation law sees them; `desired` [l] [m] are the separations that the seeking law wants."""
-    return LinkGeometry(contacts.separation.take(links.contact), desired, bearing(contacts, links.contact))
+    separation = contacts.separation.take(links.contact)
+    return LinkGeometry(separation, desired, bearing(contacts, links.contact, separation))
 
 
-def bearing(contacts: Contacts, positions: Ints) -> Floats:
-    """Unit vectors [2, l] of the lines of sight of the contacts at `positions` [l].
+def bearing(contacts: Contacts, positions: Ints, size: Floats) -> Floats:
+    """Unit vectors [2, l] of the lines of sight, of length `size` [l] [m], of the contacts at `positions` [l].
 
     The paper needs psi_ji = pi + psi_ij even where two robots coincide: there the lower id looks along +x.
     """
-    size = contacts.separation.take(positions)
     direction = np.empty((2, len(positions)))
     contacts.dx.take(positions, out=direction[0], mode="clip")
     contacts.dy.take(positions, out=direction[1], mode="clip")

@@ -53,6 +53,6 @@ class PaperFormation:
     def forget(self, state: None, restarted: Bools) -> None:
         """It has no state."""
 
-    def step(self, state: None, around: Neighborhood, geometry: LinkGeometry) -> Formed:
+    def step(self, state: None, around: Neighborhood, links: LinkGeometry) -> Formed:
         """The pull g_i of each robot."""
-        return Formed(None, formation_vector(around.links, geometry.error, geometry.bearing))
+        return Formed(None, formation_vector(around.links, links.error, links.bearing))

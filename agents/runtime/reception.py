@@ -2,13 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fes.arrays import geometry
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats, Ints
 from fes.model.sensing import DECODED, Beacons, Observations, Received
+
+Array = NDArray[Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,25 +54,21 @@ class Receiver:
             lookup = self._lookup = _look_up(in_range, beacons)
         is_decoded = (observations.reception == DECODED) & lookup.present
         edges = self._update(in_range, is_decoded, contacts)
-        positions = self._positions
-        heard = np.flatnonzero(is_decoded.take(positions))
-        pairs = positions.take(heard)
-        sender, link = lookup.sender.take(pairs), lookup.link.take(pairs)
-        estimates, selected = np.full(len(heard), np.nan), np.zeros(len(heard), dtype=np.bool_)
-        if len(beacons.links):
-            has_link = link >= 0
-            estimates = np.where(has_link, beacons.estimates.take(link, mode="clip"), np.nan)
-            selected = beacons.selected.take(link, mode="clip") & has_link
+        sender, link = lookup.sender, lookup.link
+        heard = pairs = np.flatnonzero(is_decoded)
+        if len(pairs) < len(in_range):
+            heard = np.searchsorted(self._positions, pairs) if len(edges) < len(in_range) else pairs
+            sender, link = sender.take(pairs), link.take(pairs)
+        estimates, selected = _of_links(beacons, link)
         return Received(
             observations.tick - 1,
             edges,
             heard,
-            beacons.poses[:, geometry.X].take(sender),
-            beacons.poses[:, geometry.Y].take(sender),
+            beacons.poses.take(sender, axis=0),
             estimates,
             selected,
-            beacons.statistics.take(sender, axis=0),
-            beacons.declared.take(sender, axis=0),
+            _rows(beacons.statistics, sender),
+            _rows(beacons.declared, sender),
             lambda: _mean_estimates(beacons).take(sender),
         )
 
@@ -78,7 +77,7 @@ class Receiver:
         if in_range is not self._in_range or contacts is not self._contacts:
             self._in_range = in_range
             self._is_contact = in_range.after(contacts).positions >= 0
-        elif not np.count_nonzero(is_decoded & ~self._is_contact):
+        elif len(contacts) == len(in_range) or not np.count_nonzero(is_decoded > self._is_contact):
             return contacts
         self._is_contact |= is_decoded
         self._positions = np.flatnonzero(self._is_contact)
@@ -98,6 +97,23 @@ def missing(observations: Observations, senders: Sequence[int]) -> int:
     """Number of beacons that decoded at a robot, but whose peer is not among the `senders` of those received."""
     peers = observations.in_range.peers[observations.reception == DECODED]
     return int(np.count_nonzero(~np.isin(peers, senders)))
+
+
+def _of_links(beacons: Beacons, link: Ints) -> tuple[Floats, Bools]:
+    """Estimate of each link [d], NaN at position -1, and True where its sender's own rule selected it [d]."""
+    if not len(beacons.links):
+        return np.full(len(link), np.nan), np.zeros(len(link), dtype=np.bool_)
+    estimates, selected = beacons.estimates.take(link, mode="clip"), beacons.selected.take(link, mode="clip")
+    has_link = link >= 0
+    if np.count_nonzero(has_link) < len(link):
+        estimates[~has_link] = np.nan
+        selected &= has_link
+    return estimates, selected
+
+
+def _rows(values: Array, sender: Ints) -> Array:
+    """The rows of `values` [n, q] of each sender [d, q]."""
+    return values.take(sender, axis=0) if values.shape[1] else np.empty((len(sender), 0), values.dtype)
 
 
 def _mean_estimates(beacons: Beacons) -> Floats:

@@ -108,6 +108,11 @@ class _StackedDraws:
             numbers[pairs] = self.runs[index](stream, own[robots[pairs] - first], own[peers[pairs] - first])
         return numbers
 
+    def own_ids(self, ids: Ints) -> Ints:
+        """The ids within their runs of robots with these ids in the crew."""
+        first: Ints = self.places.first[np.searchsorted(self.places.first, ids, "right") - 1]
+        return ids - first
+
 
 def _assemble(scenarios: Sequence[Scenario], places: _Places) -> Crew:
     """The crew of all runs."""

@@ -16,6 +16,9 @@ class Draws(Protocol):
     def __call__(self, stream: str, robots: Ints, peers: Ints) -> Floats:
         """A uniform number in [0, 1) for each pair of ids (robot, peer) [m]; a robot alone is its own peer."""
 
+    def own_ids(self, ids: Ints) -> Ints:
+        """The ids within the run of robots with these `ids` in the crew: a crew may hold the robots of many runs."""
+
 
 @dataclass(frozen=True)
 class SeededDraws:
@@ -26,6 +29,10 @@ class SeededDraws:
     def __call__(self, stream: str, robots: Ints, peers: Ints) -> Floats:
         """A uniform number in [0, 1) for each pair of ids (robot, peer) [m]."""
         return draws.uniform_pairs(draws.key(self.seed, stream), robots, peers)
+
+    def own_ids(self, ids: Ints) -> Ints:
+        """The ids themselves."""
+        return ids
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +45,7 @@ class LawContext:
     """
 
     ids: Ints
-    """Robot ids of the crew, ascending [n]."""
+    """Ids of the crew, ascending [n]. Only their order counts; where their values do, use `draws.own_ids`."""
     dt: float
     """Tick length [s]."""
     objective: ObjectiveConfig

@@ -33,18 +33,18 @@ class Neighborhood:
     link_contact: Ints
     """Position of each link among the contacts [l]."""
 
-    @cached_property
+    @property
     def is_heard(self) -> Bools:
         """True for a contact whose beacon of the previous tick decoded [m]."""
         is_heard: Bools = np.equal(self.contacts.heard, self.tick - 1)
         return is_heard
 
-    @cached_property
+    @property
     def peer_estimates(self) -> Floats:
         """The peer's own estimate for each link, by its last beacon [l] [m]; NaN if it has no such link."""
         return self.contacts.estimates.take(self.link_contact)
 
-    @cached_property
+    @property
     def age(self) -> Floats:
         """Age of each link's last beacon [l] [s]."""
         return self.dt * (self.tick - self.contacts.heard.take(self.link_contact)).astype(np.float64)
@@ -68,7 +68,7 @@ class LinkGeometry:
     bearing: Floats
     """Unit vector of the line of sight [2, l; world frame]."""
 
-    @cached_property
+    @property
     def error(self) -> Floats:
         """Separation less the desired one [l] [m]."""
         return self.separation - self.desired

@@ -1,12 +1,14 @@
 """The seven kinds of extension, as protocols: any class that has these members is one.
 
+Each class has also `Parameters`, a subclass of `fes.extension.Table`: pydantic rejects what it does not know.
+
 Shapes: n robots, m contacts, l links, q statistics, b bytes, k learnt numbers. A constructor gets (parameters,
 context). `parameters` is an instance of the class's own `Parameters`, a pydantic table. State is an ordinary value:
 it must pickle, and a method returns a new one instead of changing it.
 """
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Bytes, Floats, Ints
@@ -55,8 +57,6 @@ class Published(NamedTuple):
 class NeighborRule(Protocol):
     """Selects neighbors among contacts. A rule may keep a cache: it may change the work, never the result."""
 
-    Parameters: ClassVar[type[Table]]
-
     def __call__(self, contacts: Contacts) -> Bools:
         """True for each contact that its robot selects [m]."""
 
@@ -64,11 +64,13 @@ class NeighborRule(Protocol):
 class FormationLaw(Protocol[S]):
     """Computes where each robot is pulled. Limits and the twist come after it."""
 
-    Parameters: ClassVar[type[Table]]
-    declared: ClassVar[int]
-    """Number of bytes of its own in each beacon, b."""
-    details: ClassVar[tuple[str, ...]]
-    """Names of its numbers for observers, j of them."""
+    @property
+    def declared(self) -> int:
+        """Number of bytes of its own in each beacon, b."""
+
+    @property
+    def details(self) -> tuple[str, ...]:
+        """Names of its numbers for observers, j of them."""
 
     def start(self) -> S:
         """The state before the first tick."""
@@ -76,22 +78,28 @@ class FormationLaw(Protocol[S]):
     def forget(self, state: S, restarted: Bools) -> S:
         """The state in which the robots `restarted` [n] begin anew."""
 
-    def step(self, state: S, around: Neighborhood, geometry: LinkGeometry) -> Formed:
+    def step(self, state: S, around: Neighborhood, links: LinkGeometry) -> Formed:
         """The pull of each robot at this tick."""
 
 
 class SeekingLaw(Protocol[S]):
     """Seeks the optimal separation of each link. A tick calls its methods in the order in which they stand here."""
 
-    Parameters: ClassVar[type[Table]]
-    knows_channel: ClassVar[bool]
-    """True if the law must be told the channel: its context then has it, and the run is not model-free."""
-    statistics: ClassVar[int]
-    """Number of statistics in each beacon, q."""
-    declared: ClassVar[int]
-    """Number of bytes of its own in each beacon, b."""
-    learnt: ClassVar[tuple[str, ...]]
-    """Names of its learnt numbers, k of them."""
+    @property
+    def knows_channel(self) -> bool:
+        """True if the law must be told the channel: its context then has it, and the run is not model-free."""
+
+    @property
+    def statistics(self) -> int:
+        """Number of statistics in each beacon, q."""
+
+    @property
+    def declared(self) -> int:
+        """Number of bytes of its own in each beacon, b."""
+
+    @property
+    def learnt(self) -> tuple[str, ...]:
+        """Names of its learnt numbers, k of them."""
 
     def start(self) -> S:
         """The state before the first tick: no robot has a link."""
@@ -118,8 +126,6 @@ class SeekingLaw(Protocol[S]):
 class Channel(Protocol):
     """The reception probability of the world's radio."""
 
-    Parameters: ClassVar[type[Table]]
-
     def probability(self, separation: Floats) -> Floats:
         """Probability that a beacon decodes at `separation` [m], of the same shape."""
 
@@ -127,16 +133,12 @@ class Channel(Protocol):
 class PairChannel(Protocol):
     """A channel that is known by pair and time, not by separation."""
 
-    Parameters: ClassVar[type[Table]]
-
     def pair_probability(self, time: float, senders: Ints, receivers: Ints, separation: Floats) -> Floats:
         """Probability that a beacon of `time` [s] decodes, for each pair of ids [m]."""
 
 
 class Dynamics(Protocol[S]):
     """How bodies follow their commands."""
-
-    Parameters: ClassVar[type[Table]]
 
     def start(self, poses: Floats) -> S:
         """The state of bodies at rest at `poses` [n, 3] [m, m, rad; world frame]."""
@@ -150,8 +152,6 @@ class Dynamics(Protocol[S]):
 
 class Metric(Protocol):
     """Named numbers of a run, from the truth of each tick. The object itself is its state, and must pickle."""
-
-    Parameters: ClassVar[type[Table]]
 
     def add(self, tick: Any) -> None:
         """Add a tick, a `world.metrics.tick_truth.TickTruth`."""

@@ -7,69 +7,22 @@ only from a module that this process was told to use (`--use`): a message or a f
 import difflib
 import importlib
 import sys
+from dataclasses import replace
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from pydantic import ValidationError
 
 from fes.errors import FesError
+from fes.extension.checked import Checked
 from fes.extension.context import LawContext
-from fes.extension.protocols import MAX_DECLARED, FormationLaw, NeighborRule, SeekingLaw
-from fes.model.config import AgentConfig
-from fes.model.seeking import MeasuredConfig, SeekingConfig
+from fes.extension.kinds import Kind
 from fes.model.table import Table, Use, chosen
-
-
-class Kind(NamedTuple):
-    """A kind of extension."""
-
-    name: str
-    """In words, such as `neighbor rule`."""
-    group: str
-    """Group of entry points."""
-    built_in: dict[str, str]
-    """Name -> `module:Class` of those that come with fes."""
-
-
-RULE = Kind(
-    "neighbor rule",
-    "fes.neighbor_rules",
-    {
-        "disk": "agents.laws.neighbor_rules:Disk",
-        "two_nearest": "agents.laws.neighbor_rules:TwoNearest",
-        "relative_neighborhood": "agents.laws.neighbor_rules:RelativeNeighborhood",
-    },
-)
-FORMATION = Kind("formation law", "fes.formation_laws", {"paper": "agents.laws.formation:PaperFormation"})
-SEEKING = Kind(
-    "seeking law",
-    "fes.seeking_laws",
-    {
-        "oracle": "agents.laws.oracle:OracleSeeking",
-        "sampled": "agents.laws.seeking_perturbation:SampledSeeking",
-        "measured, network": "agents.laws.seeking_measured:PooledSeeking",
-        "measured, none": "agents.laws.seeking_measured:LinkSeeking",
-    },
-)
-CONTROLLER = Kind("controller", "fes.controllers", {})
-CHANNEL = Kind("channel", "fes.channels", {})
-DYNAMICS = Kind("dynamics", "fes.dynamics", {})
-METRIC = Kind("metric", "fes.metrics", {})
-
-KINDS = (CONTROLLER, FORMATION, SEEKING, RULE, CHANNEL, DYNAMICS, METRIC)
 
 _usable: dict[str, Any] = {}
 """Modules that this process was told to use, by name."""
-
-
-class Laws(NamedTuple):
-    """The laws of a crew."""
-
-    rule: NeighborRule
-    formation: FormationLaw[Any]
-    seeking: SeekingLaw[Any]
 
 
 def use(module: str) -> str:
@@ -131,61 +84,32 @@ def parameters(kind: Kind, choice: str | Use, loaded: Any) -> Table:
         raise FesError(f"{kind.name} '{selected.use}': {field}: {message}".replace(": : ", ": ")) from None
 
 
-def create(kind: Kind, choice: str | Use, context: Any) -> Any:
-    """An extension; raises FesError in one line."""
-    loaded = load(kind, chosen(choice).use)
-    checked = parameters(kind, choice, loaded)
-    try:
-        return loaded(checked, context)
-    except FesError:
-        raise
-    except Exception as error:  # the class is anybody's code
-        text = " ".join(str(error).split())
-        raise FesError(f"{kind.name} '{chosen(choice).use}': {type(error).__name__}: {text}") from None
+def check(kind: Kind, choice: str | Use) -> None:
+    """Raise FesError in one line unless an extension is there and takes its parameters; loads no built-in one."""
+    selected = chosen(choice)
+    if selected.use not in kind.built_in:
+        parameters(kind, choice, load(kind, selected.use))
+    elif selected.parameters:
+        raise FesError(f"{kind.name} '{selected.use}' has no parameter '{next(iter(selected.parameters))}'")
 
 
-def seeking_class(config: SeekingConfig) -> Any:
-    """The class of a seeking law; raises FesError in one line."""
-    return load(SEEKING, _seeking_name(config))
+def create(kind: Kind, choice: str | Use, context: Any, given: Table | None = None) -> Any:
+    """An extension; what one of others returns is checked at each call. Raises FesError in one line.
 
-
-def knows_channel(config: SeekingConfig) -> bool:
-    """True if the law must be told the channel; no built-in law is loaded. Raises FesError in one line."""
-    return bool(load(SEEKING, config.use).knows_channel) if isinstance(config, Use) else config.knows_channel
-
-
-def physical_period(config: SeekingConfig) -> float | None:
-    """Period of the oscillation that the law imposes on the formation [s]; None without one.
-
-    An extension may have a static method `physical_period(parameters)`. Raises FesError in one line.
+    `given` are the parameters of a built-in one, if it has any.
     """
-    if not isinstance(config, Use):
-        return config.physical_period
-    loaded = load(SEEKING, config.use)
-    if not hasattr(loaded, "physical_period"):
-        return None
-    period: float | None = loaded.physical_period(parameters(SEEKING, config, loaded))
-    return period
-
-
-def laws(config: AgentConfig, context: LawContext) -> Laws:
-    """The laws of a crew with `config`; raises FesError in one line."""
-    rule = create(RULE, config.formation.rule, context)
-    formation = create(FORMATION, config.formation.law, context)
-    if isinstance(config.seeking, Use):
-        seeking = create(SEEKING, config.seeking, context)
-    else:
-        seeking = seeking_class(config.seeking)(config.seeking, context)
-    declared = formation.declared + seeking.declared
-    if declared > MAX_DECLARED:
-        raise FesError(f"the laws declare {declared} bytes in each beacon: at most {MAX_DECLARED} are allowed")
-    return Laws(rule, formation, seeking)
-
-
-def _seeking_name(config: SeekingConfig) -> str:
-    if isinstance(config, Use):
-        return config.use
-    return f"measured, {config.pooling}" if isinstance(config, MeasuredConfig) else config.index
+    name = chosen(choice).use
+    loaded = load(kind, name)
+    if isinstance(context, LawContext) and not getattr(loaded, "knows_channel", False):
+        context = replace(context, channel=None)
+    if name in kind.built_in and given is not None:
+        return loaded(given, context)
+    checked = parameters(kind, choice, loaded)
+    if name in kind.built_in:
+        return loaded(checked, context)
+    what = f"{kind.name} '{name}'"
+    extension = Checked(loaded, what).call(loaded, checked, context)
+    return kind.checked(extension, what, context)
 
 
 def _attribute(path: str, what: str) -> Any:

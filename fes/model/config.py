@@ -28,13 +28,18 @@ MAX_SKEW = 10.0
 """Largest skew of a clock [s]."""
 
 
+FORMULAS = ("rayleigh", "logistic", "perfect")
+"""Reception models that have a formula."""
+
+
 class ChannelConfig(Table):
     """The formula of the radio channel: the truth of the world. An agent gets it for the oracle index only."""
 
-    model: Literal["rayleigh", "logistic", "perfect"] = "rayleigh"
+    model: Choice = "rayleigh"
     """Reception model. `rayleigh`: beacons decode with the probability of (3). `logistic`: with
     1 / (1 + exp((r - midpoint) / width)), a shape that no exponent gives (3). `perfect`: every beacon in range
-    decodes."""
+    decodes. `table`: as in `rows`. `trace`: as in the file `trace`. An extension is named by `module:Class`, by the
+    name of an installed one, or as a table with `use` and its parameters."""
     reference_snr: Positive = 1e7
     """Signal-to-noise ratio (SNR) at the reference distance [1] (P0/sigma^2)."""
     spectral_efficiency: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] = 2.0

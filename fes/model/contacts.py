@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from fes.arrays import geometry
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Bytes, Floats, Ints
 
@@ -16,9 +17,8 @@ class Contacts:
     edges: Edges
     heard: Ints
     """Tick of the last decoded beacon."""
-    x: Floats
-    y: Floats
-    """Position in that beacon [m; world frame]."""
+    poses: Floats
+    """Pose in that beacon [m, 3] [m, m, rad; world frame]."""
     estimates: Floats
     """The peer's own separation estimate for the link to this robot [m]; NaN if it has no such link."""
     selected_by_peer: Bools
@@ -36,3 +36,13 @@ class Contacts:
     separation: Floats
     """Line of sight and its length [m; world frame], from the own pose of the previous tick. The peer's
     position is that of the same tick, unless its beacon was lost: then it is the last position heard."""
+
+    @property
+    def x(self) -> Floats:
+        """x coordinate in that beacon [m] [m; world frame]."""
+        return self.poses[:, geometry.X]
+
+    @property
+    def y(self) -> Floats:
+        """y coordinate in that beacon [m] [m; world frame]."""
+        return self.poses[:, geometry.Y]

@@ -29,7 +29,7 @@ MAX_TWIST = 1e9
 
 def bounded(values: Floats, most: float) -> Floats:
     """The values, clipped to [-`most`, `most`]; NaN remains."""
-    return np.minimum(np.maximum(values, -most), most)
+    return np.minimum(np.maximum(values, -most), most) if values.size else values
 
 
 class Sensed(NamedTuple):
@@ -58,8 +58,7 @@ class Observations:
         return Sensed(self.tick, self.poses)
 
 
-@dataclass(frozen=True, eq=False)
-class Received:
+class Received(NamedTuple):
     """The beacons of one tick that a crew received: nothing of a peer whose beacon did not decode.
 
     Its arrays have one entry for each beacon that decoded at a robot [d].
@@ -71,9 +70,8 @@ class Received:
     """The contacts: all peers in range that each robot has heard since they came in range [m]."""
     heard: Ints
     """Positions among the contacts, ascending [d]."""
-    x: Floats
-    y: Floats
-    """Position in the beacon [d] [m; world frame]."""
+    poses: Floats
+    """Pose in the beacon [d, 3] [m, m, rad; world frame]."""
     estimates: Floats
     """The sender's own separation estimate for the link to this robot [d] [m]; NaN if it has no such link."""
     selected: Bools

@@ -1,13 +1,15 @@
 """The world's radio, a scenario's table [channel]: the formula, and effects that the robots do not know."""
 
-from itertools import chain
-from typing import Annotated, Self
+from itertools import chain, pairwise
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from fes.model.config import ChannelConfig
 from fes.model.table import Positive, Table
 
+Distance = Annotated[float, Field(ge=0, le=1e6)]
+Share = Annotated[float, Field(ge=0, le=1)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 
@@ -47,6 +49,16 @@ class JammerConfig(Table):
 class RadioConfig(ChannelConfig):
     """The true radio channel: the formula, and optional effects on top of it."""
 
+    rows: list[Annotated[tuple[Distance, Share], Field(strict=False)]] = Field(default=[])
+    """Rows of the model `table`: separation and reception probability [m, 1], by separation; interpolated between
+    rows, constant beyond them. It need not fall."""
+    trace: str | None = None
+    """File of the model `trace`, by its path from the scenario's file: comma-separated, with a line of names. The
+    columns are time [s], sender, receiver, and probability or decoded."""
+    trace_between: Literal["held", "interpolated"] = "held"
+    """Between two times of a trace: the earlier value, or the line between both."""
+    trace_sha256: str | None = None
+    """Checksum of the trace, filled in when it is first read: the run can be repeated only with the same file."""
     shadowing: ShadowingConfig | None = None
     """Log-normal shadowing; none by default."""
     bursts: BurstConfig | None = None
@@ -62,6 +74,19 @@ class RadioConfig(ChannelConfig):
         repeated = {robot for robot in members if members.count(robot) > 1}
         if repeated:
             raise ValueError(f"partition: robot {min(repeated)} is listed twice")
+        return self
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if self.model == "table" and len(self.rows) < 2:
+            raise ValueError(f"rows: model 'table' needs at least two, got {len(self.rows)}")
+        separations = [separation for separation, _ in self.rows]
+        if any(after <= before for before, after in pairwise(separations)):
+            raise ValueError("rows: separations must ascend")
+        if (self.model == "trace") != (self.trace is not None):
+            raise ValueError("model 'trace' needs the file `trace`, and no other model has one")
+        if self.model == "trace" and self.shadowing is not None:
+            raise ValueError("shadowing changes separations, which a trace does not have: leave it out")
         return self
 
     @property

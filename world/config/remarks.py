@@ -6,13 +6,11 @@ part of a scenario is changed or ignored without a remark.
 
 from collections.abc import Iterable, Iterator
 
-from fes.extension import registry
 from fes.model import counts
 from fes.model.config import ChannelConfig
-from fes.model.seeking import SeekingConfig
 from world.config.events import changed
 from world.config.faults import TransmitterConfig
-from world.config.scenario import Scenario
+from world.config.scenario import Scenario, knows_channel
 
 TOLERANCE = 1e-6
 """Largest distance from a multiple of a tick, as a share of the tick [1], that is ignored: decimals are rounded."""
@@ -37,9 +35,9 @@ def of(scenario: Scenario) -> list[str]:
     ]
 
 
-def is_unnoticed(seeking: SeekingConfig, known: ChannelConfig, true: ChannelConfig) -> bool:
-    """True if the robots use the `known` formula of the channel, and the `true` formula differs from it."""
-    return registry.knows_channel(seeking) and known != true
+def is_unnoticed(scenario: Scenario, true: ChannelConfig) -> bool:
+    """True if the robots were told the channel with which the scenario begins, and the `true` one differs from it."""
+    return knows_channel(scenario) and scenario.channel.formula != true
 
 
 def _duration(scenario: Scenario) -> Iterator[str]:
@@ -82,7 +80,7 @@ def _unnoticed(scenario: Scenario) -> Iterator[str]:
     channel, dt, ticks = scenario.channel, scenario.run.dt, []
     for tick, settings in scenario.changes.items():
         channel = changed(channel, settings, dt)
-        if tick < scenario.ticks and is_unnoticed(scenario.seeking, scenario.channel.formula, channel.formula):
+        if tick < scenario.ticks and is_unnoticed(scenario, channel.formula):
             ticks.append(tick * dt)
     if ticks:
         yield f"the channel is set at {_listed(ticks)} s, but {UNNOTICED}"

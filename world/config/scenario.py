@@ -8,14 +8,15 @@ from pydantic import Field, ValidationError, model_validator
 
 from fes.arrays import draws
 from fes.arrays.types import Floats
-from fes.errors import ScenarioError, reason
-from fes.extension import registry
+from fes.errors import FesError, ScenarioError, reason
+from fes.extension import crew_laws, registry
+from fes.extension.kinds import CHANNEL, CONTROLLER, DYNAMICS, FORMATION, METRIC, RULE, SEEKING, Kind
 from fes.model import counts, stability
-from fes.model.config import AgentConfig, Clock, FaultConfig, FormationConfig, ObjectiveConfig
+from fes.model.config import FORMULAS, AgentConfig, Clock, FaultConfig, FormationConfig, ObjectiveConfig
 from fes.model.seeking import BUILT_IN, MAX_TICKS, OracleConfig, SeekingConfig
-from fes.model.table import Table
+from fes.model.table import Table, Use, chosen
 from fes.system import encoding
-from world.config import events, faults, starts, toml
+from world.config import events, faults, starts, toml, trace_file
 from world.config.events import EventConfig, ParticipationChange, changed, schedule
 from world.config.expectations import ExpectConfig
 from world.config.faults import Transmission
@@ -45,6 +46,23 @@ class RunConfig(Table):
         return self
 
 
+class MetricConfig(Use):
+    """A metric, with its parameters."""
+
+    name: Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,39}$")] | None = None
+    """Name under `metrics` in the summary; by default that of the extension."""
+
+    @property
+    def choice(self) -> Use:
+        """The extension and its parameters."""
+        return Use.model_validate({"use": self.use, **self.parameters})
+
+    @property
+    def key(self) -> str:
+        """Name under `metrics` in the summary."""
+        return self.name or self.use.rpartition(":")[2].rpartition(".")[2]
+
+
 class Scenario(Table):
     """A scenario: robots, channel, laws, events and expectations of a run."""
 
@@ -62,6 +80,8 @@ class Scenario(Table):
     """The seeking law."""
     formation: FormationConfig = FormationConfig()
     """The formation law and its graph."""
+    metric: list[MetricConfig] = Field(default=[])
+    """Further metrics of the summary."""
     event: list[EventConfig] = Field(default=[])
     """Changes during the run."""
     expect: list[ExpectConfig] = Field(default=[])
@@ -91,11 +111,40 @@ class Scenario(Table):
         return self
 
     @model_validator(mode="after")
+    def _extensions(self) -> Self:
+        for path, kind, choice in self.choices:
+            try:
+                registry.check(kind, choice)
+            except FesError as error:
+                raise ValueError(f"{path}: {error}") from None
+        channels = [self.channel.model, *(settings.get("channel.model") for settings in self.changes.values())]
+        unknown = [model for model in channels if model is not None and model not in FORMULAS]
+        if unknown and knows_channel(self):
+            raise ValueError(
+                f"a law is told the channel, and channel.model '{chosen(unknown[0]).use}' has no formula"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _deadlines_of_a_live_clock(self) -> Self:
         for expectation in self.expect:
             if expectation.of.startswith("deadlines") and self.run.clock != "live":
                 raise ValueError(f"expect: '{expectation.of}' exists with a live clock only (run.clock)")
         return self
+
+    @property
+    def choices(self) -> list[tuple[str, Kind, str | Use]]:
+        """Every choice of an extension: its path, its kind, and what is chosen. A choice may be built in."""
+        controller = self.robots.controller
+        return [
+            ("formation.rule", RULE, self.formation.rule),
+            ("formation.law", FORMATION, self.formation.law),
+            *([("seeking", SEEKING, self.seeking)] if isinstance(self.seeking, Use) else []),
+            ("robots.dynamics", DYNAMICS, self.robots.dynamics),
+            *([("robots.controller", CONTROLLER, controller)] if controller is not None else []),
+            ("channel.model", CHANNEL, self.channel.model),
+            *(("metric", METRIC, metric.choice) for metric in self.metric),
+        ]
 
     @property
     def changes(self) -> dict[int, dict[str, Any]]:
@@ -146,7 +195,20 @@ def load(path: Path, overrides: dict[str, Any] | None = None) -> Scenario:
         override(tables, dotted, value)
     if _seeking_law(tables) != law:
         _drop_former_keys(tables, set(overrides or {}))
+    _find_trace(tables, path)
     return parse(tables, str(path))
+
+
+def _find_trace(tables: dict[str, Any], path: Path) -> None:
+    """Make the path of a trace absolute, and fill in its checksum; raises ScenarioError."""
+    channel = tables.get("channel")
+    if not isinstance(channel, dict) or not isinstance(channel.get("trace"), str):
+        return
+    channel["trace"] = str((path.parent / channel["trace"]).resolve())
+    try:
+        channel.setdefault("trace_sha256", trace_file.checksum(channel["trace"]))
+    except FesError as error:
+        raise ScenarioError(str(path), f"channel.trace: {error}") from None
 
 
 def _seeking_law(tables: dict[str, Any]) -> Any:
@@ -194,11 +256,17 @@ def agent_config(scenario: Scenario) -> AgentConfig:
         objective=scenario.objective,
         seeking=scenario.seeking,
         formation=scenario.formation,
-        channel=scenario.channel.formula if registry.knows_channel(scenario.seeking) else None,
+        channel=scenario.channel.formula if knows_channel(scenario) else None,
         clock=scenario.run.clock,
         clock_skew=scenario.run.clock_skew,
         faults=scenario.faults,
+        controller=scenario.robots.controller,
     )
+
+
+def knows_channel(scenario: Scenario) -> bool:
+    """True if a law of the robots is told the channel."""
+    return crew_laws.knows_channel(scenario.seeking, scenario.formation.law, scenario.robots.controller)
 
 
 def initial_poses(scenario: Scenario) -> Floats:

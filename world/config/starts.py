@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from fes.arrays import draws
 from fes.arrays.types import Floats
-from fes.model.table import NonNegative, Positive, Table
+from fes.model.table import Choice, NonNegative, Positive, Table
 from fes.protocol.keys import MAX_ROBOTS
 
 FARTHEST = 1e12
@@ -31,6 +31,11 @@ class RobotsConfig(Table):
     """Distance between neighbors of the generated start [m]."""
     jitter: NonNegative = 0.0
     """Largest random displacement of a generated position along x and y [m]."""
+    dynamics: Choice = "unicycle"
+    """How bodies follow their commands. `unicycle`: exactly, by (5). An extension is named by `module:Class`, by the
+    name of an installed one, or as a table with `use` and its parameters."""
+    controller: Choice | None = None
+    """A whole robot in plain Python, an extension named as for `dynamics`. It replaces seeking and formation law."""
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:

@@ -20,9 +20,9 @@ from world.config.scenario import Scenario, with_event
 from world.execution import marshalling
 from world.execution.marshalling import CommandBatch
 from world.execution.recorder import Recorder
+from world.metrics.best_separation import best_separation
 from world.metrics.collector import MetricsCollector
-from world.metrics.optimum import optimal_separation
-from world.simulation import crowd, truth
+from world.simulation import crowd, reception, truth
 from world.simulation.truth import State
 
 Answer = tuple[Command, bytes]
@@ -118,8 +118,8 @@ class Run:
         self.scenario, self.state = scenario, replace(self.state, channel=channel)
         if self.recorder is not None:
             self.recorder.change(tick, path, value)
-        unnoticed = remarks.is_unnoticed(scenario.seeking, scenario.channel.formula, channel.formula)
-        return ChangeResult(path, value, tick, optimal_separation(self.scenario.objective, channel), unnoticed)
+        unnoticed = remarks.is_unnoticed(scenario, channel.formula)
+        return ChangeResult(path, value, tick, best_separation(reception.context(self.scenario), channel), unnoticed)
 
     def observations(self, addressed: Bools) -> list[bytes]:
         """The payload of each robot's Observation of this tick, in id order; empty for all but `addressed` [n]."""

@@ -7,18 +7,19 @@ import numpy as np
 
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
-from fes.extension import registry
+from fes.extension import crew_laws
 from fes.model import counts, objective
 from fes.model.sensing import Telemetry
 from world.config import events
 from world.config.radio import RadioConfig
 from world.config.scenario import Scenario
 from world.metrics import deadlines, link_errors
+from world.metrics.best_separation import best_separation
 from world.metrics.link_errors import LinkErrors
-from world.metrics.optimum import optimal_separation
 from world.metrics.period_average import PeriodAverage
 from world.metrics.tick_truth import TickTruth
 from world.metrics.tracking import TeamErrors, Tracking
+from world.simulation import reception
 from world.simulation.channel import Radio
 from world.simulation.truth import State
 
@@ -82,7 +83,7 @@ class MetricsCollector:
         is_changed = state.channel is not self._channel and state.channel != self._channel
         if is_changed:
             self._channel = state.channel
-            self.optimal = optimal_separation(self.scenario.objective, state.channel)
+            self.optimal = best_separation(reception.context(self.scenario), state.channel)
         separation = link_errors.separations(state.poses, *link_errors.ends(telemetry.links))
         self._period_average.add(telemetry.links, separation)
         return TickTruth(state, twists, telemetry, separation, self._period_average.mean, self.optimal, is_changed)
@@ -121,5 +122,5 @@ def link_reception(radio: Radio, links: Edges) -> Floats:
 
 def dither_period(scenario: Scenario) -> int:
     """Ticks over which separations are averaged: the period of a physical dither, else 1."""
-    period = registry.physical_period(scenario.seeking)
+    period = crew_laws.physical_period(scenario.seeking)
     return 1 if period is None else counts.ticks_of(period, scenario.run.dt)

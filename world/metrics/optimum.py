@@ -9,7 +9,8 @@ import struct
 from decimal import Decimal
 from functools import lru_cache
 
-from fes.model.config import ChannelConfig, ObjectiveConfig
+from fes.model.config import FORMULAS, ChannelConfig, ObjectiveConfig
+from fes.model.table import chosen
 
 _EXACT = decimal.Context(prec=40, Emax=decimal.MAX_EMAX, Emin=decimal.MIN_EMIN, traps=[])
 """Rounding errors stay 20 digits below those of a float. Without traps, an exp that overflows is infinite."""
@@ -26,6 +27,8 @@ def optimal_separation(objective: ObjectiveConfig, channel: ChannelConfig) -> fl
     -r (1 - p)/width for the logistic channel, both factors of which rise. Hence J has one maximum, between 0 and
     r_x. An optimum below the smallest float is returned as that float.
     """
+    if channel.model not in FORMULAS:
+        raise ValueError(f"only a formula has this optimum, and not channel.model '{chosen(channel.model).use}'")
     # Only the formula counts; shadowing, bursts and jammers are not hashable.
     formula = {name: getattr(channel, name) for name in ChannelConfig.model_fields}
     return _optimum(objective, ChannelConfig.model_construct(**formula))

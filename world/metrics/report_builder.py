@@ -7,13 +7,18 @@ import numpy as np
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bytes, Floats, Ints
 from fes.model import outage
+from fes.model.config import FORMULAS
 from fes.model.seeking import REFERENCE_SEPARATION, MeasuredConfig
 from fes.protocol.report import Report
 from world.config.radio import RadioConfig
+from world.config.scenario import Scenario
 from world.metrics import link_errors
 from world.metrics.collector import MetricsCollector
-from world.simulation import bursts
+from world.simulation import bursts, reception
 from world.simulation.truth import State
+
+STEP = 1e-3
+"""Step in ln r of the slope of a channel without a formula [1]."""
 
 PERIOD = 0.1
 """Wall-clock time between two reports [s]."""
@@ -38,7 +43,7 @@ def build(metrics: MetricsCollector, name: str, alive: Bytes, elapsed: float, ti
     missed, late = (metrics.deadlines.missed, metrics.deadlines.late) if metrics.deadlines else (none, none)
     fits = isinstance(scenario.seeking, MeasuredConfig) and telemetry.learnt.size
     level, exponent = learnt if fits else [np.full(len(low), np.nan)] * 2
-    true_level, true_exponent = _reception_line(state.channel, scale)
+    true_level, true_exponent = _reception_line(scenario, state.channel, scale)
     return Report(
         **metrics.shared(),
         scenario=name,
@@ -54,7 +59,7 @@ def build(metrics: MetricsCollector, name: str, alive: Bytes, elapsed: float, ti
         separation=separation,
         estimate_ab=_pick(telemetry.estimates, ab),
         estimate_ba=_pick(telemetry.estimates, ba),
-        outage=_outage(state, separation, forward, backward),
+        outage=_outage(scenario, state, separation, forward, backward),
         sent=_both_ways(radio.sent, forward, backward),
         decoded=_both_ways(radio.decoded, forward, backward),
         longest_gap=_both_ways(radio.longest_gap, forward, backward, np.maximum),
@@ -97,9 +102,9 @@ def _both_ways(counts: Ints, forward: Ints, backward: Ints, join: np.ufunc = np.
     return result
 
 
-def _outage(state: State, separation: Floats, forward: Ints, backward: Ints) -> Floats:
-    """True outage of each link, both directions averaged: of the last beacon, or of the formula without a beacon."""
-    formula = outage.outage_probability(separation, state.channel)
+def _outage(scenario: Scenario, state: State, separation: Floats, forward: Ints, backward: Ints) -> Floats:
+    """True outage of each link, both directions averaged: of the last beacon, or of the channel without a beacon."""
+    formula = _without_beacon(scenario, state.channel, separation)
     lost = 1.0 - (1.0 - formula) * bursts.mean_reception_factor(state.channel.bursts)
     if not len(state.radio.edges):
         return lost
@@ -107,8 +112,24 @@ def _outage(state: State, separation: Floats, forward: Ints, backward: Ints) -> 
     return np.where((forward >= 0) & np.isfinite(decoded), 1.0 - decoded, lost)
 
 
-def _reception_line(channel: RadioConfig, scale: float) -> tuple[float, float]:
-    """Level and exponent of an exact fit of the formula at `scale` [m]: ln(-ln p), and its slope in ln r."""
+def _without_beacon(scenario: Scenario, channel: RadioConfig, separation: Floats) -> Floats:
+    """Outage by separation alone [l]; NaN for a channel that does not depend on it."""
+    if channel.model in FORMULAS:
+        return outage.outage_probability(separation, channel)
+    model = reception.model(channel, reception.context(scenario))
+    if not hasattr(model, "probability"):
+        return np.full(len(separation), np.nan)
+    lost: Floats = 1.0 - model.probability(separation)
+    return lost
+
+
+@np.errstate(divide="ignore")  # a channel without loss has no line
+def _reception_line(scenario: Scenario, channel: RadioConfig, scale: float) -> tuple[float, float]:
+    """Level and exponent of an exact fit of the channel at `scale` [m]: ln(-ln p), and its slope in ln r."""
+    if channel.model not in FORMULAS:
+        near = scale * np.exp(np.array([-STEP, 0.0, STEP]))
+        below, level, above = np.log(-np.log1p(-_without_beacon(scenario, channel, near))).tolist()
+        return level, (above - below) / (2.0 * STEP)
     if channel.model != "logistic":
         try:
             rate = outage.exponent_scale(channel) * scale**channel.path_loss_exponent

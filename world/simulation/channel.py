@@ -16,12 +16,13 @@ from numpy.typing import NDArray
 from fes.arrays import draws, geometry
 from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Bools, Bytes, Floats, Ints
-from fes.model import outage
+from fes.extension.context import WorldContext
 from fes.model.sensing import CLOSED, OPENING_TICKS
 from world.config.radio import JammerConfig, RadioConfig, ShadowingConfig
 from world.simulation import bursts, shadowing
 from world.simulation.draw_cache import DrawCache
 from world.simulation.neighbor_list import Proximity
+from world.simulation.reception import Reception
 
 Array = NDArray[Any]
 
@@ -37,6 +38,7 @@ class Medium:
     fading: DrawCache
     bursts: DrawCache
     waves: shadowing.Modes
+    reception: Reception
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,10 +85,10 @@ _NO_LEDGER = Radio(
 )
 
 
-def medium(seed: int, dt: float) -> Medium:
-    """The medium of a run with `seed` and ticks of `dt` [s]."""
+def medium(seed: int, context: WorldContext) -> Medium:
+    """The medium of a run with `seed`."""
     fading, states = (DrawCache(draws.key(seed, stream)) for stream in ("channel", "bursts"))
-    return Medium(dt, fading, states, shadowing.modes(seed))
+    return Medium(context.dt, fading, states, shadowing.modes(seed), Reception(context))
 
 
 def quiet(edges: Edges) -> Radio:
@@ -117,7 +119,7 @@ def transmit(medium: Medium, config: RadioConfig, radio: Radio, robots: RadioInp
     edges, age = before.edges, radio.age + 1
     is_open = age >= OPENING_TICKS
     on_air = is_open if present.all() else is_open & among(edges, present)
-    probability = reception_probability(medium, config, robots.poses, before)
+    probability = reception_probability(medium, config, robots, before)
     if factor is not None:
         probability *= factor.take(_senders(edges))
     average, burst = probability, radio.burst
@@ -144,12 +146,17 @@ def transmit(medium: Medium, config: RadioConfig, radio: Radio, robots: RadioInp
     return now if after is edges else _converted(now, after, after.after(edges).carry)
 
 
-def reception_probability(medium: Medium, config: RadioConfig, poses: Floats, near: Proximity) -> Floats:
-    """Probability [m] that a beacon decodes on each edge of `near` at `poses` [n, 3], without bursts."""
-    separation = near.separation
+def reception_probability(medium: Medium, config: RadioConfig, robots: RadioInput, near: Proximity) -> Floats:
+    """Probability [m] that a beacon decodes on each edge of `near`, without bursts."""
+    separation, poses, model = near.separation, robots.poses, medium.reception.of(config)
     if config.shadowing is not None and config.model != "perfect":
         separation = _effective(medium, config, config.shadowing, poses, near)
-    probability = outage.reception_probability(separation.take(near.pair), config)
+    if hasattr(model, "pair_probability"):
+        edges = near.edges
+        time = robots.tick * medium.dt
+        probability = model.pair_probability(time, edges.peers, edges.robots, separation.take(near.pair)).copy()
+    else:
+        probability = model.probability(separation.take(near.pair))
     if config.jammers:
         probability *= _jamming_factor(config.jammers, poses).take(near.edges.rows)
     if config.partition:

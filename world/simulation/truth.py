@@ -6,13 +6,16 @@ from typing import Any
 import numpy as np
 
 from fes.arrays.types import Bools, Floats, Ints
+from fes.extension import registry
+from fes.extension.kinds import DYNAMICS
+from fes.extension.protocols import Dynamics
 from fes.model.sensing import DECODED, Observations
 from world.config import events
 from world.config.events import ParticipationChange
 from world.config.faults import Transmission
 from world.config.radio import RadioConfig
 from world.config.scenario import Scenario, initial_poses
-from world.simulation import channel, crowd, neighbor_list, unicycle
+from world.simulation import channel, crowd, neighbor_list, reception
 from world.simulation.channel import Medium, Radio, RadioInput
 from world.simulation.neighbor_list import Proximity
 
@@ -25,6 +28,7 @@ class World:
     ids: Ints
     """Robot ids, 0 to n - 1 [n]."""
     medium: Medium
+    dynamics: Dynamics[Any]
     changes: dict[int, dict[str, Any]]
     """Tick -> the settings of the channel that change then."""
     participation: dict[int, ParticipationChange]
@@ -40,6 +44,8 @@ class State:
     tick: int
     poses: Floats
     """[n, 3] [m, m, rad; world frame]"""
+    bodies: Any
+    """State of the dynamics; for a unicycle the poses themselves."""
     channel: RadioConfig
     """The channel from this tick on; if it is replaced, its `communication_range` takes effect a tick later."""
     proximity: Proximity
@@ -65,28 +71,31 @@ class State:
 def create(scenario: Scenario) -> World:
     """The world of a scenario."""
     ids = np.arange(scenario.robots.number)
-    medium = channel.medium(scenario.run.seed, scenario.run.dt)
-    return World(scenario, ids, medium, scenario.changes, scenario.participation, scenario.transmissions)
+    context = reception.context(scenario)
+    medium = channel.medium(scenario.run.seed, context)
+    dynamics = registry.create(DYNAMICS, scenario.robots.dynamics, context)
+    schedules = scenario.changes, scenario.participation, scenario.transmissions
+    return World(scenario, ids, medium, dynamics, *schedules)
 
 
 @np.errstate(over="ignore", invalid="ignore")
 def start(world: World) -> State:
     """The state at tick 0; raises ScenarioError where there is too little memory for all contacts."""
     crowd.check(world.scenario)
-    poses, radio = initial_poses(world.scenario), world.scenario.channel
+    initial, radio = initial_poses(world.scenario), world.scenario.channel
+    bodies = world.dynamics.start(initial)
+    poses = world.dynamics.poses(bodies)
     near = neighbor_list.measure(world.ids, poses, radio.communication_range, None)
-    return _changed(
-        world,
-        State(
-            0, poses, radio, near, channel.quiet(near.edges), np.ones(len(poses), dtype=np.bool_), 0 * world.ids, 0, 0
-        ),
-    )
+    present = np.ones(len(poses), dtype=np.bool_)
+    state = State(0, poses, bodies, radio, near, channel.quiet(near.edges), present, 0 * world.ids, 0, 0)
+    return _changed(world, state)
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a robot may be driven anywhere: at infinity it is out of range
 def step(world: World, state: State, twists: Floats) -> State:
     """The state one tick later, with the bodies holding `twists` [n, 2] [m/s, rad/s]; see `held`."""
-    poses = unicycle.move(state.poses, twists, world.scenario.run.dt)
+    bodies = world.dynamics.step(state.bodies, twists, world.scenario.run.dt)
+    poses = world.dynamics.poses(bodies)
     near = neighbor_list.measure(world.ids, poses, state.channel.communication_range, state.proximity)
     factor = None if state.transmission is None else state.transmission.reception_factor
     robots = RadioInput(state.tick, state.poses, state.present, state.proximity, factor)
@@ -98,6 +107,7 @@ def step(world: World, state: State, twists: Floats) -> State:
         state,
         tick=state.tick + 1,
         poses=poses,
+        bodies=bodies,
         proximity=near,
         radio=radio,
         sent=state.sent + int(np.count_nonzero(on_air)),

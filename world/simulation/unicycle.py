@@ -4,6 +4,29 @@ import numpy as np
 
 from fes.arrays import geometry
 from fes.arrays.types import Floats
+from fes.extension.context import WorldContext
+from fes.extension.protocols import NoParameters
+
+
+class Unicycle:
+    """Bodies that follow their commands exactly. Their state is their poses [n, 3]."""
+
+    Parameters = NoParameters
+
+    def __init__(self, parameters: NoParameters, context: WorldContext) -> None:
+        """It depends on nothing but its commands."""
+
+    def start(self, poses: Floats) -> Floats:
+        """Bodies at rest at `poses` [n, 3]."""
+        return poses
+
+    def step(self, state: Floats, twists: Floats, dt: float) -> Floats:
+        """Poses after `twists` [n, 2] were held for `dt` [s]."""
+        return move(state, twists, dt)
+
+    def poses(self, state: Floats) -> Floats:
+        """The poses themselves."""
+        return state
 
 
 def move(poses: Floats, twists: Floats, dt: float) -> Floats:

@@ -1,0 +1,214 @@
+"""What an extension of others returns, checked: one line that names the extension, the rule and the value."""
+
+from collections.abc import Callable
+from typing import Any, NoReturn, TypeVar
+
+import numpy as np
+
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bools, Floats, Ints
+from fes.errors import FesError
+from fes.extension.context import LawContext
+from fes.extension.neighborhood import Entry, LinkGeometry, Neighborhood
+from fes.extension.protocols import Formed, Published
+from fes.model.contacts import Contacts
+
+T = TypeVar("T")
+
+
+class Checked:
+    """An extension, and the name by which its errors speak of it."""
+
+    def __init__(self, inner: Any, name: str) -> None:
+        self.inner, self._name = inner, name
+        self.Parameters = inner.Parameters
+
+    def fail(self, rule: str) -> NoReturn:
+        """Raise the FesError of a broken rule."""
+        raise FesError(f"{self._name}: {rule}")
+
+    def call(self, method: Callable[..., T], *arguments: Any) -> T:
+        """The result of a method; its errors become one line."""
+        try:
+            return method(*arguments)
+        except FesError:
+            raise
+        except Exception as error:  # the code is anybody's
+            text = " ".join(str(error).split())
+            place = getattr(method, "__name__", type(method).__name__)
+            self.fail(f"{place}: {type(error).__name__}" + (f": {text:.200}" if text else ""))
+
+    def array(self, what: str, values: Any, shape: tuple[int, ...], kind: Any = np.float64) -> Any:
+        """The values, if they are an array of this shape and kind, and finite."""
+        if not isinstance(values, np.ndarray):
+            self.fail(f"{what} must be an array of shape {_text(shape)}, got {type(values).__name__}")
+        if values.shape != shape:
+            self.fail(f"{what} must have shape {_text(shape)}, got {_text(values.shape)}")
+        if values.dtype != kind:
+            self.fail(f"{what} must be of type {np.dtype(kind).name}, got {values.dtype.name}")
+        if kind is np.float64 and not np.isfinite(values).all():
+            self.fail(f"{what} must be finite, got {values[~np.isfinite(values)].flat[0]}")
+        return values
+
+
+class CheckedRule(Checked):
+    """A neighbor rule."""
+
+    def __call__(self, contacts: Contacts) -> Bools:
+        """True for each contact that its robot selects [m]."""
+        chosen = self.call(self.inner, contacts)
+        selected: Bools = self.array("the selection", chosen, (len(contacts.edges),), np.bool_)
+        return selected
+
+
+class CheckedFormation(Checked):
+    """A formation law."""
+
+    def __init__(self, inner: Any, name: str, context: LawContext) -> None:
+        super().__init__(inner, name)
+        self._n = len(context.ids)
+        self.declared, self.details = _number(self, "declared"), _names(self, "details")
+
+    def start(self) -> Any:
+        """The state before the first tick."""
+        return self.call(self.inner.start)
+
+    def forget(self, state: Any, restarted: Bools) -> Any:
+        """The state in which the robots `restarted` [n] begin anew."""
+        return self.call(self.inner.forget, state, restarted)
+
+    def step(self, state: Any, around: Neighborhood, links: LinkGeometry) -> Formed:
+        """The pull of each robot at this tick."""
+        formed = self.call(self.inner.step, state, around, links)
+        if not isinstance(formed, Formed):
+            self.fail(f"step must return a Formed, got {type(formed).__name__}")
+        self.array("the pull", formed.pull, (self._n, 2))
+        if formed.declared is not None or self.declared:
+            self.array("the declared bytes", formed.declared, (self._n, self.declared), np.uint8)
+        if formed.details is not None or self.details:
+            self.array("the details", formed.details, (self._n, len(self.details)))
+        if formed.twists is not None:
+            self.array("the twists", np.nan_to_num(formed.twists, nan=0.0), (self._n, 2))
+        return formed
+
+
+class CheckedSeeking(Checked):
+    """A seeking law."""
+
+    def __init__(self, inner: Any, name: str, context: LawContext) -> None:
+        super().__init__(inner, name)
+        self._n = len(context.ids)
+        self.knows_channel = bool(getattr(inner, "knows_channel", False))
+        self.statistics, self.declared = _number(self, "statistics"), _number(self, "declared")
+        self.learnt = _names(self, "learnt")
+
+    def start(self) -> Any:
+        """The state before the first tick."""
+        return self.call(self.inner.start)
+
+    def forget(self, state: Any, restarted: Bools, old: Edges, new: Edges) -> Any:
+        """The state in which the robots `restarted` [n] begin anew."""
+        return self.call(self.inner.forget, state, restarted, old, new)
+
+    def relink(self, state: Any, old: Edges, new: Edges, entry: Entry) -> Any:
+        """The state over the links `new`."""
+        return self.call(self.inner.relink, state, old, new, entry)
+
+    def desired(self, state: Any, tick: int, links: Edges) -> Floats:
+        """The separation to which each link is driven [l] [m]."""
+        desired: Floats = self.array(
+            "the desired separation", self.call(self.inner.desired, state, tick, links), (len(links),)
+        )
+        return desired
+
+    def measure(self, state: Any, around: Neighborhood, formed: Formed) -> Any:
+        """The state after the beacons of the previous tick."""
+        return self.call(self.inner.measure, state, around, formed)
+
+    def publish(self, state: Any, links: Edges) -> Published:
+        """What beacons and observers get at this tick."""
+        published = self.call(self.inner.publish, state, links)
+        if not isinstance(published, Published):
+            self.fail(f"publish must return a Published, got {type(published).__name__}")
+        self.array("the estimates", published.estimates, (len(links),))
+        self.array("the statistics", published.statistics, (self._n, self.statistics))
+        self.array("the learnt numbers", published.learnt, (len(self.learnt), len(links)))
+        if published.declared is not None or self.declared:
+            self.array("the declared bytes", published.declared, (self._n, self.declared), np.uint8)
+        return published
+
+    def seek(self, state: Any, around: Neighborhood) -> Any:
+        """The state one tick later."""
+        return self.call(self.inner.seek, state, around)
+
+
+class CheckedChannel(Checked):
+    """A channel of reception probability by separation."""
+
+    def probability(self, separation: Floats) -> Floats:
+        """Probability that a beacon decodes at `separation` [m], of the same shape."""
+        return _shares(self, self.call(self.inner.probability, separation), separation.shape)
+
+
+class CheckedPairChannel(Checked):
+    """A channel of reception probability by pair and time."""
+
+    def pair_probability(self, time: float, senders: Ints, receivers: Ints, separation: Floats) -> Floats:
+        """Probability that a beacon of `time` [s] decodes, for each pair of ids [m]."""
+        found = self.call(self.inner.pair_probability, time, senders, receivers, separation)
+        return _shares(self, found, senders.shape)
+
+
+def checked_channel(inner: Any, name: str, context: Any) -> Checked:
+    """A channel of either kind."""
+    if hasattr(inner, "pair_probability"):
+        return CheckedPairChannel(inner, name)
+    if not hasattr(inner, "probability"):
+        Checked(inner, name).fail("it has neither `probability` nor `pair_probability`")
+    return CheckedChannel(inner, name)
+
+
+class CheckedDynamics(Checked):
+    """The dynamics of bodies."""
+
+    def start(self, poses: Floats) -> Any:
+        """The state of bodies at rest at `poses` [n, 3]."""
+        return self.call(self.inner.start, poses)
+
+    def step(self, state: Any, twists: Floats, dt: float) -> Any:
+        """The state after bodies were told to hold `twists` [n, 2] for `dt` [s]."""
+        self._n = len(twists)
+        return self.call(self.inner.step, state, twists, dt)
+
+    def poses(self, state: Any) -> Floats:
+        """Poses [n, 3] [m, m, rad; world frame]."""
+        found = self.call(self.inner.poses, state)
+        n = getattr(self, "_n", len(found) if isinstance(found, np.ndarray) else 0)
+        poses: Floats = self.array("the poses", found, (n, 3))
+        return poses
+
+
+def _shares(checked: Checked, found: Any, shape: tuple[int, ...]) -> Floats:
+    """Probabilities, checked."""
+    values: Floats = checked.array("the probability", found, shape)
+    if values.size and not (values.min() >= 0.0 and values.max() <= 1.0):
+        checked.fail(f"the probability must be from 0 to 1, got {values[(values < 0.0) | (values > 1.0)].flat[0]:g}")
+    return values
+
+
+def _number(checked: Checked, name: str) -> int:
+    value = getattr(checked.inner, name, 0)
+    if type(value) is not int or value < 0:
+        checked.fail(f"`{name}` must be a whole number from 0, got {value!r:.60}")
+    return value
+
+
+def _names(checked: Checked, name: str) -> tuple[str, ...]:
+    value = getattr(checked.inner, name, ())
+    if not isinstance(value, tuple) or not all(isinstance(entry, str) for entry in value):
+        checked.fail(f"`{name}` must be a tuple of names, got {value!r:.60}")
+    return value
+
+
+def _text(shape: tuple[int, ...]) -> str:
+    return f"[{', '.join(map(str, shape))}]"

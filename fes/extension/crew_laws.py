@@ -1,0 +1,81 @@
+"""The laws of a crew, by the settings of a run."""
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from fes.errors import FesError
+from fes.extension.context import LawContext
+from fes.extension.controllers import ControllerFormation, ControllerSeeking
+from fes.extension.kinds import CONTROLLER, FORMATION, RULE, SEEKING
+from fes.extension.protocols import MAX_DECLARED, FormationLaw, NeighborRule, SeekingLaw
+from fes.extension.registry import create, load, parameters
+from fes.model.config import AgentConfig
+from fes.model.seeking import MeasuredConfig, SeekingConfig
+from fes.model.table import Use, chosen
+
+
+class Laws(NamedTuple):
+    """The laws of a crew."""
+
+    rule: NeighborRule
+    formation: FormationLaw[Any]
+    seeking: SeekingLaw[Any]
+
+
+def knows_channel(seeking: SeekingConfig, formation: str | Use, controller: str | Use | None) -> bool:
+    """True if one of these laws must be told the channel; no built-in law is loaded. Raises FesError in one line."""
+    if controller is not None:
+        return bool(getattr(load(CONTROLLER, chosen(controller).use), "knows_channel", False))
+    law = chosen(formation).use
+    told = law not in FORMATION.built_in and getattr(load(FORMATION, law), "knows_channel", False)
+    own = getattr(load(SEEKING, seeking.use), "knows_channel", False) if isinstance(seeking, Use) else None
+    return bool(told or (seeking.knows_channel if not isinstance(seeking, Use) else own))
+
+
+def physical_period(config: SeekingConfig) -> float | None:
+    """Period of the oscillation that the law imposes on the formation [s]; None without one.
+
+    An extension may have a static method `physical_period(parameters)`. Raises FesError in one line.
+    """
+    if not isinstance(config, Use):
+        return config.physical_period
+    loaded = load(SEEKING, config.use)
+    if not hasattr(loaded, "physical_period"):
+        return None
+    period: float | None = loaded.physical_period(parameters(SEEKING, config, loaded))
+    return period
+
+
+def laws(config: AgentConfig, context: LawContext) -> Laws:
+    """The laws of a crew with `config`; raises FesError in one line.
+
+    Only a law with `knows_channel` gets the channel. What laws of others return is checked at each call.
+    """
+    rule = create(RULE, config.formation.rule, context)
+    if config.controller is not None:
+        return Laws(rule, *_controllers(config.controller, context))
+    formation = create(FORMATION, config.formation.law, context)
+    is_own = isinstance(config.seeking, Use)
+    choice = config.seeking if isinstance(config.seeking, Use) else _seeking_name(config.seeking)
+    seeking = create(SEEKING, choice, context, None if is_own else config.seeking)
+    declared = formation.declared + seeking.declared
+    if declared > MAX_DECLARED:
+        raise FesError(f"the laws declare {declared} bytes in each beacon: at most {MAX_DECLARED} are allowed")
+    return Laws(rule, formation, seeking)
+
+
+def _controllers(choice: str | Use, context: LawContext) -> tuple[ControllerFormation, ControllerSeeking]:
+    """The two laws of a crew of controllers."""
+    name = chosen(choice).use
+    loaded = load(CONTROLLER, name)
+    if not getattr(loaded, "knows_channel", False):
+        context = replace(context, channel=None)
+    checked = parameters(CONTROLLER, choice, loaded)
+    formation = ControllerFormation(loaded, checked, context, f"{CONTROLLER.name} '{name}'")
+    return formation, ControllerSeeking(loaded, context)
+
+
+def _seeking_name(config: SeekingConfig) -> str:
+    if isinstance(config, Use):
+        return config.use
+    return f"measured, {config.pooling}" if isinstance(config, MeasuredConfig) else config.index

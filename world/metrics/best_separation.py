@@ -1,0 +1,55 @@
+"""r* of any channel: exactly for a formula, by search for every other channel that depends on separation."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from fes.arrays.types import Floats
+from fes.extension.context import WorldContext
+from fes.model import objective
+from fes.model.config import FORMULAS
+from world.config.radio import RadioConfig
+from world.metrics.optimum import optimal_separation
+from world.simulation import reception
+
+POINTS = 4001
+"""Points of the first search: two maxima closer than 1/4000 of the maximum separation may be confused."""
+
+GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
+
+
+def best_separation(context: WorldContext, channel: RadioConfig) -> float:
+    """r* [m]: the separation that maximizes J(r) = S(r) p(r); NaN for a channel known by pair, not by separation."""
+    if channel.model in FORMULAS:
+        return optimal_separation(context.objective, channel)
+    model = reception.model(channel, context)
+    if not hasattr(model, "probability"):
+        return math.nan
+    farthest = context.objective.maximum_separation
+
+    def index(separation: Floats) -> Floats:
+        preference = objective.preference(separation, context.objective)
+        found: Floats = preference * model.probability(separation)
+        return found
+
+    grid = np.linspace(farthest / (POINTS - 1), farthest, POINTS - 1)
+    best = int(np.argmax(index(grid)))
+    low, high = float(grid[max(0, best - 1)]), float(grid[min(len(grid) - 1, best + 1)])
+    return _golden(lambda r: float(index(np.array([r]))[0]), low, high)
+
+
+def _golden(value: Callable[[float], float], low: float, high: float) -> float:
+    """Place of the maximum between `low` and `high`, by golden section: it needs no slope."""
+    left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    at_left, at_right = value(left), value(right)
+    while high - low > 1e-9 * high:
+        if at_left >= at_right:
+            high, right, at_right = right, left, at_left
+            left = high - GOLDEN * (high - low)
+            at_left = value(left)
+        else:
+            low, left, at_left = left, right, at_right
+            right = low + GOLDEN * (high - low)
+            at_right = value(right)
+    return 0.5 * (low + high)

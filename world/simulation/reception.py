@@ -1,0 +1,46 @@
+"""The reception model of a channel: a built-in one or an extension, made once per setting."""
+
+from functools import lru_cache
+from typing import Any
+
+from fes.arrays import draws
+from fes.extension import registry
+from fes.extension.context import SeededDraws, WorldContext
+from fes.extension.kinds import CHANNEL
+from world.config.radio import RadioConfig
+from world.config.scenario import Scenario
+
+_EFFECTS = {"shadowing", "bursts", "jammers", "partition", "communication_range"}
+"""Settings of the radio that no reception model reads."""
+
+
+def context(scenario: Scenario) -> WorldContext:
+    """The circumstances of a channel, a body or a metric."""
+    seed = draws.sub_seed(scenario.run.seed, "extensions")
+    return WorldContext(scenario.run.dt, scenario.robots.number, scenario.objective, SeededDraws(seed))
+
+
+def model(config: RadioConfig, context: WorldContext) -> Any:
+    """The reception model of a channel; raises FesError in one line."""
+    return _made(config.model_dump_json(exclude=_EFFECTS), context)
+
+
+@lru_cache(maxsize=64)
+def _made(settings: str, context: WorldContext) -> Any:
+    config = RadioConfig.model_validate_json(settings)
+    return registry.create(CHANNEL, config.model, context, config)
+
+
+class Reception:
+    """The model of the channel in force: made anew only when the channel changes."""
+
+    def __init__(self, context: WorldContext) -> None:
+        self.context = context
+        self._config: RadioConfig | None = None
+        self._model: Any = None
+
+    def of(self, config: RadioConfig) -> Any:
+        """The reception model of a channel."""
+        if config is not self._config:
+            self._config, self._model = config, model(config, self.context)
+        return self._model
