@@ -82,7 +82,7 @@ class CommandBatch:
     def _learnt(self, commands: list[Command]) -> Floats:
         """The numbers learnt [k, l]; none unless all robots with links have learnt equally many per link."""
         rows = {len(command.learnt) // len(command.links) for command in commands if len(command.links)}
-        if len(rows) != 1:
+        if len(rows) != 1 or rows == {0}:
             return np.zeros((0, sum(len(command.links) for command in commands)))
         [k] = rows
         return np.concatenate([command.learnt.reshape(k, -1) for command in commands], axis=1)
