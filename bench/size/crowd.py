@@ -13,7 +13,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from console.backends import inprocess
-from fes.extension.registry import RULE
+from fes.extension.kinds import RULE
 from fes.recording.layout import NAME
 from world.config.scenario import Scenario, load
 from world.execution.recorder import Recorder

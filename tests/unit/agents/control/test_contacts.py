@@ -11,7 +11,7 @@ from agents.runtime.reception import Receiver
 from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Floats
 from fes.model.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig
-from fes.model.contacts import NEVER, Contacts
+from fes.model.contacts import Contacts
 from fes.model.seeking import OracleConfig
 from fes.model.sensing import DECODED, LOST, Beacons, Observations
 from tests.support import layouts, loop
@@ -50,11 +50,13 @@ def test_separations_are_formed_from_two_poses_of_one_tick_and_equal_from_both_e
 
 def test_the_content_of_a_lost_beacon_is_unknown() -> None:
     first = hear(contacts.no_contacts(IDS, 0, 0), 1, WHERE, [DECODED, LOST, DECODED, DECODED, LOST, DECODED])
-    assert first.known.tolist() == [True, False, True, True, False, True]
-    assert first.heard.tolist() == [0, NEVER, 0, 0, NEVER, 0]
+    assert layouts.pairs_of(first.edges) == {(0, 1), (1, 0), (1, 2), (2, 1)}
+    assert first.known.all()
+    assert first.heard.tolist() == [0] * 4
     moved = WHERE + 10.0
     second = hear(first, 2, moved, [LOST, DECODED, LOST, LOST, LOST, DECODED])
-    assert second.heard.tolist() == [0, 1, 0, 0, NEVER, 1]
+    assert layouts.pairs_of(second.edges) == {(0, 1), (0, 2), (1, 0), (1, 2), (2, 1)}
+    assert second.heard.tolist() == [0, 1, 0, 0, 1]
     # last heard places: robot 1 of tick 0, robot 2 of tick 1
     assert second.x[:2].tolist() == [30.0, -50.0]
     # from where robot 0 was at the tick of the beacon: (10, 10)
@@ -77,9 +79,13 @@ def test_a_peer_that_left_range_is_forgotten_and_the_others_are_not() -> None:
     near = layouts.edges(IDS, [(0, 1), (1, 0)])
     without = hear(known, 2, WHERE, [LOST, LOST], near)
     assert without.heard.tolist() == [0, 0]
-    back = hear(without, 3, WHERE, [LOST] * 6)
-    assert back.heard.tolist() == [0, NEVER, 0, NEVER, NEVER, NEVER]
-    assert back.known.tolist() == [True, False, True, False, False, False]
+    lost = hear(without, 3, WHERE, [LOST] * 6)
+    assert layouts.pairs_of(lost.edges) == {(0, 1), (1, 0)}
+    assert lost.heard.tolist() == [0, 0]
+    assert lost.known.all()
+    back = hear(lost, 4, WHERE, [LOST, DECODED] * 3)
+    assert layouts.pairs_of(back.edges) == {(0, 1), (0, 2), (1, 0), (1, 2), (2, 1)}
+    assert back.heard.tolist() == [0, 3, 0, 3, 3]
 
 
 def test_a_beacon_tells_each_receiver_only_the_estimate_and_choice_for_the_link_to_it() -> None:

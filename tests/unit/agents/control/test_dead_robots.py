@@ -55,10 +55,15 @@ def _again(beacons: Any, tick: int) -> Any:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "pooling"), [("paper.toml", "none"), ("measured.toml", "network"), ("measured.toml", "none")]
+    ("name", "settings"),
+    [
+        ("paper.toml", {}),
+        ("measured.toml", {"seeking__pooling": "network"}),
+        ("measured.toml", {"seeking__pooling": "none"}),
+    ],
 )
-def test_a_robot_that_rejoins_acts_like_a_new_process(name: str, pooling: str) -> None:
-    scenario = load(name, event=GONE, seeking__pooling=pooling, **BRIEF)
+def test_a_robot_that_rejoins_acts_like_a_new_process(name: str, settings: dict[str, Any]) -> None:
+    scenario = load(name, event=GONE, **settings, **BRIEF)
     assert inprocess.run(scenario, name)["digest"] == with_new_processes(scenario)
 
 
