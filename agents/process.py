@@ -8,6 +8,7 @@ import argparse
 import asyncio
 import logging
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from agents.runtime import marshalling, reception
 from agents.runtime.beacon_subscriptions import BeaconSubscriptions
 from agents.runtime.marshalling import MessageAssembler
 from agents.runtime.membership import PATIENCE, Membership
+from agents.runtime.model_freedom import is_model_free
 from agents.runtime.outbox import Outbox
 from agents.runtime.reception import Receiver
 from agents.runtime.tick_source import TickSource
@@ -88,6 +90,7 @@ class Agent:
             if observations.in_range is not subscribed:
                 subscribed = observations.in_range
                 self.radio.update(set(subscribed.peers.tolist()))
+            telemetry = replace(telemetry, is_model_free=is_model_free())
             payloads = list(marshalling.encode_tick(sent, twists, telemetry))
             payloads = transmitter.on_air(robots.transmitters, observations.tick, payloads)
             self._outbox.publish(observations.tick, payloads)
@@ -192,6 +195,7 @@ def main() -> None:
         metavar="S",
         help="longest wait for the world, at the start and whenever it is absent (default: %(default)g s)",
     )
+    process.add_use_flag(parser)
     process.add_network_flags(parser)
     flags = parser.parse_args()
     process.run("fes-agent", lambda: serve(flags), exit_with_stdin=flags.exit_with_stdin)

@@ -95,6 +95,7 @@ def about(
 def run(
     scenario: options.Scenario,
     set_: Annotated[list[str] | None, typer.Option("--set", metavar="A.B=C", help=options.SET)] = None,
+    use: options.Use = None,
     seed: Annotated[int | None, typer.Option(help="Override run.seed.")] = None,
     duration: Annotated[float | None, typer.Option(help="Override run.duration [s].")] = None,
     backend: Annotated[Backend, typer.Option(help="Run processes over Zenoh, or all robots in one loop.")] = (

@@ -35,6 +35,7 @@ def parser() -> process.OneLineParser:
         help="time between two checkpoints in --out [s]; 0 for none (default: %(default)g)",
     )
     parser.add_argument("--no-record", action="store_true", help="write no log (run.mcap)")
+    process.add_use_flag(parser)
     process.add_network_flags(parser)
     parser.set_defaults(run=None)  # None unless given: a resumed run keeps its name
     return parser

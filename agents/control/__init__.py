@@ -1,10 +1,11 @@
-"""The control step of a crew: pure.
+"""The control step of a crew, and the choice of its ticks: pure.
 
 crew         crew.step, from what a crew senses and receives to twists and the next beacons.
 state        a crew and its state.
 contacts     the peers that a robot has heard, updated by the beacons of a tick.
 links        the links that the neighbor rule selected.
 motion       the twists that follow a formation law's pull (6), (7).
+ticks        the tick to answer next, in lockstep and with a live clock.
 clocks       emulated clocks that drift.
 transmitter  emulated transmitters that are faulty.
 """

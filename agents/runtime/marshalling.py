@@ -73,5 +73,6 @@ def encode_tick(beacons: Beacons, twists: Floats, telemetry: Telemetry) -> Itera
         beacon = Beacon(beacons.tick, robot, tuple(pose), links, estimates, selected[sent], *told)
         links, estimates = telemetry.links.peers[own], telemetry.estimates[own]
         learnt = telemetry.learnt[:, own].ravel()
-        command = Command(beacons.tick, robot, tuple(twist), links, estimates, learnt, details)
+        numbers = links, estimates, learnt, details
+        command = Command(beacons.tick, robot, tuple(twist), *numbers, telemetry.is_model_free)
         yield robot, messages.encode_beacon(beacon), messages.encode_command(command)

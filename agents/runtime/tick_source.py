@@ -3,6 +3,7 @@
 import time
 from collections.abc import AsyncIterator, Callable
 
+from agents.control.ticks import Behind, End, LiveTicks, LockstepTicks, Reject, Resend
 from agents.runtime.outbox import Outbox
 from agents.runtime.world_liveliness import WorldLiveliness
 from fes.errors import MessageError, Unavailable
@@ -33,66 +34,51 @@ class TickSource:
         self._robots, self._on_quiet = robots, on_quiet
         self._inbox, self._outbox = inbox, outbox
         self._drops = drops
-        self.tick = -1
-        """The last tick yielded."""
-        self._forgotten = -1
-        self.skipped = 0
+        self._ticks: LockstepTicks[Observation] | LiveTicks[Observation] = LockstepTicks(robots)
+
+    @property
+    def tick(self) -> int:
+        """The last tick answered; -1 before the first."""
+        return self._ticks.tick
+
+    @property
+    def skipped(self) -> int:
         """Number of ticks that the live clock skipped, because a newer one had arrived."""
+        return self._ticks.skipped
 
     async def lockstep(self, world: WorldLiveliness) -> AsyncIterator[list[Observation]]:
         """Yield every tick, until the run is over; answer a repeated tick from the outbox. Raises Unavailable."""
-        waiting: dict[int, Observation] = {}
+        self._ticks = ticks = LockstepTicks[Observation](self._robots)
         while True:
-            async for key, observation in self._received(len(self._robots) - len(waiting)):
-                if observation.over:
+            async for key, observation in self._received(ticks.missing):
+                action = ticks.receive(observation, world.is_new, self._outbox.has(observation.tick))
+                if isinstance(action, End):
                     return
-                if observation.tick > self.tick + 1 and observation.since == observation.tick:
-                    self.tick = observation.tick - 1  # the run continued without this agent
-                    waiting.clear()
-                if observation.tick == self.tick + 1:
-                    waiting.setdefault(observation.robot, observation)
-                elif observation.tick == self.tick or (world.is_new and observation.tick < self.tick):
-                    # A restarted world repeats its last tick, or the one before. The outbox still holds both.
-                    if self._outbox.has(observation.tick):
-                        self._outbox.resend(observation.tick, observation.robot)
-                    elif observation.tick < self.tick:
-                        self._behind(key, observation.tick)
-                elif self.tick >= 0:  # an agent that has joined may have to wait for its first tick
-                    self._drops.reject("Observation: is not for this tick", f"{key}: tick {observation.tick}")
-            if len(waiting) == len(self._robots):
-                self.tick += 1
+                self._perform(action, key)
+            if step := ticks.step():
                 world.is_new = False
-                yield [waiting[robot] for robot in self._robots]
-                waiting.clear()
+                yield step.observations
 
     async def live(self, world: WorldLiveliness) -> AsyncIterator[list[Observation]]:
         """Yield the newest tick of which all observations have arrived, until the run is over. Raises Unavailable."""
-        newest: dict[int, dict[int, Observation]] = {}
+        self._ticks = ticks = LiveTicks[Observation](self._robots)
         while True:
-            async for _, observation in self._received(1):
-                if observation.over:
+            async for _, observation in self._received(ticks.missing):
+                if ticks.receive(observation, world.is_new):
                     return
-                if world.is_new and observation.tick <= self.tick:
-                    self.tick = observation.tick - 1  # the world resumed from an earlier tick
                 world.is_new = False
-                if observation.tick > self.tick:
-                    newest.setdefault(observation.tick, {})[observation.robot] = observation
-            complete = [tick for tick, by_robot in newest.items() if len(by_robot) == len(self._robots)]
-            if complete:
-                tick, before = max(complete), self.tick
-                observations = [newest[tick][robot] for robot in self._robots]
-                newest = {later: by_robot for later, by_robot in newest.items() if later > tick}
-                if before >= 0 and observations[0].since <= before:
-                    self.skipped += tick - before - 1
-                self.tick = tick
-                yield observations
+            if step := ticks.step():
+                yield step.observations
 
-    def _behind(self, key: str, tick: int) -> None:
-        """Handle a restarted world's request for a tick that is not stored; raises Unavailable at the second one."""
-        if tick == self._forgotten:
-            raise Unavailable(f"the world is back at tick {tick}, but tick {self.tick} was answered already")
-        self._forgotten = tick
-        self._drops.reject("Observation: is not for this tick", f"{key}: tick {tick}")
+    def _perform(self, action: Resend | Reject | Behind | None, key: str) -> None:
+        """Do what the observation that came on `key` asks for. Raises Unavailable if the agent is behind."""
+        match action:
+            case Resend(tick, robot):
+                self._outbox.resend(tick, robot)
+            case Reject(tick):
+                self._drops.reject("Observation: is not for this tick", f"{key}: tick {tick}")
+            case Behind(reason):
+                raise Unavailable(reason)
 
     async def _received(self, count: int) -> AsyncIterator[tuple[str, Observation]]:
         """Wait for `count` messages; yield key and content of all messages that have arrived and can be decoded."""

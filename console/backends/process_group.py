@@ -12,6 +12,7 @@ from pathlib import Path
 from console.backends import managed_process
 from console.backends.managed_process import ManagedProcess, NotStarted, ended
 from fes.errors import reason
+from fes.extension import registry
 from world.execution.checkpoint import has_checkpoint
 
 DISMISSAL = 2.0
@@ -71,7 +72,8 @@ class ProcessGroup:
 
     async def start_world(self, arguments: list[str]) -> None:
         """Start fes-world."""
-        self.world = await managed_process.start("fes-world", "world", arguments, self.directory / "world.log")
+        words = [*arguments, *_use_flags()]
+        self.world = await managed_process.start("fes-world", "world", words, self.directory / "world.log")
         self.watch(self.world)
 
     async def start_agent(self, robots: str, arguments: list[str]) -> None:
@@ -185,7 +187,7 @@ class ProcessGroup:
     async def _start_agent(self, robots: str) -> None:
         if any(agent.robots == robots and agent.runs for agent in self.agents):
             return
-        words, log = ["--id", robots, *self._arguments[robots]], self.directory / f"agent-{robots}.log"
+        words, log = ["--id", robots, *self._arguments[robots], *_use_flags()], self.directory / f"agent-{robots}.log"
         agent = await managed_process.start(f"fes-agent --id {robots}", "agents", words, log, robots)
         self.agents.append(agent)
         self.watch(agent)
@@ -247,3 +249,8 @@ def share(robots: int, per_process: int) -> Iterator[str]:
     for first in range(0, robots, per_process):
         last = min(first + per_process, robots) - 1
         yield str(first) if first == last else f"{first}-{last}"
+
+
+def _use_flags() -> list[str]:
+    """The flags that allow a child the extensions of this process."""
+    return [word for module in registry.used() for word in ("--use", module)]

@@ -5,11 +5,25 @@ from typing import Annotated, Any
 
 import typer
 
+from fes.extension import registry
 from fes.transport import network_flags
 from fes.transport.identity import OBSERVER, OPERATOR
 from fes.transport.network_flags import NetworkFlag
 from world.config import builtin
 
+
+def _use(modules: list[str] | None) -> list[str] | None:
+    for module in modules or ():
+        registry.use(module)
+    return modules
+
+
+Use = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--use", metavar="MODULE", callback=_use, help="Import a module or a file, and allow its extensions."
+    ),
+]
 SET = "Override a field of the scenario; fes schema lists them."
 PACE = "Pace: simulated seconds per second, or max for full speed."
 VERBOSE = "Also print tracking, links, their beacons and all expectations."

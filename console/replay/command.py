@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from console.connect.options import VERBOSE
+from console.connect.options import VERBOSE, Use
 from console.dashboard import summary
 from console.replay import log as logs
 from console.replay import player, reexecution
@@ -18,6 +18,7 @@ from fes import process
 from fes.errors import FesError
 from fes.recording.layout import AT_ITS_END
 from fes.system import strict_json
+from world.config import extensions
 from world.metrics.collector import MetricsCollector
 
 
@@ -27,6 +28,7 @@ def replay(
         int | None, typer.Option(min=0, metavar="I", help="Execute this robot again, and compare it with the log.")
     ] = None,
     all_: Annotated[bool, typer.Option("--all", help="Execute the world and all robots again, and compare.")] = False,
+    use: Use = None,
     speed: Annotated[float, typer.Option(min=1e-3, max=1e6, help="Simulated seconds per second.")] = 1.0,
     headless: Annotated[bool, typer.Option("--headless", help="No dashboard.")] = False,
     json_: Annotated[bool, typer.Option("--json", help="Print only the summary, as JSON.")] = False,
@@ -36,6 +38,7 @@ def replay(
     if robot is not None and all_:
         raise FesError(f"--all executes every robot again: give either --all or --robot {robot}")
     log = logs.load(target)
+    extensions.check(log.scenario, log.extensions, str(log.path))
     screen = printing.console(stderr=json_)
     if robot is not None:
         with progress.bar(f"robot {robot}, executed again", _length(log)) as bar:

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from console.analysis import figures
-from console.connect.options import SET, Scenario
+from console.connect.options import SET, Scenario, Use
 from console.sweep import cluster, comparison, design, ledger, local, picture, report, table, work
 from console.sweep.comparison import PairedDifference, Spread
 from console.sweep.design import Design
@@ -29,6 +29,7 @@ def sweep(
         list[str] | None, typer.Option(metavar="A.B=V,W", help="A field and its values; several axes are crossed.")
     ] = None,
     set_: Annotated[list[str] | None, typer.Option("--set", metavar="A.B=C", help=SET)] = None,
+    use: Use = None,
     jobs: Annotated[int | None, typer.Option(min=1, help="Worker processes (default: one per core).")] = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Run on a Dask cluster, such as tcp://10.0.0.1:8786.")

@@ -10,6 +10,7 @@ import numpy as np
 from console.backends import inprocess, stacked
 from console.sweep.design import SweepRun, Value
 from fes.errors import FesError
+from fes.extension import registry
 from world.config.scenario import Scenario
 
 MOST_RUNS, MOST_ROBOTS = 20, 400
@@ -42,6 +43,8 @@ class Batch:
     name: str
     keys: tuple[str, ...]
     scenarios: tuple[Scenario, ...]
+    use: tuple[str, ...] = ()
+    """Modules of extensions that the worker may load."""
 
 
 Watch = Callable[[int], None]
@@ -79,6 +82,8 @@ def batches(name: str, runs: Sequence[SweepRun], workers: int) -> list[Batch]:
 
 def carry_out(batch: Batch, watch: Watch = ignore) -> list[Done]:
     """Run a batch as one stack; after an error, run by run, so that only the faulty run fails."""
+    for module in set(batch.use) - set(registry.used()):
+        registry.use(module)
     with np.errstate(all="ignore"):  # numbers that are not finite end a run or appear in its row
         try:
             summaries = stacked.run(batch.scenarios, batch.name, watch)
@@ -122,4 +127,4 @@ def _cut(name: str, runs: list[SweepRun], workers: int) -> Iterator[Batch]:
     count = min(len(runs), workers * math.ceil(len(runs) / most / workers))
     for index in range(count):
         share = runs[index * len(runs) // count : (index + 1) * len(runs) // count]
-        yield Batch(name, tuple(run.key for run in share), tuple(run.scenario for run in share))
+        yield Batch(name, tuple(run.key for run in share), tuple(run.scenario for run in share), registry.used())

@@ -1,6 +1,6 @@
 """What an extension of others returns, checked: one line that names the extension, the rule and the value."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, NoReturn, TypeVar
 
 import numpy as np
@@ -186,6 +186,24 @@ class CheckedDynamics(Checked):
         n = getattr(self, "_n", len(found) if isinstance(found, np.ndarray) else 0)
         poses: Floats = self.array("the poses", found, (n, 3))
         return poses
+
+
+class CheckedMetric(Checked):
+    """A metric."""
+
+    def add(self, tick: Any) -> None:
+        """Add a tick."""
+        self.call(self.inner.add, tick)
+
+    def result(self) -> dict[str, float | None]:
+        """The numbers up to the last tick."""
+        found = self.call(self.inner.result)
+        if not isinstance(found, Mapping) or not all(isinstance(name, str) for name in found):
+            self.fail(f"result must be a table by name, got {found!r:.60}")
+        wrong = [value for value in found.values() if value is not None and not isinstance(value, int | float)]
+        if wrong:
+            self.fail(f"result must hold numbers, got {wrong[0]!r:.60}")
+        return dict(found)
 
 
 def _shares(checked: Checked, found: Any, shape: tuple[int, ...]) -> Floats:

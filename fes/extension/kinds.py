@@ -3,7 +3,14 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from fes.extension.checked import CheckedDynamics, CheckedFormation, CheckedRule, CheckedSeeking, checked_channel
+from fes.extension.checked import (
+    CheckedDynamics,
+    CheckedFormation,
+    CheckedMetric,
+    CheckedRule,
+    CheckedSeeking,
+    checked_channel,
+)
 
 
 class Kind(NamedTuple):
@@ -62,6 +69,6 @@ DYNAMICS = Kind(
     {"unicycle": "world.simulation.unicycle:Unicycle"},
     lambda extension, what, context: CheckedDynamics(extension, what),
 )
-METRIC = Kind("metric", "fes.metrics", {})
+METRIC = Kind("metric", "fes.metrics", {}, lambda extension, what, context: CheckedMetric(extension, what))
 
 KINDS = (CONTROLLER, FORMATION, SEEKING, RULE, CHANNEL, DYNAMICS, METRIC)

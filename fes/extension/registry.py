@@ -21,6 +21,11 @@ from fes.extension.context import LawContext
 from fes.extension.kinds import Kind
 from fes.model.table import Table, Use, chosen
 
+_arguments: list[str] = []
+
+_loaded: set[str] = set()
+"""Modules of the installed extensions that this process has loaded."""
+
 _usable: dict[str, Any] = {}
 """Modules that this process was told to use, by name."""
 
@@ -30,15 +35,27 @@ def use(module: str) -> str:
 
     It is looked for in the current directory too. Raises FesError in one line.
     """
-    path = Path(module)
-    name, folder = (path.stem, str(path.parent.resolve())) if path.suffix == ".py" else (module, str(Path.cwd()))
+    path = Path(module).resolve()
+    name, folder = (path.stem, str(path.parent)) if path.suffix == ".py" else (module, str(Path.cwd()))
     if folder not in sys.path:
         sys.path.append(folder)
     try:
         _usable[name] = importlib.import_module(name)
     except Exception as error:  # the module is anybody's code
         raise FesError(f"--use {module}: {type(error).__name__}: {' '.join(str(error).split())}") from None
+    _arguments.append(str(path) if path.suffix == ".py" else module)
     return name
+
+
+def used() -> tuple[str, ...]:
+    """The modules that this process was told to use, as a child process is told to."""
+    return tuple(dict.fromkeys(_arguments))
+
+
+def is_usable(module: str) -> bool:
+    """True if a module belongs to an extension that this process may load."""
+    top = module.partition(".")[0]
+    return top in {name.partition(".")[0] for name in [*_usable, *_loaded]}
 
 
 def load(kind: Kind, name: str) -> Any:
@@ -56,7 +73,9 @@ def load(kind: Kind, name: str) -> Any:
     found = _entry_points(kind.group)
     if name in found:
         try:
-            return found[name].load()
+            loaded = found[name].load()
+            _loaded.add(loaded.__module__)
+            return loaded
         except Exception as error:  # the module is anybody's code
             raise FesError(f"{kind.name} '{name}': {type(error).__name__}: {' '.join(str(error).split())}") from None
     known = [*kind.built_in, *found]

@@ -17,7 +17,8 @@ class Quantity(NamedTuple):
     """A value in the summary of a run."""
 
     name: str
-    """Dotted path; `[]` stands for each entry of a list, a number for a column of a row: `tracking[].rmse`."""
+    """Dotted path; `[]` stands for each entry of a list, a number for a column of a row: `tracking[].rmse`. `*`
+    stands for any name."""
     unit: str
     """SI unit, 1 for a ratio, the noun for a count; empty for a text, a flag, a seed or the id of a robot."""
     description: str
@@ -132,6 +133,14 @@ SUMMARY = (
         "Time from which no robot had a link.",
         "a robot has one at the end, or no contact could open yet",
     ),
+    Quantity(
+        "model_free",
+        "",
+        "True if no process of the robots has loaded the channel's formula.",
+        "world and robots share a process",
+        kind=FLAG,
+    ),
+    Quantity("metrics.*.*", "1", "A number of a metric of the scenario, by the names of the metric and the number."),
     Quantity("expectations[].of", "", "Key of the summary to which the expectation applies.", kind=TEXT),
     Quantity("expectations[].expected", "", "The expectation, in words.", kind=TEXT),
     Quantity("expectations[].seen", "", "Value of the key.", "the summary has none", kind="any of these"),

@@ -119,13 +119,16 @@ class Telemetry:
     and exponent of ln(-ln p) = level + exponent ln(r / rho_0). k = 0 if the law learns none."""
     details: Floats
     """Further numbers of each robot [n, j]: those that the formation law names."""
+    is_model_free: bool | None = None
+    """True if no process of these robots has loaded the channel's formula; None where that is not known."""
 
 
 def telemetry_of(telemetry: Telemetry, present: Bools) -> Telemetry:
     """The telemetry of the robots that are `present` [n]."""
     among = present[telemetry.links.rows]
     details = np.where(present[:, None], telemetry.details, np.nan)
-    return Telemetry(telemetry.links.select(among), telemetry.estimates[among], telemetry.learnt[:, among], details)
+    estimates, learnt = telemetry.estimates[among], telemetry.learnt[:, among]
+    return Telemetry(telemetry.links.select(among), estimates, learnt, details, telemetry.is_model_free)
 
 
 def no_telemetry(ids: Ints) -> Telemetry:

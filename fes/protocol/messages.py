@@ -106,6 +106,8 @@ class Command(NamedTuple):
     """Numbers that it has learnt [k l], one row after the other over its links, as the seeking law names them."""
     details: Floats = np.zeros(0)
     """Further numbers [j], as the formation law names them."""
+    is_model_free: bool | None = None
+    """True if its process has not loaded the channel's formula; None where that is not known."""
 
 
 def encode_observation(message: Observation) -> bytes:
@@ -176,13 +178,14 @@ def encode_command(message: Command) -> bytes:
         message.estimates.tobytes(),
         message.learnt.tobytes(),
         message.details.tobytes(),
+        message.is_model_free,
     )
 
 
 def decode_command(payload: bytes) -> Command:
     """The Command in a payload."""
     name = "Command"
-    tick, robot, linear, angular, links, estimates, learnt, details = wire.unpack(name, payload, 8)
+    tick, robot, linear, angular, links, estimates, learnt, details, is_free = wire.unpack(name, payload, 9)
     peers = wire.ids(name, links)
     parameters = wire.some_numbers(name, learnt, MAX_LEARNT * len(peers), MAX_NUMBER)
     is_whole = len(parameters) % len(peers) == 0 if len(peers) else len(parameters) == 0
@@ -194,6 +197,7 @@ def decode_command(payload: bytes) -> Command:
         wire.numbers(name, estimates, len(peers), MAX_NUMBER),
         parameters,
         wire.some_numbers(name, details, MAX_DETAILS, MAX_NUMBER),
+        None if is_free is None else wire.flag(name, is_free),
     )
 
 

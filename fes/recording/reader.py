@@ -58,6 +58,8 @@ class Log(Generic[S]):
     """Reason for the end of the run; None if the log has no end."""
     arithmetic: Mapping[str, str] = field(default_factory=fingerprint.table)
     """Arithmetic of the process that recorded it."""
+    extensions: list[Any] = field(default_factory=list)
+    """What it says of each extension (`fes.extension.evidence`)."""
 
     def ticks(self) -> Iterator[LoggedTick]:
         """Its ticks, in order; of a log without an end the complete ones. Raises FesError."""
@@ -118,7 +120,8 @@ def load(target: Path, parse: Callable[[dict[str, Any], str], S]) -> Log[S]:
         if not all(isinstance(header[key], str) for key in ("name", "backend")):
             raise TypeError("its name and backend are texts")
         how = ended["ended"] if ended else None
-        log = Log(path, header["name"], header["backend"], scenario, summary, how, header["arithmetic"])
+        names = header["name"], header["backend"]
+        log = Log(path, *names, scenario, summary, how, header["arithmetic"], header["extensions"])
     except ticks.UNREADABLE as error:
         raise FesError(f"{path}: what it says of its run cannot be read: {ticks.one_line(error)}") from None
     if next(log.ticks(), None) is None:

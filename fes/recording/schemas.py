@@ -1,13 +1,14 @@
 """Version of the log, and the JSON schemas of its texts; messages.proto has its other messages."""
 
-VERSION = 2
-"""Version of the log as a whole: readers of another version cannot read it. Since 2 it names the arithmetic."""
+VERSION = 3
+"""Version of the log as a whole: readers of another version cannot read it. Since 2 it names the arithmetic,
+since 3 the extensions."""
 
 SCENARIO = {
     "title": "fes.Scenario",
     "type": "object",
     "description": "The scenario of a run, and the programs that ran it",
-    "required": ["log", "name", "backend", "scenario", "arithmetic", "versions"],
+    "required": ["log", "name", "backend", "scenario", "arithmetic", "extensions", "versions"],
     "properties": {
         "log": {"type": "integer", "description": "version of the log's schemas"},
         "name": {"type": "string", "description": "name of the scenario"},
@@ -17,6 +18,7 @@ SCENARIO = {
             "type": "object",
             "description": "fingerprint of the elementary functions, version of numpy, and the core in use",
         },
+        "extensions": {"type": "array", "description": "kind, name and source of each extension, by its SHA-256"},
         "versions": {"type": "object", "description": "of fes and of the libraries that its digits depend on"},
     },
 }

@@ -73,6 +73,9 @@ def shape_at(path: str) -> Shape:
             raise ValueError(f"'{before}' is {shape}, and has no {part[:60]!r}")
         if isinstance(shape, dict):
             key = f"{before}.{part[:60]}" if before else part[:60]
+            if "*" in shape:
+                shape = shape["*"]
+                continue
             if part not in shape:
                 near = difflib.get_close_matches(part, shape, 1)
                 hint = f"; did you mean '{before}{'.' * bool(before)}{near[0]}'?" if near else ""

@@ -1,6 +1,6 @@
 """Conversion between the world's arrays and the messages on the bus, one per robot."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -58,6 +58,16 @@ def decode(key: str, payload: bytes | None, robots: int) -> Command:
     return command
 
 
+def all_free(stated: Iterable[bool | None]) -> bool | None:
+    """False if one is false, None if one is not known, True if all are true.
+
+    >>> all_free([True, None, False]), all_free([True, None]), all_free([True])
+    (False, None, True)
+    """
+    known = set(stated)
+    return False if False in known else True if known == {True} else None
+
+
 _STANDSTILL = Command(0, 0, (0.0, 0.0), np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
 
 
@@ -77,7 +87,8 @@ class CommandBatch:
         links = self._stack.edges(self._ids, [command.links for command in commands])
         estimates = np.concatenate([command.estimates for command in commands])
         twists = np.array([command.twist for command in commands])
-        return twists, Telemetry(links, estimates, self._learnt(commands), self._details(commands))
+        is_free = all_free(command.is_model_free for command in received if command is not None)
+        return twists, Telemetry(links, estimates, self._learnt(commands), self._details(commands), is_free)
 
     def _learnt(self, commands: list[Command]) -> Floats:
         """The numbers learnt [k, l]; none unless all robots with links have learnt equally many per link."""

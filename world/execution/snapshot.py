@@ -1,8 +1,8 @@
 """Snapshot of a run at one tick, and its file `state`: a head of three lines, and the run's tables as a pickle.
 
-    fes checkpoint 4
+    fes checkpoint 5
     SHA-256 of the rest of the file
-    {"fes": "0.3.0", "arithmetic": {"fingerprint": ..., "numpy": ..., "core": ...}}
+    {"fes": "0.4.0", "arithmetic": {"fingerprint": ..., "numpy": ..., "core": ...}, "extensions": [...]}
 
 A state is read only if the whole head matches. Loading it cannot execute code.
 """
@@ -19,9 +19,12 @@ from typing import Any
 from pydantic import BaseModel
 
 from fes.errors import FesError, reason
+from fes.extension import registry
+from fes.extension.checked import CheckedMetric
 from fes.protocol import world_info
 from fes.protocol.messages import Join
 from fes.system import files, fingerprint, strict_json
+from world.config import extensions
 from world.config.scenario import Scenario
 from world.execution.recorder import LogPosition
 from world.metrics.collector import MetricsCollector
@@ -30,7 +33,7 @@ from world.metrics.period_average import PeriodAverage
 from world.metrics.tracking import Tracking
 from world.simulation.truth import State
 
-FORMAT = 4
+FORMAT = 5
 """Format of a checkpoint, its journals and its trail. Raise it when one of them, or a table of the run, changes."""
 
 LARGEST = 1 << 30
@@ -38,7 +41,7 @@ LARGEST = 1 << 30
 
 _FIRST = re.compile(rb"fes checkpoint (\d{1,9})")
 
-_PLAIN = (MetricsCollector, PeriodAverage, Digest, Tracking)
+_PLAIN = (MetricsCollector, PeriodAverage, Digest, Tracking, CheckedMetric)
 _FOREIGN = {
     ("collections", "deque"),
     ("numpy", "dtype"),
@@ -101,7 +104,8 @@ _KINDS: dict[str, Any] = {
 
 def pack(snapshot: Snapshot) -> bytes:
     """The content of the file of a snapshot."""
-    head = {"fes": world_info.version(), "arithmetic": fingerprint.table()}
+    found = [entry.table for entry in extensions.of(snapshot.scenario)]
+    head = {"fes": world_info.version(), "arithmetic": fingerprint.table(), "extensions": found}
     body = strict_json.dumps(head).encode() + b"\n" + pickle.dumps(snapshot, protocol=5)
     return b"\n".join([b"fes checkpoint %d" % FORMAT, hashlib.sha256(body).hexdigest().encode(), body])
 
@@ -133,6 +137,7 @@ def read(path: Path) -> Snapshot:
         isinstance(getattr(snapshot, name, None), kind) for name, kind in _KINDS.items()
     ):
         raise FesError(f"{path} is not a checkpoint")
+    extensions.check(snapshot.scenario, strict_json.loads(head).get("extensions", []), str(path))
     return snapshot
 
 
@@ -150,11 +155,14 @@ class _Tables(pickle.Unpickler):
     """Reads only arrays and the world's own tables."""
 
     def find_class(self, module: str, name: str) -> Any:
-        is_foreign = (module, name) in _FOREIGN
-        if "." in name or not (is_foreign or module.split(".")[0] in ("fes", "world")):  # before the import runs code
+        is_foreign, is_extension = (module, name) in _FOREIGN, registry.is_usable(module)
+        is_known = is_foreign or is_extension or module.split(".")[0] in ("fes", "world")
+        if "." in name or not is_known:  # before the import runs code
             raise pickle.UnpicklingError(f"{module}.{name}")
         kind = super().find_class(module, name)
         is_own = isinstance(kind, type) and kind.__module__ == module
+        if is_extension and is_own:
+            return kind
         if is_foreign or (is_own and (is_dataclass(kind) or issubclass(kind, (BaseModel, tuple)) or kind in _PLAIN)):
             return kind
         raise pickle.UnpicklingError(f"{module}.{name}")

@@ -11,4 +11,5 @@ graphs          algebraic connectivity of a graph
 digest          SHA-256 over all ticks
 report_builder  the report to observers
 summary         summary.json and scenario.toml of a run directory
+team            metrics of the whole team's configuration
 """

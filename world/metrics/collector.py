@@ -7,7 +7,8 @@ import numpy as np
 
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
-from fes.extension import crew_laws
+from fes.extension import crew_laws, registry
+from fes.extension.kinds import METRIC
 from fes.model import counts, objective
 from fes.model.sensing import Telemetry
 from world.config import events
@@ -49,6 +50,11 @@ class MetricsCollector:
         """Deadlines of the live clock; None in lockstep."""
         self.unscheduled_absences = 0
         """Number of robot-ticks without the robot, although it was present by schedule."""
+        self.is_model_free: bool | None = None
+        """False if a robot was told the channel, True if none was; None where that is not known."""
+        context = reception.context(scenario)
+        self.extensions = {metric.key: registry.create(METRIC, metric.choice, context) for metric in scenario.metric}
+        """Metrics of the scenario, by name."""
         self._schedule = scenario.participation
         self._scheduled = np.ones(scenario.robots.number, dtype=np.bool_)
 
@@ -66,6 +72,10 @@ class MetricsCollector:
         self.tracking.add(state.tick, truth.optimal, truth.is_changed, self._team_errors(truth))
         mean = truth.mean_separation
         self.separation = np.where(np.isfinite(mean), mean, truth.separation)
+        for metric in self.extensions.values():
+            metric.add(truth)
+        if telemetry.is_model_free is not None:
+            self.is_model_free = telemetry.is_model_free and self.is_model_free is not False
         self.state, self.telemetry = state, telemetry
 
     def shared(self) -> dict[str, Any]:

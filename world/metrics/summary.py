@@ -59,6 +59,8 @@ def summarize(metrics: MetricsCollector, name: str, backend: str, wall: float) -
         "links_gap_longest": errors.longest_gap * scenario.run.dt,
         "unscheduled_absences": metrics.unscheduled_absences,
         "links_lost_at": errors.links_lost_at,
+        "model_free": metrics.is_model_free,
+        "metrics": {name: dict(metric.result()) for name, metric in metrics.extensions.items()},
     }
     values[quantities.VERDICTS] = expectations.verdicts(scenario.expect, values)
     summary: dict[str, Any] = strict_json.finite(quantities.ordered(values))

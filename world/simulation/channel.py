@@ -155,7 +155,9 @@ def reception_probability(medium: Medium, config: RadioConfig, robots: RadioInpu
     if hasattr(model, "pair_probability"):
         edges = near.edges
         time = robots.tick * medium.dt
-        probability = model.pair_probability(time, edges.peers, edges.robots, separation.take(near.pair)).copy()
+        probability: Floats = model.pair_probability(
+            time, edges.peers, edges.robots, separation.take(near.pair)
+        ).copy()
     else:
         probability = model.probability(separation.take(near.pair))
     if config.jammers:

@@ -1,4 +1,4 @@
-"""The ticks that an agent answers in lockstep: each in its turn, repeated ones again, and no others."""
+"""The shell of the tick machines: what it reads from the inbox, sends again, drops, and tells of the world."""
 
 import asyncio
 import logging
@@ -20,7 +20,7 @@ ODD = "Observation: is not for this tick"
 
 
 class TickPayloads:
-    """A mouth that remembers the last two ticks, and notes what it repeats."""
+    """An outbox that stores the last two ticks, and notes what it sends again."""
 
     def __init__(self) -> None:
         self.last = -1
@@ -38,7 +38,7 @@ Scene = Callable[[int, Sense, WorldLiveliness], None]
 """The observations that arrive while a tick is being answered; the last of them ends the run."""
 
 
-def play(scene: Scene) -> tuple[list[int], TickPayloads, DropLog]:
+def play(scene: Scene, live: bool = False) -> tuple[list[int], TickPayloads, DropLog]:
     """The ticks that were answered, what was repeated, and what was odd, while tick 0 and then a scene come."""
     outbox, drops = TickPayloads(), DropLog(logging.getLogger("test"))
     answered: list[int] = []
@@ -53,7 +53,7 @@ def play(scene: Scene) -> tuple[list[int], TickPayloads, DropLog]:
 
         sense(0)
         async with asyncio.timeout(60.0):
-            async for [observation] in ticks.lockstep(world):
+            async for [observation] in ticks.live(world) if live else ticks.lockstep(world):
                 assert observation.tick == ticks.tick
                 answered.append(observation.tick)
                 outbox.last = observation.tick
@@ -106,6 +106,36 @@ def test_a_resumed_world_is_also_answered_one_tick_back_and_an_agent_that_cannot
 
     with pytest.raises(Unavailable, match=r"^the world is back at tick 1, but tick 3 was answered already$"):
         play(too_old)
+
+
+def test_a_restarted_world_is_new_only_until_the_next_tick_is_stepped() -> None:
+    def scene(tick: int, sense: Sense, world: WorldLiveliness) -> None:
+        if tick == 2:
+            world.is_new = True
+        else:
+            assert not world.is_new
+        if tick >= 2:
+            sense(tick - 1)
+        sense(tick + 1, over=tick == 3)
+
+    answered, outbox, drops = play(scene)
+    assert answered == [0, 1, 2, 3]
+    assert outbox.repeated == [1]
+    assert drops.counts == {ODD: 1}
+
+
+def test_with_a_live_clock_an_agent_goes_back_once_with_a_restarted_world() -> None:
+    def scene(tick: int, sense: Sense, world: WorldLiveliness) -> None:
+        if tick == 0:
+            sense(7)
+        elif tick == 7:
+            world.is_new = True
+            sense(5)
+        elif tick == 5:
+            assert not world.is_new
+            sense(6, over=True)
+
+    assert play(scene, live=True)[0] == [0, 7, 5]
 
 
 def test_an_agent_that_was_absent_resumes_at_the_tick_of_its_rejoining() -> None:

@@ -1,0 +1,11 @@
+"""Whether this process can know the channel: a run without its formula is model-free."""
+
+import sys
+
+FORMULA = ("agents.laws.oracle", "fes.model.outage")
+"""Modules that know the channel's formula."""
+
+
+def is_model_free() -> bool:
+    """True if this process has loaded none of the modules that know the channel's formula."""
+    return not any(name in sys.modules for name in FORMULA)

@@ -1,0 +1,101 @@
+"""Delivery: the quality of the best route between two robots, averaged over the ordered pairs of the team.
+
+The quality of a route is the product of the qualities q of its links. With the cost w = -ln q of a link, the best
+route from i to j has the least sum of costs, delta(i, j), and the quality exp(-delta).
+
+Links are a matrix [n, n]: the quality in [0, 1] from each sender (row) to each receiver (column), and 0 where they
+are out of range. The diagonal is not used.
+"""
+
+import math
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from fes.arrays.types import Floats, Ints
+from fes.model.config import ObjectiveConfig
+
+MAX_ROBOTS = 300
+"""Largest team whose delivery is computed. The work for losses grows as n^3 log n."""
+
+
+class Delivery(NamedTuple):
+    """Two means over the ordered pairs of robots, each in [0, 1]."""
+
+    mean: float
+    """Mean of exp(-delta); a pair without a route counts as 0."""
+    geometric_mean: float
+    """exp(-mean of delta): 0 if any pair has no route. For two robots with equal links it is their q."""
+
+
+def link_quality(separation: Floats, reception: Floats, objective: ObjectiveConfig) -> Floats:
+    """q = exp(-(r/r_x)^s) p, any shape: the factors of the index (16) that fall with the separation r [m].
+
+    `reception` is p, the true probability that a beacon decodes on this link.
+    """
+    quality: Floats = np.exp(-((separation / objective.maximum_separation) ** objective.shape_exponent)) * reception
+    return quality
+
+
+def link_matrix(n: int, senders: Ints, receivers: Ints, quality: Floats) -> Floats:
+    """The matrix [n, n] of the links from `senders` to `receivers`, both rows of robots [m], with `quality` [m]."""
+    links = np.zeros((n, n))
+    links[senders, receivers] = quality
+    return links
+
+
+def delivery(links: Floats) -> Delivery | None:
+    """Delivery between all robots of `links` [n, n]; None for less than 2 robots, or more than MAX_ROBOTS."""
+    n = len(links)
+    if not 2 <= n <= MAX_ROBOTS:
+        return None
+    return _average(_relayed(_costs(links), range(n)), np.arange(n))
+
+
+def delivery_after_loss(links: Floats) -> Delivery | None:
+    """Delivery between the others after the loss of one robot: each mean after the loss that is worst for it.
+
+    It is never above the delivery between all robots. In a team of two no loss is considered. None as for `delivery`.
+    """
+    n = len(links)
+    if not 2 < n <= MAX_ROBOTS:
+        return delivery(links)
+    present = np.arange(n)
+    losses = [_average(costs, np.delete(present, lost)) for lost, costs in _without_each(_costs(links), range(n))]
+    return Delivery(min(loss.mean for loss in losses), min(loss.geometric_mean for loss in losses))
+
+
+def _costs(links: Floats) -> Floats:
+    """w = -ln q of each link [n, n]; infinite where there is no link."""
+    with np.errstate(divide="ignore"):
+        return -np.log(links)
+
+
+def _without_each(costs: Floats, robots: range) -> Iterator[tuple[int, Floats]]:
+    """Each of the `robots`, with the least costs [n, n] of the routes that all other robots relay.
+
+    The robots outside of `robots` relay already in `costs`. One half relays, and the other half is divided again: in
+    all n log n relays, instead of the n^2 of a new search without each robot.
+    """
+    if len(robots) == 1:
+        yield robots[0], costs
+        return
+    middle = len(robots) // 2
+    yield from _without_each(_relayed(costs, robots[middle:]), robots[:middle])
+    yield from _without_each(_relayed(costs, robots[:middle]), robots[middle:])
+
+
+def _relayed(costs: Floats, relays: Iterable[int]) -> Floats:
+    """The least `costs` [n, n] once `relays` forward messages too: a step of Floyd and Warshall for each of them."""
+    costs = costs.copy()
+    for relay in relays:
+        np.minimum(costs, np.add.outer(costs[:, relay], costs[relay]), out=costs)
+    return costs
+
+
+def _average(costs: Floats, present: Ints) -> Delivery:
+    """Delivery between the robots `present`, at the least `costs` [n, n] of routes."""
+    n = len(present)
+    between = costs[np.ix_(present, present)][~np.eye(n, dtype=bool)]
+    return Delivery(float(np.exp(-between).mean()), math.exp(-float(between.mean())))
