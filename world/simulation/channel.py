@@ -151,7 +151,6 @@ def reception_probability(medium: Medium, config: RadioConfig, robots: RadioInpu
     separation, poses, model = near.separation, robots.poses, medium.reception.of(config)
     if config.shadowing is not None and config.model != "perfect":
         separation = _effective(medium, config, config.shadowing, poses, near)
-    probability: Floats
     if hasattr(model, "pair_probability"):
         edges = near.edges
         time = robots.tick * medium.dt

@@ -139,7 +139,12 @@ UNKNOWN = "unknown field 'channel.{}'; did you mean 'channel.{}'?"
             "channel.jammers.0.reception_factor: must be less than or equal to 1, got 1.5",
         ),
         ({"logistic_width": 0.0}, "channel.logistic_width: must be greater than or equal to 0.001, got 0.0"),
-        ({"model": "rician"}, "channel.model: must be 'rayleigh', 'logistic' or 'perfect', got 'rician'"),
+        (
+            {"model": "rician"},
+            "channel.model: there is no channel 'rician'; "
+            "known are rayleigh, logistic, perfect, table, trace, and `module:Class`",
+        ),
+        ({"model": "raleigh"}, "channel.model: there is no channel 'raleigh'; did you mean 'rayleigh'?"),
     ],
 )
 def test_an_impossible_channel_is_rejected_in_one_line(channel: dict[str, Any], message: str) -> None:
