@@ -6,5 +6,6 @@ outbox                publishes beacons and commands, and keeps two ticks for re
 marshalling           conversion between messages and arrays.
 reception             the verdict of the radio, applied: a crew gets only beacons that decoded.
 membership            joins a run, and confirms later that the robots are still assigned.
+model_freedom         whether this process can know the channel.
 world_liveliness      liveliness of the world.
 """

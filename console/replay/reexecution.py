@@ -4,6 +4,7 @@ Every result is compared with the log, to the bit.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
@@ -176,6 +177,7 @@ class ReplayedRobots:
         beacons = self._stack.beacons(tick.number - 1, received)
         arrived = self._receiver.receive(observations, beacons, self._state.contacts.edges)
         self._state, sent, twists, telemetry = crew.step(self._crew, self._state, observations.sensed, arrived)
+        telemetry = replace(telemetry, is_model_free=_stated(tick, sensing))
         broken = transmitter.damaging(self._crew.transmitters, tick.number)
         for robot, encoded, command in agent_marshalling.encode_tick(sent, twists, telemetry):
             if robot not in sensed:
@@ -186,6 +188,14 @@ class ReplayedRobots:
                 if logged != computed:
                     raise Mismatch(self._log, of_payloads(tick.number, message, robot, logged, computed))
         self._before = tick
+
+
+def _stated(tick: LoggedTick, robots: list[int]) -> bool | None:
+    """What the recorded commands state of their processes: it cannot be computed again."""
+    for payload in filter(None, (tick.payloads.commands[robot] for robot in robots)):
+        with suppress(MessageError):
+            return messages.decode_command(payload).is_model_free
+    return None
 
 
 def _absent(tick: int, robot: int) -> Observation:

@@ -6,6 +6,7 @@ link_errors     errors of links and estimates, and when they fall below their le
 tracking        time and accuracy of seeking, after the start and each change
 period_average  separations averaged over a dither period
 deadlines       deadlines of the live clock, met and missed
+best_separation the best separation of a channel, by search where it has no formula
 optimum         r*, the separation that maximizes the index (16)
 graphs          algebraic connectivity of a graph
 digest          SHA-256 over all ticks
