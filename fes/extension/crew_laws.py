@@ -56,6 +56,11 @@ def laws(config: AgentConfig, context: LawContext) -> Laws:
         return Laws(rule, *_controllers(config.controller, context))
     formation = create(FORMATION, config.formation.law, context)
     is_own = isinstance(config.seeking, Use)
+    if not isinstance(config.seeking, Use) and config.seeking.knows_channel and context.channel is None:
+        # before its module, which knows the formula, is loaded
+        raise FesError(
+            f"seeking.index = '{config.seeking.index}' needs the channel, and this agent did not receive it"
+        )
     choice = config.seeking if isinstance(config.seeking, Use) else _seeking_name(config.seeking)
     seeking = create(SEEKING, choice, context, None if is_own else config.seeking)
     declared = formation.declared + seeking.declared
