@@ -54,8 +54,8 @@ class RadioConfig(ChannelConfig):
     rows, constant beyond them. It need not fall."""
     trace: str | None = None
     """File of the model `trace`, by its path from the scenario's file: comma-separated, with a line of names. The
-    columns are time [s], sender, receiver, and probability or decoded. The path of a `--set`
-    starts from the current directory."""
+    columns are time in seconds, sender, receiver, and probability or decoded. The path of a `--set` starts from the
+    current directory."""
     trace_between: Literal["held", "interpolated"] = "held"
     """Between two times of a trace: the earlier value, or the line between both."""
     trace_sha256: str | None = None
