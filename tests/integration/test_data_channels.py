@@ -105,9 +105,11 @@ def test_a_run_resumes_with_its_trace_and_not_with_another(tmp_path: Path) -> No
         if tick == 50:
             run.change("channel.model", "trace")
         team.step(run)
+    checkpoints.close(run)
     for copy in ("second", "third"):
         shutil.copytree(first, tmp_path / copy)
-    again, _, _ = resume.run(tmp_path / "second", resume.load(tmp_path / "second"), None, 1e9)
+    again, kept, _ = resume.run(tmp_path / "second", resume.load(tmp_path / "second"), None, 1e9)
+    kept.close(again)
     assert again.state.tick == 60
     assert again.metrics.link_errors.digest.text() == run.metrics.link_errors.digest.text()
     path = tmp_path / "links.csv"

@@ -73,8 +73,7 @@ def create(scenario: Scenario) -> World:
     ids = np.arange(scenario.robots.number)
     context = reception.context(scenario)
     medium = channel.medium(scenario.run.seed, context)
-    for settings in scenario.channels:  # a channel that cannot be created ends no run in its midst
-        reception.model(settings, context)
+    reception.prepare(scenario.channels, context)
     dynamics = registry.create(DYNAMICS, scenario.robots.dynamics, context)
     schedules = scenario.changes, scenario.participation, scenario.transmissions
     return World(scenario, ids, medium, dynamics, *schedules)
