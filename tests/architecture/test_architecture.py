@@ -36,7 +36,7 @@ LAYERS = (
     {"console.dashboard", "console.doctor"},
     {"console.backends", "console.replay"},
     {"console.analysis"},
-    {"console.sweep"},
+    {"console.fit", "console.sweep"},
     {"console.cli"},
     {"console.__main__"},
 )
