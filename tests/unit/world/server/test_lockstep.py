@@ -56,7 +56,7 @@ def test_second_answers_to_observations_sent_again_in_consecutive_ticks_are_not_
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The robot pauses between its answers: the second one comes when the next observation was sent again."""
-    monkeypatch.setattr("world.server.lockstep.RESEND_AFTER", 0.01)
+    monkeypatch.setattr("world.execution.barrier.RESEND_AFTER", 0.01)
     asked: list[int] = []
 
     async def main() -> DropLog:
