@@ -19,6 +19,8 @@ SUBSETS = ((True, False), (False, True), (True, True))
 
 FAULT = "excluded at tick 1: it sent no beacon"
 
+NO_AGENTS = Membership()
+
 Schedule = Mapping[int, ParticipationChange]
 
 
@@ -61,7 +63,7 @@ class Transition(NamedTuple):
     after: Snapshot
 
 
-def start(schedule: Schedule, members: Membership = Membership()) -> Snapshot:
+def start(schedule: Schedule, members: Membership = NO_AGENTS) -> Snapshot:
     """The state before any agent has asked."""
     machine = Lifecycle(ROBOTS, schedule, members, 0.0)
     return Snapshot(pickle.dumps(machine), 0.0, 0, (False,) * ROBOTS, _facts(machine, 0.0))
@@ -127,10 +129,8 @@ def follow(before: Snapshot, event: Event, last_tick: int) -> Transition | None:
             return None
         case "silent":
             result = lifecycle.silent(np.array(event.argument))
-            left = [
-                robot and not is_silent for robot, is_silent in zip(before.continuing, event.argument, strict=True)
-            ]
-            after = replace(before, continuing=tuple(left))
+            present = np.array(before.continuing) & ~np.array(event.argument)
+            after = replace(before, continuing=tuple(present.tolist()))
         case "begin_tick":
             result = tuple(lifecycle.begin_tick(before.tick, np.array(before.continuing)).tolist())
             after = replace(before, continuing=result, tick=min(before.tick + 1, last_tick))
