@@ -50,7 +50,7 @@ class Verdict(Enum):
     SECOND = auto()
     """A second answer to an observation that was sent once."""
     WRONG_TICK = auto()
-    """Not for this tick."""
+    """A command for another tick."""
 
 
 class Action(NamedTuple):

@@ -25,7 +25,7 @@ class Timing(Enum):
     LATE = auto()
     """The newest of its robot, for an earlier tick."""
     OLD = auto()
-    """Not newer than the one that its robot follows."""
+    """At most as new as the one that its robot follows."""
     FUTURE = auto()
     """For a tick that has not begun: an error."""
 

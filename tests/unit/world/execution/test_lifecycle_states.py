@@ -208,10 +208,10 @@ def test_agents_get_robots_that_are_free_and_no_others(
 @pytest.mark.parametrize(
     ("joins", "schedule", "states", "transitions"),
     [
-        (ONE_PROCESS, HANG, 2_900, 44_000),
-        (TWO_PROCESSES, HANG, 2_800, 42_000),
-        (RIVALS, {}, 3_700, 60_000),
-        (MIXED, {}, 2_900, 44_000),
+        (ONE_PROCESS, HANG, 2_400, 33_000),
+        (TWO_PROCESSES, HANG, 3_000, 42_000),
+        (RIVALS, {}, 4_000, 60_000),
+        (MIXED, {}, 3_200, 44_000),
     ],
     ids=[
         "one process, in which a robot hangs by schedule",
