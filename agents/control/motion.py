@@ -15,7 +15,7 @@ def twists(ids: Ints, formed: Formed, sensed: Sensed, dt: float, config: Formati
     result = twist(formed.pull, sensed.poses[:, geometry.HEADING], dt, config)
     if formed.twists is not None:
         result = np.where(np.isnan(formed.twists), result, limited(formed.twists, config))
-    if np.abs(result).max(initial=0.0) <= MAX_TWIST:
+    if np.logical_and.reduce(np.abs(result) <= MAX_TWIST, axis=None):
         return result
     if not np.isfinite(result).all():
         robot = int(ids[~np.isfinite(result).all(axis=1)][0])

@@ -19,7 +19,7 @@ def weights(links: Edges, separation_error: Floats) -> Floats:
     if len(links) == 0:
         return np.zeros(0)
     size = np.abs(separation_error)
-    result = 0.5 / np.maximum(links.counts - 1, 1).take(links.rows)
+    result = 0.5 * links.shares
     result[links.first_smallest(np.negative(size, out=size))] = 0.5
     return result
 

@@ -81,6 +81,12 @@ class Edges:
         return np.bincount(self.rows, minlength=len(self.ids))
 
     @cached_property
+    def shares(self) -> Floats:
+        """One over the number of the robot's other pairs; 1 for a robot with a single pair [m]."""
+        shares: Floats = (1.0 / np.maximum(self.counts - 1, 1)).take(self.rows)
+        return shares
+
+    @cached_property
     def spans(self) -> list[slice]:
         """Positions of each robot's pairs [n]."""
         ends = np.cumsum(self.counts)

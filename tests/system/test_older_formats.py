@@ -29,7 +29,7 @@ from world.execution.run import Run
 
 @pytest.fixture
 def formats(tmp_path: Path) -> Path:
-    """A copy of all files of older formats, written by versions up to 0.2.0."""
+    """A copy of all files of older formats, written by versions up to 0.3.0."""
     return Path(shutil.copytree(FORMATS, tmp_path / "formats"))
 
 
@@ -37,28 +37,32 @@ def contents(where: Path) -> dict[Path, bytes]:
     return {path: path.read_bytes() for path in where.rglob("*") if path.is_file()}
 
 
-@pytest.mark.parametrize("older", [2, 3])
+@pytest.mark.parametrize("older", [2, 3, 4])
 def test_a_checkpoint_of_an_older_format_is_rejected_in_one_line(formats: Path, older: int) -> None:
     run, before = formats / f"checkpoint-{older}", contents(formats)
     with pytest.raises(FesError) as caught:
         resume.load(run)
-    assert str(caught.value) == f"{run / FOLDER / STATE} is a checkpoint of format {older}; this fes reads format 4"
+    assert str(caught.value) == f"{run / FOLDER / STATE} is a checkpoint of format {older}; this fes reads format 5"
     line = complaint(call(formats, "fes-world", "--resume", f"checkpoint-{older}"), "fes-world")
-    assert line == f"checkpoint-{older}/checkpoint/state is a checkpoint of format {older}; this fes reads format 4"
+    assert line == f"checkpoint-{older}/checkpoint/state is a checkpoint of format {older}; this fes reads format 5"
     assert contents(formats) == before
-    assert snapshot.FORMAT == 4
+    assert snapshot.FORMAT == 5
 
 
-def test_the_log_of_version_2_beside_a_checkpoint_of_format_3_is_still_read(formats: Path) -> None:
-    assert len(list(log.load(formats / "checkpoint-3").ticks())) == 65
+@pytest.mark.parametrize(
+    ("run", "older"), [("log-1", 1), ("checkpoint-2", 1), ("log-2", 2), ("checkpoint-3", 2), ("checkpoint-4", 2)]
+)
+def test_a_log_of_an_older_version_is_rejected_in_one_line(formats: Path, run: str, older: int) -> None:
+    with pytest.raises(FesError) as caught:
+        log.load(formats / run)
+    assert str(caught.value) == f"{formats / run / NAME} is a log of version {older}; this fes reads version 3"
+    assert schemas.VERSION == 3
 
 
-def test_a_log_of_version_1_is_rejected_in_one_line(formats: Path) -> None:
-    for run in (formats / "log-1", formats / "checkpoint-2"):
-        with pytest.raises(FesError) as caught:
-            log.load(run)
-        assert str(caught.value) == f"{run / NAME} is a log of version 1; this fes reads version 2"
-    assert schemas.VERSION == 2
+def test_a_scenario_that_release_0_3_wrote_is_read(formats: Path) -> None:
+    # it lists every key of [seeking], also those that its law does not use
+    saved = load(str(formats / "scenario-0.3.toml"))
+    assert saved == load("pair.toml", run__duration=60.0)
 
 
 def test_a_sweep_without_a_format_is_rejected_in_one_line(formats: Path) -> None:
@@ -117,7 +121,16 @@ def test_no_table_of_a_checkpoint_changes_without_a_new_format_number(tmp_path: 
 
 
 def test_the_stored_files_of_older_formats_are_small_and_complete() -> None:
-    names = ["checkpoint-2", "checkpoint-3", LAYOUT.name, "log-1", "log-2", "sweep-1"]
+    names = [
+        "checkpoint-2",
+        "checkpoint-3",
+        "checkpoint-4",
+        LAYOUT.name,
+        "log-1",
+        "log-2",
+        "scenario-0.3.toml",
+        "sweep-1",
+    ]
     assert sorted(path.name for path in FORMATS.iterdir()) == names
     assert all(len(content) < 100_000 for content in contents(FORMATS).values())
 
