@@ -149,7 +149,7 @@ def test_the_edges_are_the_same_object_while_the_pairs_are_the_same() -> None:
     first = receiver.receive(sensed(1, near, {(0, 1), (1, 2)}), sent(0), contacts).edges
     for tick, decoded in enumerate([{(0, 1)}, set(), {(0, 1), (1, 2)}], 2):
         assert receiver.receive(sensed(tick, near, decoded), sent(tick - 1), first).edges is first
-    # another object with the same peers in range, and a peer out of range that was no contact
+    # another object with the same peers in range, and a peer out of range that had not been heard
     for again in (near_of({0, 1}), near_of({0, 1}, EVERY - {(0, 3)})):
         assert receiver.receive(sensed(5, replace(again, ids=near.ids), set()), sent(4), first).edges is first
     more = receiver.receive(sensed(6, near, {(1, 3)}), sent(5), first).edges

@@ -226,7 +226,7 @@ def test_a_constructor_that_fails_is_one_line(folder: Path) -> None:
     assert message.endswith("RuntimeError: the box is shut")
 
 
-def test_only_a_law_that_says_so_is_told_the_channel(folder: Path) -> None:
+def test_only_a_law_that_declares_it_is_told_the_channel(folder: Path) -> None:
     (folder / "toys_of_robots.py").write_text(SOURCE)
     registry.use("toys_of_robots")
     told = laws.context(np.arange(2), ChannelConfig())
