@@ -34,7 +34,7 @@ class Work:
         """Completed ticks."""
         self.total = total
         """Ticks of the whole call; 0 if unknown."""
-        self._is_stopped = False
+        self._stopped = threading.Event()
         self._cancel: Callable[[], None] | None = None
         """Cancels the event loop of the work, while there is one."""
         self._lock = threading.Lock()
@@ -46,13 +46,18 @@ class Work:
 
     def check(self) -> None:
         """Raise Stopped after `stop`."""
-        if self._is_stopped:
+        if self._stopped.is_set():
             raise Stopped(INTERRUPTED)
+
+    def pause(self, seconds: float) -> None:
+        """Wait for this time [s], or raise Stopped after `stop`."""
+        self._stopped.wait(max(0.0, seconds))
+        self.check()
 
     def stop(self) -> None:
         """Let the work end with Stopped."""
         with self._lock:
-            self._is_stopped = True
+            self._stopped.set()
             if self._cancel is not None:
                 self._cancel()
 
@@ -71,7 +76,7 @@ class Work:
 
         with self._lock:
             self._cancel = cancel
-            if self._is_stopped:
+            if self._stopped.is_set():
                 task.cancel()
         try:
             return await task

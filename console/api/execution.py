@@ -5,6 +5,7 @@ import math
 import os
 import shutil
 import tempfile
+import time
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -135,14 +136,16 @@ def _launch(to_run: NamedScenario, backend: str, rtf: float | None, agents_per_p
 
 def _in_one_loop(to_run: NamedScenario, work: Work, out: Path | None, rtf: float | None) -> Run:
     name, scenario = to_run
-    collector = TickCollector(scenario.robots.number)
+    collector, begun = TickCollector(scenario.robots.number), time.perf_counter()
 
     def collect(tick: Tick) -> None:
         collector.add(tick.state, tick.twists, tick.telemetry)
         work.reach(tick.state.tick + 1)
+        if rtf is not None:  # an interrupt ends this pause
+            work.pause(begun + (tick.state.tick + 1) * scenario.run.dt / rtf - time.perf_counter())
 
     if out is None:
-        return collector.run(scenario, inprocess.run(scenario, name, rtf, collect=collect), None)
+        return collector.run(scenario, inprocess.run(scenario, name, collect=collect), None)
     with run_directory.created(name, out) as directory:
         write_scenario(directory.path, scenario)
         with Recorder(directory.path / NAME, scenario, name, "inprocess") as recorder:
@@ -151,7 +154,7 @@ def _in_one_loop(to_run: NamedScenario, work: Work, out: Path | None, rtf: float
                 write(directory.path, summary)
                 recorder.conclude(summary)
 
-            summary = inprocess.run(scenario, name, rtf, keep=store, recorder=recorder, collect=collect)
+            summary = inprocess.run(scenario, name, keep=store, recorder=recorder, collect=collect)
     return collector.run(scenario, summary, out)
 
 
