@@ -17,7 +17,7 @@ NAMES = {
     "--out": "out",
     "--rtf": "rtf",
     "fes sweep makes": "fes.sweep makes",
-    "the same command": "the same call with the same `out`",
+    "the same command": "the same call",
 }
 """Words of the commands, and those of the Python interface for the same."""
 

@@ -122,6 +122,6 @@ def _carry_out(planned: Design, workers: Workers, task: Work, out: Path | None) 
         except Stopped as stopped:
             ready = sum(run.key in finished.done for run in planned.runs)
             raise Stopped(
-                f"{stopped}: {ready} of {len(planned.runs)} runs are done; the same command resumes the sweep"
+                f"{stopped}: {ready} of {len(planned.runs)} runs are done; the same call resumes the sweep"
             ) from None
         return finished.done
