@@ -56,7 +56,7 @@ class ResultTable:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SweepTable(ResultTable):
-    """One row per run, cell by cell in the order of the axes, and by seed within a cell.
+    """A ResultTable with one row per run: cell by cell in the order of the axes, and by seed within a cell.
 
     Its columns are the axes, `seed`, the numbers of the summary by dotted name without those of the wall clock, and
     `error`: the error of a run that failed, or None.
@@ -65,6 +65,7 @@ class SweepTable(ResultTable):
     axes: dict[str, Sequence[Value]] = field(default_factory=dict)
     """Values of each axis, in order."""
     seeds: list[int] = field(default_factory=list)
+    """Seeds of every cell, in order."""
     cells: ResultTable = field(default_factory=lambda: ResultTable([]))
     """Number, mean, median and largest value of each outcome in each cell, as in `cells.csv`."""
     differences: ResultTable = field(default_factory=lambda: ResultTable([]))

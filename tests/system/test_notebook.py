@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import nbformat
 import pytest
 from jupyter_client.blocking.client import BlockingKernelClient
 from jupyter_client.manager import KernelManager
@@ -93,9 +92,19 @@ def outputs(client: BlockingKernelClient, request: str) -> Iterator[dict[str, An
 
 
 def test_a_notebook_runs_shows_and_sweeps(tmp_path: Path, environment: dict[str, str]) -> None:
-    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in CELLS])
-    path = tmp_path / "notebook.ipynb"
-    nbformat.write(notebook, path)
+    cells = [
+        {
+            "cell_type": "code",
+            "id": f"{index}",
+            "source": cell,
+            "metadata": {},
+            "outputs": [],
+            "execution_count": None,
+        }
+        for index, cell in enumerate(CELLS)
+    ]
+    notebook = {"cells": cells, "metadata": {}, "nbformat": 4, "nbformat_minor": 5}
+    (tmp_path / "notebook.ipynb").write_text(json.dumps(notebook))
     done = subprocess.run(
         [sys.executable, "-c", EXECUTE],
         cwd=tmp_path,
