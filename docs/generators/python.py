@@ -26,12 +26,8 @@ def page() -> list[str]:
     """The lines of the page, without its title."""
     lines: list[str] = []
     for function in FUNCTIONS:
-        lines += [
-            f"## `fes.{function.__name__}`",
-            "",
-            *_call(f"fes.{function.__name__}", function),
-            *_described(function),
-        ]
+        name = f"fes.{function.__name__}"
+        lines += [f"## `{name}`", "", *_call(name, function), *_described(function)]
     for kind in CLASSES:
         name = "fes.Run" if kind is Run else kind.__name__
         members = [*attribute_docstrings(kind).items(), *_members(kind)]

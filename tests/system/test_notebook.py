@@ -92,17 +92,8 @@ def outputs(client: BlockingKernelClient, request: str) -> Iterator[dict[str, An
 
 
 def test_a_notebook_runs_shows_and_sweeps(tmp_path: Path, environment: dict[str, str]) -> None:
-    cells = [
-        {
-            "cell_type": "code",
-            "id": f"{index}",
-            "source": cell,
-            "metadata": {},
-            "outputs": [],
-            "execution_count": None,
-        }
-        for index, cell in enumerate(CELLS)
-    ]
+    code: dict[str, object] = {"cell_type": "code", "metadata": {}, "outputs": [], "execution_count": None}
+    cells = [{**code, "id": f"{index}", "source": cell} for index, cell in enumerate(CELLS)]
     notebook = {"cells": cells, "metadata": {}, "nbformat": 4, "nbformat_minor": 5}
     (tmp_path / "notebook.ipynb").write_text(json.dumps(notebook))
     done = subprocess.run(

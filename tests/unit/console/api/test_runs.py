@@ -85,8 +85,8 @@ def test_a_robot_without_links_has_no_rows() -> None:
 
 
 def test_a_run_takes_the_memory_that_its_docstring_states() -> None:
-    run = fes.run("paper", duration=0.5)
-    assert run.time.nbytes + run.poses.nbytes + run.twists.nbytes == 25 * (8 + 40 * 10)
+    run = fes.run("paper", duration=0.52)
+    assert run.time.nbytes + run.poses.nbytes + run.twists.nbytes == 26 * (8 + 40 * 10)
     assert sum(column.nbytes for column in vars(run.links).values()) == 49 * len(run.links)
     for column in (run.poses, run.twists, *vars(run.links).values()):
         assert column.base is None  # not a view of a larger array
