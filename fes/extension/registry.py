@@ -87,6 +87,8 @@ def load(kind: Kind, name: str) -> Any:
 def parameters(kind: Kind, choice: str | Use, loaded: Any) -> Table:
     """The parameters of a choice, checked by its class; raises FesError in one line that names the extension."""
     selected = chosen(choice)
+    if selected.use not in kind.built_in and (member := kind.missing(loaded)):
+        raise FesError(f"{kind.name} '{selected.use}': it has no method `{member}`")
     table = getattr(loaded, "Parameters", None)
     if not (isinstance(table, type) and issubclass(table, Table)):
         raise FesError(f"{kind.name} '{selected.use}': its `Parameters` is not a subclass of `fes.extension.Table`")
