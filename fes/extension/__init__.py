@@ -8,6 +8,7 @@ kinds         the kinds of extension, and the built-in ones.
 registry      extensions by name.
 crew_laws     the laws of a crew.
 checked       what an extension returns, checked.
+conformance   for pytest: whether an extension keeps the rules.
 evidence      which code an extension was.
 """
 

@@ -145,9 +145,7 @@ class ControllerFormation:
         """A new controller for each robot."""
         n = len(self._own_ids)
         controllers = tuple(map(self._new, range(n)))
-        return ControllerState(
-            controllers, no_edges(self._context.ids), np.zeros(0), np.zeros((n, self._statistics))
-        )
+        return ControllerState(controllers, no_edges(self._context.ids), np.zeros(0), np.zeros((n, self._statistics)))
 
     def forget(self, state: ControllerState, restarted: Bools) -> ControllerState:
         """New controllers for the robots `restarted` [n]."""

@@ -45,9 +45,25 @@ def _has(loaded: Any, name: str) -> bool:
 
 
 def infer(loaded: Any) -> list[Kind]:
-    """The kinds of which a class has all members: the more specific ones, where one has the members of another."""
+    """The kinds of which a class has all members: the more specific ones, where one has the members of another.
+
+    A class that has a state, by `start`, is not a controller: a controller is its own state.
+    """
     complete = [(kind, set(names)) for kind in KINDS for names in kind.members if all(_has(loaded, n) for n in names)]
-    return [kind for kind, names in complete if not any(names < larger for _, larger in complete)]
+    specific = [kind for kind, names in complete if not any(names < larger for _, larger in complete)]
+    return [kind for kind in specific if kind is not CONTROLLER or not _has(loaded, "start")]
+
+
+def nearest(loaded: Any) -> Kind | None:
+    """The kind of which a class lacks the fewest of several members; None if it has none of any kind."""
+    counts = [
+        (len(names) - sum(_has(loaded, name) for name in names), kind)
+        for kind in KINDS
+        for names in kind.members
+        if any(_has(loaded, name) for name in names)
+    ]
+    few = [(count, kind) for count, kind in counts if count]
+    return min(few, key=lambda entry: entry[0])[1] if few else None
 
 
 RULE = Kind(
