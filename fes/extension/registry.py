@@ -70,15 +70,15 @@ def load(kind: Kind, name: str) -> Any:
                 f"{kind.name} '{name}': this process was not told to use module '{module}' (--use {module})"
             )
         return _attribute(name, f"{kind.name} '{name}'")
-    found = _entry_points(kind.group)
-    if name in found:
+    installed = _entry_points(kind.group)
+    if name in installed:
         try:
-            loaded = found[name].load()
+            loaded = installed[name].load()
             _loaded.add(loaded.__module__)
             return loaded
         except Exception as error:  # the module is anybody's code
             raise FesError(f"{kind.name} '{name}': {type(error).__name__}: {' '.join(str(error).split())}") from None
-    known = [*kind.built_in, *found]
+    known = [*kind.built_in, *installed]
     near = difflib.get_close_matches(name, known, 1)
     hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known) or 'none'}, and `module:Class`"
     raise FesError(f"there is no {kind.name} '{name:.60}'; {hint}")
@@ -100,13 +100,15 @@ def parameters(kind: Kind, choice: str | Use, loaded: Any) -> Table:
     try:
         return table.model_validate(selected.parameters)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
+        # an unknown parameter is reported first: it may be a required one, misspelt
+        first = min(error.errors(include_url=False), key=lambda broken: broken["type"] != "extra_forbidden")
         field = ".".join(map(str, first["loc"]))
         if first["type"] == "extra_forbidden":
             near = difflib.get_close_matches(field, table.model_fields, 1)
             known = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(table.model_fields) or 'none'}"
             raise FesError(f"{kind.name} '{selected.use}': unknown parameter '{field}'; {known}") from None
         message = first["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+        message = message.replace("Field required", "is required")
         raise FesError(f"{kind.name} '{selected.use}': {field}: {message}".replace(": : ", ": ")) from None
 
 
