@@ -15,6 +15,7 @@ from console import guide, schema
 from console.analysis import command as analysis_command
 from console.backends import announcement, inprocess, processes, view
 from console.backends.processes import Launch
+from console.check.command import check
 from console.connect import options, run_directory, set_command
 from console.connect.run_directory import Client
 from console.dashboard import live, summary
@@ -57,6 +58,7 @@ guide.command(app, "compare")(compare.compare)
 guide.command(app, "sweep")(command.sweep)
 guide.command(app, "plot")(analysis_command.plot)
 guide.command(app, "schema")(schema.schema)
+guide.command(app, "check")(check)
 guide.command(app, "doctor")(doctor)
 guide.command(app, "claims")(analysis_command.show_claims)
 app.add_typer(keys_command.app, name="keys", epilog=f"\b\nExample: {guide.EXAMPLES['keys']}")

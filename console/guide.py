@@ -17,6 +17,7 @@ EXAMPLES = {
     "sweep": "fes sweep paper --seeds 0:20 --axis formation.rule=two_nearest,relative_neighborhood",
     "plot": "fes plot runs/latest",
     "schema": "fes schema > scenario.schema.json",
+    "check": "fes check mylab:Mine",
     "doctor": "fes doctor",
     "keys": "fes keys init --robots 2",
     "keys init": "fes keys init --robots 2 --host lab.example",
