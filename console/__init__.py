@@ -2,6 +2,7 @@
 
 cli        the commands of fes
 guide      their order in the help, with an example of each
+api        the Python interface: load, run, read and sweep, as the package fes offers them
 backends   how runs are executed: processes, one loop, stacked
 connect    run directories, reports of a running world, and fes set
 dashboard  the live dashboard: reports to frames
@@ -10,6 +11,7 @@ replay     logs: fes replay and fes compare
 sweep      fes sweep: many runs, compared
 fit        fes fit: a channel from measurements
 analysis   fes plot and fes claims: figures and studies
+check      fes check: whether an extension keeps the rules
 doctor     fes doctor: checks of this machine and of a running run
 keys       fes keys: certificates
 schema     fes schema: the JSON schema of a scenario

@@ -13,8 +13,9 @@ from rich.console import Console
 
 from console import guide, schema
 from console.analysis import command as analysis_command
-from console.backends import announcement, inprocess, processes
+from console.backends import announcement, inprocess, processes, view
 from console.backends.processes import Launch
+from console.check.command import check
 from console.connect import options, run_directory, set_command
 from console.connect.run_directory import Client
 from console.dashboard import live, summary
@@ -59,6 +60,7 @@ guide.command(app, "sweep")(command.sweep)
 guide.command(app, "plot")(analysis_command.plot)
 guide.command(app, "fit")(fit_command.fit)
 guide.command(app, "schema")(schema.schema)
+guide.command(app, "check")(check)
 guide.command(app, "doctor")(doctor)
 guide.command(app, "claims")(analysis_command.show_claims)
 app.add_typer(keys_command.app, name="keys", epilog=f"\b\nExample: {guide.EXAMPLES['keys']}")
@@ -148,7 +150,7 @@ def run(
                     terminal = screen if dashboard else None
                     result = _in_process(loaded, name, pace, directory.path, terminal, recorder)
             else:
-                result = processes.run(launch, loaded, directory, screen)
+                result = processes.run(launch, loaded, directory, view.on_screen(screen, dashboard))
             if absences := result.get("unscheduled_absences"):
                 process.warn("fes", f"unscheduled absences: {absences} robot-ticks; {DISTURBED}")
             if json_:

@@ -18,6 +18,7 @@ EXAMPLES = {
     "plot": "fes plot runs/latest",
     "fit": "fes fit packets.csv --plot fit.svg",
     "schema": "fes schema > scenario.schema.json",
+    "check": "fes check mylab:Mine",
     "doctor": "fes doctor",
     "keys": "fes keys init --robots 2",
     "keys init": "fes keys init --robots 2 --host lab.example",

@@ -16,7 +16,8 @@ from fes.model.sensing import Telemetry, no_telemetry
 from fes.protocol.channel_change import ChangeResult
 from fes.protocol.messages import Command
 from fes.recording.layout import TickPayloads
-from world.config import events, remarks, trace_file
+from world.config import events, remarks
+from world.config.outside import trace_file
 from world.config.scenario import Scenario, with_event
 from world.execution import marshalling
 from world.execution.marshalling import CommandBatch

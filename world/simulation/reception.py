@@ -8,7 +8,7 @@ from fes.arrays import draws
 from fes.extension import registry
 from fes.extension.context import SeededDraws, WorldContext
 from fes.extension.kinds import CHANNEL
-from world.config import trace_file
+from world.config.outside import trace_file
 from world.config.radio import RadioConfig
 from world.config.scenario import Scenario
 
