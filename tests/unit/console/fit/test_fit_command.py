@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from console.fit import command, estimate, measurements, picture, report
+from console.fit import command, estimate, measurements, picture, report, shares
 from console.fit.command import Model
 from fes.errors import FesError
 from tests.support import measured_links
@@ -165,7 +165,7 @@ def test_a_picture_has_the_shares_their_intervals_and_the_curve_with_its_band(mo
     [axes] = picture.figure_of(fitted, measured).axes
     [bars] = axes.containers
     marks = bars.lines[0].get_xydata()
-    expected = estimate.shares.by_separation(measured)
+    expected = shares.by_separation(measured)
     np.testing.assert_allclose(marks, np.column_stack([expected.separation, expected.share]))
     [segments] = [part.get_segments() for part in bars.lines[2]]
     np.testing.assert_allclose([part[:, 1] for part in segments], np.column_stack([expected.low, expected.high]))
