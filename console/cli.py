@@ -20,6 +20,7 @@ from console.connect import options, run_directory, set_command
 from console.connect.run_directory import Client
 from console.dashboard import live, summary
 from console.doctor.command import doctor
+from console.fit import command as fit_command
 from console.keys import command as keys_command
 from console.replay import command as replay_command
 from console.replay import compare
@@ -57,6 +58,7 @@ guide.command(app, "replay")(replay_command.replay)
 guide.command(app, "compare")(compare.compare)
 guide.command(app, "sweep")(command.sweep)
 guide.command(app, "plot")(analysis_command.plot)
+guide.command(app, "fit")(fit_command.fit)
 guide.command(app, "schema")(schema.schema)
 guide.command(app, "check")(check)
 guide.command(app, "doctor")(doctor)

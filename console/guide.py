@@ -16,6 +16,7 @@ EXAMPLES = {
     "compare": "fes compare runs/paper-1 runs/paper-2",
     "sweep": "fes sweep paper --seeds 0:20 --axis formation.rule=two_nearest,relative_neighborhood",
     "plot": "fes plot runs/latest",
+    "fit": "fes fit packets.csv --plot fit.svg",
     "schema": "fes schema > scenario.schema.json",
     "check": "fes check mylab:Mine",
     "doctor": "fes doctor",

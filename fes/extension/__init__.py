@@ -9,6 +9,7 @@ kinds            the kinds of extension, and the built-in ones.
 registry         extensions by name.
 crew_laws        the laws of a crew.
 controller_laws  the laws of a crew of controllers.
+use_flag         the flag --use.
 checked          what an extension returns, checked.
 evidence         which code an extension was.
 """

@@ -37,7 +37,7 @@ LAYERS = (
     {"console.dashboard", "console.doctor"},
     {"console.backends", "console.replay"},
     {"console.analysis", "console.check"},
-    {"console.sweep"},
+    {"console.fit", "console.sweep"},
     {"console.api", "console.cli"},
     {"console.__main__"},
 )

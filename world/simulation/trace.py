@@ -6,42 +6,58 @@ from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
 from fes.errors import FesError
 from fes.extension.context import WorldContext
-from world.config import trace_file
+from world.config.outside import trace_file
 from world.config.radio import RadioConfig
+
+TOLERANCE = 1e-6
+"""A row acts at a tick that is this share of a tick earlier [1]: times in decimals are rounded."""
 
 
 class TraceChannel:
-    """The values of a file. A pair that the file lacks, and a time before a pair's first row, decode nothing."""
+    """The values of a file.
+
+    A pair that the file lacks, and a time before a pair's first row, decode nothing. After its last row, a pair keeps
+    that row's value. Of two rows of a pair at one time, the later one in the file counts.
+    """
 
     Parameters = RadioConfig
 
     def __init__(self, parameters: RadioConfig, context: WorldContext) -> None:
-        assert parameters.trace is not None
+        if parameters.trace is None or parameters.trace_sha256 is None:
+            raise FesError("channel.model 'trace' needs `trace` and its checksum, which the scenario's file provides")
         trace = trace_file.read(parameters.trace, parameters.trace_sha256)
-        if len(trace.sender) and max(trace.sender.max(), trace.receiver.max()) >= context.robots:
-            raise FesError(f"{parameters.trace}: it names a robot that is not one of {context.robots}")
+        largest = max(trace.sender.max(), trace.receiver.max())
+        if largest >= context.robots:
+            raise FesError(
+                f"{parameters.trace}: sender and receiver must be from 0 to {context.robots - 1}, got {largest}"
+            )
         keys = Edges.key(trace.receiver, trace.sender)
         order = np.lexsort((trace.time, keys))
-        self._keys, self._time = keys[order], trace.time[order]
-        self._value = trace.probability[order]
-        self._pairs, self._first = np.unique(self._keys, return_index=True)
-        self._end = np.append(self._first[1:], len(self._keys))
+        keys, self._time, self._value = keys[order], trace.time[order], trace.probability[order]
+        self._pairs, self._first = np.unique(keys, return_index=True)
+        self._times, ranks = np.unique(self._time, return_inverse=True)
+        # by pair and time, in one ascending array: one search finds the rows of all pairs
+        self._place = np.searchsorted(self._pairs, keys) * (len(self._times) + 1) + ranks
         self._is_line = parameters.trace_between == "interpolated"
+        self._earliness = TOLERANCE * context.dt
 
     def pair_probability(self, time: float, senders: Ints, receivers: Ints, separation: Floats) -> Floats:
         """Probability that a beacon of `time` [s] decodes, for each pair of ids [m]."""
-        result = np.zeros(len(senders))
-        if not len(self._pairs):
-            return result
         wanted = Edges.key(receivers, senders)
-        place = np.minimum(np.searchsorted(self._pairs, wanted), len(self._pairs) - 1)
-        for entry in np.flatnonzero(self._pairs[place] == wanted).tolist():
-            first, end = self._first[place[entry]], self._end[place[entry]]
-            if self._is_line:
-                inside = time >= self._time[first]
-                value = np.interp(time, self._time[first:end], self._value[first:end]) if inside else 0.0
-            else:
-                last = int(np.searchsorted(self._time[first:end], time, "right")) - 1
-                value = self._value[first + last] if last >= 0 else 0.0
-            result[entry] = value
-        return result
+        pair = np.minimum(np.searchsorted(self._pairs, wanted), len(self._pairs) - 1)
+        rank = np.searchsorted(self._times, time + self._earliness, "right")
+        row = np.searchsorted(self._place, pair * (len(self._times) + 1) + rank) - 1
+        is_known = (self._pairs[pair] == wanted) & (row >= self._first[pair])
+        value = self._value[row]
+        if self._is_line:
+            value = value + self._climb(time, pair, row)
+        return np.where(is_known, value, 0.0)
+
+    def _climb(self, time: float, pair: Ints, row: Ints) -> Floats:
+        """Difference at `time` [s] from the value of each `row` to the line to the next row of its `pair` [m]."""
+        end = np.append(self._first[1:], len(self._time))[pair]
+        after = np.where(row + 1 < end, row + 1, row)
+        length = self._time[after] - self._time[row]
+        share = np.clip((time - self._time[row]) / np.where(length > 0.0, length, 1.0), 0.0, 1.0)
+        climb: Floats = (self._value[after] - self._value[row]) * share
+        return climb

@@ -5,7 +5,7 @@ from typing import Any
 from fes.errors import FesError
 from fes.extension import evidence
 from fes.extension.evidence import Evidence
-from fes.extension.kinds import CHANNEL, Kind
+from fes.extension.kinds import Kind
 from fes.model.table import chosen
 from world.config.scenario import Scenario
 
@@ -13,10 +13,8 @@ from world.config.scenario import Scenario
 def of(scenario: Scenario) -> list[Evidence]:
     """The evidence of all extensions that a scenario chooses at any time, built-in ones aside; raises FesError."""
     kinds: dict[tuple[str, str], Kind] = {}
-    later = [settings["channel.model"] for settings in scenario.changes.values() if "channel.model" in settings]
-    choices = [(kind, choice) for _, kind, choice in scenario.choices] + [(CHANNEL, choice) for choice in later]
-    for kind, choice in choices:
-        name = choice["use"] if isinstance(choice, dict) else chosen(choice).use
+    for _, kind, choice in scenario.choices:
+        name = chosen(choice).use
         if name not in kind.built_in:
             kinds[kind.name, name] = kind
     return [evidence.of(kind, name) for (_, name), kind in kinds.items()]
