@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 
 from fes.errors import FesError, ScenarioError
-from world.config import scenario, trace_file
+from world.config import scenario
+from world.config.outside import trace_file
 from world.config.events import changed
 from world.config.scenario import Scenario
 
