@@ -2,7 +2,6 @@
 
 import contextlib
 from collections.abc import Iterator
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -10,11 +9,11 @@ import typer
 
 from console.analysis import figures
 from console.connect.options import SET, Scenario, Use
-from console.sweep import cluster, comparison, design, ledger, local, picture, report, table, work
-from console.sweep.comparison import PairedDifference, Spread
+from console.sweep import cluster, design, ledger, local, picture, report, table, work
 from console.sweep.design import Design
 from console.sweep.ledger import Ledger
-from console.sweep.table import Format, Row
+from console.sweep.results import Results
+from console.sweep.table import Format
 from console.sweep.work import Workers
 from console.terminal import printing, progress
 from fes import process
@@ -72,41 +71,27 @@ def _workers(scheduler: str | None, jobs: int | None) -> Iterator[Workers]:
 def _carry_out(planned: Design, finished: Ledger, workers: Workers) -> None:
     """Carry out all runs that are not in the ledger."""
     with progress.bar(planned.name) as bar:
-        missing = [run for run in planned.runs if run.key not in finished.done]
-        total, done = len(planned.runs), len(planned.runs) - len(missing)
-        before = sum(run.scenario.ticks for run in planned.runs if run.key in finished.done)
         bar.measure(sum(run.scenario.ticks for run in planned.runs))
 
-        def watch(ticks: int) -> None:
-            bar.reach(before + ticks)
-            bar.note(f"{done}/{total} runs")
+        def watch(ticks: int, runs: int) -> None:
+            bar.reach(ticks)
+            bar.note(f"{runs}/{len(planned.runs)} runs")
 
-        watch(0)
-        ended = workers.carry_out(work.batches(planned.name, missing, workers.count), watch)
-        with contextlib.closing(ended):
-            for results in ended:
-                finished.add(results)
-                done += len(results)
+        work.finish(planned, finished.done, finished.add, workers, watch)
 
 
 def _report(planned: Design, finished: Ledger, directory: Path, form: Format, plot: bool) -> int:
     """Write tables and figure, and print the comparison."""
-    rows = table.rows(planned, finished.done)
-    spreads = list(comparison.spreads(planned, rows))
-    differences = list(comparison.differences(planned, rows))
+    results = Results.of(planned, finished.done)
     try:
-        written = [
-            table.write(directory, "table", rows, form),
-            table.write(directory, "cells", [_cell(planned, row) for row in spreads]),
-        ]
-        if differences:
-            written.append(table.write(directory, "differences", [_contrast(planned, row) for row in differences]))
-        if plot and picture.drawable(planned, rows):
+        written = results.write(directory, form)
+        if plot and picture.drawable(planned, results.rows):
             with progress.bar("figure"):
-                written += figures.save(picture.sweep_figure(planned, rows, differences), directory / "sweep")
+                figure = picture.sweep_figure(planned, results.rows, results.differences)
+                written += figures.save(figure, directory / "sweep")
     except OSError as error:
         raise FesError(f"cannot write the tables: {reason(error)}") from None
-    printing.show(printing.console(), report.render(planned, spreads, differences))
+    printing.show(printing.console(), report.render(planned, results.spreads, results.differences))
     for path in written:
         printing.line(path)
     failed = [(run, finished.done[run.key].error) for run in planned.runs if finished.done[run.key].error is not None]
@@ -116,20 +101,3 @@ def _report(planned: Design, finished: Ledger, directory: Path, form: Format, pl
         repeat = f"to repeat them, delete the lines with an error in {directory / ledger.LINES}"
         raise FesError(f"{len(failed)} of {len(planned.runs)} runs failed; the first is {first_failure}; {repeat}")
     return process.SUCCESS
-
-
-def _cell(planned: Design, spread: Spread) -> Row:
-    columns = asdict(spread)
-    return dict(zip(planned.axes, planned.cells[columns.pop("cell")].values, strict=True)) | columns
-
-
-def _contrast(planned: Design, difference: PairedDifference) -> Row:
-    """A row of differences.csv: the axis, its two values, and the values of the other axes."""
-    base, compared = (
-        dict(zip(planned.axes, planned.cells[cell].values, strict=True))
-        for cell in (difference.base, difference.compared)
-    )
-    axis = planned.axes[difference.axis]
-    columns = {"other" if name == "compared" else name: value for name, value in asdict(difference).items()}
-    columns |= {"axis": axis, "base": base[axis], "other": compared[axis]}
-    return columns | {f"at {held}": value if held != axis else None for held, value in base.items()}

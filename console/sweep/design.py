@@ -6,6 +6,7 @@ cell: common random numbers.
 
 import hashlib
 import itertools
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -93,24 +94,38 @@ def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design
         field, values = parse_axis(text)
         if field in fields:
             raise ScenarioError("--axis", f"expects each field once, got '{short(field)}' again")
-        if field in fixed:
-            raise ScenarioError("--axis", f"'{short(field)}' is given by --set, and cannot be an axis too")
         fields[field] = values
+    return crossed(encoding.name_of(path), lambda settings: load(path, settings), fixed, fields, parse_seeds(seeds))
+
+
+def crossed(
+    name: str,
+    make: Callable[[dict[str, Any]], Scenario],
+    fixed: dict[str, Any],
+    fields: dict[str, list[Any]],
+    seeds: list[int],
+) -> Design:
+    """The design that crosses the values of these `fields`, each by its dotted path, with the `seeds`.
+
+    `make` makes a scenario from overrides: the `fixed` ones, and those of a cell. The scenario of every cell is
+    checked. Raises ScenarioError.
+    """
+    for field in fields.keys() & fixed.keys():
+        raise ScenarioError("--axis", f"'{short(field)}' is given by --set, and cannot be an axis too")
     if SEED in fields or SEED in fixed:
         raise ScenarioError("--seeds", f"sets the seeds: '{SEED}' can be neither an axis nor in --set")
-    numbers = parse_seeds(seeds)
-    count = len(numbers)
+    count = len(seeds)
     for values in fields.values():
         count *= len(values)
     if count > MAX_RUNS:
         raise ScenarioError("fes sweep", f"makes at most {MAX_RUNS} runs, got {count}")
     cells = []
     for combination in itertools.product(*fields.values()):
-        scenario = load(path, {**fixed, **dict(zip(fields, combination, strict=True))})
+        scenario = make({**fixed, **dict(zip(fields, combination, strict=True))})
         inprocess.check(scenario)
         crowd.check(scenario)
         cells.append(Cell(tuple(_value(scenario, field) for field in fields), scenario))
-    design = Design(encoding.name_of(path), tuple(fields), cells, numbers)
+    design = Design(name, tuple(fields), cells, seeds)
     for index, (field, values) in enumerate(fields.items()):
         if len(design.values(index)) < len(values):
             raise ScenarioError("--axis", f"expects each value of '{field}' once, got {', '.join(map(str, values))}")
