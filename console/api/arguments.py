@@ -2,9 +2,10 @@
 
 import contextlib
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from fes.errors import FesError, no_memory, reason
+from fes.extension import registry
 
 NAMES = {
     "--backend processes": "backend='processes'",
@@ -14,6 +15,7 @@ NAMES = {
     "--jobs": "jobs",
     "--seeds": "seeds",
     "--set": "overrides",
+    "--use": "use",
     "--out": "out",
     "--rtf": "rtf",
     "fes sweep makes": "fes.sweep makes",
@@ -22,6 +24,12 @@ NAMES = {
 """Words of the commands, and those of the Python interface for the same."""
 
 _WORDS = re.compile("|".join(map(re.escape, NAMES)))
+
+
+def allow(use: Iterable[str]) -> None:
+    """Import modules, and allow their extensions in this process; raises FesError."""
+    for module in [use] if isinstance(use, str) else use:
+        registry.use(module)
 
 
 @contextlib.contextmanager

@@ -7,7 +7,7 @@ import shutil
 import tempfile
 import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
@@ -29,6 +29,7 @@ from fes import process
 from fes.errors import FesError, ScenarioError, Stopped
 from fes.recording.layout import NAME
 from world.config import remarks
+from world.config.outside import extensions
 from world.execution.recorder import Recorder
 from world.metrics.collector import MetricsCollector
 from world.metrics.summary import write, write_scenario
@@ -49,6 +50,7 @@ def run(
     name: str | None = None,
     rtf: float | None = None,
     agents_per_process: int = 1,
+    use: Iterable[str] = (),
 ) -> Run:
     """Run a scenario to its end.
 
@@ -65,6 +67,7 @@ def run(
         name: name of the scenario in summary and log (default: that of its file).
         rtf: simulated seconds per second of wall clock; None for full speed.
         agents_per_process: robots that each agent hosts, with backend "processes".
+        use: modules whose extensions the scenario may name, as in `fes.load`.
 
     A KeyboardInterrupt ends the run after its present tick. A run directory then holds the results so far, which
     `fes.read` reads. Remarks on parts of the scenario that do not run as written are warnings.
@@ -72,6 +75,7 @@ def run(
     Raises FesError, one line; ScenarioError for an invalid scenario or argument.
     """
     with arguments.checked():
+        arguments.allow(use)
         fields = scenarios.flat(overrides) | _given({"run.seed": seed, "run.duration": duration})
         to_run = scenarios.resolve(scenario, fields, name)
         launch = _launch(to_run, backend, rtf, agents_per_process)
@@ -84,20 +88,22 @@ def run(
             return background.call(work, lambda: _in_processes(to_run, work, directory, launch, show), show)
 
 
-def read(run_dir_or_log: str | os.PathLike[str], *, progress: Progress = None) -> Run:
+def read(run_dir_or_log: str | os.PathLike[str], *, progress: Progress = None, use: Iterable[str] = ()) -> Run:
     """Read a recorded run from its run directory or its log, such as "runs/latest" or "run.mcap".
 
     The run is executed again from its messages and compared with the log. So the arrays are those of the run, to the
-    bit. A log without an end, of a run that was killed, gives its complete ticks and a warning. `progress` is that of
-    `fes.run`.
+    bit. A log without an end, of a run that was killed, gives its complete ticks and a warning. `progress` and
+    `use` are those of `fes.run`. An extension whose source has changed is an error.
 
     Raises FesError, one line, if the log is missing or damaged, or if the second execution differs from it.
     """
     with arguments.checked():
+        arguments.allow(use)
         target, work = Path(run_dir_or_log), Work()
 
         def gather() -> tuple[Log, Run]:
             logged = log.load(target)
+            extensions.check(logged.scenario, logged.extensions, str(logged.path))
             work.total = logged.scenario.ticks
             return logged, _gather(logged, work.reach)
 

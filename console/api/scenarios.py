@@ -1,7 +1,7 @@
 """fes.load: a scenario from a file or a name, with overrides."""
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,7 +11,7 @@ from console.api import arguments
 from fes.errors import ScenarioError
 from fes.system import encoding
 from world.config import builtin, scenario, toml
-from world.config.overrides import override
+from world.config.overrides import apply
 from world.config.scenario import Scenario
 
 Source = Scenario | str | os.PathLike[str]
@@ -31,16 +31,20 @@ class NamedScenario(NamedTuple):
     scenario: Scenario
 
 
-def load(name_or_path: str | os.PathLike[str], overrides: Overrides | None = None) -> Scenario:
+def load(
+    name_or_path: str | os.PathLike[str], overrides: Overrides | None = None, *, use: Iterable[str] = ()
+) -> Scenario:
     """A scenario: typed, frozen and complete.
 
     `name_or_path` is the name of a built-in scenario, such as "paper", or the path of a TOML file. `overrides` give
     fields other values: by dotted path, {"run.seed": 3}, or in nested tables, {"run": {"seed": 3}}. Values are those
-    of TOML; numpy arrays count as lists.
+    of TOML; numpy arrays count as lists. `use` names modules, or files of modules, whose extensions the scenario may
+    name as `module:Class`; "__main__" is the notebook or script itself.
 
     Raises ScenarioError, a FesError of one line: the field, the rule and the offending value.
     """
     with arguments.checked():
+        arguments.allow(use)
         return resolve(name_or_path, flat(overrides)).scenario
 
 
@@ -113,6 +117,5 @@ def _changed(original: Scenario, fields: dict[str, Any]) -> Scenario:
     if not fields:
         return original
     tables = original.model_dump(by_alias=True)
-    for field, value in fields.items():
-        override(tables, field, value)
+    apply(tables, fields)
     return scenario.parse(tables, "scenario")

@@ -30,6 +30,7 @@ def sweep(
     out: str | os.PathLike[str] | None = None,
     progress: Progress = None,
     name: str | None = None,
+    use: Iterable[str] = (),
 ) -> SweepTable:
     """Run a scenario with every combination of the axes' values, each with the same seeds.
 
@@ -43,6 +44,7 @@ def sweep(
         out: directory for the tables and the finished runs, from which the same call resumes; None stores nothing.
         progress: as in `fes.run`; the ticks are those of all runs.
         name: name of the scenario in messages and in `out` (default: that of its file).
+        use: modules whose extensions the scenario may name, as in `fes.load`.
 
     A run that fails has its error in the column `error`. The table takes about 2 kB per run. A KeyboardInterrupt ends
     the workers and is raised.
@@ -50,6 +52,7 @@ def sweep(
     Raises FesError, one line; ScenarioError for an invalid scenario or argument.
     """
     with arguments.checked():
+        arguments.allow(use)
         if jobs is not None and (scheduler is not None or jobs < 1):
             raise ScenarioError("jobs", "expects at least 1 worker process, without a scheduler")
         planned = _plan(scenario, axes or {}, seeds, scenarios.flat(overrides), name)
