@@ -42,13 +42,8 @@ def is_of(shape: Shape, value: Any) -> bool:
     """True if a part of a summary has this shape."""
     if value is None:
         return True
-<<<<<<< HEAD
-    if isinstance(shape, dict) and set(shape) == {"*"}:  # any names
-        return isinstance(value, dict) and all(is_of(shape["*"], entry) for entry in value.values())
-=======
     if isinstance(shape, dict) and list(shape) == ["*"]:
         return isinstance(value, dict) and all(is_of(shape["*"], part) for part in value.values())
->>>>>>> e788e52533ef6641f19e6753f453091f6710d621
     if isinstance(shape, dict):
         return list(shape) == list(value) and all(is_of(shape[key], value[key]) for key in shape)
     if isinstance(shape, list):
