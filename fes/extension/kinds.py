@@ -24,6 +24,8 @@ class Kind(NamedTuple):
     """Name -> `module:Class` of those that come with fes."""
     checked: Callable[[Any, str, Any], Any] = lambda extension, what, context: extension
     """Wrapper that checks what an extension of others returns."""
+    told: frozenset[str] = frozenset()
+    """Built-in ones that must be told the channel: known without loading them."""
 
 
 RULE = Kind(
@@ -37,7 +39,17 @@ RULE = Kind(
     lambda extension, what, context: CheckedRule(extension, what),
 )
 FORMATION = Kind(
-    "formation law", "fes.formation_laws", {"paper": "agents.laws.formation:PaperFormation"}, CheckedFormation
+    "formation law",
+    "fes.formation_laws",
+    {
+        "paper": "agents.laws.formation:PaperFormation",
+        "alpha_lattice": "agents.rivals.alpha_lattice:AlphaLattice",
+        "connectivity": "agents.rivals.connectivity:Connectivity",
+        "gradient": "agents.rivals.gradient:Gradient",
+        "voronoi": "agents.rivals.voronoi:Voronoi",
+    },
+    CheckedFormation,
+    frozenset({"gradient"}),
 )
 SEEKING = Kind(
     "seeking law",
@@ -47,8 +59,11 @@ SEEKING = Kind(
         "sampled": "agents.laws.seeking_perturbation:SampledSeeking",
         "measured, network": "agents.laws.seeking_measured:PooledSeeking",
         "measured, none": "agents.laws.seeking_measured:LinkSeeking",
+        "fixed_separation": "agents.rivals.fixed_separation:FixedSeparation",
+        "krstic_wang": "agents.rivals.krstic_wang:KrsticWang",
     },
     CheckedSeeking,
+    frozenset({"oracle"}),
 )
 CONTROLLER = Kind("controller", "fes.controllers", {})
 CHANNEL = Kind(
@@ -69,6 +84,17 @@ DYNAMICS = Kind(
     {"unicycle": "world.simulation.unicycle:Unicycle"},
     lambda extension, what, context: CheckedDynamics(extension, what),
 )
-METRIC = Kind("metric", "fes.metrics", {}, lambda extension, what, context: CheckedMetric(extension, what))
+METRIC = Kind(
+    "metric",
+    "fes.metrics",
+    {
+        "covered_area": "world.metrics.team.at_the_end:CoveredArea",
+        "delivery": "world.metrics.team.at_the_end:TeamDelivery",
+        "link_index": "world.metrics.team.link_index:LinkIndex",
+        "links_connected": "world.metrics.team.links_connected:LinksConnected",
+        "travel": "world.metrics.team.travel:Travel",
+    },
+    lambda extension, what, context: CheckedMetric(extension, what),
+)
 
 KINDS = (CONTROLLER, FORMATION, SEEKING, RULE, CHANNEL, DYNAMICS, METRIC)
