@@ -14,7 +14,9 @@ from typing import Any
 from console.backends import inprocess
 from fes.errors import ScenarioError
 from fes.system import encoding, strict_json
+from world.config import scenario as scenarios
 from world.config.scenario import Scenario, load, parse_override
+from world.config.schemes import SCHEME, ColumnConfig
 from world.config.validation import short
 from world.simulation import crowd
 
@@ -58,6 +60,8 @@ class Design:
     axes: tuple[str, ...]
     cells: list[Cell]
     seeds: list[int]
+    columns: tuple[ColumnConfig, ...] = ()
+    """Columns of the table of schemes, if the scenario file has any."""
 
     @cached_property
     def runs(self) -> list[SweepRun]:
@@ -85,8 +89,10 @@ class Design:
 def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design:
     """The design given by the arguments of fes sweep; the scenario of every cell is checked.
 
-    Raises ScenarioError.
+    The schemes of a file are its first axis, unless another axis or a setting chooses among them. Raises
+    ScenarioError.
     """
+    compared = scenarios.comparison(path)
     fixed = dict(map(parse_override, settings))
     fields: dict[str, list[Any]] = {}
     for text in axes:
@@ -98,6 +104,8 @@ def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design
         fields[field] = values
     if SEED in fields or SEED in fixed:
         raise ScenarioError("--seeds", f"sets the seeds: '{SEED}' can be neither an axis nor in --set")
+    if compared.scheme and SCHEME not in fields and SCHEME not in fixed:
+        fields = {SCHEME: [scheme.name for scheme in compared.scheme], **fields}
     numbers = parse_seeds(seeds)
     count = len(numbers)
     for values in fields.values():
@@ -109,8 +117,10 @@ def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design
         scenario = load(path, {**fixed, **dict(zip(fields, combination, strict=True))})
         inprocess.check(scenario)
         crowd.check(scenario)
-        cells.append(Cell(tuple(_value(scenario, field) for field in fields), scenario))
-    design = Design(encoding.name_of(path), tuple(fields), cells, numbers)
+        given = zip(fields, combination, strict=True)
+        values = tuple(value if field == SCHEME else _value(scenario, field) for field, value in given)
+        cells.append(Cell(values, scenario))
+    design = Design(encoding.name_of(path), tuple(fields), cells, numbers, tuple(compared.column))
     for index, (field, values) in enumerate(fields.items()):
         if len(design.values(index)) < len(values):
             raise ScenarioError("--axis", f"expects each value of '{field}' once, got {', '.join(map(str, values))}")

@@ -16,13 +16,14 @@ from fes.model.config import FORMULAS, AgentConfig, Clock, FaultConfig, Formatio
 from fes.model.seeking import BUILT_IN, MAX_TICKS, OracleConfig, SeekingConfig
 from fes.model.table import Table, Use, chosen
 from fes.system import encoding
-from world.config import events, faults, starts, toml, trace_file
+from world.config import events, faults, schemes, starts, toml, trace_file
 from world.config.events import EventConfig, ParticipationChange, changed, schedule
 from world.config.expectations import ExpectConfig
 from world.config.faults import Transmission
 from world.config.overrides import override
 from world.config.overrides import parse_override as parse_override
 from world.config.radio import RadioConfig
+from world.config.schemes import Comparison
 from world.config.starts import RobotsConfig
 from world.config.validation import first_rule
 
@@ -180,23 +181,37 @@ class Scenario(Table):
 
 
 def load(path: Path, overrides: dict[str, Any] | None = None) -> Scenario:
-    """The scenario in a TOML file, with `overrides` by dotted path.
+    """The scenario in a TOML file, with `overrides` by dotted path; `scheme` among them chooses one of its schemes.
 
     Raises ScenarioError: one line that names the field, the rule and the offending value.
     """
+    tables = _read(path)
+    schemes_of_file = schemes.take(tables, str(path))
+    settings = dict(overrides or {})
+    if schemes.SCHEME in settings:
+        settings = schemes_of_file.settings(settings.pop(schemes.SCHEME), str(path)) | settings
+    law = _seeking_law(tables)
+    for dotted, value in settings.items():
+        override(tables, dotted, value)
+    if _seeking_law(tables) != law:
+        _drop_former_keys(tables, set(settings))
+    _find_trace(tables, path)
+    return parse(tables, str(path))
+
+
+def comparison(path: Path) -> Comparison:
+    """The schemes in a TOML file, and the columns of their table; raises ScenarioError."""
+    return schemes.take(_read(path), str(path))
+
+
+def _read(path: Path) -> dict[str, Any]:
+    """The tables of a TOML file; raises ScenarioError."""
     try:
-        tables = toml.parse(encoding.read(path))
+        return toml.parse(encoding.read(path))
     except OSError as error:
         raise ScenarioError(str(path), f"cannot be read: {reason(error, with_file=False)}") from None
     except ValueError as error:
         raise ScenarioError(str(path), str(error)) from None
-    law = _seeking_law(tables)
-    for dotted, value in (overrides or {}).items():
-        override(tables, dotted, value)
-    if _seeking_law(tables) != law:
-        _drop_former_keys(tables, set(overrides or {}))
-    _find_trace(tables, path)
-    return parse(tables, str(path))
 
 
 def _find_trace(tables: dict[str, Any], path: Path) -> None:
@@ -221,6 +236,8 @@ def _seeking_law(tables: dict[str, Any]) -> Any:
 
 def _drop_former_keys(tables: dict[str, Any], overridden: Collection[str]) -> None:
     """Where overrides choose another seeking law, drop the file's keys that this law does not have."""
+    if "seeking" in overridden:
+        return
     table = tables["seeking"]
     if "seeking.index" in overridden and "seeking.use" not in overridden:
         table.pop("use", None)
