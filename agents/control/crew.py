@@ -112,7 +112,7 @@ def _relink(
 
 
 def _bounded(published: Published) -> Published:
-    """What a seeking law publishes, within the bounds of a message."""
+    """The published values, within the bounds of a message."""
     estimates, statistics = bounded(published.estimates, MAX_NUMBER), bounded(published.statistics, MAX_NUMBER)
     return Published(estimates, statistics, bounded(published.learnt, MAX_NUMBER), published.declared)
 
@@ -133,6 +133,6 @@ def _beacons(sensed: Sensed, used: Links, selected: Bools, published: Published,
 
 
 def _telemetry(used: Links, published: Published, formed: Formed) -> Telemetry:
-    """What observers get."""
+    """The numbers for observers."""
     details = np.zeros((len(used.edges.ids), 0)) if formed.details is None else bounded(formed.details, MAX_NUMBER)
     return Telemetry(used.edges, published.estimates, published.learnt, details)

@@ -1,10 +1,12 @@
 """The laws: pure functions of arrays.
 
-neighbor_rules   neighbor rules: the contacts that become links.
-formation        distance-based formation control (6), (7), (9).
-perturbation     extremum seeking by perturbation, with consensus (18).
-collocation      solution of the linear filters over one step.
-packet_counting  packet reception ratio, and the optimum it implies.
-oracle           the performance index computed from the channel, for robots that know it.
-draws            random numbers for robots and links.
+neighbor_rules        neighbor rules: the contacts that become links.
+formation             distance-based formation control (9).
+seeking_perturbation  seeking laws that climb an index by perturbation: with samples of J, and the base of the oracle.
+seeking_measured      seeking laws that climb the slope of ln J measured by counting beacons.
+oracle                the seeking law of robots that know the channel, with the index of its formula.
+link_estimates        the first estimates of links, and their dither.
+perturbation          extremum seeking by perturbation, with consensus (18).
+collocation           solution of the linear filters over one step.
+packet_counting       packet reception ratio, and the optimum it implies.
 """

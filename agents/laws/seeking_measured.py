@@ -31,7 +31,7 @@ class Measured:
 
 
 class MeasuredSeeking:
-    """What both laws share; a subclass says who learns from which beacon."""
+    """The common part of both laws; a subclass says who learns from which beacon."""
 
     Parameters = MeasuredConfig
     knows_channel = False

@@ -69,10 +69,10 @@ def encode_tick(beacons: Beacons, twists: Floats, telemetry: Telemetry) -> Itera
     laws = zip(beacons.statistics, beacons.declared, telemetry.details, strict=True)
     for (robot, pose, twist), (sent, own), (statistics, declared, details) in zip(robots, spans, laws, strict=True):
         links, estimates = beacons.links.peers[sent], beacons.estimates[sent]
-        told = statistics, declared.tobytes()
-        beacon = Beacon(beacons.tick, robot, tuple(pose), links, estimates, selected[sent], *told)
+        numbers = statistics, declared.tobytes()
+        beacon = Beacon(beacons.tick, robot, tuple(pose), links, estimates, selected[sent], *numbers)
         links, estimates = telemetry.links.peers[own], telemetry.estimates[own]
         learnt = telemetry.learnt[:, own].ravel()
-        numbers = links, estimates, learnt, details
-        command = Command(beacons.tick, robot, tuple(twist), *numbers, telemetry.is_model_free)
+        own_numbers = links, estimates, learnt, details
+        command = Command(beacons.tick, robot, tuple(twist), *own_numbers, telemetry.is_model_free)
         yield robot, messages.encode_beacon(beacon), messages.encode_command(command)

@@ -1,4 +1,4 @@
-"""Whether this process can know the channel: a run without its formula is model-free."""
+"""Model-freeness of this process: without the channel's formula it cannot know the channel."""
 
 import sys
 

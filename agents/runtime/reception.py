@@ -16,7 +16,7 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True, eq=False)
 class _Lookup:
-    """Where the beacon of each peer in range is, for one set of pairs and one set of senders and links."""
+    """Place of the beacon of each peer in range, for one set of pairs and one set of senders and links."""
 
     in_range: Edges
     ids: Ints
@@ -34,7 +34,7 @@ class _Lookup:
 
 
 class Receiver:
-    """Keeps of each tick's beacons those that decoded. What it remembers is a cache: it never changes the result."""
+    """Keeps of each tick's beacons those that decoded. It remembers only a cache, which never changes the result."""
 
     def __init__(self) -> None:
         self._lookup: _Lookup | None = None

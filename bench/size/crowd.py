@@ -12,8 +12,8 @@ import time
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from agents.laws.neighbor_rules import RULES
 from console.backends import inprocess
+from fes.extension.kinds import RULE
 from fes.recording.layout import NAME
 from world.config.scenario import Scenario, load
 from world.execution.recorder import Recorder
@@ -54,7 +54,7 @@ def main() -> None:
     """Measure and print each number of robots."""
     parser = argparse.ArgumentParser(prog="python -m bench.size.crowd")
     parser.add_argument("robots", nargs="*", type=int, default=list(SIZES))
-    parser.add_argument("--rule", choices=sorted(RULES), default="relative_neighborhood")
+    parser.add_argument("--rule", choices=sorted(RULE.built_in), default="relative_neighborhood")
     flags = parser.parse_args()
     for robots in flags.robots:
         context = multiprocessing.get_context("spawn")

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from agents.control import crew
+from agents.runtime.reception import Receiver
 from bench.speed import robot
 from fes.model.sensing import no_beacons
 from world.config.scenario import Scenario, agent_config, load
@@ -21,12 +22,14 @@ def rate(scenario: Scenario, ticks: int, skip: int) -> float:
     world = truth.create(scenario)
     state = truth.start(world)
     robots = crew.create(agent_config(scenario), world.ids)
-    states, beacons = crew.start(robots), no_beacons()
+    states, beacons, receiver = crew.start(robots), no_beacons(), Receiver()
     begun = 0.0
     for tick in range(skip + ticks):
         if tick == skip:
             begun = time.perf_counter()
-        states, beacons, twists = crew.step(robots, states, truth.observe(state), beacons)
+        observations = truth.observe(state)
+        received = receiver.receive(observations, beacons, states.contacts.edges)
+        states, beacons, twists, _ = crew.step(robots, states, observations.sensed, received)
         state = truth.step(world, state, twists)
     return ticks / (time.perf_counter() - begun)
 

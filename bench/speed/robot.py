@@ -13,6 +13,7 @@ import numpy as np
 from agents.control import crew
 from agents.runtime import marshalling
 from agents.runtime.marshalling import MessageAssembler
+from agents.runtime.reception import Receiver
 from fes.model.sensing import Telemetry
 from fes.protocol import messages
 from fes.protocol.messages import Observation
@@ -50,6 +51,7 @@ def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
     crews = [crew.create(config, np.array([robot])) for robot in ids]
     states = [crew.start(robot_crew) for robot_crew in crews]
     assemblers = [MessageAssembler(np.array([robot])) for robot in ids]
+    receivers = [Receiver() for _ in ids]
     assembler = MessageAssembler(world.ids)
     metrics = MetricsCollector(scenario)
     costs, clock = Costs(), time.perf_counter
@@ -85,9 +87,9 @@ def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
                 tick - 1, [messages.decode_beacon(beacon) for beacon in payloads]
             )
             decoded = clock()
-            states[robot], sent, twists = crew.step(crews[robot], states[robot], inputs, received_beacons)
+            known = receivers[robot].receive(inputs, received_beacons, states[robot].contacts.edges)
+            states[robot], sent, twists, telemetry = crew.step(crews[robot], states[robot], inputs.sensed, known)
             stepped = clock()
-            telemetry = crew.telemetry(crews[robot], states[robot])
             [(_, beacon, command)] = marshalling.encode_tick(sent, twists, telemetry)
             costs.encoding.append(clock() - stepped)
             costs.step.append(stepped - decoded)
@@ -101,6 +103,6 @@ def measure(path: Path, ticks: int = 300, skip: int = 400) -> Costs:
         estimates = np.concatenate([command.estimates for command in received])
         twists_applied = np.array([command.twist for command in received])
         before, state = state, truth.step(world, state, twists_applied)
-        metrics.add(before, twists_applied, Telemetry(links, estimates, np.zeros((2, 0))))
+        metrics.add(before, twists_applied, Telemetry(links, estimates, np.zeros((2, 0)), np.zeros((len(ids), 0))))
         costs.world.append(world_time + clock() - begun)
     return costs

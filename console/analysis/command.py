@@ -10,6 +10,7 @@ from rich.text import Text
 from console.analysis import claims, convergence_study, figures, history, step_study
 from console.analysis.history import History
 from console.backends import processes
+from console.connect.options import Use
 from console.replay import log as logs
 from console.replay.log import Log
 from console.terminal import printing, progress
@@ -31,6 +32,7 @@ def plot(
     out: Annotated[
         Path | None, typer.Option(help="Output directory (default: figures/, or the run directory).")
     ] = None,
+    use: Use = None,
 ) -> int:
     """Draw figures as PNG and SVG: the paper's Figs. 1, 3, 5 and 6, robots that count beacons, or a run."""
     with progress.bar("figures") as bar:

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from console.connect.options import Use
 from console.replay import log as logs
 from console.replay.difference import Difference, between, of_reports, of_summaries
 from console.replay.log import Log
@@ -30,6 +31,7 @@ def compare(
         list[str] | None,
         typer.Option("--robot", metavar="I|A-B", help="Compare only these robots' messages; may be repeated."),
     ] = None,
+    use: Use = None,
     json_: Annotated[bool, typer.Option("--json", help="Print only the differences, as JSON.")] = False,
 ) -> int:
     """Print the first difference of two recorded runs; exit code 1 if they differ, else 0.

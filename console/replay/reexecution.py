@@ -191,7 +191,7 @@ class ReplayedRobots:
 
 
 def _stated(tick: LoggedTick, robots: list[int]) -> bool | None:
-    """What the recorded commands state of their processes: it cannot be computed again."""
+    """The statement of the recorded commands about their processes: it cannot be computed again."""
     for payload in filter(None, (tick.payloads.commands[robot] for robot in robots)):
         with suppress(MessageError):
             return messages.decode_command(payload).is_model_free

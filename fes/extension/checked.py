@@ -1,4 +1,4 @@
-"""What an extension of others returns, checked: one line that names the extension, the rule and the value."""
+"""Checks of the values that an extension returns: one line names the extension, the rule and the value."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, NoReturn, TypeVar
@@ -126,7 +126,7 @@ class CheckedSeeking(Checked):
         return self.call(self.inner.measure, state, around, formed)
 
     def publish(self, state: Any, links: Edges) -> Published:
-        """What beacons and observers get at this tick."""
+        """The values for beacons and observers at this tick."""
         published = self.call(self.inner.publish, state, links)
         if not isinstance(published, Published):
             self.fail(f"publish must return a Published, got {type(published).__name__}")
@@ -155,8 +155,8 @@ class CheckedPairChannel(Checked):
 
     def pair_probability(self, time: float, senders: Ints, receivers: Ints, separation: Floats) -> Floats:
         """Probability that a beacon of `time` [s] decodes, for each pair of ids [m]."""
-        found = self.call(self.inner.pair_probability, time, senders, receivers, separation)
-        return _shares(self, found, senders.shape)
+        result = self.call(self.inner.pair_probability, time, senders, receivers, separation)
+        return _shares(self, result, senders.shape)
 
 
 def checked_channel(inner: Any, name: str, context: Any) -> Checked:
@@ -182,9 +182,9 @@ class CheckedDynamics(Checked):
 
     def poses(self, state: Any) -> Floats:
         """Poses [n, 3] [m, m, rad; world frame]."""
-        found = self.call(self.inner.poses, state)
-        n = getattr(self, "_n", len(found) if isinstance(found, np.ndarray) else 0)
-        poses: Floats = self.array("the poses", found, (n, 3))
+        result = self.call(self.inner.poses, state)
+        n = getattr(self, "_n", len(result) if isinstance(result, np.ndarray) else 0)
+        poses: Floats = self.array("the poses", result, (n, 3))
         return poses
 
 
@@ -197,18 +197,18 @@ class CheckedMetric(Checked):
 
     def result(self) -> dict[str, float | None]:
         """The numbers up to the last tick."""
-        found = self.call(self.inner.result)
-        if not isinstance(found, Mapping) or not all(isinstance(name, str) for name in found):
-            self.fail(f"result must be a table by name, got {found!r:.60}")
-        wrong = [value for value in found.values() if value is not None and not isinstance(value, int | float)]
+        result = self.call(self.inner.result)
+        if not isinstance(result, Mapping) or not all(isinstance(name, str) for name in result):
+            self.fail(f"result must be a table by name, got {result!r:.60}")
+        wrong = [value for value in result.values() if value is not None and not isinstance(value, int | float)]
         if wrong:
             self.fail(f"result must hold numbers, got {wrong[0]!r:.60}")
-        return dict(found)
+        return dict(result)
 
 
-def _shares(checked: Checked, found: Any, shape: tuple[int, ...]) -> Floats:
+def _shares(checked: Checked, result: Any, shape: tuple[int, ...]) -> Floats:
     """Probabilities, checked."""
-    values: Floats = checked.array("the probability", found, shape)
+    values: Floats = checked.array("the probability", result, shape)
     if values.size and not (values.min() >= 0.0 and values.max() <= 1.0):
         checked.fail(f"the probability must be from 0 to 1, got {values[(values < 0.0) | (values > 1.0)].flat[0]:g}")
     return values

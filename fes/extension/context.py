@@ -1,4 +1,4 @@
-"""What the constructor of an extension gets beside its parameters."""
+"""The circumstances that the constructor of an extension gets beside its parameters."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -74,7 +74,7 @@ class Neighbor(NamedTuple):
 
 
 class RobotView(NamedTuple):
-    """What a robot knows at one tick."""
+    """The knowledge of a robot at one tick."""
 
     id: int
     tick: int
@@ -101,8 +101,8 @@ class ControllerContext:
 
     def draw(self, stream: str) -> float:
         """A uniform number in [0, 1) of this robot; put the tick into the stream for a new number at each tick."""
-        one = np.array([self.crew_id])
-        return float(self.laws.draws(stream, one, one)[0])
+        ids = np.array([self.crew_id])
+        return float(self.laws.draws(stream, ids, ids)[0])
 
 
 class Controller(Protocol):
@@ -113,7 +113,7 @@ class Controller(Protocol):
     """Number of statistics in each beacon."""
 
     def step(self, robot: RobotView) -> Twist | Pull | Action:
-        """What to do at this tick."""
+        """The action of this tick."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,7 +183,7 @@ class ControllerFormation:
         return self._checked.call(self._class, self._parameters, own)
 
     def _action(self, controller: Any, robot: RobotView) -> Action:
-        """What a controller returns, checked; raises FesError in one line."""
+        """The action of a controller, checked; raises FesError in one line."""
         result = self._checked.call(controller.step, robot)
         action = result if isinstance(result, Action) else Action(result)
         if not isinstance(action.move, Twist | Pull):
@@ -215,8 +215,8 @@ class ControllerFormation:
         )
         result: list[list[Neighbor]] = [[] for _ in edges.ids]
         rows = zip(*(column.tolist() for column in columns), strict=True)
-        told, known, robots = contacts.statistics.tolist(), contacts.known.tolist(), edges.rows.tolist()
-        for (*seen, estimate), statistics, is_known, row in zip(rows, told, known, robots, strict=True):
+        numbers, known, robots = contacts.statistics.tolist(), contacts.known.tolist(), edges.rows.tolist()
+        for (*seen, estimate), statistics, is_known, row in zip(rows, numbers, known, robots, strict=True):
             if is_known:
                 own = None if math.isnan(estimate) else estimate
                 result[row].append(Neighbor._make((*seen, own, tuple(statistics))))
@@ -236,17 +236,17 @@ class ControllerSeeking:
         self._n = len(context.ids)
 
     def start(self) -> ControllerState | None:
-        """Nothing was told yet."""
+        """No controller was stepped yet."""
         return None
 
     def forget(
         self, state: ControllerState | None, restarted: Bools, old: Edges, new: Edges
     ) -> ControllerState | None:
-        """Nothing to forget: the state is replaced at each tick."""
+        """Unchanged: the state is replaced at each tick."""
         return state
 
     def relink(self, state: ControllerState | None, old: Edges, new: Edges, entry: Entry) -> ControllerState | None:
-        """Nothing to carry: the state is replaced at each tick."""
+        """Unchanged: the state is replaced at each tick."""
         return state
 
     def desired(self, state: ControllerState | None, tick: int, links: Edges) -> Floats:
@@ -254,9 +254,9 @@ class ControllerSeeking:
         return np.full(len(links), np.nan)
 
     def measure(self, state: ControllerState | None, around: Neighborhood, formed: Formed) -> ControllerState:
-        """What the controllers told at this tick."""
-        told: ControllerState = formed.state
-        return told
+        """The values that the controllers gave at this tick."""
+        given: ControllerState = formed.state
+        return given
 
     def publish(self, state: ControllerState | None, links: Edges) -> Published:
         """The estimates and the statistics of the controllers."""

@@ -47,13 +47,18 @@ def physical_period(config: SeekingConfig) -> float | None:
 def laws(config: AgentConfig, context: LawContext) -> Laws:
     """The laws of a crew with `config`; raises FesError in one line.
 
-    Only a law with `knows_channel` gets the channel. What laws of others return is checked at each call.
+    Only a law with `knows_channel` gets the channel. The values that laws of others return are checked at each call.
     """
     rule = create(RULE, config.formation.rule, context)
     if config.controller is not None:
         return Laws(rule, *_controllers(config.controller, context))
     formation = create(FORMATION, config.formation.law, context)
     is_own = isinstance(config.seeking, Use)
+    if not isinstance(config.seeking, Use) and config.seeking.knows_channel and context.channel is None:
+        # before its module, which knows the formula, is loaded
+        raise FesError(
+            f"seeking.index = '{config.seeking.index}' needs the channel, and this agent did not receive it"
+        )
     choice = config.seeking if isinstance(config.seeking, Use) else _seeking_name(config.seeking)
     seeking = create(SEEKING, choice, context, None if is_own else config.seeking)
     declared = formation.declared + seeking.declared

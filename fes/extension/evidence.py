@@ -46,7 +46,7 @@ def of(kind: Kind, name: str) -> Evidence:
 
 
 def difference(recorded: dict[str, Any], now: Evidence) -> str:
-    """How an extension differs from the one that was `recorded`, in words; empty if it does not."""
+    """The difference of an extension from the one that was `recorded`, in words; empty without one."""
     what = f"{now.kind} '{now.name}'"
     for field in ("path", "distribution", "version"):
         if recorded.get(field) != getattr(now, field):
@@ -68,9 +68,9 @@ def _sources(distribution: metadata.Distribution | None, module: Any) -> dict[st
     """Label -> file of each module: of the distribution, of the package, or of the one file."""
     if distribution is not None:
         listed = [file for file in distribution.files or () if file.suffix == ".py"]
-        found = {str(file): Path(str(distribution.locate_file(file))) for file in listed}
-        if found and all(path.is_file() for path in found.values()):
-            return found
+        sources = {str(file): Path(str(distribution.locate_file(file))) for file in listed}
+        if sources and all(path.is_file() for path in sources.values()):
+            return sources
     file = Path(module.__file__)
     package = sys.modules[module.__name__.partition(".")[0]]
     if not hasattr(package, "__path__"):

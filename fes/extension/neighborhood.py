@@ -1,4 +1,4 @@
-"""What a robot's laws know of its peers at one tick: only what was heard."""
+"""The peers of a robot at one tick, as far as it heard them."""
 
 from dataclasses import dataclass
 from functools import cached_property

@@ -28,7 +28,7 @@ class NoParameters(Table):
 
 
 class Formed(NamedTuple):
-    """What a formation law finds at one tick."""
+    """The result of a formation law at one tick."""
 
     state: Any
     pull: Floats
@@ -42,7 +42,7 @@ class Formed(NamedTuple):
 
 
 class Published(NamedTuple):
-    """What a seeking law tells peers and observers at one tick."""
+    """The values that a seeking law gives peers and observers at one tick."""
 
     estimates: Floats
     """Estimate of the optimal separation of each link [l] [m]."""
@@ -117,7 +117,7 @@ class SeekingLaw(Protocol[S]):
         """The state after the beacons of the previous tick, and after the formation law's step."""
 
     def publish(self, state: S, links: Edges) -> Published:
-        """What beacons and observers get at this tick."""
+        """The values for beacons and observers at this tick."""
 
     def seek(self, state: S, around: Neighborhood) -> S:
         """The state one tick later."""
@@ -138,7 +138,7 @@ class PairChannel(Protocol):
 
 
 class Dynamics(Protocol[S]):
-    """How bodies follow their commands."""
+    """Bodies, and the way in which they follow their commands."""
 
     def start(self, poses: Floats) -> S:
         """The state of bodies at rest at `poses` [n, 3] [m, m, rad; world frame]."""

@@ -70,15 +70,15 @@ def load(kind: Kind, name: str) -> Any:
                 f"{kind.name} '{name}': this process was not told to use module '{module}' (--use {module})"
             )
         return _attribute(name, f"{kind.name} '{name}'")
-    found = _entry_points(kind.group)
-    if name in found:
+    installed = _entry_points(kind.group)
+    if name in installed:
         try:
-            loaded = found[name].load()
+            loaded = installed[name].load()
             _loaded.add(loaded.__module__)
             return loaded
         except Exception as error:  # the module is anybody's code
             raise FesError(f"{kind.name} '{name}': {type(error).__name__}: {' '.join(str(error).split())}") from None
-    known = [*kind.built_in, *found]
+    known = [*kind.built_in, *installed]
     near = difflib.get_close_matches(name, known, 1)
     hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known) or 'none'}, and `module:Class`"
     raise FesError(f"there is no {kind.name} '{name:.60}'; {hint}")

@@ -42,7 +42,7 @@ class Sensed(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Observations:
-    """What the world tells the robots of a crew at one tick: their measurements, and the verdict of the radio."""
+    """The world's message to the robots of a crew at one tick: their measurements, and the verdict of the radio."""
 
     tick: int
     poses: Floats

@@ -59,7 +59,7 @@ class Log(Generic[S]):
     arithmetic: Mapping[str, str] = field(default_factory=fingerprint.table)
     """Arithmetic of the process that recorded it."""
     extensions: list[Any] = field(default_factory=list)
-    """What it says of each extension (`fes.extension.evidence`)."""
+    """Evidence of each extension (`fes.extension.evidence`)."""
 
     def ticks(self) -> Iterator[LoggedTick]:
         """Its ticks, in order; of a log without an end the complete ones. Raises FesError."""

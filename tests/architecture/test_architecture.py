@@ -3,22 +3,25 @@
 import ast
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from fes import extension
+from fes.extension import registry
+from fes.extension.kinds import CHANNEL, DYNAMICS, KINDS, METRIC, SEEKING
+from fes.model.table import Table
 from tests.support.paths import ROOT
-from tests.support.source import PACKAGES, arrows, importers, imports, modules, package
+from tests.support.source import PACKAGES, arrows, importers, modules, package
 
-FORMULA_READERS = {"world.simulation.channel", "world.metrics.report_builder", "agents.laws.oracle"}
+FORMULA_READERS = {"world.simulation.formula", "world.metrics.report_builder", "agents.laws.oracle"}
 """Modules that may know the channel's formula; `world.metrics.optimum` has it in decimals. Observers see the true
 outage."""
 MAPPED = [str(path.parent.relative_to(ROOT)) for top in PACKAGES for path in (ROOT / top).rglob("__init__.py")]
 LAYERS = (
     {"fes.errors", "fes.arrays"},
     {"fes.model", "fes.system"},
-    {"fes.protocol"},
+    {"fes.protocol", "fes.extension"},
     {"fes.transport", "fes.recording"},
     {"fes.process"},
     {"agents.laws", "world.config"},
@@ -38,25 +41,16 @@ LAYERS = (
     {"console.__main__"},
 )
 """Sub-packages from the bottom up: each imports only from lower layers, never from its own.
-In addition, agents and world do not import each other."""
-LAWS = {"fes.arrays", "fes.model"}
+In addition, agents and world do not import each other. `fes.extension.registry` loads a built-in extension of the
+layers above by its dotted path, only where it is used."""
+LAWS = {"fes.arrays", "fes.errors", "fes.extension", "fes.model"}
 """Packages of the project that the laws import."""
 SHELLS = ("agents.runtime", "agents.process", "world.server", "world.process")
 """The only packages of an agent or a world that import asyncio, or the transport."""
+INTERFACE = "fes/extension"
+"""The only package whose `__init__` has more than a docstring: others import names from it."""
 LARGEST_FOLDER = 12
 LONGEST_FILE = 260
-
-
-def at_import(path: Path) -> Iterator[ast.stmt]:
-    """Statements that run when a module is imported, without the bodies of functions."""
-    waiting: list[ast.AST] = list(ast.parse(path.read_text(encoding="utf-8")).body)
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
-            continue
-        if isinstance(node, ast.stmt):
-            yield node
-        waiting += ast.iter_child_nodes(node)
 
 
 def test_a_package_imports_only_from_the_layers_below_its_own() -> None:
@@ -79,7 +73,7 @@ def test_agents_and_world_do_not_import_each_other_and_no_package_imports_tests(
     assert not importers("tests")
 
 
-def test_the_laws_import_only_arrays_and_the_model() -> None:
+def test_the_laws_import_only_arrays_the_model_and_the_interface_of_extensions() -> None:
     assert arrows()["agents.laws"] == LAWS
 
 
@@ -121,11 +115,24 @@ def test_only_the_world_and_the_oracle_know_the_channels_formula() -> None:
     assert below_console(importers("fes.model.outage")) == FORMULA_READERS
 
 
-def test_only_a_crew_imports_the_oracle_and_only_to_create_one() -> None:
-    assert below_console(importers("agents.laws.oracle")) == {"agents.control.crew"}
-    for statement in at_import(modules("agents")["agents.control.crew"]):
-        if isinstance(statement, ast.Import | ast.ImportFrom):
-            assert "agents.laws.oracle" not in set(imports(statement))
+def test_no_module_imports_the_oracle_and_only_the_kinds_name_it() -> None:
+    assert not below_console(importers("agents.laws.oracle"))
+    paths = [path for kind in KINDS for path in kind.built_in.values()]
+    assert [path for path in paths if path.startswith("agents.laws.oracle:")] == [SEEKING.built_in["oracle"]]
+    naming = {name for name, path in modules(*PACKAGES).items() if "agents.laws.oracle:" in path.read_text("utf-8")}
+    assert naming == {"fes.extension.kinds"}
+
+
+def test_every_built_in_extension_is_there_and_has_parameters() -> None:
+    for kind in KINDS:
+        for name in kind.built_in:
+            assert issubclass(registry.load(kind, name).Parameters, Table), (kind.name, name)
+
+
+def test_a_built_in_extension_is_on_the_side_that_runs_it() -> None:
+    for kind in KINDS:
+        side = "world." if kind in (CHANNEL, DYNAMICS, METRIC) else "agents.laws."
+        assert [path for path in kind.built_in.values() if not path.startswith(side)] == []
 
 
 @pytest.mark.parametrize("module", ["agents.control.crew", "agents.process"])
@@ -167,11 +174,18 @@ def test_no_module_is_longer_than_the_limit(name: str, path: Path) -> None:
     assert len(path.read_text(encoding="utf-8").splitlines()) <= LONGEST_FILE, name
 
 
-@pytest.mark.parametrize("folder", MAPPED)
+@pytest.mark.parametrize("folder", sorted({*MAPPED} - {INTERFACE}))
 def test_a_packages_init_is_its_docstring_and_nothing_else(folder: str) -> None:
     tree = ast.parse((ROOT / folder / "__init__.py").read_text(encoding="utf-8"))
     assert len(tree.body) == 1
     assert ast.get_docstring(tree)
+
+
+def test_the_interface_of_extensions_exports_what_it_imports_and_its_version() -> None:
+    tree = ast.parse((ROOT / INTERFACE / "__init__.py").read_text(encoding="utf-8"))
+    imported = [name.name for node in tree.body if isinstance(node, ast.ImportFrom) for name in node.names]
+    assert sorted([*imported, "API"]) == extension.__all__ == sorted(extension.__all__)
+    assert all(hasattr(extension, name) for name in extension.__all__)
 
 
 @pytest.mark.parametrize("folder", MAPPED)

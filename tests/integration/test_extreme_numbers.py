@@ -9,12 +9,14 @@ import pytest
 from agents.control import crew
 from agents.runtime import marshalling as agent_marshalling
 from agents.runtime.marshalling import MessageAssembler
+from agents.runtime.reception import Receiver
 from fes.arrays.types import Floats
 from fes.errors import MessageError
 from fes.model.sensing import MAX_NUMBER, MAX_TWIST, Beacons, bounded, no_beacons
 from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon, Command
 from fes.protocol.report import decode_report, encode_report
+from tests.support import loop
 from tests.support.loop import load
 from world.config.scenario import agent_config
 from world.execution import marshalling as world_marshalling
@@ -59,9 +61,9 @@ def test_no_number_in_a_beacon_leaves_a_peer_without_a_twist(law: str, field: st
     scenario = load(name, **settings)
     world = truth.create(scenario)
     state, robots = truth.start(world), crew.create(agent_config(scenario), world.ids)
-    minds, said = crew.start(robots), no_beacons()
+    minds, said, receiver = crew.start(robots), no_beacons(), Receiver()
     for tick in range(TICKS):
-        minds, said, twists = crew.step(robots, minds, truth.observe(state), said)
+        minds, said, twists, _ = loop.tick(robots, minds, receiver, truth.observe(state), said)
         assert np.abs(twists).max() <= MAX_TWIST
         if tick >= FIRST:
             said = falsified(said, field, value)
@@ -95,14 +97,14 @@ def test_no_valid_beacon_or_command_stops_a_peer_or_the_world(law: str, seed: in
     scenario = load(name, run__duration=0.9, run__seed=seed, **settings)
     run, stack = Run(scenario), MessageAssembler(np.arange(10))
     robots = crew.create(agent_config(scenario), run.world.ids)
-    minds, heard = crew.start(robots), no_beacons()
+    minds, heard, receiver = crew.start(robots), no_beacons(), Receiver()
     while not run.is_over:
         tick, sent = run.state.tick, run.observations(run.state.present)
-        minds, beacons, twists = crew.step(robots, minds, truth.observe(run.state), heard)
-        telemetry = crew.telemetry(robots, minds)
+        sensed = truth.observe(run.state)
+        minds, beacons, twists, telemetry = loop.tick(robots, minds, receiver, sensed, heard)
         spoken = [[beacon, order] for _, beacon, order in agent_marshalling.encode_tick(beacons, twists, telemetry)]
         if tick >= 20:
-            spoken[HOSTILE] = [any_beacon(choose, tick, robots.statistics), any_command(choose, tick)]
+            spoken[HOSTILE] = [any_beacon(choose, tick, robots.seeking.statistics), any_command(choose, tick)]
         heard = stack.beacons(tick, [messages.decode_beacon(beacon) for beacon, _ in spoken])
         answers: list[Answer | None] = [
             (world_marshalling.decode(keys.command("r", i), order, 10), order) for i, (_, order) in enumerate(spoken)
@@ -118,12 +120,13 @@ def test_no_command_makes_a_pose_or_a_report_that_is_not_finite(twist: list[floa
     scenario = load("measured.toml", run__duration=4.0)
     world, metrics = truth.create(scenario), MetricsCollector(scenario)
     state, robots = truth.start(world), crew.create(agent_config(scenario), world.ids)
-    minds, beacons = crew.start(robots), no_beacons()
+    minds, beacons, receiver = crew.start(robots), no_beacons(), Receiver()
     for tick in range(scenario.ticks):
-        minds, beacons, twists = crew.step(robots, minds, truth.observe(state), beacons)
+        sensed = truth.observe(state)
+        minds, beacons, twists, telemetry = loop.tick(robots, minds, receiver, sensed, beacons)
         if tick >= FIRST:
             twists[HOSTILE] = twist
-        metrics.add(state, twists, crew.telemetry(robots, minds))
+        metrics.add(state, twists, telemetry)
         state = truth.step(world, state, twists)
     assert np.isfinite(state.poses).all()
     report = report_builder.build(metrics, "test", ALIVE, 0.0, 0.0)

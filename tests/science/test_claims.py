@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from agents.laws import oracle
+from agents.laws.perturbation import Index
 from console.analysis import claims
 from fes.model.config import ChannelConfig, ObjectiveConfig
 from tests.support.loop import load
@@ -60,7 +61,7 @@ def disk(request: pytest.FixtureRequest) -> dict[str, float]:
     """The end of the disk graph, also with an exp that differs in its last bit, as on another processor."""
     own = oracle.index
 
-    def other(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal["log", "none"]) -> oracle.Index:
+    def other(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal["log", "none"]) -> Index:
         index = own(objective, channel, transform)
         return lambda separation: np.nextafter(index(separation), 0.0)
 

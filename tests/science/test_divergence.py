@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from agents.control import motion
 from agents.laws import collocation, formation, packet_counting
 from console.backends import inprocess
 from console.dashboard import summary
@@ -16,7 +17,7 @@ from fes.arrays import geometry
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
 from fes.errors import FesError, ScenarioError
-from fes.model import stability
+from fes.model import seeking
 from fes.model.config import FormationConfig
 from fes.model.table import Table
 from tests.support.loop import load
@@ -67,7 +68,7 @@ def after(gain_per_tick: float, ticks: int) -> Floats:
         errors.append(apart - wanted)
         bearing = np.array([[1.0, -1.0], [0.0, 0.0]])
         vector = formation.formation_vector(PAIR, np.full(2, apart - wanted), bearing)
-        poses = unicycle.move(poses, formation.twist(vector, poses[:, geometry.HEADING], dt, config), dt)
+        poses = unicycle.move(poses, motion.twist(vector, poses[:, geometry.HEADING], dt, config), dt)
     return np.array(errors)
 
 
@@ -92,7 +93,7 @@ def test_a_linear_gain_that_cannot_be_stable_is_rejected(gain: float, dt: float)
 def test_the_disagreement_of_a_measured_pair_dies_out_iff_kappa_dt_is_below_one(
     learning: float, mixing: float
 ) -> None:
-    """The recursion of stability.py, executed, not solved: `mixing` is kappa dt, `learning` is g dt."""
+    """The recursion of `MeasuredConfig.check`, executed, not solved: `mixing` is kappa dt, `learning` is g dt."""
     before, now = 1.0, 1.0
     for _ in range(4000):
         before, now = now, (1.0 - mixing - learning) * now - mixing * before
@@ -109,10 +110,10 @@ def test_gains_of_a_measured_index_that_cannot_be_stable_are_rejected() -> None:
     with pytest.raises(ScenarioError, match=r"0\.3 /s x run\.dt of a measured index must be below 2, got 2\.1"):
         load("measured.toml", run__dt=7.0, seeking__consensus_gain=0.0, formation__linear_gain=0.1)
     load("measured.toml", run__dt=0.24)
-    assert max(method.gain for method in (packet_counting.POOLED, packet_counting.ALONE)) == stability.NEWTON
+    assert max(method.gain for method in (packet_counting.POOLED, packet_counting.ALONE)) == seeking.NEWTON
 
 
-@pytest.mark.parametrize(("cutoff", "error"), [(stability.MAX_WASHOUT, 1e-8), (2.0 * stability.MAX_WASHOUT, 1e-3)])
+@pytest.mark.parametrize(("cutoff", "error"), [(seeking.MAX_WASHOUT, 1e-8), (2.0 * seeking.MAX_WASHOUT, 1e-3)])
 def test_the_washout_is_integrated_exactly_up_to_its_bound(cutoff: float, error: float) -> None:
     """eta' = cutoff (1 - eta) from 0 reaches 1 - e^-cutoff after a second."""
     step = collocation.step(1.0, 0.5, cutoff, 0.5, 1.0)

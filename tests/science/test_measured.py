@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from agents.control import clocks
-from agents.laws.draws import SeededDraws
 from console.backends import inprocess, stacked
+from fes.extension.context import SeededDraws
 from tests.support.loop import load
 from tests.support.paths import CONFIGS
 from world.config.scenario import agent_config

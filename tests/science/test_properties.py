@@ -103,7 +103,7 @@ def test_two_nearest_does_not_depend_on_the_ids_except_for_ties(team: list[tuple
 
     def chosen(poses: Floats) -> set[tuple[int, int]]:
         known = layouts.hear(poses, range(len(poses)))
-        return layouts.pairs_of(known.edges, neighbor_rules.two_nearest(known, Witnesses(known.edges)))
+        return layouts.pairs_of(known.edges, neighbor_rules.two_nearest(known))
 
     assert {(order[i], order[j]) for i, j in chosen(where[np.array(order)])} == chosen(where)
 

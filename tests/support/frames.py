@@ -10,11 +10,13 @@ from rich.console import Console
 from rich.segment import Segment
 
 from agents.control import crew
+from agents.runtime.reception import Receiver
 from console.dashboard.frame import ReportHistory, render
 from fes.arrays.types import Floats, Ints
 from fes.model import outage
 from fes.model.sensing import no_beacons
 from fes.protocol.report import Report
+from tests.support import loop
 from tests.support.paths import CONFIGS
 from world.config import scenario
 from world.metrics import optimum
@@ -145,11 +147,11 @@ def play() -> list[Report]:
     setup = scenario.load(PAPER, {})
     world = truth.create(setup)
     team = crew.create(scenario.agent_config(setup), world.ids)
-    state, robots, beacons = truth.start(world), crew.start(team), no_beacons()
+    state, robots, beacons, receiver = truth.start(world), crew.start(team), no_beacons(), Receiver()
     best = optimum.optimal_separation(setup.objective, setup.channel)
     reports = []
     for tick in range(151):
-        robots, beacons, twists = crew.step(team, robots, truth.observe(state), beacons)
+        robots, beacons, twists, _ = loop.tick(team, robots, receiver, truth.observe(state), beacons)
         if tick % 10 == 0:
             edges, mutual = beacons.links, beacons.links.mutual
             a, b, ab, ba = (

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from agents.control import contacts
+from agents.runtime.reception import Receiver
 from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Bools, Floats, Ints
 from fes.model.contacts import Contacts
@@ -56,13 +57,22 @@ def hear(where: Floats, robots: Iterable[int], reach: float = REACH, decoded: Bo
     if decoded is not None:
         codes[~decoded] = LOST
     own = where[np.array(crew)]
-    return contacts.update(contacts.no_contacts(near.ids), Observations(1, own, near, codes), own, beacons, 50)
+    before = contacts.no_contacts(near.ids, 0, 0)
+    return heard(before, Receiver(), Observations(1, own, near, codes), own, beacons)
+
+
+def heard(
+    before: Contacts, receiver: Receiver, sensed: Observations, own: Floats, beacons: Beacons, timeout: int = 50
+) -> Contacts:
+    """The contacts after the `beacons` that decoded; the robots sent theirs from `own` [n, 3]."""
+    return contacts.update(before, receiver.receive(sensed, beacons, before.edges), own, timeout)
 
 
 def silent_beacons(tick: int, ids: Ints, where: Floats) -> Beacons:
     """Beacons of robots that have no links and measure nothing."""
     nothing, no = np.zeros(0), np.zeros(0, dtype=np.bool_)
-    return Beacons(tick, ids, where, no_edges(ids), nothing, no, np.zeros((len(ids), 0)))
+    blank = np.zeros((len(ids), 0)), np.zeros((len(ids), 0), dtype=np.uint8)
+    return Beacons(tick, ids, where, no_edges(ids), nothing, no, *blank)
 
 
 def pairs_of(among: Edges, chosen: Bools | None = None) -> set[tuple[int, int]]:

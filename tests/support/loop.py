@@ -6,9 +6,11 @@ from typing import Any
 import numpy as np
 
 from agents.control import crew as crews
+from agents.control.state import Crew, CrewState
+from agents.runtime.reception import Receiver
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
-from fes.model.sensing import Beacons, Observations, no_beacons
+from fes.model.sensing import Beacons, Observations, Telemetry, no_beacons
 from tests.support.paths import CONFIGS
 from world.config import scenario
 from world.config.scenario import Scenario
@@ -47,6 +49,14 @@ def load(name: str, **overrides: Any) -> Scenario:
     return scenario.load(CONFIGS / name, {path.replace("__", "."): value for path, value in overrides.items()})
 
 
+def tick(
+    crew: Crew, state: CrewState, receiver: Receiver, observations: Observations, beacons: Beacons
+) -> tuple[CrewState, Beacons, Floats, Telemetry]:
+    """One tick of a crew: `receiver` keeps those of the last tick's `beacons` that decoded, and the crew steps."""
+    received = receiver.receive(observations, beacons, state.contacts.edges)
+    return crews.step(crew, state, observations.sensed, received)
+
+
 def run(what: Scenario, ticks: int | None = None, split: list[list[int]] | None = None) -> History:
     """Run a scenario as one crew, or `split` into several that exchange beacons."""
     world = truth.create(what)
@@ -54,7 +64,7 @@ def run(what: Scenario, ticks: int | None = None, split: list[list[int]] | None 
     config = scenario.agent_config(what)
     everybody = world.ids.tolist()
     parts = [crews.create(config, np.array(ids)) for ids in (split or [everybody])]
-    minds = [crews.start(part) for part in parts]
+    minds, receivers = [crews.start(part) for part in parts], [Receiver() for _ in parts]
     beacons = [no_beacons()] * len(parts)
     history = History(what.run.dt, [], [])
     for _ in range(ticks or what.ticks):
@@ -64,7 +74,8 @@ def run(what: Scenario, ticks: int | None = None, split: list[list[int]] | None 
         for index, part in enumerate(parts):
             own = sensed if split is None else _own(sensed, part.ids)
             audible = heard if split is None else _among(heard, np.unique(own.in_range.peers))
-            minds[index], beacons[index], twists[part.ids] = crews.step(part, minds[index], own, audible)
+            stepped = tick(part, minds[index], receivers[index], own, audible)
+            minds[index], beacons[index], twists[part.ids], _ = stepped
         history.poses.append(state.poses)
         history.estimates.append({pair: value for part in beacons for pair, value in _estimates(part)})
         state = truth.step(world, state, twists)
@@ -97,7 +108,8 @@ def _together(beacons: list[Beacons]) -> Beacons:
     selected = np.concatenate([part.selected for part in beacons])[by_pair]
     poses = np.concatenate([part.poses for part in beacons])[order]
     statistics = np.concatenate([part.statistics for part in beacons])[order]
-    return Beacons(beacons[0].tick, ids[order], poses, links, estimates, selected, statistics)
+    declared = np.concatenate([part.declared for part in beacons])[order]
+    return Beacons(beacons[0].tick, ids[order], poses, links, estimates, selected, statistics, declared)
 
 
 def _among(beacons: Beacons, ids: Ints) -> Beacons:
@@ -115,4 +127,5 @@ def _among(beacons: Beacons, ids: Ints) -> Beacons:
         beacons.estimates[mine],
         beacons.selected[mine],
         beacons.statistics[senders],
+        beacons.declared[senders],
     )

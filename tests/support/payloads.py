@@ -68,6 +68,7 @@ def beacons(draw: st.DrawFn) -> Beacon:
         draw(floats(len(near), reals)),
         draw(codes(len(near), 1)),
         draw(floats(draw(st.integers(0, 7)), reals)),
+        draw(st.binary(max_size=messages.MAX_DECLARED)),
     )
 
 
@@ -75,9 +76,9 @@ def beacons(draw: st.DrawFn) -> Beacon:
 def commands(draw: st.DrawFn) -> Command:
     near = draw(peers)
     learnt = draw(floats(draw(st.sampled_from([0, 2 * len(near)])), reals))
-    return Command(
-        draw(ticks), draw(robots), (draw(rates), draw(rates)), near, draw(floats(len(near), reals)), learnt
-    )
+    details = draw(floats(draw(st.integers(0, 7)), reals))
+    estimates = draw(floats(len(near), reals))
+    return Command(draw(ticks), draw(robots), (draw(rates), draw(rates)), near, estimates, learnt, details)
 
 
 @st.composite
@@ -136,8 +137,8 @@ effects = st.builds(ChangeResult, paths, settings, ticks, finite, st.booleans())
 
 CODECS = {
     "Observation": Codec(messages.encode_observation, messages.decode_observation, observations(), 9),
-    "Beacon": Codec(messages.encode_beacon, messages.decode_beacon, beacons(), 9),
-    "Command": Codec(messages.encode_command, messages.decode_command, commands(), 7),
+    "Beacon": Codec(messages.encode_beacon, messages.decode_beacon, beacons(), 10),
+    "Command": Codec(messages.encode_command, messages.decode_command, commands(), 8),
     "Welcome": Codec(messages.encode_welcome, messages.decode_welcome, welcomes(), 2),
     "Lease": Codec(messages.encode_lease, messages.decode_lease, robots, 1),
     "Join": Codec(messages.encode_join, messages.decode_join, joins, 3),

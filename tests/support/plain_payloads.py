@@ -13,18 +13,23 @@ def float64(*numbers: float) -> bytes:
     return struct.pack(f"<{len(numbers)}d", *numbers)
 
 
+PROTOCOL = 3
+
 # The layouts, packed by hand: version, then the fields; robot 4 at tick 7 with the peers 2 and 9.
 PLAIN: dict[str, list[Any]] = {
-    "Observation": [2, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), b"\2\1", False, 3],
-    "Beacon": [2, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), float64(60.0, 70.0), b"\1\0", float64(1.0)],
-    "Command": [2, 7, 4, 1.5, -0.5, int32(2, 9), float64(60.0, 70.0), float64(-2.0, -2.1, 3.0, 3.1)],
-    "Join": [2, [4, 5], 12345, "numpy 2.4.6, arithmetic 5c62e091b8c0"],
-    "Recall": [2, 7],
-    "Change": [2, "channel.reference_snr", "5000000.0"],
-    "Effect": [2, "channel.reference_snr", "5000000.0", 7, 68.0, False],
-    "About": [2, "0.1.0", "1.10.2", 10, 1.8e9],
+    "Observation": [PROTOCOL, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), b"\2\1", False, 3],
+    "Beacon": [PROTOCOL, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), float64(60.0, 70.0), b"\1\0", float64(1.0), b"\7\0"],
+    "Command": [
+        *(PROTOCOL, 7, 4, 1.5, -0.5, int32(2, 9), float64(60.0, 70.0)),
+        *(float64(-2.0, -2.1, 3.0, 3.1), float64(0.25)),
+    ],
+    "Join": [PROTOCOL, [4, 5], 12345, "numpy 2.4.6, arithmetic 5c62e091b8c0"],
+    "Recall": [PROTOCOL, 7],
+    "Change": [PROTOCOL, "channel.reference_snr", "5000000.0"],
+    "Effect": [PROTOCOL, "channel.reference_snr", "5000000.0", 7, 68.0, False],
+    "About": [PROTOCOL, "0.1.0", "1.10.2", 10, 1.8e9],
     "Report": [
-        *(2, "pair", 7, 9, [0.02, 68.0, 1.0, 50.0, *[math.nan, math.inf] * 4], b"\1\0"),
+        *(PROTOCOL, "pair", 7, 9, [0.02, 68.0, 1.0, 50.0, *[math.nan, math.inf] * 4], b"\1\0"),
         *(float64(*range(6)), int32(0), int32(1), [float64(math.nan)] * 10, 8, 6, True),
         [struct.pack("<2q", 3, 0), struct.pack("<2q", 1, 0)],
     ],

@@ -6,8 +6,10 @@ import numpy as np
 
 from agents.control import crew
 from agents.runtime import marshalling
+from agents.runtime.reception import Receiver
 from fes.model.sensing import no_beacons
 from fes.protocol import messages
+from tests.support import loop
 from tests.support.loop import load
 from world.config.scenario import Scenario, agent_config
 from world.execution.checkpoint import FOLDER, CheckpointWriter
@@ -20,7 +22,7 @@ class Team:
 
     def __init__(self, scenario: Scenario) -> None:
         self.crew = crew.create(agent_config(scenario), np.arange(scenario.robots.number))
-        self.minds, self.beacons = crew.start(self.crew), no_beacons()
+        self.minds, self.beacons, self.receiver = crew.start(self.crew), no_beacons(), Receiver()
 
     def step(self, run: Run) -> None:
         """Execute one tick."""
@@ -28,8 +30,8 @@ class Team:
         if anew.any() and run.state.tick > 0:
             self.minds = crew.forget(self.crew, self.minds, anew)
         sent = run.observations(run.state.present)
-        self.minds, self.beacons, twists = crew.step(self.crew, self.minds, truth.observe(run.state), self.beacons)
-        telemetry = crew.telemetry(self.crew, self.minds)
+        inputs = self.receiver, truth.observe(run.state), self.beacons
+        self.minds, self.beacons, twists, telemetry = loop.tick(self.crew, self.minds, *inputs)
         spoken = [payload for _, *payload in marshalling.encode_tick(self.beacons, twists, telemetry)]
         decodable = run.state.decodable.tolist()
         beacons = [beacon if good else b"" for (beacon, _), good in zip(spoken, decodable, strict=True)]

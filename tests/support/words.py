@@ -22,7 +22,7 @@ IDENTIFIERS = {
     "equipment": "faults", "found": "the noun", "hands": "control", "here": "the noun", "keeper": "checkpoints",
     "kept": "the noun", "kin": "processes", "legible": "decodable", "mouth": "outbox", "named": "selected",
     "names_us": "selected_by_peer", "nobody": "the noun", "one": "first, or the noun", "other": "second, or the noun",
-    "preferred": "objective", "pull": "formation_vector", "roster": "registry", "said": "the noun",
+    "preferred": "objective", "roster": "registry", "said": "the noun",
     "stretch": "segment", "sums": "metrics", "tally": "link_errors", "there": "the noun", "told": "the noun",
     "turns": "ticks", "untold": "no_telemetry", "whole": "the noun", "wish": "objective", "wording": "marshalling",
 }  # fmt: skip

@@ -121,7 +121,16 @@ def test_no_table_of_a_checkpoint_changes_without_a_new_format_number(tmp_path: 
 
 
 def test_the_stored_files_of_older_formats_are_small_and_complete() -> None:
-    names = ["checkpoint-2", "checkpoint-3", "checkpoint-4", LAYOUT.name, "log-1", "log-2", "scenario-0.3.toml", "sweep-1"]
+    names = [
+        "checkpoint-2",
+        "checkpoint-3",
+        "checkpoint-4",
+        LAYOUT.name,
+        "log-1",
+        "log-2",
+        "scenario-0.3.toml",
+        "sweep-1",
+    ]
     assert sorted(path.name for path in FORMATS.iterdir()) == names
     assert all(len(content) < 100_000 for content in contents(FORMATS).values())
 

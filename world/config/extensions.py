@@ -12,14 +12,14 @@ from world.config.scenario import Scenario
 
 def of(scenario: Scenario) -> list[Evidence]:
     """The evidence of all extensions that a scenario chooses at any time, built-in ones aside; raises FesError."""
-    found: dict[tuple[str, str], Kind] = {}
+    kinds: dict[tuple[str, str], Kind] = {}
     later = [settings["channel.model"] for settings in scenario.changes.values() if "channel.model" in settings]
     choices = [(kind, choice) for _, kind, choice in scenario.choices] + [(CHANNEL, choice) for choice in later]
     for kind, choice in choices:
         name = choice["use"] if isinstance(choice, dict) else chosen(choice).use
         if name not in kind.built_in:
-            found[kind.name, name] = kind
-    return [evidence.of(kind, name) for (_, name), kind in found.items()]
+            kinds[kind.name, name] = kind
+    return [evidence.of(kind, name) for (_, name), kind in kinds.items()]
 
 
 def check(scenario: Scenario, recorded: list[Any], where: str) -> None:

@@ -54,7 +54,7 @@ class RadioConfig(ChannelConfig):
     rows, constant beyond them. It need not fall."""
     trace: str | None = None
     """File of the model `trace`, by its path from the scenario's file: comma-separated, with a line of names. The
-    columns are time [s], sender, receiver, and probability or decoded."""
+    columns are time in seconds, sender, receiver, and probability or decoded."""
     trace_between: Literal["held", "interpolated"] = "held"
     """Between two times of a trace: the earlier value, or the line between both."""
     trace_sha256: str | None = None

@@ -227,7 +227,7 @@ def _find_trace(tables: dict[str, Any], path: Path) -> None:
 
 
 def _seeking_law(tables: dict[str, Any]) -> Any:
-    """What chooses the seeking law."""
+    """The values that choose the seeking law."""
     table = tables.get("seeking")
     if not isinstance(table, dict):
         return None
@@ -235,7 +235,7 @@ def _seeking_law(tables: dict[str, Any]) -> Any:
 
 
 def _drop_former_keys(tables: dict[str, Any], overridden: Collection[str]) -> None:
-    """Where overrides choose another seeking law, drop the file's keys that this law does not have."""
+    """Drop the file's keys that the seeking law does not have, after overrides chose another law."""
     if "seeking" in overridden:
         return
     table = tables["seeking"]

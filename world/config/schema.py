@@ -8,13 +8,14 @@ import ast
 import inspect
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache
 from itertools import pairwise
-from typing import Any, NamedTuple, get_args
+from typing import Any, NamedTuple
 
 from fes.model.table import Table
 from world.config.scenario import Scenario
+from world.config.validation import tables_within
 
 _UNITS = "1|m|s|rad|dB|m/s|rad/s|1/s|rad/s/m|bit/s/Hz|ticks"
 _UNIT = re.compile(rf" ?\[((?:{_UNITS})(?:, (?:{_UNITS}))*)(?:; ([^\]]+))?\]")
@@ -63,19 +64,63 @@ def _fields(table: dict[str, Any], tables: dict[str, Any], prefix: str) -> Itera
     for name, entry in table["properties"].items():
         field = _without_null(entry)
         inner = _without_null(field.get("items", field))
-        inner_table = tables[inner["$ref"].rpartition("/")[2]] if "$ref" in inner else None
-        path = f"{prefix}{name}" + ("[]" if inner_table and inner is not field else "")
+        members = [tables[kind["$ref"].rpartition("/")[2]] for kind in _kinds(inner) if "$ref" in kind]
+        path = f"{prefix}{name}" + ("[]" if members and inner is not field else "")
         yield ScenarioField(
             path,
             _type(field),
             entry.get("unit", ""),
             ", ".join(f"{sign} {_number(field[key])}" for key, sign in _BOUNDS.items() if key in field),
-            None if inner_table else entry.get("default"),
+            None if members and len(members) == len(_kinds(inner)) else entry.get("default"),
             name in table.get("required", ()),
             entry["description"],
         )
-        if inner_table:
-            yield from _fields(inner_table, tables, f"{path}.")
+        if members:
+            yield from _fields(_merged(members), tables, f"{path}.")
+
+
+def _kinds(entry: dict[str, Any]) -> Sequence[dict[str, Any]]:
+    """The members of a union; a value of one kind is its only member."""
+    kinds: Sequence[dict[str, Any]] = entry.get("oneOf") or entry.get("anyOf") or [entry]
+    return kinds
+
+
+def _merged(members: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """One table with the fields of all members of a union. `index` tells which members have a field."""
+    if len(members) == 1:
+        return members[0]
+    every = _indices(members)
+    properties: dict[str, dict[str, Any]] = {}
+    for name in dict.fromkeys(name for member in members for name in member["properties"]):
+        owners = [member for member in members if name in member["properties"]]
+        entries = [owner["properties"][name] for owner in owners]
+        texts = dict.fromkeys(text for entry in entries for text in _texts(entry))
+        indices = _indices(owners)
+        only = f" Only with index {_listed(indices)}." if indices and indices != every else ""
+        description = {"description": entries[0]["description"] + only}
+        properties[name] = {**entries[0], **({"enum": list(texts)} if texts else {}), **description}
+    required = [name for name in properties if all(name in member.get("required", ()) for member in members)]
+    return {"properties": properties, "required": required}
+
+
+def _indices(members: Sequence[dict[str, Any]]) -> list[str]:
+    """The `index` of each member that has one."""
+    return [text for member in members for text in _texts(member["properties"].get("index", {}))]
+
+
+def _texts(entry: dict[str, Any]) -> list[str]:
+    """The permitted texts of a field; none if it is not a choice of texts."""
+    texts: list[str] = entry.get("enum") or ([entry["const"]] if "const" in entry else [])
+    return texts
+
+
+def _listed(texts: Sequence[str]) -> str:
+    """Texts in words.
+
+    >>> _listed(["oracle", "sampled"])
+    '`oracle` or `sampled`'
+    """
+    return " or ".join(f"`{text}`" for text in texts)
 
 
 def _without_null(entry: dict[str, Any]) -> dict[str, Any]:
@@ -87,10 +132,10 @@ def _without_null(entry: dict[str, Any]) -> dict[str, Any]:
 def _type(field: dict[str, Any]) -> str:
     if "$ref" in field or field.get("type") == "object":
         return "table"
-    if "enum" in field:
-        return ", ".join(f"`{text}`" for text in field["enum"])
-    if "anyOf" in field:
-        return " or ".join(_type(kind) for kind in field["anyOf"] if kind != {"type": "null"})
+    if _texts(field):
+        return ", ".join(f"`{text}`" for text in _texts(field))
+    if "anyOf" in field or "oneOf" in field:
+        return " or ".join(dict.fromkeys(_type(kind) for kind in _kinds(field) if kind != {"type": "null"}))
     if "prefixItems" in field:
         return f"list of {len(field['prefixItems'])} {_type(field['prefixItems'][0])}s"
     if "items" in field:
@@ -120,12 +165,8 @@ def _models(model: type[Table]) -> Iterator[type[Table]]:
     """A model and all models in it."""
     yield model
     for field in model.model_fields.values():
-        waiting = [field.annotation]
-        while waiting:
-            kind = waiting.pop()
-            waiting += get_args(kind)
-            if isinstance(kind, type) and issubclass(kind, Table):
-                yield from _models(kind)
+        for kind in tables_within(field.annotation):
+            yield from _models(kind)
 
 
 def _docstrings(model: type[Table]) -> dict[str, str]:

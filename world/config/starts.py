@@ -32,8 +32,8 @@ class RobotsConfig(Table):
     jitter: NonNegative = 0.0
     """Largest random displacement of a generated position along x and y [m]."""
     dynamics: Choice = "unicycle"
-    """How bodies follow their commands. `unicycle`: exactly, by (5). An extension is named by `module:Class`, by the
-    name of an installed one, or as a table with `use` and its parameters."""
+    """Dynamics of the bodies. `unicycle`: they follow their commands exactly, by (5). An extension is named by
+    `module:Class`, by the name of an installed one, or as a table with `use` and its parameters."""
     controller: Choice | None = None
     """A whole robot in plain Python, an extension named as for `dynamics`. It replaces seeking and formation law."""
 

@@ -39,9 +39,9 @@ def checksum(path: str) -> str:
 def read(path: str, sha256: str | None) -> Trace:
     """The rows of a trace; raises FesError in one line, also where its checksum is not `sha256`."""
     content = _bytes(path)
-    found = hashlib.sha256(content).hexdigest()
-    if sha256 is not None and found != sha256:
-        raise FesError(f"{path} has changed: its SHA-256 is {found[:12]}..., the scenario has {sha256[:12]}...")
+    actual = hashlib.sha256(content).hexdigest()
+    if sha256 is not None and actual != sha256:
+        raise FesError(f"{path} has changed: its SHA-256 is {actual[:12]}..., the scenario has {sha256[:12]}...")
     try:
         rows = csv.DictReader(io.StringIO(content.decode("utf-8-sig")), skipinitialspace=True)
     except UnicodeDecodeError:

@@ -2,9 +2,11 @@
 
 import difflib
 import reprlib
-from typing import get_args
+from collections.abc import Iterable
+from typing import Any, get_args
 
 from pydantic import ValidationError
+from pydantic_core import ErrorDetails
 
 from fes.model.table import Table
 from fes.system.output import printable
@@ -18,13 +20,12 @@ def first_rule(error: ValidationError, model: type[Table], table: str, prefix: s
 
     `table` names the model itself, `prefix` precedes its fields.
     """
-    # an unknown field is reported first: it may be a required field, misspelt
-    first = min(error.errors(include_url=False), key=lambda broken: broken["type"] != "extra_forbidden")
-    path = ".".join(str(part) for part in first["loc"])
+    known = _fields(model, prefix)
+    first, parts = _first(error, set(known), prefix)
+    path = ".".join(map(str, parts))
     field = short(prefix + path) if path else table
     if first["type"] == "extra_forbidden":
-        plain = prefix + ".".join(str(part) for part in first["loc"] if not isinstance(part, int))
-        near = _nearest(plain, _fields(model, prefix))
+        near = _nearest(_dotted(prefix, parts), known)
         hint = f"did you mean '{near}'?" if near else "fes schema lists the fields"
         return f"unknown field '{field}'; {hint}"
     message = first["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
@@ -39,6 +40,32 @@ def short(text: str) -> str:
     """Text from outside, made safe to print: without control characters, and cut to LONGEST."""
     shown = printable(text[: LONGEST + 1])
     return shown if len(shown) <= LONGEST else shown[: LONGEST - 1] + "…"
+
+
+def _first(error: ValidationError, known: set[str], prefix: str) -> tuple[ErrorDetails, list[str | int]]:
+    """The error to report, and the parts of its field's path."""
+    # an unknown field is reported first: it may be a required field, misspelt
+    broken = sorted(error.errors(include_url=False), key=lambda details: details["type"] != "extra_forbidden")
+    paths = [_path(details, known, prefix) for details in broken]
+    # of the members of a union that failed, the one that got further was meant
+    deeper = [place for place, path in enumerate(paths) if path[: len(paths[0])] == paths[0] != path]
+    place = deeper[0] if deeper else 0
+    return broken[place], paths[place]
+
+
+def _path(details: ErrorDetails, known: set[str], prefix: str) -> list[str | int]:
+    """The parts of an error's path that stand in the scenario: fields and places in lists, not members of unions."""
+    parts: list[str | int] = []
+    for place, part in enumerate(details["loc"], 1):
+        is_unknown_field = details["type"] == "extra_forbidden" and place == len(details["loc"])
+        if isinstance(part, int) or is_unknown_field or _dotted(prefix, [*parts, part]) in known:
+            parts.append(part)
+    return parts
+
+
+def _dotted(prefix: str, parts: Iterable[str | int]) -> str:
+    """A dotted path without places in lists."""
+    return prefix + ".".join(part for part in parts if isinstance(part, str))
 
 
 def _nearest(field: str, known: list[str]) -> str | None:
@@ -66,8 +93,13 @@ def _fields(model: type[Table], prefix: str) -> list[str]:
     for name, field in model.model_fields.items():
         dotted = f"{prefix}{field.alias or name}"
         names.append(dotted)
-        # a table, an optional one, or a list of them
-        for kind in (field.annotation, *get_args(field.annotation)):
-            if isinstance(kind, type) and issubclass(kind, Table):
-                names += _fields(kind, f"{dotted}.")
-    return names
+        for kind in tables_within(field.annotation):
+            names += _fields(kind, f"{dotted}.")
+    return list(dict.fromkeys(names))
+
+
+def tables_within(annotation: Any) -> list[type[Table]]:
+    """The tables in the type of a field: a table, an optional one, a list of them, or the members of a union."""
+    if isinstance(annotation, type) and issubclass(annotation, Table):
+        return [annotation]
+    return [table for part in get_args(annotation) for table in tables_within(part)]

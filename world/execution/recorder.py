@@ -173,7 +173,7 @@ class Recorder:
             "backend": backend,
             "scenario": tomli_w.dumps(tables),
             "arithmetic": fingerprint.table(),
-            "extensions": [found.table for found in extensions.of(self._scenario)],
+            "extensions": [entry.table for entry in extensions.of(self._scenario)],
             "versions": {
                 "fes": world_info.version(),
                 **versions,

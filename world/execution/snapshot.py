@@ -104,8 +104,8 @@ _KINDS: dict[str, Any] = {
 
 def pack(snapshot: Snapshot) -> bytes:
     """The content of the file of a snapshot."""
-    found = [entry.table for entry in extensions.of(snapshot.scenario)]
-    head = {"fes": world_info.version(), "arithmetic": fingerprint.table(), "extensions": found}
+    evidence = [entry.table for entry in extensions.of(snapshot.scenario)]
+    head = {"fes": world_info.version(), "arithmetic": fingerprint.table(), "extensions": evidence}
     body = strict_json.dumps(head).encode() + b"\n" + pickle.dumps(snapshot, protocol=5)
     return b"\n".join([b"fes checkpoint %d" % FORMAT, hashlib.sha256(body).hexdigest().encode(), body])
 

@@ -30,8 +30,8 @@ def best_separation(context: WorldContext, channel: RadioConfig) -> float:
 
     def index(separation: Floats) -> Floats:
         preference = objective.preference(separation, context.objective)
-        found: Floats = preference * model.probability(separation)
-        return found
+        values: Floats = preference * model.probability(separation)
+        return values
 
     grid = np.linspace(farthest / (POINTS - 1), farthest, POINTS - 1)
     best = int(np.argmax(index(grid)))

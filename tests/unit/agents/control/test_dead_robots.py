@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from agents.control import crew as crews
+from agents.runtime.reception import Receiver
 from console.backends import inprocess
 from fes.errors import ScenarioError
 from fes.model.sensing import CLOSED, DECODED, LOST, no_beacons
@@ -28,17 +29,19 @@ def with_new_processes(what: Scenario) -> str:
     config, ids = agent_config(what), world.ids.tolist()
     parts = [crews.create(config, np.array([robot])) for robot in ids]
     minds, said = [crews.start(part) for part in parts], [no_beacons()] * len(ids)
+    receivers = [Receiver() for _ in parts]
     ticks, present = [], state.present
     for _ in range(what.ticks):
         for robot in np.flatnonzero(state.present & ~present).tolist():
-            minds[robot] = crews.start(parts[robot])
+            minds[robot], receivers[robot] = crews.start(parts[robot]), Receiver()
         present, sensed = state.present, truth.observe(state)
         heard = loop._together(said) if said[0].tick >= 0 else said[0]
         twists, told = np.zeros((len(ids), 2)), list(said)
         for robot in np.flatnonzero(present).tolist():
             own = loop._own(sensed, parts[robot].ids)
             near = loop._among(heard, np.unique(own.in_range.peers)) if heard.tick >= 0 else heard
-            minds[robot], told[robot], twists[robot] = crews.step(parts[robot], minds[robot], own, near)
+            stepped = loop.tick(parts[robot], minds[robot], receivers[robot], own, near)
+            minds[robot], told[robot], twists[robot], _ = stepped
         said = [part if part.tick == state.tick else _again(part, state.tick) for part in told]
         ticks.append((state.poses, twists))
         state = truth.step(world, state, twists)
@@ -52,10 +55,15 @@ def _again(beacons: Any, tick: int) -> Any:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "pooling"), [("paper.toml", "none"), ("measured.toml", "network"), ("measured.toml", "none")]
+    ("name", "settings"),
+    [
+        ("paper.toml", {}),
+        ("measured.toml", {"seeking__pooling": "network"}),
+        ("measured.toml", {"seeking__pooling": "none"}),
+    ],
 )
-def test_a_robot_that_rejoins_acts_like_a_new_process(name: str, pooling: str) -> None:
-    scenario = load(name, event=GONE, seeking__pooling=pooling, **BRIEF)
+def test_a_robot_that_rejoins_acts_like_a_new_process(name: str, settings: dict[str, Any]) -> None:
+    scenario = load(name, event=GONE, **settings, **BRIEF)
     assert inprocess.run(scenario, name)["digest"] == with_new_processes(scenario)
 
 

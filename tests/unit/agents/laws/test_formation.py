@@ -1,4 +1,4 @@
-"""The formation law (6), (7) with the weights (9), against hand algebra and an integrated heading."""
+"""The formation law with the weights (9), and the twists (6), (7) that follow from it, against hand algebra."""
 
 import math
 
@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agents.control import motion
 from agents.laws import formation
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
 from fes.model.config import FormationConfig
 from tests.support import layouts
-from tests.support import reference as witness
 
 CONFIG = FormationConfig()  # mu = 1, mu' = 10
 LINEAR, ANGULAR = 0, 1
@@ -57,7 +57,7 @@ def test_weights_sum_to_one_with_two_neighbors_or_more(error: list[float]) -> No
 
 def test_a_robot_without_links_stands_still() -> None:
     vector = formation.formation_vector(links(), np.zeros(0), np.zeros((2, 0)))
-    assert formation.twist(vector, np.array([0.7]), 0.02, CONFIG).tolist() == [[0.0, 0.0]]
+    assert motion.twist(vector, np.array([0.7]), 0.02, CONFIG).tolist() == [[0.0, 0.0]]
 
 
 @given(
@@ -74,34 +74,11 @@ def test_for_a_vanishing_tick_the_twist_is_the_sums_of_6_and_7(
     v = sum(a * e * math.cos(psi - heading) for a, e, psi in zip(weight, error, angle, strict=False))
     omega = 10.0 * sum(a * e * math.sin(psi - heading) for a, e, psi in zip(weight, error, angle, strict=False))
     vector = formation.formation_vector(links(*range(1, n + 1)), np.array(error), unit(np.array(angle[:n])))
-    result = formation.twist(vector, np.array([heading]), 1e-7, CONFIG)[0]
+    result = motion.twist(vector, np.array([heading]), 1e-7, CONFIG)[0]
     assert result[LINEAR] == pytest.approx(v, abs=1e-12)  # m/s; roundings of 60 m
     # omega is a mean over the tick: off by (mu'|g|)^2 dt/4 <= 0.01 for |g| <= 60 m; a difference of two
     # angles over the tick: 1e-15/dt
     assert result[ANGULAR] == pytest.approx(omega, abs=0.02)
-
-
-@pytest.mark.parametrize("dt", [0.02, 0.05])
-@pytest.mark.parametrize("size", [1e-6, 0.01, 1.0, 40.0])
-@pytest.mark.parametrize("begin", [-3.1, -1.0, -1e-3, 0.0, 0.5, math.pi / 2, 3.14])
-def test_the_heading_turns_along_the_flow_of_7_for_a_constant_formation_vector(
-    begin: float, size: float, dt: float
-) -> None:
-    after = witness.flow(lambda t, x: (-10.0 * size * math.sin(x[0]),), [begin], 0.0, dt)[0]
-    heading = 2.5  # any
-    vector = size * unit(np.array([heading + begin])).T
-    v, omega = formation.twist(vector, np.array([heading]), dt, CONFIG)[0]
-    # delta is the bearing of the pull from the heading: the heading turns by begin - after. 1e-8 rad is
-    # the integrator's error (1e-11 relative) where it leaves the saddle at pi: grown e^8 = 3000-fold.
-    assert omega * dt == pytest.approx(begin - after, abs=1e-8)
-    assert v == pytest.approx(size * math.cos(begin), abs=1e-13)  # roundings of 40 m/s
-
-
-def test_a_large_formation_vector_turns_the_heading_onto_it_and_not_beyond() -> None:
-    # Euler would turn by 10 * 40 * sin(1) * 0.02 = 6.7 rad; the exact flow by 1 rad
-    _, omega = formation.twist(np.array([[40.0, 0.0]]), np.array([-1.0]), 0.02, CONFIG)[0]
-    assert omega * 0.02 == pytest.approx(1.0, abs=2e-3)  # rad; e^{-8} of it is left
-    assert omega * 0.02 < 1.0
 
 
 @given(
@@ -127,21 +104,4 @@ def _twists(where: Floats) -> Floats:
     known = layouts.hear(where, range(len(where)), reach=1e6)
     bearing = np.stack([known.dx, known.dy]) / known.separation
     vector = formation.formation_vector(known.edges, known.separation - 68.0, bearing)
-    return formation.twist(vector, where[:, 2], 0.02, CONFIG)
-
-
-def test_limits_cut_speeds_and_keep_their_signs() -> None:
-    limited = FormationConfig(linear_limit=2.0, angular_limit=0.5)
-    vector = np.array([[9.0, 9.0], [-9.0, 9.0], [-9.0, -9.0], [1e-3, 1e-3]])
-    result = formation.twist(vector, np.zeros(4), 0.02, limited)
-    free = formation.twist(vector, np.zeros(4), 0.02, CONFIG)
-    assert result[:3].tolist() == [[2.0, 0.5], [-2.0, 0.5], [-2.0, -0.5]]
-    assert result[3].tolist() == free[3].tolist()
-    assert abs(free[:3]).min() > 2.0  # so that the limit applies
-
-
-@pytest.mark.parametrize("gain", [0.5, 3.0])
-def test_speed_is_proportional_to_its_gain(gain: float) -> None:
-    vector, heading = np.array([[1.0, 2.0]]), np.array([0.3])
-    result = formation.twist(vector, heading, 0.02, FormationConfig(linear_gain=gain))
-    assert result[0, LINEAR] == pytest.approx(gain * (math.cos(0.3) + 2.0 * math.sin(0.3)), rel=1e-14)  # rounding
+    return motion.twist(vector, where[:, 2], 0.02, CONFIG)

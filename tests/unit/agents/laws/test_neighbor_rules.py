@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from agents.laws import neighbor_rules
-from agents.laws.neighbor_rules import Witnesses
 from console.backends import inprocess
 from fes.arrays.types import Bools, Floats
-from tests.support import layouts
+from tests.support import laws, layouts
 from tests.support import reference as witness
 from tests.support.layouts import REACH, distance
 from tests.support.loop import load
@@ -20,7 +19,7 @@ LAYOUTS = [(n, width, seed) for n in (1, 2, 3, 10, 25) for width in (60.0, 250.0
 def found(rule: str, where: Floats, robots: list[int] | None = None, decoded: Bools | None = None) -> Pairs:
     """The pairs (robot, neighbor) that the code under test chooses."""
     known = layouts.hear(where, range(len(where)) if robots is None else robots, decoded=decoded)
-    return layouts.pairs_of(known.edges, neighbor_rules.RULES[rule](known, Witnesses(known.edges)))
+    return layouts.pairs_of(known.edges, laws.rule(rule, known.edges.ids)(known))
 
 
 def by_definition(rule: str, where: Floats, heard: Pairs) -> Pairs:
@@ -48,14 +47,14 @@ def all_heard(where: Floats) -> Pairs:
     return {(i, j) for i in range(n) for j in range(n) if i != j and distance(where, i, j) <= REACH}
 
 
-@pytest.mark.parametrize("rule", sorted(neighbor_rules.RULES))
+@pytest.mark.parametrize("rule", laws.RULES)
 @pytest.mark.parametrize(("n", "width", "seed"), LAYOUTS)
 def test_a_rule_selects_links_as_defined(rule: str, n: int, width: float, seed: int) -> None:
     where = layouts.scatter(np.random.default_rng(seed), n, width)
     assert found(rule, where) == by_definition(rule, where, all_heard(where))
 
 
-@pytest.mark.parametrize("rule", sorted(neighbor_rules.RULES))
+@pytest.mark.parametrize("rule", laws.RULES)
 @pytest.mark.parametrize("seed", range(5))
 def test_on_a_lattice_full_of_ties_a_rule_selects_links_as_defined(rule: str, seed: int) -> None:
     # whole meters: equal separations are equal to the bit
@@ -63,7 +62,7 @@ def test_on_a_lattice_full_of_ties_a_rule_selects_links_as_defined(rule: str, se
     assert found(rule, where) == by_definition(rule, where, all_heard(where))
 
 
-@pytest.mark.parametrize("rule", sorted(neighbor_rules.RULES))
+@pytest.mark.parametrize("rule", laws.RULES)
 @pytest.mark.parametrize("ratio", [0.1, 0.6])
 @pytest.mark.parametrize("seed", range(5))
 def test_an_unheard_peer_is_neither_neighbor_nor_witness(rule: str, seed: int, ratio: float) -> None:
@@ -112,7 +111,7 @@ def test_the_relative_neighborhood_connects_every_component_of_the_disk_graph(se
     assert sparse == disk
 
 
-@pytest.mark.parametrize("rule", sorted(neighbor_rules.RULES))
+@pytest.mark.parametrize("rule", laws.RULES)
 @pytest.mark.parametrize("seed", range(5))
 def test_a_robot_finds_the_same_neighbors_alone_in_its_crew_as_among_ten(rule: str, seed: int) -> None:
     where = layouts.scatter(np.random.default_rng(seed), 10, 220.0)

@@ -2,17 +2,19 @@
 
 import numpy as np
 import pytest
-from agents.laws.draws import SeededDraws
 
-from agents.control import beacon_counting, contacts
-from agents.laws import packet_counting, perturbation
+from agents.control import contacts
+from agents.laws import link_estimates, packet_counting, seeking_perturbation
 from agents.laws.packet_counting import ALONE, POOLED, STATISTICS, ReceptionFit
-from agents.laws.perturbation import Seeker
+from agents.runtime.reception import Receiver
 from fes.arrays.edges import Edges
-from fes.model import objective
+from fes.extension.context import SeededDraws
+from fes.extension.neighborhood import Neighborhood
+from fes.model import beacon_slots, objective
 from fes.model.config import ObjectiveConfig
+from fes.model.seeking import MeasuredConfig
 from fes.model.sensing import Observations
-from tests.support import layouts
+from tests.support import laws, layouts
 
 
 def test_the_fit_finds_level_and_slope_of_a_channel_of_its_family() -> None:
@@ -31,14 +33,14 @@ def test_the_fit_finds_level_and_slope_of_a_channel_of_its_family() -> None:
 def test_misses_are_learnt_from_the_gap_at_separations_in_between() -> None:
     """A peer moves away by 1 m a tick; of ticks 0 to 4 only the beacons of 0 and 4 decode."""
     near = layouts.edges([0], [(0, 1)])
-    now, ids = contacts.no_contacts(near.ids), np.array([1])
+    now, ids, receiver = contacts.no_contacts(near.ids, 0, 0), np.array([1]), Receiver()
     result = []
     for tick in range(1, 6):
         beacons = layouts.silent_beacons(tick - 1, ids, layouts.poses([(60.0 + tick - 1, 0.0)]))
         before, code = now, 2 if tick in (1, 5) else 1
         sensed = Observations(tick, layouts.poses([(0.0, 0.0)]), near, np.array([code], dtype=np.uint8))
-        now = contacts.update(before, sensed, layouts.poses([(0.0, 0.0)]), beacons, 50)
-        at, separation, decoded = beacon_counting.slots(before, now, tick, np.ones(1, dtype=np.bool_))
+        now = layouts.heard(before, receiver, sensed, layouts.poses([(0.0, 0.0)]), beacons)
+        at, separation, decoded = beacon_slots.between(before, now, tick, np.ones(1, dtype=np.bool_))
         result.append((at.tolist(), separation.tolist(), decoded.tolist()))
     assert result[0] == ([], [], [])  # the number missed before the first is unknown
     assert result[1:4] == [([], [], [])] * 3
@@ -48,16 +50,17 @@ def test_misses_are_learnt_from_the_gap_at_separations_in_between() -> None:
 def test_only_the_latest_slots_of_a_long_silence_are_counted() -> None:
     """A peer moves from 60 to 160 m in a million ticks in which no beacon decodes."""
     near, ids, silent = layouts.edges([0], [(0, 1)]), np.array([1]), 10**6
-    before = now = contacts.no_contacts(near.ids)
+    before, receiver = contacts.no_contacts(near.ids, 0, 0), Receiver()
+    now = before
     for tick, place in ((1, 60.0), (silent, 160.0)):
         beacons = layouts.silent_beacons(tick - 1, ids, layouts.poses([(place, 0.0)]))
         sensed = Observations(tick, layouts.poses([(0.0, 0.0)]), near, np.array([2], dtype=np.uint8))
-        before, now = now, contacts.update(now, sensed, layouts.poses([(0.0, 0.0)]), beacons, 50)
-    _, separation, decoded = beacon_counting.slots(before, now, silent, np.ones(1, dtype=np.bool_))
-    assert len(separation) == 1 + beacon_counting.MOST_MISSED
-    assert decoded.tolist() == [True] + [False] * beacon_counting.MOST_MISSED
+        before, now = now, layouts.heard(now, receiver, sensed, layouts.poses([(0.0, 0.0)]), beacons)
+    _, separation, decoded = beacon_slots.between(before, now, silent, np.ones(1, dtype=np.bool_))
+    assert len(separation) == 1 + beacon_slots.MOST_MISSED
+    assert decoded.tolist() == [True] + [False] * beacon_slots.MOST_MISSED
     step = 100.0 / (silent - 1)  # m a tick
-    assert separation[1:] == pytest.approx(160.0 - step * np.arange(beacon_counting.MOST_MISSED, 0, -1), rel=1e-12)
+    assert separation[1:] == pytest.approx(160.0 - step * np.arange(beacon_slots.MOST_MISSED, 0, -1), rel=1e-12)
 
 
 def test_mixing_keeps_what_all_agree_on_and_ages_it() -> None:
@@ -140,22 +143,26 @@ def test_links_without_pooling_learn_their_own_slope_and_keep_it_while_others_op
 
 def test_a_sample_of_the_index_is_the_preference_if_the_beacon_decoded_and_zero_otherwise() -> None:
     near, team_objective = layouts.edges([0], [(0, 1), (0, 2)]), ObjectiveConfig()
-    beacons = layouts.silent_beacons(4, np.array([1, 2]), layouts.poses([(60.0, 0.0), (0.0, 70.0)]))
-    sensed = Observations(5, layouts.poses([(0.0, 0.0)]), near, np.array([2, 1], dtype=np.uint8))
-    known = contacts.update(contacts.no_contacts(near.ids), sensed, layouts.poses([(0.0, 0.0)]), beacons, 50)
-    sample = beacon_counting.sample(known, 5, np.arange(2), team_objective)
+    before, now, receiver = contacts.no_contacts(near.ids, 0, 0), contacts.no_contacts(near.ids, 0, 0), Receiver()
+    here = layouts.poses([(0.0, 0.0)])
+    for tick, codes in ((4, [2, 2]), (5, [2, 1])):  # at first both decode: a peer that was never heard has no link
+        beacons = layouts.silent_beacons(tick - 1, np.array([1, 2]), layouts.poses([(60.0, 0.0), (0.0, 70.0)]))
+        sensed = Observations(tick, here, near, np.array(codes, dtype=np.uint8))
+        before, now = now, layouts.heard(now, receiver, sensed, here, beacons)
+    around = Neighborhood(5, 0.02, here, now, before, now.edges, np.arange(2))
+    sample = seeking_perturbation.sample(around, laws.context(near.ids))
     assert sample.tolist() == [objective.preference(np.array([60.0]), team_objective)[0], 0.0]
 
 
 def test_the_dithers_of_links_that_learn_alone_are_staggered_equally_at_both_ends() -> None:
-    seeker = Seeker(MeasuredConfig(index="measured", dither_frequency=0.5), np.zeros_like, 0.02)
+    config = MeasuredConfig(index="measured", dither_frequency=0.5)
     pairs = [(i, j) for i in range(30) for j in range(30) if i != j]
     links = layouts.edges(range(30), pairs)
-    ahead = perturbation.stagger(seeker, SeededDraws(3), links)
+    ahead = link_estimates.stagger(config, SeededDraws(3), links)
     assert (ahead == ahead[links.reverse]).all()
     part = ahead / (2.0 * np.pi / 0.5)
     # 435 uniform numbers: 4 sigma of their mean
     assert part.mean() == pytest.approx(0.5, abs=4.0 / np.sqrt(12.0 * 435.0))
     assert (part >= 0.0).all()
     assert (part < 1.0).all()
-    assert not np.allclose(ahead, perturbation.stagger(seeker, SeededDraws(4), layouts.edges(range(30), pairs)))
+    assert not np.allclose(ahead, link_estimates.stagger(config, SeededDraws(4), layouts.edges(range(30), pairs)))

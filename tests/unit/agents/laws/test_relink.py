@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
-from agents.laws.draws import SeededDraws
 
-from agents.laws import perturbation
-from agents.laws.perturbation import BASELINE, DRIFT, ESTIMATE, Entry, Seeker
+from agents.laws import link_estimates, perturbation
+from agents.laws.perturbation import BASELINE, DRIFT, ESTIMATE, Seeker
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
+from fes.extension.context import SeededDraws
+from fes.extension.neighborhood import Entry
 from fes.model.seeking import OracleConfig
 from tests.support.layouts import edges
 
@@ -19,7 +20,8 @@ def constant(separation: Floats) -> Floats:
     return np.full_like(separation, 0.5)
 
 
-SEEKER = Seeker(OracleConfig(index_gain=10.0, initial_estimate=(50.0, 90.0)), constant, 0.02)
+CONFIG = OracleConfig(index_gain=10.0, initial_estimate=(50.0, 90.0))
+SEEKER = Seeker(CONFIG, constant, 0.02)
 NO_STATE = np.zeros((3, 0))
 
 
@@ -76,22 +78,22 @@ def test_further_links_of_a_new_robot_are_drawn_too() -> None:
 
 
 def test_a_first_estimate_depends_on_seed_robot_and_peer_only() -> None:
-    crew = perturbation.first_estimates(SEEKER, DRAWS, edges([0, 3, 4], [(0, 3), (3, 0), (3, 4), (4, 3)]))
-    single = perturbation.first_estimates(SEEKER, DRAWS, edges([3], [(3, 0), (3, 4), (3, 9)]))
+    crew = link_estimates.first_estimates(CONFIG, DRAWS, edges([0, 3, 4], [(0, 3), (3, 0), (3, 4), (4, 3)]))
+    single = link_estimates.first_estimates(CONFIG, DRAWS, edges([3], [(3, 0), (3, 4), (3, 9)]))
     assert crew[1:3].tolist() == single[:2].tolist()
     assert crew[0] != crew[1]  # each end of a link has its own draw
-    reseeded = perturbation.first_estimates(SEEKER, SeededDraws(12), edges([3], [(3, 0)]))
+    reseeded = link_estimates.first_estimates(CONFIG, SeededDraws(12), edges([3], [(3, 0)]))
     assert reseeded[0] != single[0]
 
 
 def test_an_interval_of_one_point_is_that_point() -> None:
-    exact = Seeker(OracleConfig(initial_estimate=(77.0, 77.0)), constant, 0.02)
-    assert perturbation.first_estimates(exact, DRAWS, edges([0], [(0, 1), (0, 2)])).tolist() == [77.0, 77.0]
+    exact = OracleConfig(initial_estimate=(77.0, 77.0))
+    assert link_estimates.first_estimates(exact, DRAWS, edges([0], [(0, 1), (0, 2)])).tolist() == [77.0, 77.0]
 
 
 def test_a_robot_that_joins_late_begins_with_what_its_neighbors_report() -> None:
     old, new = edges([0, 1], []), edges([0, 1], [(0, 2), (0, 3), (1, 2)])
     reported = np.array([71.5, np.nan])
     estimates = relinked(old, NO_STATE, new, entry(900, True, True, reported=reported))[ESTIMATE]
-    drawn = perturbation.first_estimates(SEEKER, DRAWS, new)
+    drawn = link_estimates.first_estimates(CONFIG, DRAWS, new)
     assert estimates.tolist() == [71.5, 71.5, drawn[2]]

@@ -33,15 +33,16 @@ def say(crew: set[int], pairs: Pairs, seed: int, tick: int = 7) -> tuple[Beacons
     rng = np.random.default_rng(seed)
     links = layouts.edges(crew, {pair for pair in pairs if pair[0] in crew})
     selected = rng.random(len(links)) < 0.5
-    beacons = Beacons(
-        tick, links.ids, wild(rng, len(crew), 3), links, wild(rng, len(links)), selected, wild(rng, len(crew), 5)
-    )
+    poses, estimates, statistics = wild(rng, len(crew), 3), wild(rng, len(links)), wild(rng, len(crew), 5)
+    declared = rng.integers(0, 256, (len(crew), 4), dtype=np.uint8)
+    beacons = Beacons(tick, links.ids, poses, links, estimates, selected, statistics, declared)
     return beacons, wild(rng, len(crew), 2, most=MAX_TWIST)
 
 
 def told(said: Beacons, learnt: Floats) -> Telemetry:
-    """The telemetry of a crew with healthy transmitters."""
-    return Telemetry(said.links, said.estimates, learnt)
+    """The telemetry of a crew with healthy transmitters; its details are x and -y of each robot."""
+    details = said.poses[:, :2] * np.array([1.0, -1.0])
+    return Telemetry(said.links, said.estimates, learnt, details)
 
 
 def sent(said: Beacons, twists: Floats) -> list[Beacon]:
@@ -62,7 +63,7 @@ def test_beacons_split_into_payloads_and_stacked_again_are_the_same_bits(
     beacons, twists = say(crew, pairs, seed)
     again = MessageAssembler(beacons.ids).beacons(7, sent(beacons, twists))
     assert again.tick == beacons.tick
-    for name in ("ids", "poses", "estimates", "selected", "statistics"):
+    for name in ("ids", "poses", "estimates", "selected", "statistics", "declared"):
         assert bits(getattr(again, name)) == bits(getattr(beacons, name)), name
     for name in ("ids", "rows", "peers"):
         assert bits(getattr(again.links, name)) == bits(getattr(beacons.links, name)), name
@@ -77,6 +78,7 @@ def test_each_command_holds_its_own_robots_twist_and_telemetry(crew: set[int], p
         command = messages.decode_command(payload)
         assert (command.robot, command.tick, robot) == (sorted(crew)[index], 7, sorted(crew)[index])
         assert bits(command.learnt) == bits(np.concatenate([command.estimates, -command.estimates]))
+        assert bits(command.details) == bits(beacons.poses[index, :2] * np.array([1.0, -1.0]))
         assert np.array(command.twist).tobytes() == twists[index].tobytes()
         peers = sorted(peer for own, peer in pairs if own == robot)
         assert command.links.tolist() == peers

@@ -12,9 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents.control import crew
+from agents.laws.seeking_perturbation import PerturbationSeeking
 from console.backends import inprocess
 from fes.errors import FesError, ScenarioError
-from fes.model import counts, stability
+from fes.model import counts, seeking
 from fes.model.config import AgentConfig
 from fes.model.seeking import OracleConfig
 from fes.process import real_time_factor
@@ -68,10 +69,12 @@ def test_extremes_of_two_settings_are_rejected_in_one_line_or_run_in_bounded_wor
         scenario = loaded(tables(index, dict(zip((one, other), values, strict=True))))
         if scenario is None:
             continue
-        assert 1 <= scenario.ticks <= stability.MAX_TICKS
-        assert 1 <= collector.dither_period(scenario) <= stability.MAX_TICKS
+        assert 1 <= scenario.ticks <= seeking.MAX_TICKS
+        assert 1 <= collector.dither_period(scenario) <= seeking.MAX_TICKS
         robots = crew.create(agent_config(scenario), np.arange(2))
-        assert robots.seeker.sub_steps <= stability.MAX_STEPS
+        if index == "oracle":
+            assert isinstance(robots.seeking, PerturbationSeeking)
+            assert robots.seeking.seeker.sub_steps <= seeking.MAX_STEPS
         assert robots.contact_timeout <= counts.LARGEST
         assert all(fault.delay <= 10_000 for fault in scenario.faults)
         assert len(list(itertools.islice(inprocess.ticks(scenario), 2))) == min(2, scenario.ticks)

@@ -8,7 +8,7 @@ import pytest
 
 from fes.protocol import wire
 from tests.support.payloads import CODECS, refusal
-from tests.support.plain_payloads import PLAIN, float64, int32
+from tests.support.plain_payloads import PLAIN, PROTOCOL, float64, int32
 
 NAMES = list(CODECS)
 
@@ -16,7 +16,7 @@ NAMES = list(CODECS)
 BIG = b"\0" * (wire.MAX_PAYLOAD + 1)
 
 BROKEN: list[tuple[str, int, Any, str]] = [
-    *((name, 0, version, "protocol 2") for name in PLAIN for version in (0, 1, None, "2", [2])),
+    *((name, 0, version, f"protocol {PROTOCOL}") for name in PLAIN for version in (0, 2, None, "3", [3])),
     *((name, 1, BIG, "longer than 1048576 bytes") for name in PLAIN),
     *((name, 1, tick, "tick") for name in NAMES[:3] for tick in (-1, 2**53, 1.0, True, None)),
     *((name, 2, robot, "robot") for name in NAMES[:3] for robot in (-1, 2**31, 4.0, False)),
@@ -26,11 +26,17 @@ BROKEN: list[tuple[str, int, Any, str]] = [
     *(("Beacon", 7, value, "2 float64") for value in (b"", float64(1.0), float64(1.0) + b"1", [60.0, 70.0])),
     *(("Beacon", 7, float64(1.0, bad), "finite") for bad in (math.nan, math.inf, -math.inf)),
     *(("Command", 6, float64(1.0, bad), "finite") for bad in (math.nan, math.inf)),
-    *(("Command", 7, value, "two numbers per link") for value in (float64(1.0), float64(1.0, 2.0, 3.0))),
-    *(("Command", 7, value, "4 float64") for value in (b"1", float64(1, 2, 3, 4, 5), [1.0] * 4)),
+    *(
+        ("Command", 7, value, "equally many numbers for each link")
+        for value in (float64(1.0), float64(1.0, 2.0, 3.0))
+    ),
+    *(("Command", 7, value, "at most 32 float64") for value in (b"1", float64(*range(33)), [1.0] * 4)),
+    *(("Command", 8, value, "at most 64 float64") for value in (b"1", float64(*range(65)), [1.0], None)),
+    *(("Command", 8, float64(bad), "finite") for bad in (math.nan, math.inf)),
     *(("Command", 7, float64(1.0, 2.0, 3.0, bad), "finite") for bad in (math.nan, math.inf)),
     *(("Beacon", 9, value, "64 float64") for value in (b"1", [1.0], float64(*range(65)))),
     *(("Beacon", 9, float64(bad), "finite") for bad in (math.nan, math.inf)),
+    *(("Beacon", 10, value, "at most 256 bytes") for value in (bytes(257), "a", [1], None)),
     *(("Beacon", 8, value, "codes") for value in (b"\1", b"\1\2", b"\1\0\0", [1, 0])),
     *(("Observation", 7, codes, "codes") for codes in (b"", b"\1\3", "\1\1")),
     *(("Observation", 8, over, "flag") for over in (0, 1, None, "")),
@@ -96,7 +102,7 @@ def test_a_missing_or_an_additional_field_is_rejected(name: str) -> None:
     ],
 )
 def test_a_welcome_without_a_configuration_is_rejected(robots: list[int], config: object, rule: str) -> None:
-    assert rule in str(refusal("Welcome", msgpack.packb([2, robots, config])))
+    assert rule in str(refusal("Welcome", msgpack.packb([PROTOCOL, robots, config])))
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from agents.control import clocks, transmitter
-from agents.laws.draws import SeededDraws
 from agents.runtime import marshalling
 from console.backends import inprocess
 from console.backends.inprocess import Tick
 from fes.errors import MessageError, ScenarioError
+from fes.extension.context import SeededDraws
 from fes.model import config
 from fes.model.sensing import DECODED, LOST
 from fes.protocol import messages

@@ -64,7 +64,8 @@ def test_a_robot_is_jammed_where_it_is_at_the_tick_of_the_beacon() -> None:
 def report_outage(state: State, what: Scenario, pairs: list[Pair]) -> list[float]:
     """Outage in the report, of links (a, b), a < b, that both robots use."""
     links = layouts.edges(range(len(state.poses)), [*pairs, *((b, a) for a, b in pairs)])
-    metrics, telemetry = MetricsCollector(what), Telemetry(links, np.full(len(links), 70.0), np.zeros((2, 0)))
+    none = np.zeros((2, 0)), np.zeros((len(state.poses), 0))
+    metrics, telemetry = MetricsCollector(what), Telemetry(links, np.full(len(links), 70.0), *none)
     metrics.add(state, np.zeros((len(state.poses), 2)), telemetry)
     report = report_builder.build(metrics, "test", np.ones(len(state.poses), dtype=np.uint8), 1.0, 1.0)
     assert list(zip(report.a.tolist(), report.b.tolist(), strict=True)) == pairs
@@ -138,7 +139,12 @@ UNKNOWN = "unknown field 'channel.{}'; did you mean 'channel.{}'?"
             "channel.jammers.0.reception_factor: must be less than or equal to 1, got 1.5",
         ),
         ({"logistic_width": 0.0}, "channel.logistic_width: must be greater than or equal to 0.001, got 0.0"),
-        ({"model": "rician"}, "channel.model: must be 'rayleigh', 'logistic' or 'perfect', got 'rician'"),
+        (
+            {"model": "rician"},
+            "channel.model: there is no channel 'rician'; "
+            "known are rayleigh, logistic, perfect, table, trace, and `module:Class`",
+        ),
+        ({"model": "raleigh"}, "channel.model: there is no channel 'raleigh'; did you mean 'rayleigh'?"),
     ],
 )
 def test_an_impossible_channel_is_rejected_in_one_line(channel: dict[str, Any], message: str) -> None:

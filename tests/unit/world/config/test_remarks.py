@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from console.backends import inprocess
+from fes.model.seeking import MeasuredConfig
 from fes.protocol.channel_change import ChangeResult, decode_result, encode_result
 from tests.support.loop import load
 from tests.support.paths import CONFIGS
@@ -111,4 +112,4 @@ def test_a_channel_that_is_set_back_is_the_one_that_the_robots_know() -> None:
 
 def test_the_robots_of_the_scenario_in_the_remark_measure() -> None:
     assert "scenario measured-jump" in remarks.UNNOTICED
-    assert load("measured-jump.toml").seeking.index == "measured"
+    assert isinstance(load("measured-jump.toml").seeking, MeasuredConfig)

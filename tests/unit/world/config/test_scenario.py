@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fes.errors import ScenarioError
+from fes.model.seeking import OracleConfig
 from tests.support.paths import CONFIGS
 from world.config import scenario
 
@@ -39,6 +40,7 @@ def test_the_papers_scenario_holds_the_numbers_of_its_section_5() -> None:
     assert paper.robots.poses is not None
     assert paper.robots.poses[6] == (225.0, 0.0, 1.05)
     seeking = paper.seeking
+    assert isinstance(seeking, OracleConfig)
     printed = (
         seeking.dither_amplitude,
         seeking.dither_frequency,

@@ -1,14 +1,17 @@
 """The fields of a scenario: each has a description, a number its unit, and the JSON schema is current."""
 
 import tomllib
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
+from fes.errors import ScenarioError
 from fes.model.config import AgentConfig, FaultConfig
 from fes.model.table import Table
 from fes.system import strict_json
 from tests.support.paths import CONFIGS
+from world.config import scenario as scenarios
 from world.config import schema, validation
 from world.config.scenario import Scenario
 
@@ -66,15 +69,61 @@ def test_the_schema_in_configs_is_current() -> None:
 def test_every_scenario_names_the_schema_for_editors_and_conforms_to_it(path: Any) -> None:
     first = path.read_text(encoding="utf-8").splitlines()[0]
     assert (path.parent / first.removeprefix("#:schema ")).resolve() == SCHEMA
-    conforms(tomllib.loads(path.read_text(encoding="utf-8")), schema.json_schema(), schema.json_schema()["$defs"])
+    scenario, model = tomllib.loads(path.read_text(encoding="utf-8")), schema.json_schema()
+    assert list(broken(scenario, model, model["$defs"], "")) == []
 
 
-def conforms(table: dict[str, Any], model: dict[str, Any], models: dict[str, Any]) -> None:
-    """Assert that a table has only fields of its schema, and all that are required."""
-    assert set(model.get("required", ())) <= table.keys() <= model["properties"].keys()
+def broken(table: dict[str, Any], model: dict[str, Any], models: dict[str, Any], prefix: str) -> Iterator[str]:
+    """The fields of a table that its schema does not have, or requires to be there or to be another text."""
+    yield from (prefix + name for name in {*model.get("required", ())} - {*table})
     for name, value in table.items():
+        if name not in model["properties"]:
+            if not model.get("additionalProperties", False):
+                yield prefix + name
+            continue
         field = model["properties"][name]
-        kinds = [field, *field.get("anyOf", ()), field.get("items", {})]
-        for inner in (models[kind["$ref"].rpartition("/")[2]] for kind in kinds if "$ref" in kind):
-            for part in value if isinstance(value, list) else [value]:
-                conforms(part, inner, models)
+        if value != field.get("const", value) or value not in field.get("enum", [value]):
+            yield f"{prefix}{name}={value}"
+        kinds = [field, *field.get("anyOf", ()), *field.get("oneOf", ()), field.get("items", {})]
+        members = [models[kind["$ref"].rpartition("/")[2]] for kind in kinds if "$ref" in kind]
+        for part in value if isinstance(value, list) else [value]:
+            if members and isinstance(part, dict):
+                yield from min((list(broken(part, inner, models, f"{prefix}{name}.")) for inner in members), key=len)
+
+
+@pytest.mark.parametrize(
+    "seeking",
+    [
+        {"index": "measured", "sub_step": 0.1},
+        {"index_transform": "none", "pooling": "none"},
+        {"index": "measured", "pooling": "all"},
+        {"index": "sampled", "index_transform": "log"},
+    ],
+)
+def test_the_schema_knows_which_fields_go_with_an_index(seeking: dict[str, Any]) -> None:
+    model, tables = schema.json_schema(), {"schema": 1, "robots": {"count": 2}, "seeking": seeking}
+    assert len(list(broken(tables, model, model["$defs"], ""))) == 1
+    with pytest.raises(ScenarioError):
+        scenarios.parse(tables, "here")
+
+
+def test_the_fields_of_all_seeking_laws_are_listed_once_with_the_indices_that_have_them() -> None:
+    listed = [field.path for field in schema.fields() if field.path.startswith("seeking.")]
+    assert len(listed) == len(set(listed)) == 14
+    assert FIELDS["seeking.index"].type == "`oracle`, `measured`, `sampled`"
+    assert FIELDS["seeking.index"].default == "oracle"
+    assert FIELDS["seeking.use"].type == "string"
+    only = {path: field.description.partition(" Only with index ")[2] for path, field in FIELDS.items()}
+    assert {path.partition(".")[2]: text for path, text in only.items() if text} == {
+        **dict.fromkeys(["law", "index_gain", "low_pass_cutoff", "washout_cutoff"], "`oracle` or `sampled`."),
+        **dict.fromkeys(["sub_step", "index_transform"], "`oracle` or `sampled`."),
+        **dict.fromkeys(["pooling", "reference_separation"], "`measured`."),
+    }
+    assert not FIELDS["seeking.index"].is_required
+    assert not FIELDS["seeking.use"].is_required
+
+
+def test_a_choice_of_an_extension_is_a_name_or_a_table_and_has_a_default() -> None:
+    assert FIELDS["formation.rule"].type == "string or table"
+    assert FIELDS["formation.rule"].default == "relative_neighborhood"
+    assert FIELDS["formation.rule.use"].is_required

@@ -60,8 +60,9 @@ def test_jitter_moves_a_robot_by_its_value_at_most() -> None:
 def test_an_agent_receives_the_channel_for_the_oracle_only() -> None:
     loaded = scenario.load(PAIR)
     assert scenario.agent_config(loaded).channel == loaded.channel.formula
-    measured = loaded.model_copy(update={"seeking": loaded.seeking.model_copy(update={"index": "measured"})})
-    assert scenario.agent_config(measured).channel is None
+    for index in ("measured", "sampled"):
+        blind = scenario.load(PAIR.with_name("measured.toml"), {"seeking.index": index})
+        assert scenario.agent_config(blind).channel is None
 
 
 def test_an_agents_seed_is_not_the_worlds() -> None:
@@ -77,6 +78,7 @@ def test_an_agent_receives_no_position_and_no_duration() -> None:
         "objective",
         "seeking",
         "formation",
+        "controller",
         "channel",
         "clock",
         "clock_skew",

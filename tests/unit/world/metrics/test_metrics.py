@@ -40,10 +40,10 @@ def add(
     ids = np.arange(len(where))
     near = neighbor_list.measure(ids, where, layouts.REACH, None)
     held = np.zeros((len(where), 2)) if twists is None else twists
-    telemetry = Telemetry(links, np.array(estimates), np.zeros((2, 0)))
+    telemetry = Telemetry(links, np.array(estimates), np.zeros((2, 0)), np.zeros((len(where), 0)))
     separation = link_errors.separations(where, *link_errors.ends(links))
     present, radio = np.ones(len(where), dtype=np.bool_), channel.quiet(near.edges)
-    state = State(errors.ticks, where, RadioConfig(), near, radio, present, 0 * ids, int(open_contacts), 0)
+    state = State(errors.ticks, where, where, RadioConfig(), near, radio, present, 0 * ids, int(open_contacts), 0)
     errors.add(TickTruth(state, held, telemetry, separation, separation, OPTIMUM, errors.ticks == 0))
 
 

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from agents.control import contacts
 from agents.laws import neighbor_rules
 from agents.laws.neighbor_rules import Witnesses
+from agents.runtime.reception import Receiver
 from bench.size.crowd import dense
 from console import cli
 from console.backends import inprocess
@@ -21,7 +21,7 @@ from fes.errors import ScenarioError
 from fes.model.contacts import Contacts
 from fes.model.sensing import DECODED, LOST, Observations
 from fes.system import memory
-from tests.support import layouts
+from tests.support import laws, layouts
 from tests.support.paths import CONFIGS
 from world.config import scenario
 from world.execution.run import Run
@@ -54,7 +54,7 @@ def heard_again(known: Contacts, where: Floats, decoded: Bools, tick: int) -> Co
     """The contacts a tick later: robots at `where` [n, 3], beacons `decoded` [m]."""
     codes = np.where(decoded, DECODED, LOST).astype(np.uint8)
     beacons = layouts.silent_beacons(tick - 1, np.arange(len(where)), where)
-    return contacts.update(known, Observations(tick, where, known.edges, codes), where, beacons, 2)
+    return layouts.heard(known, Receiver(), Observations(tick, where, known.edges, codes), where, beacons, timeout=2)
 
 
 @pytest.mark.parametrize("layout", sorted(LAYOUTS))
@@ -93,7 +93,7 @@ def test_pairs_found_in_blocks_are_those_of_a_search_of_all_pairs(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rule", sorted(neighbor_rules.RULES))
+@pytest.mark.parametrize("rule", laws.RULES)
 def test_a_crowd_takes_memory_in_proportion_to_its_contacts(rule: str) -> None:
     """For any number of contacts: their triples with third robots are 80 and 160 times as many."""
     for robots in (80, 160):

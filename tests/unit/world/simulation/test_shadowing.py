@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from fes.arrays.types import Floats
+from tests.support import laws
 from tests.support import reference as witness
 from world.config.radio import RadioConfig, ShadowingConfig
 from world.simulation import channel, neighbor_list, shadowing
+from world.simulation.channel import RadioInput
 
 UNIT = ShadowingConfig(deviation=1.0)  # 20 m
 SEEDS = 400
@@ -153,7 +155,8 @@ def scattered(n: int) -> Floats:
 def probabilities(poses: Floats, config: RadioConfig, seed: int = 6) -> dict[tuple[int, int], float]:
     """The true reception probability of each (receiver, sender)."""
     near = neighbor_list.measure(np.arange(len(poses)), poses, config.communication_range, None)
-    result = channel.reception_probability(channel.medium(seed, 0.02), config, poses, near)
+    robots = RadioInput(0, poses, np.ones(len(poses), dtype=np.bool_), near)
+    result = channel.reception_probability(channel.medium(seed, laws.world()), config, robots, near)
     return dict(
         zip(zip(near.edges.rows.tolist(), near.edges.peers.tolist(), strict=True), result.tolist(), strict=True)
     )
