@@ -10,4 +10,5 @@ table       table of runs: one row per run, as CSV or Parquet
 comparison  cells, and paired differences between them
 report      the comparison as a table
 picture     the comparison as a figure
+schemes     schemes of one file, compared: their table and figure
 """

@@ -3,6 +3,7 @@
 import contextlib
 from collections.abc import Iterator
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -14,6 +15,9 @@ from console.sweep import cluster, comparison, design, ledger, local, picture, r
 from console.sweep.comparison import PairedDifference, Spread
 from console.sweep.design import Design
 from console.sweep.ledger import Ledger
+from console.sweep.schemes import outcomes
+from console.sweep.schemes import picture as scheme_picture
+from console.sweep.schemes import report as scheme_report
 from console.sweep.table import Format, Row
 from console.sweep.work import Workers
 from console.terminal import printing, progress
@@ -38,7 +42,10 @@ def sweep(
     form: Annotated[Format, typer.Option("--format", help="Format of the table of runs.")] = Format.CSV,
     plot: Annotated[bool, typer.Option("--plot", help="Also draw sweep.png and sweep.svg.")] = False,
 ) -> int:
-    """Run a scenario with many seeds and settings, and compare them; a repeated command skips finished runs."""
+    """Run a scenario with many seeds and settings, and compare them; a repeated command skips finished runs.
+
+    A scenario file with schemes, such as `challenge`, has its schemes as the first axis.
+    """
     if scheduler is not None and jobs is not None:
         raise ScenarioError("--jobs", "sets processes on this machine, which --scheduler does not use")
     planned = design.plan(builtin.resolve(scenario), axis or [], seeds, set_ or [])
@@ -101,12 +108,19 @@ def _report(planned: Design, finished: Ledger, directory: Path, form: Format, pl
         ]
         if differences:
             written.append(table.write(directory, "differences", [_contrast(planned, row) for row in differences]))
+        rendered = report.render(planned, spreads, differences)
+        figure = partial(picture.sweep_figure, planned, rows, differences)
+        if outcomes.is_of_schemes(planned):
+            columns = outcomes.columns(planned, rows)
+            means = outcomes.rows(planned, rows, columns)
+            rendered, figure = scheme_report.render(columns, means), partial(scheme_picture.schemes_figure, columns, means)
+            written.append(table.write_text(directory, "schemes.md", scheme_report.markdown(columns, means)))
         if plot and picture.drawable(planned, rows):
             with progress.bar("figure"):
-                written += figures.save(picture.sweep_figure(planned, rows, differences), directory / "sweep")
+                written += figures.save(figure(), directory / "sweep")
     except OSError as error:
         raise FesError(f"cannot write the tables: {reason(error)}") from None
-    printing.show(printing.console(), report.render(planned, spreads, differences))
+    printing.show(printing.console(), rendered)
     for path in written:
         printing.line(path)
     failed = [(run, finished.done[run.key].error) for run in planned.runs if finished.done[run.key].error is not None]
