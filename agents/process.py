@@ -24,6 +24,7 @@ from agents.runtime.reception import Receiver
 from agents.runtime.tick_source import TickSource
 from fes import process
 from fes.errors import FesError, Rejected, Unavailable
+from fes.extension import use_flag
 from fes.model.sensing import Observations
 from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon, Welcome
@@ -195,7 +196,7 @@ def main() -> None:
         metavar="S",
         help="longest wait for the world, at the start and whenever it is absent (default: %(default)g s)",
     )
-    process.add_use_flag(parser)
+    use_flag.add_use_flag(parser)
     process.add_network_flags(parser)
     flags = parser.parse_args()
     process.run("fes-agent", lambda: serve(flags), exit_with_stdin=flags.exit_with_stdin)

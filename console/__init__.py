@@ -2,6 +2,7 @@
 
 cli        the commands of fes
 guide      their order in the help, with an example of each
+api        the Python interface: load, run, read and sweep, as the package fes offers them
 backends   how runs are executed: processes, one loop, stacked
 connect    run directories, reports of a running world, and fes set
 dashboard  the live dashboard: reports to frames

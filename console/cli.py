@@ -13,7 +13,7 @@ from rich.console import Console
 
 from console import guide, schema
 from console.analysis import command as analysis_command
-from console.backends import announcement, inprocess, processes
+from console.backends import announcement, inprocess, processes, view
 from console.backends.processes import Launch
 from console.connect import options, run_directory, set_command
 from console.connect.run_directory import Client
@@ -146,7 +146,7 @@ def run(
                     terminal = screen if dashboard else None
                     result = _in_process(loaded, name, pace, directory.path, terminal, recorder)
             else:
-                result = processes.run(launch, loaded, directory, screen)
+                result = processes.run(launch, loaded, directory, view.on_screen(screen, dashboard))
             if absences := result.get("unscheduled_absences"):
                 process.warn("fes", f"unscheduled absences: {absences} robot-ticks; {DISTURBED}")
             if json_:

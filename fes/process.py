@@ -9,10 +9,9 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Coroutine, Iterator, Mapping
-from typing import Any, NoReturn, TypeVar
+from typing import NoReturn, TypeVar
 
 from fes.errors import FesError, Stopped, no_memory, reason
-from fes.extension import registry
 from fes.protocol import keys
 from fes.system import output, signals
 from fes.transport import identity, network_flags
@@ -201,26 +200,6 @@ class OneLineParser(argparse.ArgumentParser):
         """Print the error, and end the process."""
         complain(self.prog, message)
         raise SystemExit(FAILURE)
-
-
-def add_use_flag(parser: argparse.ArgumentParser) -> None:
-    """Add the flag that allows modules of extensions."""
-    parser.add_argument(
-        "--use",
-        action=_Use,
-        default=[],
-        metavar="MODULE",
-        help="import a module or a file, and allow its extensions; several times for several",
-    )
-
-
-class _Use(argparse.Action):
-    """Imports a module at once."""
-
-    def __call__(
-        self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, option: str | None = None
-    ) -> None:
-        registry.use(values)
 
 
 def add_network_flags(parser: argparse.ArgumentParser) -> None:

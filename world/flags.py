@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from fes import process
+from fes.extension import use_flag
 from world.config import builtin
 from world.config.scenario import parse_override
 from world.execution.checkpoint import PERIOD
@@ -35,7 +36,7 @@ def parser() -> process.OneLineParser:
         help="time between two checkpoints in --out [s]; 0 for none (default: %(default)g)",
     )
     parser.add_argument("--no-record", action="store_true", help="write no log (run.mcap)")
-    process.add_use_flag(parser)
+    use_flag.add_use_flag(parser)
     process.add_network_flags(parser)
     parser.set_defaults(run=None)  # None unless given: a resumed run keeps its name
     return parser

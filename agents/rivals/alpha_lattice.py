@@ -73,7 +73,9 @@ class AlphaLattice:
         edges, rows = contacts.edges, contacts.edges.rows
         gradient = contacts.separation / np.sqrt(1.0 + EPSILON * contacts.separation**2)
         size = np.where(contacts.separation > 0.0, contacts.separation, 1.0)
-        force = np.where(contacts.known, parameters.force_gain * self.force(contacts.separation), 0.0) * gradient / size
+        force = (
+            np.where(contacts.known, parameters.force_gain * self.force(contacts.separation), 0.0) * gradient / size
+        )
         agreement = parameters.consensus_gain * np.where(contacts.known, self._adjacency(contacts.separation), 0.0)
         heard = _velocities(contacts.declared)
         acceleration = np.stack(

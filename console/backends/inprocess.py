@@ -89,12 +89,13 @@ def run(
     watch: Watch | None = None,
     keep: Keep | None = None,
     recorder: Recorder | None = None,
+    collect: Callable[[Tick], None] | None = None,
 ) -> dict[str, Any]:
     """Run a scenario to its end, and return its summary.
 
     `watch` is called with a Report ten times per second of wall clock. `keep` is called with the summary, at the end
     or when a signal stops the run. With `rtf` the run is paced to that many simulated seconds per second. `recorder`
-    gets every tick.
+    and `collect` get every tick.
     """
     metrics = MetricsCollector(scenario)
     alive = np.ones(scenario.robots.number, dtype=np.uint8)
@@ -110,6 +111,8 @@ def run(
             now = time.perf_counter()
             if recorder is not None:
                 recorder.add(metrics, tick.twists, payloads(tick), alive, now - begun)
+            if collect is not None:
+                collect(tick)
             if watch is not None and (now - report_time >= report_builder.PERIOD or done == scenario.ticks):
                 watch(
                     report_builder.build(metrics, name, alive, now - begun, (done - reported) / (now - report_time))

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -105,7 +106,7 @@ async def start(name: str, module: str, arguments: list[str], log: Path, robots:
         signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
         # A background job of a script ignores SIGINT. Its children must not: SIGINT ends a world.
         before = signal.getsignal(signal.SIGINT)
-        if before == signal.SIG_IGN:
+        if is_ignored := before == signal.SIG_IGN and threading.current_thread() is threading.main_thread():
             signal.signal(signal.SIGINT, lambda number, frame: None)
         try:
             process = await asyncio.create_subprocess_exec(
@@ -122,7 +123,7 @@ async def start(name: str, module: str, arguments: list[str], log: Path, robots:
                 env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
             )
         finally:
-            if before == signal.SIG_IGN:
+            if is_ignored:
                 signal.signal(signal.SIGINT, before)
             signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
     return ManagedProcess(name, process, log, robots)

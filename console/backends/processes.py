@@ -3,41 +3,38 @@
 import asyncio
 import contextlib
 import os
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable, Coroutine
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-
-from rich.console import Console
 
 from console.backends import fault_injection, process_group
 from console.backends.process_group import ProcessGroup
 from console.backends.restart_limits import RestartLimit
 from console.backends.supervisor import Supervisor
-from console.connect import observer, run_directory
+from console.backends.view import RUN, View
+from console.connect import run_directory
 from console.connect.run_directory import Address, RunDirectory
-from console.dashboard import live
-from console.dashboard.summary import BELOW
 from console.doctor import machine
 from console.doctor.finding import Status
 from console.keys import command as keys_command
-from console.terminal import progress
-from console.terminal.printing import is_screen
 from fes import process
 from fes.errors import FesError
-from fes.protocol import keys
 from fes.system import files, signals, strict_json
 from fes.transport import bus, identity
 from fes.transport.endpoints import Endpoints
 from world.config.scenario import Scenario
 from world.server.lockstep import RETURN_TIMEOUT
 
-RUN = keys.DEFAULT_RUN
 MAX_SUMMARY = 1 << 30
 """Largest summary that is read [bytes]; a hundred robots take 100 kB."""
 
 JOIN_TIMEOUT = 60.0
 """Longest time for which a child looks for the world [s]; a loaded machine starts ten interpreters slowly."""
+
+
+Supervise = Callable[[Callable[[], Coroutine[None, None, None]]], None]
+"""Runs a coroutine function to its end; on a signal it cancels the coroutine and raises Stopped."""
 
 
 @dataclass(frozen=True)
@@ -67,14 +64,20 @@ def check(launch: Launch, scenario: Scenario) -> None:
             raise FesError(f"{finding.check}: {finding.seen}; {finding.remedy}")
 
 
-def run(launch: Launch, scenario: Scenario, directory: RunDirectory, console: Console) -> dict[str, Any]:
+def run(
+    launch: Launch,
+    scenario: Scenario,
+    directory: RunDirectory,
+    view: View | None = None,
+    supervise: Supervise = process.supervise,
+) -> dict[str, Any]:
     """Run a scenario with one process for the world and one for each group of agents; returns the summary.
 
-    Every child ends with this call, also after an error. Raises FesError if the world fails, or if an agent does
-    before the run begins, and Stopped after a signal.
+    `view` is started with the run, and cancelled when the run is over. Every child ends with this call, also after an
+    error. Raises FesError if the world fails, or if an agent does before the run begins, and Stopped after a signal.
     """
     with contextlib.closing(Warnings(held=launch.dashboard)) as warnings:
-        process.supervise(lambda: _run(launch, scenario, directory, console, warnings))
+        supervise(lambda: _run(launch, scenario, directory, view, warnings))
     summary = read_summary(directory.path)
     if summary["ticks"] < scenario.ticks:
         reached = f"{summary['ticks']} of {scenario.ticks} ticks"
@@ -103,7 +106,7 @@ class Warnings:
 
 
 async def _run(
-    launch: Launch, scenario: Scenario, directory: RunDirectory, console: Console, warnings: Warnings
+    launch: Launch, scenario: Scenario, directory: RunDirectory, view: View | None, warnings: Warnings
 ) -> None:
     groups, path = launch.groups(scenario.robots.number), directory.path
     with keys_command.for_run(path, groups) if launch.secure else contextlib.nullcontext() as folder:
@@ -124,7 +127,7 @@ async def _run(
                         await group.start_agent(ids, joining)
                     limit = RestartLimit() if launch.respawn else None
                     supervisor = Supervisor(group, warnings.add, _all_agents_ended(scenario, endpoint), limit)
-                    await _attend(supervisor, launch, address, console)
+                    await _attend(supervisor, view, address)
             finally:
                 run_directory.withdraw(path)
 
@@ -208,31 +211,15 @@ def read_summary(directory: Path) -> dict[str, Any]:
     return summary
 
 
-async def _attend(supervisor: Supervisor, launch: Launch, address: Address, console: Console) -> None:
-    """Wait for the end of the children; in a terminal, show the run in the meantime."""
-    if not is_screen(console):
+async def _attend(supervisor: Supervisor, view: View | None, address: Address) -> None:
+    """Wait for the end of the children, with a view of the run in the meantime."""
+    if view is None:
         await supervisor.finish()
         return
-    show = asyncio.ensure_future(_show(launch, address, console))
+    show = asyncio.ensure_future(view(_observer(address)))
     try:
         await supervisor.finish()
     finally:
         show.cancel()
         with contextlib.suppress(asyncio.CancelledError, Exception):  # an error of the view does not concern the run
             await show
-
-
-async def _show(launch: Launch, address: Address, console: Console) -> None:
-    """Show the dashboard, or a line of progress."""
-    async with bus.opened(_observer(address)) as session:
-        if launch.dashboard:
-            with live.Screen(console, BELOW) as screen:
-                await live.watch(session, RUN, JOIN_TIMEOUT, screen)
-            return
-        with progress.status(console, "waiting for the robots") as status:
-            async for report in observer.reports(session, RUN, JOIN_TIMEOUT, live.IDLE):
-                if report is not None:
-                    status.name(
-                        f"tick {report.tick} of {report.ticks}, {report.ticks_per_s:.0f} ticks/s, "
-                        f"largest separation error {report.separation_error_max:.3f} m"
-                    )

@@ -2,7 +2,9 @@
 
 command      the command fes replay
 log          logs of runs, with their scenarios
-reexecution  a second execution of a log: compared with it to the bit
+recorded     messages of a log, decoded and checked
+reexecution  a second execution of the world of a log: compared with it to the bit
+robots       a second execution of some of its robots
 difference   differences between two ticks
 compare      the command fes compare
 player       the dashboard of a log: play, pause, step, seek

@@ -12,13 +12,13 @@ from console.dashboard import summary
 from console.replay import log as logs
 from console.replay import player, reexecution
 from console.replay.log import Log
-from console.replay.reexecution import ReplayedRobots
+from console.replay.robots import ReplayedRobots
 from console.terminal import printing, progress
 from fes import process
 from fes.errors import FesError
 from fes.recording.layout import AT_ITS_END
 from fes.system import strict_json
-from world.config import extensions
+from world.config.outside import extensions
 from world.metrics.collector import MetricsCollector
 
 

@@ -2,28 +2,29 @@
 
 import contextlib
 from collections.abc import Iterator
-from dataclasses import asdict
-from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from console.analysis import figures
 from console.connect.options import SET, Scenario, Use
-from console.sweep import cluster, comparison, design, ledger, local, picture, report, table, work
-from console.sweep.comparison import PairedDifference, Spread
+from console.sweep import cluster, design, ledger, local, picture, report, table, work
 from console.sweep.design import Design
 from console.sweep.ledger import Ledger
+from console.sweep.results import Results
 from console.sweep.schemes import outcomes
 from console.sweep.schemes import picture as scheme_picture
 from console.sweep.schemes import report as scheme_report
-from console.sweep.table import Format, Row
+from console.sweep.table import Format
 from console.sweep.work import Workers
 from console.terminal import printing, progress
 from fes import process
 from fes.errors import FesError, ScenarioError, Stopped, reason
 from world.config import builtin, remarks
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def sweep(
@@ -79,48 +80,31 @@ def _workers(scheduler: str | None, jobs: int | None) -> Iterator[Workers]:
 def _carry_out(planned: Design, finished: Ledger, workers: Workers) -> None:
     """Carry out all runs that are not in the ledger."""
     with progress.bar(planned.name) as bar:
-        missing = [run for run in planned.runs if run.key not in finished.done]
-        total, done = len(planned.runs), len(planned.runs) - len(missing)
-        before = sum(run.scenario.ticks for run in planned.runs if run.key in finished.done)
         bar.measure(sum(run.scenario.ticks for run in planned.runs))
 
-        def watch(ticks: int) -> None:
-            bar.reach(before + ticks)
-            bar.note(f"{done}/{total} runs")
+        def watch(ticks: int, runs: int) -> None:
+            bar.reach(ticks)
+            bar.note(f"{runs}/{len(planned.runs)} runs")
 
-        watch(0)
-        ended = workers.carry_out(work.batches(planned.name, missing, workers.count), watch)
-        with contextlib.closing(ended):
-            for results in ended:
-                finished.add(results)
-                done += len(results)
+        work.finish(planned, finished.done, finished.add, workers, watch)
 
 
 def _report(planned: Design, finished: Ledger, directory: Path, form: Format, plot: bool) -> int:
     """Write tables and figure, and print the comparison."""
-    rows = table.rows(planned, finished.done)
-    spreads = list(comparison.spreads(planned, rows))
-    differences = list(comparison.differences(planned, rows))
+    results = Results.of(planned, finished.done)
+    schemes = outcomes.of(planned, results.rows)
     try:
-        written = [
-            table.write(directory, "table", rows, form),
-            table.write(directory, "cells", [_cell(planned, row) for row in spreads]),
-        ]
-        if differences:
-            written.append(table.write(directory, "differences", [_contrast(planned, row) for row in differences]))
-        rendered = report.render(planned, spreads, differences)
-        figure = partial(picture.sweep_figure, planned, rows, differences)
-        if outcomes.is_of_schemes(planned):
-            columns = outcomes.columns(planned, rows)
-            means = outcomes.rows(planned, rows, columns)
-            rendered, figure = scheme_report.render(columns, means), partial(scheme_picture.schemes_figure, columns, means)
-            written.append(table.write_text(directory, "schemes.md", scheme_report.markdown(columns, means)))
-        if plot and picture.drawable(planned, rows):
+        written = results.write(directory, form)
+        if schemes is not None:
+            written.append(table.write_text(directory, "schemes.md", scheme_report.markdown(schemes)))
+        if plot and (schemes is not None or picture.drawable(planned, results.rows)):
             with progress.bar("figure"):
-                written += figures.save(figure(), directory / "sweep")
+                figure = scheme_picture.schemes_figure(schemes) if schemes else _figure(results)
+                written += figures.save(figure, directory / "sweep")
     except OSError as error:
         raise FesError(f"cannot write the tables: {reason(error)}") from None
-    printing.show(printing.console(), rendered)
+    shown = scheme_report.render(schemes) if schemes else report.render(planned, results.spreads, results.differences)
+    printing.show(printing.console(), shown)
     for path in written:
         printing.line(path)
     failed = [(run, finished.done[run.key].error) for run in planned.runs if finished.done[run.key].error is not None]
@@ -132,18 +116,5 @@ def _report(planned: Design, finished: Ledger, directory: Path, form: Format, pl
     return process.SUCCESS
 
 
-def _cell(planned: Design, spread: Spread) -> Row:
-    columns = asdict(spread)
-    return dict(zip(planned.axes, planned.cells[columns.pop("cell")].values, strict=True)) | columns
-
-
-def _contrast(planned: Design, difference: PairedDifference) -> Row:
-    """A row of differences.csv: the axis, its two values, and the values of the other axes."""
-    base, compared = (
-        dict(zip(planned.axes, planned.cells[cell].values, strict=True))
-        for cell in (difference.base, difference.compared)
-    )
-    axis = planned.axes[difference.axis]
-    columns = {"other" if name == "compared" else name: value for name, value in asdict(difference).items()}
-    columns |= {"axis": axis, "base": base[axis], "other": compared[axis]}
-    return columns | {f"at {held}": value if held != axis else None for held, value in base.items()}
+def _figure(results: Results) -> "Figure":
+    return picture.sweep_figure(results.design, results.rows, results.differences)

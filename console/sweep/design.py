@@ -6,6 +6,7 @@ cell: common random numbers.
 
 import hashlib
 import itertools
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,9 +15,8 @@ from typing import Any
 from console.backends import inprocess
 from fes.errors import ScenarioError
 from fes.system import encoding, strict_json
-from world.config import scenario as scenarios
-from world.config.scenario import Scenario, load, parse_override
-from world.config.schemes import SCHEME, ColumnConfig
+from world.config.outside.schemes import NOTHING, SCHEME, ColumnConfig, Comparison
+from world.config.scenario import Scenario, comparison, load, parse_override
 from world.config.validation import short
 from world.simulation import crowd
 
@@ -89,38 +89,53 @@ class Design:
 def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design:
     """The design given by the arguments of fes sweep; the scenario of every cell is checked.
 
-    The schemes of a file are its first axis, unless another axis or a setting chooses among them. Raises
-    ScenarioError.
+    Raises ScenarioError.
     """
-    compared = scenarios.comparison(path)
     fixed = dict(map(parse_override, settings))
     fields: dict[str, list[Any]] = {}
     for text in axes:
         field, values = parse_axis(text)
         if field in fields:
             raise ScenarioError("--axis", f"expects each field once, got '{short(field)}' again")
-        if field in fixed:
-            raise ScenarioError("--axis", f"'{short(field)}' is given by --set, and cannot be an axis too")
         fields[field] = values
+    name, numbers, compared = encoding.name_of(path), parse_seeds(seeds), comparison(path)
+    return crossed(name, lambda settings: load(path, settings), fixed, fields, numbers, compared)
+
+
+def crossed(
+    name: str,
+    make: Callable[[dict[str, Any]], Scenario],
+    fixed: dict[str, Any],
+    fields: dict[str, list[Any]],
+    seeds: list[int],
+    compared: Comparison = NOTHING,
+) -> Design:
+    """The design that crosses the values of these `fields`, each by its dotted path, with the `seeds`.
+
+    `make` makes a scenario from overrides: the `fixed` ones, and those of a cell. The scenario of every cell is
+    checked. The schemes of a file are the first axis, unless a field or a fixed one chooses among them. Raises
+    ScenarioError.
+    """
+    if compared.scheme and SCHEME not in fields.keys() | fixed.keys():
+        fields = {SCHEME: [scheme.name for scheme in compared.scheme], **fields}
+    for field in fields.keys() & fixed.keys():
+        raise ScenarioError("--axis", f"'{short(field)}' is given by --set, and cannot be an axis too")
     if SEED in fields or SEED in fixed:
         raise ScenarioError("--seeds", f"sets the seeds: '{SEED}' can be neither an axis nor in --set")
-    if compared.scheme and SCHEME not in fields and SCHEME not in fixed:
-        fields = {SCHEME: [scheme.name for scheme in compared.scheme], **fields}
-    numbers = parse_seeds(seeds)
-    count = len(numbers)
+    count = len(seeds)
     for values in fields.values():
         count *= len(values)
     if count > MAX_RUNS:
         raise ScenarioError("fes sweep", f"makes at most {MAX_RUNS} runs, got {count}")
     cells = []
     for combination in itertools.product(*fields.values()):
-        scenario = load(path, {**fixed, **dict(zip(fields, combination, strict=True))})
+        scenario = make({**fixed, **dict(zip(fields, combination, strict=True))})
         inprocess.check(scenario)
         crowd.check(scenario)
         given = zip(fields, combination, strict=True)
         values = tuple(value if field == SCHEME else _value(scenario, field) for field, value in given)
         cells.append(Cell(values, scenario))
-    design = Design(encoding.name_of(path), tuple(fields), cells, numbers, tuple(compared.column))
+    design = Design(name, tuple(fields), cells, seeds, tuple(compared.column))
     for index, (field, values) in enumerate(fields.items()):
         if len(design.values(index)) < len(values):
             raise ScenarioError("--axis", f"expects each value of '{field}' once, got {', '.join(map(str, values))}")

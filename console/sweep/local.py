@@ -5,6 +5,7 @@ import ctypes
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 import time
 from collections.abc import Generator, Iterator, Sequence
@@ -14,6 +15,7 @@ from functools import partial
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnContext
 from queue import Empty, SimpleQueue
+from types import ModuleType
 
 from console.sweep import work
 from console.sweep.work import Batch, Done, Watch, Workers
@@ -51,7 +53,7 @@ def _carry_out(jobs: int, batches: Sequence[Batch], watch: Watch) -> Generator[l
     with _pool(min(jobs, len(batches)), context, ticks) as pool:
         try:
             ended: SimpleQueue[Future[list[Done]]] = SimpleQueue()
-            with _blocked(signal.SIGINT):
+            with _blocked(signal.SIGINT), _without_script():
                 for index, batch in enumerate(batches):
                     pool.submit(_work, index, batch).add_done_callback(ended.put)
             remaining, reported = len(batches), time.monotonic()
@@ -110,6 +112,21 @@ def _work(index: int, batch: Batch) -> list[Done]:
     done = work.carry_out(batch, count)
     count(sum(scenario.ticks for scenario in batch.scenarios))  # a failed run leaves ticks uncounted
     return done
+
+
+@contextlib.contextmanager
+def _without_script() -> Iterator[None]:
+    """Processes that start in this block do not import the program of this one.
+
+    A spawned process imports the file of `__main__`. A person's script, which calls `fes.sweep`, would run in every
+    worker again.
+    """
+    script = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = script
 
 
 @contextlib.contextmanager

@@ -5,7 +5,7 @@ The bytes do not depend on the machines: the table holds no wall-clock time and 
 
 import csv
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from importlib.util import find_spec
 from pathlib import Path
@@ -38,7 +38,7 @@ def require(form: Format) -> None:
         raise FesError(f"--format parquet needs pyarrow: {install('parquet')}")
 
 
-def rows(design: Design, done: dict[str, Done]) -> list[Row]:
+def rows(design: Design, done: Mapping[str, Done]) -> list[Row]:
     """The table: axes, seed, scalars of the summary, and error of each run."""
     table = []
     for run in design.runs:

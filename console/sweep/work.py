@@ -1,14 +1,15 @@
 """Batches for workers, and their results, on this machine and on a cluster."""
 
+import contextlib
 import math
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Container, Generator, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from console.backends import inprocess, stacked
-from console.sweep.design import SweepRun, Value
+from console.sweep.design import Design, SweepRun, Value
 from fes.errors import FesError
 from fes.extension import registry
 from world.config.scenario import Scenario
@@ -63,6 +64,30 @@ class Workers:
     """Number of batches carried out at a time."""
     carry_out: Callable[[Sequence[Batch], Watch], Generator[list[Done], None, None]]
     """Yields the results of each batch at its end, and calls the Watch periodically."""
+
+
+def finish(
+    design: Design,
+    done: Container[str],
+    store: Callable[[list[Done]], None],
+    workers: Workers,
+    watch: Callable[[int, int], None],
+) -> None:
+    """Carry out all runs of a design whose keys are not `done`, and `store` their results batch by batch.
+
+    `watch` is called periodically with the completed ticks and the completed runs, the earlier ones included.
+    """
+    missing = [run for run in design.runs if run.key not in done]
+    finished = len(design.runs) - len(missing)
+    before = sum(run.scenario.ticks for run in design.runs) - sum(run.scenario.ticks for run in missing)
+    watch(before, finished)
+    ended = workers.carry_out(
+        batches(design.name, missing, workers.count), lambda ticks: watch(before + ticks, finished)
+    )
+    with contextlib.closing(ended):
+        for results in ended:
+            store(results)
+            finished += len(results)
 
 
 def batches(name: str, runs: Sequence[SweepRun], workers: int) -> list[Batch]:

@@ -64,9 +64,15 @@ def bar(task: str, total: float | None = None) -> Iterator[Bar]:
 
     Within it a signal raises Stopped, so that the cursor always reappears.
     """
+    with process.interruptible(), drawn(task, total) as shown:
+        yield shown
+
+
+@contextlib.contextmanager
+def drawn(task: str, total: float | None = None) -> Iterator[Bar]:
+    """As `bar`, without any change to signals."""
     measured = (BarColumn(), TaskProgressColumn(), _text("{task.fields[note]}"), TimeElapsedColumn())
-    console = printing.console(stderr=True)
-    with process.interruptible(), _shown(console, *measured, TimeRemainingColumn()) as shown:
+    with _shown(printing.console(stderr=True), *measured, TimeRemainingColumn()) as shown:
         yield Bar(shown, task, total)
 
 

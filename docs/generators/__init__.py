@@ -3,6 +3,7 @@
 cli        commands, arguments and flags, from Typer and argparse.
 markdown   headings and tables.
 messages   key expressions and messages, from `fes.protocol`.
+python     the Python interface, from its docstrings.
 scenario   fields of a scenario, from the pydantic models.
 summary    quantities of a summary.
 """

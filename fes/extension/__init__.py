@@ -1,14 +1,16 @@
 """The public interface for laws, rules, channels, bodies and metrics of others: the one stable Python API.
 
-protocols     what an extension implements, one protocol per kind.
-controllers   a whole robot in plain Python.
-neighborhood  what a robot's laws know of its peers at one tick.
-context       what a constructor gets beside its parameters.
-kinds         the kinds of extension, and the built-in ones.
-registry      extensions by name.
-crew_laws     the laws of a crew.
-checked       what an extension returns, checked.
-evidence      which code an extension was.
+protocols        what an extension implements, one protocol per kind.
+controllers      a whole robot in plain Python.
+neighborhood     what a robot's laws know of its peers at one tick.
+context          what a constructor gets beside its parameters.
+kinds            the kinds of extension, and the built-in ones.
+registry         extensions by name.
+crew_laws        the laws of a crew.
+controller_laws  the laws of a crew of controllers.
+use_flag         the flag --use.
+checked          what an extension returns, checked.
+evidence         which code an extension was.
 """
 
 from fes.arrays.edges import Edges

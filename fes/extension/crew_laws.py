@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from fes.errors import FesError
 from fes.extension.context import LawContext
-from fes.extension.controllers import ControllerFormation, ControllerSeeking
+from fes.extension.controller_laws import ControllerFormation, ControllerSeeking
 from fes.extension.kinds import CONTROLLER, FORMATION, RULE, SEEKING
 from fes.extension.protocols import MAX_DECLARED, FormationLaw, NeighborRule, SeekingLaw
 from fes.extension.registry import create, is_told, load, parameters

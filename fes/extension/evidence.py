@@ -71,6 +71,8 @@ def _sources(distribution: metadata.Distribution | None, module: Any) -> dict[st
         sources = {str(file): Path(str(distribution.locate_file(file))) for file in listed}
         if sources and all(path.is_file() for path in sources.values()):
             return sources
+    if getattr(module, "__file__", None) is None:
+        return {}  # a notebook has no file
     file = Path(module.__file__)
     package = sys.modules[module.__name__.partition(".")[0]]
     if not hasattr(package, "__path__"):

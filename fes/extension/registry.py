@@ -93,13 +93,15 @@ def parameters(kind: Kind, choice: str | Use, loaded: Any) -> Table:
     try:
         return table.model_validate(selected.parameters)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
+        # an unknown parameter is reported first: it may be a required one, misspelt
+        first = min(error.errors(include_url=False), key=lambda broken: broken["type"] != "extra_forbidden")
         field = ".".join(map(str, first["loc"]))
         if first["type"] == "extra_forbidden":
             near = difflib.get_close_matches(field, table.model_fields, 1)
             known = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(table.model_fields) or 'none'}"
             raise FesError(f"{kind.name} '{selected.use}': unknown parameter '{field}'; {known}") from None
         message = first["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+        message = message.replace("Field required", "is required")
         raise FesError(f"{kind.name} '{selected.use}': {field}: {message}".replace(": : ", ": ")) from None
 
 

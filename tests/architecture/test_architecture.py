@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pytest
 
+import fes
 from fes import extension
 from fes.extension import registry
 from fes.extension.kinds import CHANNEL, DYNAMICS, KINDS, METRIC, SEEKING
 from fes.model.table import Table
 from tests.support.paths import ROOT
-from tests.support.source import PACKAGES, arrows, importers, modules, package
+from tests.support.source import PACKAGES, arrows, importers, imports, modules, package
 
 FORMULA_READERS = {"world.simulation.formula", "world.metrics.report_builder", "agents.laws.oracle"}
 """Modules that may know the channel's formula; `world.metrics.optimum` has it in decimals. Observers see the true
@@ -37,7 +38,7 @@ LAYERS = (
     {"console.backends", "console.replay"},
     {"console.analysis"},
     {"console.sweep"},
-    {"console.cli"},
+    {"console.api", "console.cli"},
     {"console.__main__"},
 )
 """Sub-packages from the bottom up: each imports only from lower layers, never from its own.
@@ -177,7 +178,7 @@ def test_no_module_is_longer_than_the_limit(name: str, path: Path) -> None:
 @pytest.mark.parametrize("folder", sorted({*MAPPED} - {INTERFACE}))
 def test_a_packages_init_is_its_docstring_and_nothing_else(folder: str) -> None:
     tree = ast.parse((ROOT / folder / "__init__.py").read_text(encoding="utf-8"))
-    assert len(tree.body) == 1
+    assert len(tree.body) == 1 or folder == "fes"  # which offers the Python interface, as the next tests show
     assert ast.get_docstring(tree)
 
 
@@ -186,6 +187,40 @@ def test_the_interface_of_extensions_exports_what_it_imports_and_its_version() -
     imported = [name.name for node in tree.body if isinstance(node, ast.ImportFrom) for name in node.names]
     assert sorted([*imported, "API"]) == extension.__all__ == sorted(extension.__all__)
     assert all(hasattr(extension, name) for name in extension.__all__)
+
+
+def test_the_only_import_from_below_the_console_is_that_of_the_python_interface_for_type_checkers() -> None:
+    assert below_console(importers("console")) == {"fes"}
+    tree = ast.parse((ROOT / "fes" / "__init__.py").read_text(encoding="utf-8"))
+    checked = [node for node in tree.body if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"]
+    assert {name for name in imports(tree) if name.startswith("console")} == {
+        name for node in checked for name in imports(node)
+    }
+
+
+def test_the_interface_names_the_console_in_strings_only_and_loads_it_when_it_is_used() -> None:
+    code = "import sys, fes; before = set(sys.modules); fes.load; print(*before, '|', *sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    before, after = (text.split() for text in done.stdout.split("|"))
+    assert not {"console", "agents", "world", "numpy"} & set(before)
+    assert "console.api.scenarios" in after
+    in_strings = {
+        name
+        for name, path in modules("fes", "agents", "world").items()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Constant) and str(node.value).startswith("console.")
+    }
+    assert in_strings == {"fes"}
+
+
+def test_the_interface_offers_what_it_exports() -> None:
+    assert set(fes.__all__) == {"load", "run", "read", "sweep", "Run"} <= set(dir(fes))
+    for name in fes.__all__:
+        offered = getattr(fes, name)
+        assert (package(offered.__module__), offered.__name__) == ("console.api", name)
+    unknown = "walk"
+    with pytest.raises(AttributeError, match="no attribute 'walk'"):
+        getattr(fes, unknown)
 
 
 @pytest.mark.parametrize("folder", MAPPED)

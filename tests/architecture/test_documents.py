@@ -33,10 +33,10 @@ def test_the_readme_is_short() -> None:
 
 
 @pytest.mark.parametrize("page", fences.PAGES, ids=lambda path: path.stem)
-def test_every_fenced_shell_block_is_run_by_a_test_or_states_why_not(page: Path) -> None:
+def test_every_fenced_block_of_a_program_is_run_by_a_test_or_states_why_not(page: Path) -> None:
     for block in fences.blocks(page):
         assert block.language in LANGUAGES, f"line {block.line}: a block names its language"
-        if block.language == "sh":
+        if block.language in ("sh", "python"):
             known = block.mark in (fences.RUN, *fences.BY_SCRIPTS) or fences.NOT_RUN.fullmatch(block.mark)
             assert known, f"line {block.line}: the block needs <!-- run --> or <!-- not run: reason --> above it"
 

@@ -11,9 +11,9 @@ from console.connect import observer
 from fes.transport import bus, drop_log, inbox
 from fes.transport.endpoints import Endpoints
 from tests.support.paths import ROOT
-from world.execution import checkpoint
+from world.execution import barrier, checkpoint, hosting, live_tick
 from world.metrics import deadlines
-from world.server import audit, live, lockstep, registry
+from world.server import audit, live, lockstep
 
 TEXT = " ".join((ROOT / "docs" / "explanation" / "reliability.md").read_text(encoding="utf-8").split())
 """On one line."""
@@ -32,15 +32,15 @@ def test_every_test_that_the_docs_name_exists() -> None:
 
 SESSION_LEASE = float(str(Endpoints("client", ()).house_rules()["transport/link/tx/lease"])) / 1000.0  # s
 FIGURES = [
-    f"after {lockstep.ANSWER_TIMEOUT:g} s without an answer it is excluded",
+    f"after {barrier.ANSWER_TIMEOUT:g} s without an answer it is excluded",
     f"the world waits up to {lockstep.RETURN_TIMEOUT:g} s for a robot that is due",
     f"in lockstep it waits {lockstep.RETURN_TIMEOUT:g} s, then ends with one line",
-    f"the world asks again after {lockstep.RESEND_AFTER:g} s, {2 * lockstep.RESEND_AFTER:g} s, ...",
-    f"is leased the lowest free robot, for {registry.LEASE:g} s",
-    f"The world waits {registry.RESUME_TIMEOUT:g} s for a robot that died meanwhile",
+    f"the world asks again after {barrier.RESEND_AFTER:g} s, {2 * barrier.RESEND_AFTER:g} s, ...",
+    f"is leased the lowest free robot, for {hosting.LEASE:g} s",
+    f"The world waits {hosting.RESUME_TIMEOUT:g} s for a robot that died meanwhile",
     f"the next checkpoint, {checkpoint.PERIOD:g} s of wall clock later",
     f"if the last command is older than {deadlines.COMMAND_TIMEOUT:g} s, the robot stops",
-    f"A robot that is silent for {live.HANG_TIMEOUT:g} s is excluded",
+    f"A robot that is silent for {live_tick.HANG_TIMEOUT:g} s is excluded",
     f"the first {live.WARM_UP} ticks, and those after a world resumed",
     f"its session is gone with its lease of {SESSION_LEASE:g} s",
     f"its world has {process_group.CLOSING:g} s to write them",

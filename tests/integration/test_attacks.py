@@ -83,7 +83,7 @@ def test_repeated_late_and_early_ticks_are_rejected_and_change_no_digit() -> Non
 
 def test_a_second_command_for_a_tick_is_counted_and_the_first_one_applies(monkeypatch: pytest.MonkeyPatch) -> None:
     # An observation that is sent again allows a second answer.
-    monkeypatch.setattr("world.server.lockstep.RESEND_AFTER", session.PATIENCE)
+    monkeypatch.setattr("world.execution.barrier.RESEND_AFTER", session.PATIENCE)
     endless = load("pair.toml", run__duration=1000.0)
 
     async def main() -> None:

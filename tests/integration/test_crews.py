@@ -55,22 +55,22 @@ def test_a_crew_leaves_with_its_first_token_and_rejoins_with_its_last(
         tokens[1][0].undeclare()  # robot 0's token stays
         gone = await until(server, lambda state: not state.present[1])
         await until(server, lambda state: state.tick >= gone + 5)
-        assert server._registry.alive.tolist() == [1, 0, 1]
+        assert server.lifecycle.hosting.alive.tolist() == [1, 0, 1]
         assert server.run.state.present.tolist() == [False, False, True]
         agents[0].cancel()
         async with standing_still(server):
-            while server._registry.alive[0]:
+            while server.lifecycle.hosting.alive[0]:
                 await asyncio.sleep(0.01)
             holding.set()
             agents[0] = asyncio.ensure_future(session.live(endpoint, [0, 1]))
-            while not (server._registry.alive[0] and held):
+            while not (server.lifecycle.hosting.alive[0] and held):
                 await asyncio.sleep(0.01)
         half = server.run.state.tick  # the token of robot 0 is alive, that of robot 1 will follow
         await until(server, lambda state: state.tick >= half + 20)
         assert server.run.state.present.tolist() == [False, False, True]
         async with standing_still(server):
             declare(*held[0])
-            while not server._registry.alive[1]:
+            while not server.lifecycle.hosting.alive[1]:
                 await asyncio.sleep(0.01)
         await until(server, lambda state: state.present.all())
 
@@ -100,16 +100,16 @@ def test_a_crew_with_a_silent_robot_is_excluded_until_that_robot_answers(
         await until(server, lambda state: state.tick >= 20)
         mute.set()
         with monkeypatch.context() as impatient:
-            impatient.setattr("world.server.lockstep.ANSWER_TIMEOUT", 1.0)
+            impatient.setattr("world.execution.barrier.ANSWER_TIMEOUT", 1.0)
             gone = await until(server, lambda state: not state.present[1])
         await until(server, lambda state: state.tick >= gone + 20)
         assert server.run.state.present.tolist() == [False, False, True]
-        assert server._registry.hosted.all()  # all tokens are alive
+        assert server.lifecycle.hosting.hosted.all()  # all tokens are alive
         async with standing_still(server):
             mute.clear()
             for late in unsaid:
                 say(*late)
-            while not (server._inbox._items or server._participation.reachable[1]):
+            while not (server._inbox._items or server.lifecycle.reachable[1]):
                 await asyncio.sleep(0.01)
         await until(server, lambda state: state.present.all())
 

@@ -32,7 +32,7 @@ async def end_with(fault: str, seconds: float) -> tuple[float, object]:
         await server.gather()
         await server.main_loop()
         (Link.cut if fault == "cut" else Link.hold)(faulty)
-        while fault == "cut" and server._registry.alive[1]:
+        while fault == "cut" and server.lifecycle.hosting.alive[1]:
             await asyncio.sleep(0.01)
         server.dismiss()
         asyncio.get_running_loop().call_later(seconds, faulty.heal)

@@ -174,7 +174,7 @@ def test_a_world_without_agents_ends_with_one_line(monkeypatch: pytest.MonkeyPat
 
 def test_junk_does_not_keep_a_hung_robot_alive(monkeypatch: pytest.MonkeyPatch) -> None:
     """The deadline of the barrier holds although messages keep arriving."""
-    monkeypatch.setattr("world.server.lockstep.ANSWER_TIMEOUT", 1.0)
+    monkeypatch.setattr("world.execution.barrier.ANSWER_TIMEOUT", 1.0)
     monkeypatch.setattr("world.server.lockstep.RETURN_TIMEOUT", 1.0)
     endless = load("pair.toml", run__duration=1000.0)
 

@@ -13,7 +13,7 @@ def test_a_tick_takes_an_observation_a_beacon_and_a_command_per_robot_and_a_deli
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     # A robot that pauses would get, and count, an observation twice.
-    monkeypatch.setattr("world.server.lockstep.RESEND_AFTER", 60.0)
+    monkeypatch.setattr("world.execution.barrier.RESEND_AFTER", 60.0)
     robots, ticks = 6, growth.FIRST + growth.TICKS
     measured = growth.measure(load("hundred.toml", robots__count=robots, run__duration=(ticks + 5) * 0.02))
     # The window does not end at the same moment for each robot: each may be one tick off, at both ends.

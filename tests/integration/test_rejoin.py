@@ -28,7 +28,7 @@ def test_a_dead_robot_stands_still_rejoins_as_a_new_process_and_its_run_can_be_r
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for patience in ("ANSWER_TIMEOUT", "RESEND_AFTER"):  # only its token informs the barrier
-        monkeypatch.setattr(f"world.server.lockstep.{patience}", 1e6)
+        monkeypatch.setattr(f"world.execution.barrier.{patience}", 1e6)
     dying, say, unsaid = asyncio.Event(), Outbox.publish, list[int]()
     monkeypatch.setattr(
         Outbox,
@@ -49,7 +49,7 @@ def test_a_dead_robot_stands_still_rejoins_as_a_new_process_and_its_run_can_be_r
         seen["stood"] = server.run.state.poses[4].tolist() == pose
         async with standing_still(server):
             agents[4] = asyncio.ensure_future(session.live(endpoint, [4]))
-            while not server._registry.hosted[4]:
+            while not server.lifecycle.hosting.hosted[4]:
                 await asyncio.sleep(0.01)
         back = await until(server, lambda state: state.present[4])
         await until(server, lambda state: state.tick >= back + 30)
@@ -91,14 +91,14 @@ def test_a_hung_robot_is_excluded_after_the_deadline_and_rejoins_when_it_answers
         await until(server, lambda state: state.tick >= 20)
         asleep.set()
         with monkeypatch.context() as impatient:
-            impatient.setattr("world.server.lockstep.ANSWER_TIMEOUT", 1.0)
+            impatient.setattr("world.execution.barrier.ANSWER_TIMEOUT", 1.0)
             seen.append(await until(server, lambda state: not state.present[1]))
         await until(server, lambda state: state.tick >= seen[0] + 40)
         async with standing_still(server):
             asleep.clear()
             for late in delayed:
                 say(*late)
-            while not (server._inbox._items or server._participation.reachable[1]):
+            while not (server._inbox._items or server.lifecycle.reachable[1]):
                 await asyncio.sleep(0.01)
         seen.append(await until(server, lambda state: state.present[1]))
 
@@ -189,7 +189,7 @@ def test_a_team_that_hangs_as_one_rejoins_when_it_answers(tmp_path: Path, monkey
         await until(server, lambda state: state.tick >= 20)
         asleep.set()
         with monkeypatch.context() as impatient:
-            impatient.setattr("world.server.lockstep.ANSWER_TIMEOUT", 0.3)
+            impatient.setattr("world.execution.barrier.ANSWER_TIMEOUT", 0.3)
             await until(server, lambda state: not state.present.any())
         asleep.clear()
         for late in delayed:

@@ -18,7 +18,7 @@ from console.analysis import history
 from console.backends import inprocess
 from console.replay import command as replay_command
 from console.replay import compare, log
-from console.replay.reexecution import Mismatch
+from console.replay.recorded import Mismatch
 from fes.errors import FesError
 from fes.protocol import messages
 from fes.system import fingerprint

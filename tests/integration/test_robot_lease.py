@@ -4,7 +4,7 @@ import asyncio
 import logging
 import subprocess
 import sys
-from types import SimpleNamespace
+import time
 from typing import Any
 
 import pytest
@@ -12,15 +12,16 @@ import pytest
 from agents import process
 from console.backends import inprocess
 from fes.errors import Rejected, Unavailable
-from fes.protocol import keys, messages
 from fes.protocol.messages import Join
 from fes.transport.drop_log import DropLog
 from tests.support import session
 from tests.support.loop import load
 from tests.support.session import RUN, client
 from world.config.scenario import agent_config
+from world.execution.hosting import Membership
+from world.execution.lifecycle import Lifecycle
 from world.execution.run import Run
-from world.server.registry import LEASE, AgentRegistry, Membership, RunInfo
+from world.server.registry import AgentRegistry, RunInfo
 from world.server.server import Server
 
 
@@ -40,9 +41,8 @@ async def any_robot(endpoint: str, timeout: float = session.PATIENCE) -> int:
 
 async def here(server: Server, *robots: int) -> None:
     """Wait until these robots are hosted."""
-    while not server._registry.alive[list(robots)].all():
-        server._registry.changed.clear()
-        await server._registry.changed.wait()
+    while not server.lifecycle.hosting.alive[list(robots)].all():
+        await asyncio.sleep(0.01)
 
 
 def test_agents_without_an_id_take_the_lowest_free_robots_and_the_digest_is_the_same() -> None:
@@ -84,47 +84,15 @@ def test_a_robot_is_free_only_after_its_agent_has_left() -> None:
 
 
 @pytest.mark.usefixtures("at_length")
-def test_a_promised_robot_is_free_again_if_its_agent_does_not_join(monkeypatch: pytest.MonkeyPatch) -> None:
-    now = [1000.0]
-    monkeypatch.setattr("world.server.registry.time", SimpleNamespace(monotonic=lambda: now[0]))
-
-    async def main() -> None:
-        async with session.router() as (opened, endpoint), client(endpoint) as asker:
-            Server(opened, Run(load("pair.toml")), "test", RUN)
-
-            async def joined(agent: int) -> str:
-                join = messages.encode_join(Join((0,), agent))
-                try:
-                    await asker.get(keys.welcome(RUN, "0"), join, session.PATIENCE)
-                except Rejected as refused:
-                    return str(refused)
-                return "welcome"
-
-            assert [await process.lease(asker, RUN, 0.5) for _ in range(2)] == [0, 1]
-            now[0] += LEASE - 0.1
-            with pytest.raises(Rejected, match=r"^all 2 robots are hosted already$"):
-                await process.lease(asker, RUN, 0.5)
-            now[0] += 0.2
-            assert await process.lease(asker, RUN, 0.5) == 0
-            refusal = "robot 0 is hosted by another agent already"
-            assert [await joined(agent) for agent in (7, 8, 7)] == ["welcome", refusal, "welcome"]
-            now[0] += LEASE - 0.1
-            assert await joined(8) == refusal
-            now[0] += 0.2
-            assert [await joined(agent) for agent in (8, 7)] == ["welcome", refusal]
-
-    asyncio.run(main())
-
-
-@pytest.mark.usefixtures("at_length")
 def test_a_resumed_world_leases_no_robot_whose_agent_may_still_rejoin() -> None:
     async def main() -> None:
         async with session.router() as (opened, endpoint), client(endpoint) as spare:
             scenario, drops = load("pair.toml"), DropLog(logging.getLogger("test"))
             hosts = {robot: Join((robot,), 7) for robot in (0, 1)}
             info = RunInfo(RUN, 2, agent_config(scenario))
+            lifecycle = Lifecycle(2, scenario.participation, Membership(hosts), time.monotonic())
             AgentRegistry(
-                opened, info, drops, Membership(hosts), on_join=lambda join: None, on_token=lambda robot, alive: None
+                opened, info, drops, lifecycle, on_join=lambda join: None, on_token=lambda robot, alive: None
             )
             with pytest.raises(Rejected, match=r"^all 2 robots are hosted already$"):
                 await process.lease(spare, RUN, 0.5)

@@ -29,12 +29,12 @@ def test_a_world_does_not_start_with_robots_whose_agents_it_has_not_accepted() -
             async with session.client(endpoint) as stale:
                 for robot in (0, 1):
                     stale.declare_token(keys.robot_alive(RUN, robot))
-                while not server._registry.alive.all():
+                while not server.lifecycle.hosting.alive.all():
                     await asyncio.sleep(0.01)
                 with pytest.raises(Rejected, match="robot 1 is hosted by an agent of an earlier world"):
                     await session.live(endpoint, [1])
                 assert not gathering.done()
-            while server._registry.alive.any():
+            while server.lifecycle.hosting.alive.any():
                 await asyncio.sleep(0.01)
             agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
             await gathering
@@ -80,7 +80,7 @@ def test_a_robot_that_rejoins_a_resumed_world_takes_part_from_its_second_tick() 
 
             run.advance = taken  # type: ignore[assignment,method-assign]
             agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
-            while not server._registry.alive.all():
+            while not server.lifecycle.hosting.alive.all():
                 await asyncio.sleep(0.01)
             await server.gather()
             await server.main_loop()

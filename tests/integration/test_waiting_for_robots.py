@@ -37,30 +37,30 @@ async def due(scenario: Scenario, comes: bool) -> tuple[str, dict[str, Any]]:
         server = Server(opened, Run(scenario), "test", RUN)
         agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
         await server.gather()
-        late, waits = server._participation.due, list[str]()
+        late, waits = server.lifecycle.due, list[str]()
 
         async def die() -> None:
             agents[1].cancel()
-            while server._registry.alive[1]:
+            while server.lifecycle.hosting.alive[1]:
                 await asyncio.sleep(0.01)
 
-        present = server._clock.present
+        present = server.clock.present
 
         async def dying(state: State) -> Bools:
             if state.tick == 15:
                 await die()
             return await present(state)
 
-        def missed(state: State) -> list[int]:
-            robots = late(state)
+        def missed(tick: int) -> list[int]:
+            robots = late(tick)
             if robots and not waits:
-                waits.append(f"{robots} at tick {state.tick}")
+                waits.append(f"{robots} at tick {tick}")
                 if comes:
                     agents[1] = asyncio.ensure_future(session.live(endpoint, [1]))
             return robots
 
-        server._clock.present = dying  # type: ignore[method-assign]
-        server._participation.due = missed  # type: ignore[method-assign]
+        server.clock.present = dying  # type: ignore[method-assign]
+        server.lifecycle.due = missed  # type: ignore[method-assign]
         await server.main_loop()
         server.dismiss()
         await asyncio.gather(*agents, return_exceptions=True)
@@ -105,10 +105,10 @@ def test_a_resumed_world_waits_for_a_robot_that_died_meanwhile_and_then_excludes
         async with session.router() as (opened, endpoint), asyncio.timeout(PATIENCE):
             server = Server(opened, resumed_at(load("pair.toml", run__duration=0.4), 5), "test", RUN)
             agent = asyncio.ensure_future(session.live(endpoint, [0]))
-            while not server._registry.hosted[0]:
+            while not server.lifecycle.hosting.hosted[0]:
                 await asyncio.sleep(0.01)
             await server.gather()  # no agent joins for robot 1
-            assert server._registry.alive.tolist() == [1, 0]
+            assert server.lifecycle.hosting.alive.tolist() == [1, 0]
             await server.main_loop()
             server.dismiss()
             await agent
@@ -128,12 +128,12 @@ def test_a_robot_that_rejoins_within_the_wait_is_not_excluded(monkeypatch: pytes
             gathering = asyncio.ensure_future(server.gather())
             async with session.client(endpoint) as puppet:
                 await session.appear(puppet, 0)
-                while not server._registry.hosted[0]:
+                while not server.lifecycle.hosting.hosted[0]:
                     await asyncio.sleep(0.01)
                 assert not gathering.done()
                 await session.appear(puppet, 1)
                 await gathering
-                return server._participation.reachable
+                return server.lifecycle.reachable
 
     assert asyncio.run(main()).all()
 
@@ -164,15 +164,15 @@ def test_a_live_run_whose_world_dies_resumes_in_lockstep_at_an_answered_tick(
             server = Server(opened, run, "test", RUN, Options(checkpoints=checkpoints))
             agents += [asyncio.ensure_future(host(robot, robots)) for robot in (0, 1)]
             await server.gather()
-            end_of_tick = server._clock._end_of_tick
+            end_of_tick = server.clock.collect
 
-            async def held() -> None:
-                if run.state.tick >= WARM_UP + 5:
+            async def held(state: State, sent: list[bytes]) -> tuple[list[Answer | None], Bools]:
+                if state.tick >= WARM_UP + 5:
                     dies.set()
                     await for_ever.wait()
-                await end_of_tick()
+                return await end_of_tick(state, sent)
 
-            server._clock._end_of_tick = held  # type: ignore[method-assign]
+            server.clock.collect = held  # type: ignore[method-assign]
             running = asyncio.ensure_future(server.main_loop())
             await dies.wait()
             while any(robot._ticks.tick < run.state.tick for robot in robots):

@@ -10,7 +10,7 @@ from tests.support.paths import DOCS, ROOT
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.rglob("*.md"))]
 
 RUN = "run"
-"""Mark of blocks that `tests/system/test_documents.py` runs, page by page, in order, in one folder."""
+"""Mark of blocks that `tests/system/test_documents.py` runs, page by page and language by language, in order."""
 
 BY_SCRIPTS = ("run command", "test command")
 """Marks of blocks that `.ci/run` and `tests/other_python/run` take from the README and run."""
@@ -46,6 +46,11 @@ def blocks(page: Path) -> Iterator[Block]:
         text = "\n".join(lines[start + 1 : index]) + "\n"
         yield Block(page, start + 1, lines[start].strip("` "), mark[1] if mark else "", text)
         start = None
+
+
+def python(page: Path) -> list[Block]:
+    """The blocks of a page that Python can run."""
+    return [block for block in blocks(page) if block.language == "python"]
 
 
 def shell(page: Path) -> list[Block]:

@@ -51,17 +51,17 @@ def live_through(
 @asynccontextmanager
 async def standing_still(server: Server) -> AsyncIterator[None]:
     """Block during which no tick passes."""
-    present, goes_on = server._clock.present, asyncio.Event()
+    present, goes_on = server.clock.present, asyncio.Event()
 
     async def held(state: State) -> Bools:
         await goes_on.wait()
         return await present(state)
 
-    server._clock.present = held  # type: ignore[method-assign]
+    server.clock.present = held  # type: ignore[method-assign]
     try:
         yield
     finally:
-        server._clock.present = present  # type: ignore[method-assign]
+        server.clock.present = present  # type: ignore[method-assign]
         goes_on.set()
 
 

@@ -90,11 +90,11 @@ async def run(
 
 def _wait_for(disturbance: "asyncio.Future[None]", server: Server) -> None:
     """Make a world pause before its last ticks until `disturbance` is done; it fails as `disturbance` does."""
-    present, last = server._clock.present, server.run.scenario.ticks - LAST
+    present, last = server.clock.present, server.run.scenario.ticks - LAST
 
     async def held(state: State) -> Bools:
         if state.tick >= last:
             await disturbance
         return await present(state)
 
-    server._clock.present = held  # type: ignore[method-assign]
+    server.clock.present = held  # type: ignore[method-assign]

@@ -1,4 +1,4 @@
-"""The shell blocks of the pages that are marked <!-- run -->: a reader's commands, in a reader's order."""
+"""The blocks of the pages that are marked <!-- run -->: a reader's commands and Python, in a reader's order."""
 
 import os
 import shlex
@@ -22,6 +22,7 @@ esac
 
 PROGRAMS = {"fes": "console.cli", "fes-world": "world.process", "fes-agent": "agents.process"}
 RUN = [page for page in fences.PAGES if any(block.mark == fences.RUN for block in fences.shell(page))]
+PYTHON = [page for page in fences.PAGES if any(block.mark == fences.RUN for block in fences.python(page))]
 
 
 @pytest.fixture
@@ -69,5 +70,27 @@ def test_the_commands_of_a_page_work_in_its_order(page: Path, folder: Path, envi
         assert done.returncode == 0, f"{page.name}, line {block.line}: {done.stderr}"
 
 
-def test_the_tutorial_is_run() -> None:
+@pytest.mark.slow
+@pytest.mark.parametrize("page", PYTHON, ids=lambda path: path.stem)
+def test_the_python_of_a_page_works_in_its_order(page: Path, folder: Path, environment: dict[str, str]) -> None:
+    # Each block begins at its line of the page, which a traceback then names.
+    text = ""
+    for block in fences.python(page):
+        if block.mark == fences.RUN:
+            text += "\n" * (block.line - text.count("\n")) + block.text
+    (folder / f"{page.stem}.py").write_text(text, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-W", "error", f"{page.stem}.py"],
+        cwd=folder,
+        env=environment,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=4 * PATIENCE,
+    )
+    assert (done.returncode, done.stderr) == (0, ""), page.name
+
+
+def test_the_tutorial_and_the_pages_on_python_are_run() -> None:
     assert "first-run" in {page.stem for page in RUN}
+    assert {"README", "python"} <= {page.stem for page in PYTHON}

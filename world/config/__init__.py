@@ -3,13 +3,12 @@
 scenario      the typed scenario, from TOML
 builtin       built-in scenarios, by name
 radio         its table [channel]: the formula, shadowing, bursts, jammers
-trace_file    the file of a recorded trace
 starts        its table [robots]: where the robots start
 faults        tables [event.transmitter] and [event.clock] of an event: faulty transmitters and skewed clocks
 events        its tables [[event]]: changes during the run
 expectations  its tables [[expect]]: expectations of the summary
 schema        its fields: type, range, default, unit and description; the JSON schema
-extensions    its choices of extensions, and their evidence
+outside       the code of its extensions, the file of its trace, and named variants
 validation    a broken rule, in one line
 overrides     overrides of its fields by --set
 remarks       parts of a scenario that do not run as written

@@ -1,8 +1,10 @@
 """Overrides of a scenario's fields, for `--set`."""
 
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from fes.errors import ScenarioError
+from fes.model.seeking import BUILT_IN
 from fes.system import encoding
 from world.config import toml
 from world.config.validation import short
@@ -30,6 +32,18 @@ def parse_override(text: str) -> tuple[str, Any]:
     return dotted.strip(), parsed["value"]
 
 
+def apply(tables: dict[str, Any], overrides: Mapping[str, Any]) -> None:
+    """Set fields in nested tables, by dotted path; raises ScenarioError in one line.
+
+    If they choose another seeking law, the keys of the file that this law does not have are dropped.
+    """
+    law = _seeking_law(tables)
+    for dotted, value in overrides.items():
+        override(tables, dotted, value)
+    if _seeking_law(tables) != law:
+        _drop_former_keys(tables, overrides)
+
+
 def override(tables: dict[str, Any], dotted: str, value: Any) -> None:
     """Set a field in nested tables, by its dotted path; raises ScenarioError in one line."""
     *path, field = dotted.split(".")
@@ -42,3 +56,24 @@ def override(tables: dict[str, Any], dotted: str, value: Any) -> None:
         if not isinstance(tables, dict):
             raise ScenarioError("--set", f"'{short(dotted)}' goes through '{short(part)}', which is not a table")
     tables[field] = value
+
+
+def _seeking_law(tables: dict[str, Any]) -> Any:
+    """The values that choose the seeking law."""
+    table = tables.get("seeking")
+    if not isinstance(table, dict):
+        return None
+    return table.get("use"), table.get("index", "oracle")
+
+
+def _drop_former_keys(tables: dict[str, Any], overridden: Collection[str]) -> None:
+    """Drop the file's keys that the seeking law does not have, after overrides chose another law."""
+    if "seeking" in overridden:
+        return
+    table = tables["seeking"]
+    if "seeking.index" in overridden and "seeking.use" not in overridden:
+        table.pop("use", None)
+    kind = BUILT_IN.get(str(table.get("index", "oracle"))) if "use" not in table else None
+    known = {"use"} if kind is None else set(kind.model_fields)
+    for name in [name for name in table if name not in known and f"seeking.{name}" not in overridden]:
+        del table[name]

@@ -1,6 +1,5 @@
 """The scenario: one TOML file, typed, frozen and complete."""
 
-from collections.abc import Collection
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -13,17 +12,18 @@ from fes.extension import crew_laws, registry
 from fes.extension.kinds import CHANNEL, CONTROLLER, DYNAMICS, FORMATION, METRIC, RULE, SEEKING, Kind
 from fes.model import counts, stability
 from fes.model.config import FORMULAS, AgentConfig, Clock, FaultConfig, FormationConfig, ObjectiveConfig
-from fes.model.seeking import BUILT_IN, MAX_TICKS, OracleConfig, SeekingConfig
+from fes.model.seeking import MAX_TICKS, OracleConfig, SeekingConfig
 from fes.model.table import Table, Use, chosen
 from fes.system import encoding
-from world.config import events, faults, schemes, starts, toml, trace_file
+from world.config import events, faults, starts, toml
 from world.config.events import EventConfig, ParticipationChange, changed, schedule
 from world.config.expectations import ExpectConfig
 from world.config.faults import Transmission
-from world.config.overrides import override
+from world.config.outside import schemes, trace_file
+from world.config.outside.schemes import Comparison
+from world.config.overrides import apply
 from world.config.overrides import parse_override as parse_override
 from world.config.radio import RadioConfig
-from world.config.schemes import Comparison
 from world.config.starts import RobotsConfig
 from world.config.validation import first_rule
 
@@ -190,12 +190,8 @@ def load(path: Path, overrides: dict[str, Any] | None = None) -> Scenario:
     settings = dict(overrides or {})
     if schemes.SCHEME in settings:
         settings = schemes_of_file.settings(settings.pop(schemes.SCHEME), str(path)) | settings
-    law = _seeking_law(tables)
-    for dotted, value in settings.items():
-        override(tables, dotted, value)
-    if _seeking_law(tables) != law:
-        _drop_former_keys(tables, set(settings))
-    _find_trace(tables, path)
+    apply(tables, settings)
+    trace_file.locate(tables, path)
     return parse(tables, str(path))
 
 
@@ -212,39 +208,6 @@ def _read(path: Path) -> dict[str, Any]:
         raise ScenarioError(str(path), f"cannot be read: {reason(error, with_file=False)}") from None
     except ValueError as error:
         raise ScenarioError(str(path), str(error)) from None
-
-
-def _find_trace(tables: dict[str, Any], path: Path) -> None:
-    """Make the path of a trace absolute, and fill in its checksum; raises ScenarioError."""
-    channel = tables.get("channel")
-    if not isinstance(channel, dict) or not isinstance(channel.get("trace"), str):
-        return
-    channel["trace"] = str((path.parent / channel["trace"]).resolve())
-    try:
-        channel.setdefault("trace_sha256", trace_file.checksum(channel["trace"]))
-    except FesError as error:
-        raise ScenarioError(str(path), f"channel.trace: {error}") from None
-
-
-def _seeking_law(tables: dict[str, Any]) -> Any:
-    """The values that choose the seeking law."""
-    table = tables.get("seeking")
-    if not isinstance(table, dict):
-        return None
-    return table.get("use"), table.get("index", "oracle")
-
-
-def _drop_former_keys(tables: dict[str, Any], overridden: Collection[str]) -> None:
-    """Drop the file's keys that the seeking law does not have, after overrides chose another law."""
-    if "seeking" in overridden:
-        return
-    table = tables["seeking"]
-    if "seeking.index" in overridden and "seeking.use" not in overridden:
-        table.pop("use", None)
-    kind = BUILT_IN.get(str(table.get("index", "oracle"))) if "use" not in table else None
-    known = {"use"} if kind is None else set(kind.model_fields)
-    for name in [name for name in table if name not in known and f"seeking.{name}" not in overridden]:
-        del table[name]
 
 
 def parse(tables: dict[str, Any], where: str) -> Scenario:

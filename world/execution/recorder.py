@@ -26,7 +26,7 @@ from fes.recording import messages_pb2, schemas, viewer_topics
 from fes.recording.layout import AT_ITS_END, MAX_JSON, SUMMARY, TickPayloads
 from fes.recording.mcap_file import McapFile, Schema
 from fes.system import fingerprint, strict_json
-from world.config import extensions
+from world.config.outside import extensions
 from world.config.scenario import Scenario
 from world.metrics import report_builder
 from world.metrics.collector import MetricsCollector

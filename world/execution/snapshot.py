@@ -24,7 +24,7 @@ from fes.extension.checked import CheckedMetric
 from fes.protocol import world_info
 from fes.protocol.messages import Join
 from fes.system import files, fingerprint, strict_json
-from world.config import extensions
+from world.config.outside import extensions
 from world.config.scenario import Scenario
 from world.execution.recorder import LogPosition
 from world.metrics.collector import MetricsCollector

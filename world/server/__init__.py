@@ -3,8 +3,8 @@
 server            observations out, commands in, tick after tick
 lockstep          the barrier: each tick waits for all commands
 live              the live clock: ticks wait for no robot
-registry          which agent hosts which robot, and its lease
-participation     which robots take part in a tick
+registry          queries and tokens of the agents
+participation     changes of participation, logged
 claim             one world per run on the network
 command_gate      the only process that may command a robot
 beacon_tap        the world's own copy of each beacon, by which it judges senders

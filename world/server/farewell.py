@@ -6,8 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from fes.arrays.types import Bools
-from world.server.registry import AgentRegistry
+from fes.arrays.types import Bools, Bytes
 
 LINGER = 5.0
 """A world whose run is over stays at most this long [s] for robots that have not received the farewell."""
@@ -28,9 +27,12 @@ class Farewell:
     world that never returns.
     """
 
-    def __init__(self, observe: Sequence[Callable[[bytes], None]], registry: AgentRegistry) -> None:
-        """`observe` holds, by robot, the function that publishes its observation."""
-        self._observe, self._registry = observe, registry
+    def __init__(self, observe: Sequence[Callable[[bytes], None]], alive: Bytes, changed: asyncio.Event) -> None:
+        """`observe` holds, by robot, the function that publishes its observation.
+
+        `alive` [n] is 1 for each robot with a token at any time; `changed` is set whenever one appears or is lost.
+        """
+        self._observe, self._alive, self._changed = observe, alive, changed
         self._payloads: list[bytes] = []
         self._published: dict[int, float] = {}
         """Robot -> time of its last farewell [s; monotonic]."""
@@ -57,14 +59,14 @@ class Farewell:
         """Wait until the `expected` robots [n] have received the farewell, for up to LINGER."""
         begun = time.monotonic()
         while (left := begun + LINGER - time.monotonic()) > 0.0:
-            alive = np.flatnonzero((self._registry.alive == 1) & expected).tolist()
+            alive = np.flatnonzero((self._alive == 1) & expected).tolist()
             cut_off = [robot for robot, lost in self._lost.items() if expected[robot] and lost > begun - LINGER]
             if not alive and not cut_off:
                 return
-            self._registry.changed.clear()
+            self._changed.clear()
             try:
                 async with asyncio.timeout(min(REPEAT, left)):
-                    await self._registry.changed.wait()
+                    await self._changed.wait()
             except TimeoutError:
                 for robot in alive:
                     self._put(robot)

@@ -21,15 +21,17 @@ from fes.transport.inbox import Inbox
 from world.config.scenario import Scenario, agent_config
 from world.execution import marshalling
 from world.execution.checkpoint import JOIN, CheckpointWriter
+from world.execution.hosting import RESUME_TIMEOUT, Membership
+from world.execution.lifecycle import Lifecycle
 from world.execution.run import Answer, Run
 from world.metrics import summary
+from world.server import participation
 from world.server.beacon_tap import BeaconTap
 from world.server.command_gate import CommandGate
 from world.server.farewell import Farewell
 from world.server.live import LiveClock
 from world.server.lockstep import Lockstep
-from world.server.participation import Participation
-from world.server.registry import RESUME_TIMEOUT, AgentRegistry, Membership, RunInfo
+from world.server.registry import AgentRegistry, RunInfo
 from world.server.report_publisher import ReportPublisher
 
 
@@ -68,16 +70,19 @@ class Server:
         members = Membership(excluded=run.excluded)
         if self._checkpoints is not None:
             members = Membership(self._checkpoints.hosts, self._checkpoints.renewed, run.excluded)
+        self.lifecycle = Lifecycle(robots, run.scenario.participation, members, time.monotonic())
+        """The life cycle of each robot."""
         self._gate = CommandGate(run_name, members.hosts)
         bus.declare_subscriber(keys.command(run_name, "*"), self._inbox.put, self._gate.admits)
         info = RunInfo(run_name, robots, agent_config(run.scenario))
-        self._registry = AgentRegistry(bus, info, self.drops, members, on_join=self._on_join, on_token=self._on_token)
-        self._participation = Participation(self._registry, run.scenario, run.excluded)
-        self._farewell = Farewell(self._observe, self._registry)
+        self._registry = AgentRegistry(
+            bus, info, self.drops, self.lifecycle, on_join=self._on_join, on_token=self._on_token
+        )
+        self._farewell = Farewell(self._observe, self.lifecycle.hosting.alive, self._registry.changed)
         bus.declare_queryable(keys.change(run_name), self._on_change)
         bus.declare_token(keys.world_alive(run_name))  # last: it promises that all of the above is in place
-        self._clock = self._create_clock(None if options.rtf is None else run.scenario.run.dt / options.rtf)
-        self._gathered = False
+        self.clock = self._create_clock(None if options.rtf is None else run.scenario.run.dt / options.rtf)
+        """The beginning and the end of each tick."""
         self._elapsed = options.elapsed
         self._begun = self._ended = 0.0  # of the main loop [s; performance counter]
 
@@ -89,17 +94,16 @@ class Server:
         tick, present = self.run.state.tick, self.run.state.present
         if tick == 0:
             self.logger.info("waiting for %d robots", len(self._observe))
-            while not self._registry.hosted.all():
+            while not self.lifecycle.hosting.hosted.all():
                 self._registry.changed.clear()
                 await self._registry.changed.wait()
                 if self._checkpoints is not None:
                     self._checkpoints.check()
-            self._registry.renewed.clear()
         else:
             self.logger.info("waiting for the robots that took part: %d", np.count_nonzero(present))
-            await self._participation.wait_for(present, RESUME_TIMEOUT)
-        self._gathered = True
-        missing = np.flatnonzero(present & ~self._participation.reachable).tolist() if tick else []
+            await self._registry.wait_for(present, RESUME_TIMEOUT)
+        self.lifecycle.begin_run(resumed=tick > 0)
+        missing = np.flatnonzero(present & ~self.lifecycle.reachable).tolist() if tick else []
         robots = f"all robots but {missing} are here" if missing else "all robots are here"
         self.logger.info("%s: %s %s", robots, self.scenario_name, f"resumes at tick {tick}" if tick else "starts")
 
@@ -110,19 +114,19 @@ class Server:
         self._reports.start()
         first = run.state.tick
         while not run.is_over:
-            present = await self._clock.present(run.state)
+            present = await self.clock.present(run.state)
             if run.state.tick == first > 0:
                 present &= run.state.present  # a robot that rejoins now would change what may be published already
             self._attend(present)
             sent = self._publish_observations()
             self._record_tick()  # the previous one, while the robots compute this one
             if self._checkpoints is not None and self._checkpoints.due:
-                self._checkpoints.save(run, self._registry.hosts, self.elapsed)
+                self._checkpoints.save(run, self.lifecycle.hosting.hosts, self.elapsed)
 
-            answers, present = await self._clock.collect(run.state, sent)
+            answers, present = await self.clock.collect(run.state, sent)
             beacons = await self._judge_beacons(answers, present)
             self._attend(present)
-            run.advance(sent, answers, beacons, self._registry.alive.copy(), self.elapsed)
+            run.advance(sent, answers, beacons, self.lifecycle.hosting.alive.copy(), self.elapsed)
         self._record_tick()
         self._ended = time.perf_counter()
 
@@ -151,25 +155,25 @@ class Server:
         """Tell each robot and observer that the run is over."""
         self._record_tick()
         if self.run.metrics.link_errors.ticks:
-            self._reports.publish(self._registry.alive, self.elapsed)
+            self._reports.publish(self.lifecycle.hosting.alive, self.elapsed)
         self._farewell.publish(marshalling.farewells(self.run.state.tick, self.run.state.poses))
 
     async def linger(self) -> None:
         """Wait a few seconds at most until each robot that takes part knows that the run is over."""
-        await self._farewell.delivered(self._participation.expected(self.run.state))
+        await self._farewell.delivered(self.lifecycle.expected(self.run.state.tick))
 
     def save(self) -> None:
         """Write a checkpoint of the run at this tick."""
         self._record_tick()
         if self._checkpoints is not None:
-            self._checkpoints.save(self.run, self._registry.hosts, self.elapsed, at_once=True)
+            self._checkpoints.save(self.run, self.lifecycle.hosting.hosts, self.elapsed, at_once=True)
 
     def _create_clock(self, pace: float | None) -> Lockstep | LiveClock:
-        lockstep = Lockstep(self._inbox, self._participation, self.drops, self._send, pace)
+        lockstep = Lockstep(self._inbox, self.lifecycle, self.drops, self._observe, pace)
         deadlines, dt = self.run.metrics.deadlines, self.run.scenario.run.dt
         if deadlines is None:
             return lockstep
-        return LiveClock(lockstep, self._inbox, self._participation, self.drops, deadlines, dt)
+        return LiveClock(lockstep, self._inbox, self.lifecycle, self.drops, deadlines, dt)
 
     def _on_change(self, query: Query) -> None:
         """Change the channel on a person's request: from the tick that is running, its beacons included."""
@@ -200,12 +204,10 @@ class Server:
         self._gate.expect(join)
 
     def _on_token(self, robot: int, alive: bool) -> None:
-        if not self._gathered:
+        if not self.lifecycle.is_running:
             if not alive:
                 self.logger.info("robot %d left before the start", robot)
             return
-        if not alive:
-            self._participation.disconnect(robot)
         self._farewell.on_token(robot, alive)
         self._inbox.nudge()
 
@@ -215,13 +217,13 @@ class Server:
         if (present == before.present).all():
             return
         self.run.attend(present)
-        self._participation.log_changes(before, self.run.state)
+        participation.log_changes(before, self.run.state)
 
     def _record_tick(self) -> None:
         """Add the last tick to metrics and log, and report to observers if it is time."""
         self.run.record_tick()
         if self._reports.is_due:
-            self._reports.publish(self._registry.alive, self.elapsed)
+            self._reports.publish(self.lifecycle.hosting.alive, self.elapsed)
 
     async def _judge_beacons(self, answers: list[Answer | None], present: Bools) -> list[bytes]:
         """The beacons of this tick, in id order; excludes robots at fault, also from `answers` and `present` [n].
@@ -231,16 +233,18 @@ class Server:
         tick, decodable = self.run.state.tick, self.run.state.decodable & present
         if self.run.metrics.deadlines is not None:
             return self._tap.received(tick, decodable)
-        hosts = dict(self._registry.hosts)
+        hosting = self.lifecycle.hosting
+        hosts = dict(hosting.hosts)
         beacons, faults = await self._tap.judge(tick, decodable)
         for robot, fault in faults.items():
             group = list(hosts[robot].robots) if robot in hosts else [robot]
-            if hosts.get(robot) != self._registry.hosts.get(robot):  # a new agent hosts it, and is not at fault
+            if hosts.get(robot) != hosting.hosts.get(robot):  # a new agent hosts it, and is not at fault
                 group = [robot]
             elif robot in self.run.excluded:
                 continue  # excluded with another robot of its process
             else:
                 self.run.exclude(group, f"robot {robot}: {fault}")
+                hosting.exclude({member: self.run.excluded[member] for member in group})
                 self.logger.warning("robots %s are excluded from tick %d on: %s", group, tick, fault)
             for member in group:
                 answers[member], beacons[member], present[member] = None, b"", False
@@ -249,11 +253,8 @@ class Server:
     def _publish_observations(self) -> list[bytes]:
         """Publish each robot's observation; returns the payloads, which may be sent again."""
         # Agents whose robots are dead only by schedule still receive observations, so that they keep up.
-        payloads = self.run.observations(self.run.state.present | self._participation.reachable)
+        payloads = self.run.observations(self.run.state.present | self.lifecycle.reachable)
         for put, payload in zip(self._observe, payloads, strict=True):
             if payload:
                 put(payload)
         return payloads
-
-    def _send(self, robot: int, payload: bytes) -> None:
-        self._observe[robot](payload)

@@ -6,7 +6,7 @@ from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
 from fes.errors import FesError
 from fes.extension.context import WorldContext
-from world.config import trace_file
+from world.config.outside import trace_file
 from world.config.radio import RadioConfig
 
 

@@ -8,9 +8,10 @@ import numpy as np
 from console.sweep import comparison
 from console.sweep.design import Design
 from console.sweep.table import Row
+from fes.arrays.types import Floats
 from fes.errors import ScenarioError
+from world.config.outside.schemes import SCHEME, ColumnConfig
 from world.config.scenario import knows_channel
-from world.config.schemes import SCHEME, ColumnConfig
 
 METRICS = "metrics."
 """Prefix of the outcomes in the columns of a file that states none."""
@@ -39,13 +40,34 @@ class SchemeOutcomes(NamedTuple):
     """One per column."""
 
 
-def is_of_schemes(design: Design) -> bool:
-    """True if a sweep compares schemes."""
-    return SCHEME in design.axes
+class SchemeTable(NamedTuple):
+    """The table of schemes."""
+
+    columns: tuple[ColumnConfig, ...]
+    rows: list[SchemeOutcomes]
+    """One per cell, in the order of the design."""
 
 
-def columns(design: Design, rows: list[Row]) -> tuple[ColumnConfig, ...]:
-    """The columns of the table; raises ScenarioError for one whose number no run has."""
+def of(design: Design, rows: list[Row]) -> SchemeTable | None:
+    """The table of a sweep's rows, if it compares schemes.
+
+    Raises ScenarioError for a column whose number no run has.
+    """
+    columns = _columns(design, rows) if SCHEME in design.axes else ()
+    if not columns:
+        return None
+    by_column = [column.factor * comparison.values(design, rows, column.of) for column in columns]
+    outcomes = [
+        SchemeOutcomes(
+            design.title(index), knows_channel(cell.scenario), tuple(_mean(values[index]) for values in by_column)
+        )
+        for index, cell in enumerate(design.cells)
+    ]
+    return SchemeTable(columns, outcomes)
+
+
+def _columns(design: Design, rows: list[Row]) -> tuple[ColumnConfig, ...]:
+    """The columns that the file states, or all numbers of metrics."""
     known = comparison.outcomes(design, rows)
     for column in design.columns:
         if column.of not in known:
@@ -56,17 +78,6 @@ def columns(design: Design, rows: list[Row]) -> tuple[ColumnConfig, ...]:
     return design.columns or tuple(given)
 
 
-def rows(design: Design, table: list[Row], shown: tuple[ColumnConfig, ...]) -> list[SchemeOutcomes]:
-    """The rows, in the order of the cells."""
-    by_column = [column.factor * comparison.values(design, table, column.of) for column in shown]
-    return [
-        SchemeOutcomes(
-            design.title(index), knows_channel(cell.scenario), tuple(_mean(values[index]) for values in by_column)
-        )
-        for index, cell in enumerate(design.cells)
-    ]
-
-
-def _mean(values: comparison.Floats) -> Mean:
+def _mean(values: Floats) -> Mean:
     finite = values[np.isfinite(values)]
     return Mean(*comparison.interval(finite), len(finite), len(values))

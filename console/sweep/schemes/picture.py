@@ -4,8 +4,8 @@ import math
 from typing import TYPE_CHECKING
 
 from console.analysis import figures
-from console.sweep.schemes.outcomes import SchemeOutcomes
-from world.config.schemes import ColumnConfig
+from console.sweep.schemes.outcomes import SchemeOutcomes, SchemeTable
+from world.config.outside.schemes import ColumnConfig
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -15,8 +15,9 @@ PER_ROW = 4
 """Largest number of panels beside each other."""
 
 
-def schemes_figure(columns: tuple[ColumnConfig, ...], rows: list[SchemeOutcomes]) -> "Figure":
+def schemes_figure(schemes: SchemeTable) -> "Figure":
     """The means with their intervals. A scheme that is told the channel has an open mark; the best has a line."""
+    columns, rows = schemes
     across = min(PER_ROW, len(columns))
     down = math.ceil(len(columns) / across)
     with figures.sheet(1.6 + 2.0 * across, (0.7 + 0.2 * len(rows)) * down, across, (1.0,) * down) as (figure, axes):

@@ -5,32 +5,31 @@ import math
 from rich.table import Table
 
 from console.sweep.comparison import CONFIDENCE
-from console.sweep.schemes.outcomes import Mean, SchemeOutcomes
+from console.sweep.schemes.outcomes import Mean, SchemeTable
 from console.terminal.formatting import UNKNOWN
 from console.terminal.printing import cell
-from world.config.schemes import ColumnConfig
 
 TOLD = "told the channel"
 CAPTION = f"mean over the seeds ± half its {100 * CONFIDENCE:g} % interval"
 
 
-def render(columns: tuple[ColumnConfig, ...], rows: list[SchemeOutcomes]) -> Table:
+def render(schemes: SchemeTable) -> Table:
     """The table for a terminal."""
     table = Table(box=None, padding=(0, 2, 0, 0), caption=CAPTION, caption_justify="left")
     table.add_column(cell("scheme"), overflow="fold")
     table.add_column(cell(TOLD))
-    for column in columns:
+    for column in schemes.columns:
         table.add_column(cell(column.title), justify="right", overflow="fold")
-    for row in rows:
+    for row in schemes.rows:
         table.add_row(cell(row.name), _yes(row.is_told), *map(text, row.means))
     return table
 
 
-def markdown(columns: tuple[ColumnConfig, ...], rows: list[SchemeOutcomes]) -> str:
+def markdown(schemes: SchemeTable) -> str:
     """The table as Markdown."""
-    head = ["scheme", TOLD, *(column.title for column in columns)]
-    body = [[row.name, _yes(row.is_told), *map(text, row.means)] for row in rows]
-    lines = [head, ["---", "---", *["---:"] * len(columns)], *body]
+    head = ["scheme", TOLD, *(column.title for column in schemes.columns)]
+    body = [[row.name, _yes(row.is_told), *map(text, row.means)] for row in schemes.rows]
+    lines = [head, ["---", "---", *["---:"] * len(schemes.columns)], *body]
     return "".join("| " + " | ".join(entry.replace("|", "\\|") for entry in line) + " |\n" for line in lines)
 
 

@@ -10,7 +10,7 @@ import pytest
 from console.backends import inprocess
 from console.replay import command as replay_command
 from console.replay import compare, log
-from console.replay.reexecution import Mismatch
+from console.replay.recorded import Mismatch
 from console.sweep import cluster, design, ledger, work
 from fes.errors import FesError
 from fes.protocol import messages, world_info

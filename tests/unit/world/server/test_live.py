@@ -1,4 +1,4 @@
-"""The rules of the live clock, tick by tick: held, late and skipped commands."""
+"""The live clock on the event loop: held, late and skipped commands."""
 
 import asyncio
 import logging
@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import pytest
 
 from agents.runtime.outbox import Outbox
 from agents.runtime.tick_source import TickSource
@@ -14,19 +13,20 @@ from agents.runtime.world_liveliness import WorldLiveliness
 from console.backends import inprocess
 from console.dashboard import header
 from fes.protocol import keys, messages
-from fes.protocol.messages import Command, Observation
+from fes.protocol.messages import Command, Join, Observation
 from fes.protocol.report import decode_report, encode_report
 from fes.transport.drop_log import DropLog
 from fes.transport.inbox import Inbox
-from tests.support.clocks import Clock
+from tests.support import jumping_clock
 from tests.support.frames import a_report
 from tests.support.loop import load
+from world.execution.hosting import Membership
+from world.execution.lifecycle import Lifecycle
+from world.execution.live_tick import HANG_TIMEOUT
 from world.metrics import report_builder
 from world.metrics.collector import MetricsCollector
-from world.metrics.deadlines import COMMAND_TIMEOUT, Deadlines, no_deadlines
-from world.server import live
+from world.metrics.deadlines import COMMAND_TIMEOUT, no_deadlines
 from world.server.live import WARM_UP, LiveClock
-from world.server.lockstep import Lockstep
 from world.simulation import truth
 from world.simulation.truth import State
 
@@ -38,55 +38,12 @@ def command(robot: int, tick: int, speed: float = 1.0) -> bytes:
     return messages.encode_command(Command(tick, robot, (speed, 0.0), NOTHING, np.zeros(0), np.zeros(0)))
 
 
-class StubParticipation:
-    """Participation that notes the calls to it."""
-
-    def __init__(self) -> None:
-        self.silent: list[list[int]] = []
-        self.heard: list[int] = []
-
-    def hang(self, silent: Any) -> None:
-        self.silent.append(np.flatnonzero(silent).tolist())
-
-    def wake(self, robot: int) -> bool:
-        self.heard.append(robot)
-        return False
-
-
-def world_of_two() -> tuple[State, Deadlines, StubParticipation]:
-    world = truth.create(load("pair.toml", run__clock="live"))
-    return truth.start(world), no_deadlines(2), StubParticipation()
-
-
-def warm(participation: Any, deadlines: Deadlines) -> tuple[Inbox, LiveClock]:
-    """The inbox of a live clock, and the clock, whose ticks in lockstep are over."""
-    inbox, drops = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
-    lockstep = Lockstep(inbox, participation, drops, lambda robot, payload: None)
-    clock = LiveClock(lockstep, inbox, participation, drops, deadlines, TICK)
-    clock._left = 0
-    return inbox, clock
-
-
-def spoken(commands: dict[int, list[bytes]], ticks: int) -> tuple[list[list[int]], Deadlines, StubParticipation]:
-    """Per tick: the tick of the command that each of two robots follows, -1 for none; `said` are commands by tick."""
-    state, deadlines, participation = world_of_two()
-    result: list[list[int]] = []
-
-    async def main() -> None:
-        inbox, clock = warm(participation, deadlines)
-        clock._end_of_tick = lambda: asyncio.sleep(0)  # type: ignore[method-assign]
-        for tick in range(ticks):
-            for payload in commands.get(tick, []):
-                inbox.put(keys.command("test", messages.decode_command(payload).robot), payload)
-            now = replace(state, tick=tick)
-            answers, present = await clock.collect(now, [b"", b""])
-            assert present.all()
-            ticks_of = np.array([answer[0].tick if answer else -1 for answer in answers])
-            deadlines.add(tick, now.present, ticks_of)
-            result.append(ticks_of.tolist())
-
-    asyncio.run(main())
-    return result, deadlines, participation
+def lifecycle_of_two() -> Lifecycle:
+    """Two robots whose agents are alive."""
+    lifecycle = Lifecycle(2, {}, Membership({robot: Join((robot,), robot) for robot in (0, 1)}), 0.0)
+    for robot in (0, 1):
+        lifecycle.token(robot, alive=True)
+    return lifecycle
 
 
 class WarmUp:
@@ -102,63 +59,58 @@ class WarmUp:
 
 
 def test_the_first_ticks_of_a_live_clock_are_in_lockstep_and_their_last_command_is_held() -> None:
-    state, deadlines, participation = world_of_two()
+    state = truth.start(truth.create(load("pair.toml", run__clock="live")))
     warm_up = WarmUp()
 
     async def main() -> list[tuple[list[int], list[bool]]]:
         inbox, drops = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
-        clock = LiveClock(warm_up, inbox, participation, drops, deadlines, TICK)  # type: ignore[arg-type]
+        clock = LiveClock(warm_up, inbox, lifecycle_of_two(), drops, no_deadlines(2), TICK)  # type: ignore[arg-type]
         result = []
         for tick in range(7, 7 + WARM_UP + 1):  # a resumed world warms up, too
             answers, present = await clock.collect(replace(state, tick=tick), [b"", b""])
             result.append(([answer[0].tick if answer else -1 for answer in answers], present.tolist()))
         return result
 
-    *warm, live_one = asyncio.run(main())
+    *warm, live_one = jumping_clock.run(main())
     assert warm_up.ticks == list(range(7, 7 + WARM_UP))
     assert warm == [([tick, -1], [True, False]) for tick in warm_up.ticks]
     assert live_one == ([warm_up.ticks[-1], -1], [True, True])
 
 
-def test_the_last_command_is_held_until_it_is_too_old_and_then_the_robot_stops() -> None:
-    ticks = 40
-    always = {tick: [command(0, tick)] for tick in range(ticks)}
-    always[0].append(command(1, 0))
-    result, deadlines, participation = spoken(always, ticks)
-    alive = round(COMMAND_TIMEOUT / TICK + 0.4999)  # ticks for which a command holds
-    assert [robots[0] for robots in result] == list(range(ticks))
-    assert [robots[1] for robots in result] == [0] * alive + [-1] * (ticks - alive)
+def test_late_and_missed_commands_are_counted_and_silent_robots_excluded() -> None:
+    """Robot 0 answers each tick; robot 1 answers tick 0 in time and tick 1 late, and then no more."""
+    state, deadlines, lifecycle = truth.start(truth.create(load("pair.toml"))), no_deadlines(2), lifecycle_of_two()
+    first, last = 100, 100 + round(HANG_TIMEOUT / TICK) + 1
+    commands = {tick: [command(0, tick)] for tick in range(first, last + 1)}
+    commands[first].append(command(1, first))
+    commands[first + 2] += [command(1, first + 1), command(0, first + 1), command(1, first + 9)]
+
+    async def main() -> DropLog:
+        inbox, drops = Inbox(asyncio.get_running_loop()), DropLog(logging.getLogger("test"))
+        clock = LiveClock(WarmUp(), inbox, lifecycle, drops, deadlines, TICK)  # type: ignore[arg-type]
+        for tick in range(WARM_UP):
+            await clock.collect(replace(state, tick=tick), [b"", b""])
+        for tick in range(first, last + 1):
+            assert lifecycle.reachable.tolist() == [True, True]
+            for payload in commands[tick]:
+                inbox.put(keys.command("test", messages.decode_command(payload).robot), payload)
+            now = replace(state, tick=tick)
+            answers, present = await clock.collect(now, [b"", b""])
+            assert present.all()
+            ticks_of = np.array([answer[0].tick if answer else -1 for answer in answers])
+            deadlines.add(tick, now.present, ticks_of)
+        return drops
+
+    drops = jumping_clock.run(main())
+    ticks = last - first + 1
+    held = round(COMMAND_TIMEOUT / TICK + 0.4999)  # ticks for which the command of tick 1 holds
     assert deadlines.due.tolist() == [ticks, ticks]
-    assert deadlines.missed.tolist() == [0, ticks - 1]
-    assert deadlines.stopped.tolist() == [0, ticks - alive]
-    assert deadlines.late.tolist() == [0, 0]
-    assert participation.silent == []
-
-
-def test_a_late_command_is_counted_once_and_then_obeyed() -> None:
-    commands = {
-        0: [command(0, 0), command(1, 0)],
-        1: [command(0, 1)],
-        2: [command(1, 1), command(0, 2), command(0, 2), command(0, 1)],  # late, in time, and again
-        3: [command(0, 3), command(1, 3)],
-    }
-    result, deadlines, _ = spoken(commands, 4)
-    assert result == [[0, 0], [1, 0], [2, 1], [3, 3]]
-    assert deadlines.missed.tolist() == [0, 2]
     assert deadlines.late.tolist() == [0, 1]
-    assert deadlines.table()["missed_share"] == 2 / 8
-
-
-def test_a_silent_robot_is_excluded() -> None:
-    ticks = round(live.HANG_TIMEOUT / TICK) + 1
-    _, _, participation = spoken({tick: [command(0, tick)] for tick in range(ticks)}, ticks)
-    assert participation.silent == [[1]]
-
-
-def test_a_command_for_a_future_tick_is_rejected() -> None:
-    result, deadlines, _ = spoken({0: [command(0, 1), command(1, 0)]}, 2)
-    assert result == [[-1, 0], [-1, 0]]
-    assert deadlines.late.tolist() == [0, 0]
+    assert deadlines.missed.tolist() == [0, ticks - 1]
+    assert deadlines.stopped.tolist() == [0, ticks - 1 - held]
+    assert deadlines.table()["missed_share"] == (ticks - 1) / (2 * ticks)
+    assert drops.counts == {"Command: is not for this tick": 1}
+    assert lifecycle.reachable.tolist() == [True, False]
 
 
 def test_an_agent_answers_the_newest_tick_and_counts_those_it_skipped() -> None:
@@ -211,22 +163,6 @@ def test_an_outbox_whose_agent_skips_ticks_still_forgets_old_ones() -> None:
         outbox.publish(tick, [(0, b"beacon", b"command")])
     assert len(outbox._commands) <= 2
     assert len(outbox._beacons) <= 2
-
-
-def test_the_clock_of_a_late_world_slips_and_gives_every_robot_a_complete_tick(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    _, deadlines, participation = world_of_two()
-    wall = Clock(monkeypatch, "world.server.live", lambda sleep: 0.5 if sleep == 2 else 0.001)
-
-    async def main() -> None:
-        _, clock = warm(participation, deadlines)
-        for _ in range(4):
-            await clock._end_of_tick()
-
-    asyncio.run(main())
-    assert wall.slept == pytest.approx([0.02, 0.019, 0.02, 0.019])
-    assert deadlines.slipped == pytest.approx(0.5)
 
 
 def test_a_report_counts_missed_and_late_commands_until_its_tick() -> None:

@@ -67,6 +67,10 @@ class Comparison(Table):
         raise ScenarioError(where, f"there is no scheme '{short(str(name))}'; {known}")
 
 
+NOTHING = Comparison()
+"""The comparison of a file without schemes."""
+
+
 def take(tables: dict[str, Any], where: str) -> Comparison:
     """The comparison of a file, taken out of its `tables`; raises ScenarioError, which names their origin `where`."""
     given = {name: tables.pop(name) for name in Comparison.model_fields if name in tables}

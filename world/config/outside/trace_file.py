@@ -5,12 +5,12 @@ import hashlib
 import io
 from functools import lru_cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from fes.arrays.types import Floats, Ints
-from fes.errors import FesError, reason
+from fes.errors import FesError, ScenarioError, reason
 from fes.system import files
 
 LARGEST = 1 << 28
@@ -28,6 +28,18 @@ class Trace(NamedTuple):
     receiver: Ints
     probability: Floats
     """1 or 0 for a beacon that decoded or was lost."""
+
+
+def locate(tables: dict[str, Any], path: Path) -> None:
+    """Make the path of a trace absolute, and fill in its checksum; raises ScenarioError."""
+    channel = tables.get("channel")
+    if not isinstance(channel, dict) or not isinstance(channel.get("trace"), str):
+        return
+    channel["trace"] = str((path.parent / channel["trace"]).resolve())
+    try:
+        channel.setdefault("trace_sha256", checksum(channel["trace"]))
+    except FesError as error:
+        raise ScenarioError(str(path), f"channel.trace: {error}") from None
 
 
 def checksum(path: str) -> str:

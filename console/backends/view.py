@@ -1,0 +1,58 @@
+"""Views of a run with processes: an observer's session that lasts as long as the run."""
+
+from collections.abc import Callable, Coroutine
+from functools import partial
+
+from rich.console import Console
+
+from console.connect import observer
+from console.dashboard import live
+from console.dashboard.summary import BELOW
+from console.terminal import progress
+from console.terminal.printing import is_screen
+from fes.protocol import keys
+from fes.protocol.report import Report
+from fes.transport import bus
+from fes.transport.endpoints import Endpoints
+
+RUN = keys.DEFAULT_RUN
+
+View = Callable[[Endpoints], Coroutine[None, None, None]]
+"""Shows a run to a person, as an observer with these endpoints, until the run is over."""
+
+
+def on_screen(console: Console, dashboard: bool) -> View | None:
+    """A view in a terminal: the dashboard, or a line of progress; None if the console is not a terminal."""
+    if not is_screen(console):
+        return None
+    return partial(_show_dashboard if dashboard else _show_progress, console)
+
+
+def of_reports(watch: Callable[[Report], None]) -> View:
+    """A view that calls `watch` with every Report, in the thread of the event loop."""
+
+    async def follow(endpoints: Endpoints) -> None:
+        async with bus.opened(endpoints) as session:
+            async for report in observer.reports(session, RUN, endpoints.timeout, live.IDLE):
+                if report is not None:
+                    watch(report)
+
+    return follow
+
+
+async def _show_dashboard(console: Console, endpoints: Endpoints) -> None:
+    async with bus.opened(endpoints) as session:
+        with live.Screen(console, BELOW) as screen:
+            await live.watch(session, RUN, endpoints.timeout, screen)
+
+
+async def _show_progress(console: Console, endpoints: Endpoints) -> None:
+    with progress.status(console, "waiting for the robots") as status:
+
+        def show(report: Report) -> None:
+            status.name(
+                f"tick {report.tick} of {report.ticks}, {report.ticks_per_s:.0f} ticks/s, "
+                f"largest separation error {report.separation_error_max:.3f} m"
+            )
+
+        await of_reports(show)(endpoints)
