@@ -1,4 +1,4 @@
-"""A potential that keeps links, after Ji & Egerstedt, "Distributed coordination control while preserving connectedness" (2007).
+"""A potential that keeps links, after Ji & Egerstedt, "Distributed coordination control ..." (IEEE T-RO 2007).
 
 The tension of a link is y^2 / (R - y), with y its deviation from the desired separation d. It grows without bound as
 the link's length approaches the reach, where R = reach - d, and as the robots approach each other, where R = d. Their
@@ -46,7 +46,7 @@ class Connectivity:
         return Formed(None, np.stack([x, y], axis=1))
 
     def force(self, separation: Floats, desired: Floats) -> Floats:
-        """Pull along links of length `separation` [m] toward the peer [m]: the slope of the tension times gain R / 2."""
+        """Pull toward the peer [m] along links of length `separation` [m]: the tension's slope times gain R / 2."""
         error = separation - desired
         room = np.where(error > 0.0, np.maximum(self._reach - desired, 1e-9), desired)
         share = np.minimum(np.abs(error) / room, 1.0 - CLOSEST)

@@ -48,11 +48,11 @@ class FixedSeparation:
         return np.full(len(links), self.separation)
 
     def measure(self, state: None, around: Neighborhood, formed: Formed) -> None:
-        """Nothing is measured."""
+        """Unchanged: no beacon is counted."""
 
     def publish(self, state: None, links: Edges) -> Published:
         """The separation as the estimate of each link."""
         return Published(np.full(len(links), self.separation), self._nothing, np.zeros((0, len(links))))
 
     def seek(self, state: None, around: Neighborhood) -> None:
-        """Nothing is sought."""
+        """Unchanged: the separation stays as it is."""

@@ -94,7 +94,8 @@ class KrsticWang:
 
     def desired(self, state: Floats, tick: int, links: Edges) -> Floats:
         """The estimates with the dither [l] [m]."""
-        return state[ESTIMATE] + self._parameters.dither_amplitude * self._wave(tick, links)
+        desired: Floats = state[ESTIMATE] + self._parameters.dither_amplitude * self._wave(tick, links)
+        return desired
 
     def measure(self, state: Floats, around: Neighborhood, formed: Formed) -> Floats:
         """The filters after the beacons of the previous tick."""

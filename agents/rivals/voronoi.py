@@ -1,4 +1,4 @@
-"""Coverage by Voronoi cells, after Cortes, Martinez, Karatas & Bullo, "Coverage control for mobile sensing networks" (2004).
+"""Coverage by Voronoi cells, after Cortes et al., "Coverage control for mobile sensing networks" (2004).
 
 Each robot moves to the centroid of its cell: the points that are nearer to it than to any peer it hears, within a
 disc of its sensing radius. The cell is star-shaped about the robot. So it is integrated along rays: on each, the

@@ -15,8 +15,9 @@ from typing import Any
 from console.backends import inprocess
 from fes.errors import ScenarioError
 from fes.system import encoding, strict_json
+from world.config.outside import schemes
 from world.config.outside.schemes import NOTHING, SCHEME, ColumnConfig, Comparison
-from world.config.scenario import Scenario, comparison, load, parse_override
+from world.config.scenario import Scenario, load, parse_override
 from world.config.validation import short
 from world.simulation import crowd
 
@@ -98,7 +99,7 @@ def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design
         if field in fields:
             raise ScenarioError("--axis", f"expects each field once, got '{short(field)}' again")
         fields[field] = values
-    name, numbers, compared = encoding.name_of(path), parse_seeds(seeds), comparison(path)
+    name, numbers, compared = encoding.name_of(path), parse_seeds(seeds), schemes.of_file(path)
     return crossed(name, lambda settings: load(path, settings), fixed, fields, numbers, compared)
 
 
@@ -133,8 +134,9 @@ def crossed(
         inprocess.check(scenario)
         crowd.check(scenario)
         given = zip(fields, combination, strict=True)
-        values = tuple(value if field == SCHEME else _value(scenario, field) for field, value in given)
-        cells.append(Cell(values, scenario))
+        cells.append(
+            Cell(tuple(value if field == SCHEME else _value(scenario, field) for field, value in given), scenario)
+        )
     design = Design(name, tuple(fields), cells, seeds, tuple(compared.column))
     for index, (field, values) in enumerate(fields.items()):
         if len(design.values(index)) < len(values):

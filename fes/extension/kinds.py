@@ -24,7 +24,7 @@ class Kind(NamedTuple):
     """Name -> `module:Class` of those that come with fes."""
     checked: Callable[[Any, str, Any], Any] = lambda extension, what, context: extension
     """Wrapper that checks what an extension of others returns."""
-    told: frozenset[str] = frozenset()
+    model_based: frozenset[str] = frozenset()
     """Built-in ones that must be told the channel: known without loading them."""
 
 

@@ -119,7 +119,7 @@ def is_told(kind: Kind, choice: str | Use) -> bool:
     """True if a law or a controller must be told the channel; loads no built-in one. Raises FesError in one line."""
     name = chosen(choice).use
     if name in kind.built_in:
-        return name in kind.told
+        return name in kind.model_based
     return bool(getattr(load(kind, name), "knows_channel", False))
 
 

@@ -7,20 +7,18 @@ from pydantic import Field, ValidationError, model_validator
 
 from fes.arrays import draws
 from fes.arrays.types import Floats
-from fes.errors import FesError, ScenarioError, reason
+from fes.errors import FesError, ScenarioError
 from fes.extension import crew_laws, registry
 from fes.extension.kinds import CHANNEL, CONTROLLER, DYNAMICS, FORMATION, METRIC, RULE, SEEKING, Kind
 from fes.model import counts, stability
 from fes.model.config import FORMULAS, AgentConfig, Clock, FaultConfig, FormationConfig, ObjectiveConfig
 from fes.model.seeking import MAX_TICKS, OracleConfig, SeekingConfig
 from fes.model.table import Table, Use, chosen
-from fes.system import encoding
 from world.config import events, faults, starts, toml
 from world.config.events import EventConfig, ParticipationChange, changed, schedule
 from world.config.expectations import ExpectConfig
 from world.config.faults import Transmission
 from world.config.outside import schemes, trace_file
-from world.config.outside.schemes import Comparison
 from world.config.overrides import apply
 from world.config.overrides import parse_override as parse_override
 from world.config.radio import RadioConfig
@@ -185,29 +183,14 @@ def load(path: Path, overrides: dict[str, Any] | None = None) -> Scenario:
 
     Raises ScenarioError: one line that names the field, the rule and the offending value.
     """
-    tables = _read(path)
-    schemes_of_file = schemes.take(tables, str(path))
+    tables = toml.read(path)
+    compared = schemes.take(tables, str(path))
     settings = dict(overrides or {})
     if schemes.SCHEME in settings:
-        settings = schemes_of_file.settings(settings.pop(schemes.SCHEME), str(path)) | settings
+        settings = compared.settings(settings.pop(schemes.SCHEME), str(path)) | settings
     apply(tables, settings)
     trace_file.locate(tables, path)
     return parse(tables, str(path))
-
-
-def comparison(path: Path) -> Comparison:
-    """The schemes in a TOML file, and the columns of their table; raises ScenarioError."""
-    return schemes.take(_read(path), str(path))
-
-
-def _read(path: Path) -> dict[str, Any]:
-    """The tables of a TOML file; raises ScenarioError."""
-    try:
-        return toml.parse(encoding.read(path))
-    except OSError as error:
-        raise ScenarioError(str(path), f"cannot be read: {reason(error, with_file=False)}") from None
-    except ValueError as error:
-        raise ScenarioError(str(path), str(error)) from None
 
 
 def parse(tables: dict[str, Any], where: str) -> Scenario:

@@ -9,7 +9,9 @@ from console.sweep.schemes.outcomes import Mean, SchemeTable
 from console.terminal.formatting import UNKNOWN
 from console.terminal.printing import cell
 
-TOLD = "told the channel"
+SECOND = "told the channel"
+"""Title of the second column."""
+
 CAPTION = f"mean over the seeds ± half its {100 * CONFIDENCE:g} % interval"
 
 
@@ -17,7 +19,7 @@ def render(schemes: SchemeTable) -> Table:
     """The table for a terminal."""
     table = Table(box=None, padding=(0, 2, 0, 0), caption=CAPTION, caption_justify="left")
     table.add_column(cell("scheme"), overflow="fold")
-    table.add_column(cell(TOLD))
+    table.add_column(cell(SECOND))
     for column in schemes.columns:
         table.add_column(cell(column.title), justify="right", overflow="fold")
     for row in schemes.rows:
@@ -27,7 +29,7 @@ def render(schemes: SchemeTable) -> Table:
 
 def markdown(schemes: SchemeTable) -> str:
     """The table as Markdown."""
-    head = ["scheme", TOLD, *(column.title for column in schemes.columns)]
+    head = ["scheme", SECOND, *(column.title for column in schemes.columns)]
     body = [[row.name, _yes(row.is_told), *map(text, row.means)] for row in schemes.rows]
     lines = [head, ["---", "---", *["---:"] * len(schemes.columns)], *body]
     return "".join("| " + " | ".join(entry.replace("|", "\\|") for entry in line) + " |\n" for line in lines)

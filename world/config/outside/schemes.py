@@ -6,12 +6,14 @@ one of them.
 
 import copy
 import difflib
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, model_validator
 
 from fes.errors import ScenarioError
 from fes.model.table import Positive, Table
+from world.config import toml
 from world.config.validation import first_rule, short
 
 SCHEME = "scheme"
@@ -46,7 +48,7 @@ class Comparison(Table):
     scheme: list[SchemeConfig] = Field(default=[])
     """Variants of the scenario, which `fes sweep` compares."""
     column: list[ColumnConfig] = Field(default=[])
-    """Columns of the table of schemes; by default every number of a `[[metric]]`."""
+    """Columns of the table of schemes; by default every number of `summary.metrics`."""
 
     @model_validator(mode="after")
     def _named_once(self) -> "Comparison":
@@ -58,10 +60,9 @@ class Comparison(Table):
 
     def settings(self, name: Any, where: str) -> dict[str, Any]:
         """The fields that a scheme sets; raises ScenarioError for a name that no scheme has."""
-        found = [scheme for scheme in self.scheme if scheme.name == name]
-        if found:
-            return copy.deepcopy(found[0].set)
         names = [scheme.name for scheme in self.scheme]
+        if name in names:
+            return copy.deepcopy(self.scheme[names.index(name)].set)
         near = difflib.get_close_matches(str(name), names, 1)
         known = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(names) or 'none'}"
         raise ScenarioError(where, f"there is no scheme '{short(str(name))}'; {known}")
@@ -78,3 +79,8 @@ def take(tables: dict[str, Any], where: str) -> Comparison:
         return Comparison.model_validate(given)
     except ValidationError as error:
         raise ScenarioError(where, first_rule(error, Comparison, "scenario")) from None
+
+
+def of_file(path: Path) -> Comparison:
+    """The comparison of a TOML file; raises ScenarioError."""
+    return take(toml.read(path), str(path))

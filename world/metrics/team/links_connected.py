@@ -1,4 +1,4 @@
-"""Whether the robots' links connect the team."""
+"""Connection of the team by the robots' links."""
 
 from fes.extension.context import WorldContext
 from fes.extension.protocols import NoParameters
