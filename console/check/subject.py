@@ -27,7 +27,7 @@ ROBOTS = 5
 RESTARTED = 1
 """The robot that leaves during a run, and rejoins without state."""
 
-ANY = Kind("extension", "", {}, ())
+ANY = Kind("extension", "", {})
 """Stands for a kind that is not known yet."""
 
 LAWS = (CONTROLLER, FORMATION, SEEKING, RULE)

@@ -22,8 +22,8 @@ class Kind(NamedTuple):
     """Group of entry points."""
     built_in: dict[str, str]
     """Name -> `module:Class` of those that come with fes."""
-    members: tuple[tuple[str, ...], ...]
-    """Alternative sets of members, of which a class of this kind has one."""
+    members: tuple[tuple[str, ...], ...] = ()
+    """Alternative sets of members, of which a class of this kind has one; empty if it needs none."""
     checked: Callable[[Any, str, Any], Any] = lambda extension, what, context: extension
     """Wrapper that checks what an extension of others returns."""
 
@@ -34,7 +34,7 @@ class Kind(NamedTuple):
         ('__call__', '')
         """
         lacking = [[name for name in names if not _has(loaded, name)] for names in self.members]
-        return min(lacking, key=len, default=[])[0] if all(lacking) else ""
+        return min(lacking, key=len)[0] if lacking and all(lacking) else ""
 
 
 def _has(loaded: Any, name: str) -> bool:

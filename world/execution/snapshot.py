@@ -21,6 +21,8 @@ from pydantic import BaseModel
 from fes.errors import FesError, reason
 from fes.extension import registry
 from fes.extension.checked import CheckedMetric
+from fes.extension.kinds import DYNAMICS, METRIC
+from fes.model.table import chosen
 from fes.protocol import world_info
 from fes.protocol.messages import Join
 from fes.system import files, fingerprint, strict_json
@@ -103,11 +105,26 @@ _KINDS: dict[str, Any] = {
 
 
 def pack(snapshot: Snapshot) -> bytes:
-    """The content of the file of a snapshot."""
+    """The content of the file of a snapshot; raises FesError if the state of an extension cannot be in it."""
+    _check_extensions(snapshot)
     evidence = [entry.table for entry in extensions.of(snapshot.scenario)]
     head = {"fes": world_info.version(), "arithmetic": fingerprint.table(), "extensions": evidence}
     body = strict_json.dumps(head).encode() + b"\n" + pickle.dumps(snapshot, protocol=5)
     return b"\n".join([b"fes checkpoint %d" % FORMAT, hashlib.sha256(body).hexdigest().encode(), body])
+
+
+def _check_extensions(snapshot: Snapshot) -> None:
+    """Raise FesError unless the states of all extensions can be pickled, and read again."""
+    dynamics = chosen(snapshot.scenario.robots.dynamics).use
+    bodies = [(DYNAMICS, dynamics, snapshot.state.bodies)] if dynamics not in DYNAMICS.built_in else []
+    metrics = [(METRIC, metric.use, snapshot.metrics.extensions[metric.key]) for metric in snapshot.scenario.metric]
+    for kind, name, state in bodies + metrics:
+        try:
+            _Tables(io.BytesIO(pickle.dumps(state, protocol=5))).load()
+        except Exception as error:  # the state is that of anybody's code
+            raise FesError(
+                f"{kind.name} '{name}': its state cannot be in a checkpoint: {type(error).__name__}: {error}"
+            ) from None
 
 
 def read(path: Path) -> Snapshot:
