@@ -69,8 +69,8 @@ def _is_of_other_process(first: bytes, second: bytes) -> bool:
     if not first or not second:
         return False
     try:
-        other = messages.decode_command(second).is_model_free
-        return messages.encode_command(messages.decode_command(first)._replace(is_model_free=other)) == second
+        second_flag = messages.decode_command(second).is_model_free
+        return messages.encode_command(messages.decode_command(first)._replace(is_model_free=second_flag)) == second
     except MessageError:
         return False
 
