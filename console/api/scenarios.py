@@ -11,6 +11,8 @@ from console.api import arguments
 from fes.errors import ScenarioError
 from fes.system import encoding
 from world.config import builtin, scenario, toml
+from world.config.outside import schemes
+from world.config.outside.schemes import NOTHING, Comparison
 from world.config.overrides import apply
 from world.config.scenario import Scenario
 
@@ -57,6 +59,11 @@ def resolve(source: Source, fields: dict[str, Any], name: str | None = None) -> 
         raise ScenarioError("scenario", f"expects a Scenario, a name or a path, got {type(source).__name__}")
     path = builtin.resolve(Path(source))
     return NamedScenario(name or encoding.name_of(path), scenario.load(path, fields))
+
+
+def comparison(source: Source) -> Comparison:
+    """The schemes of a source's file; raises ScenarioError."""
+    return NOTHING if isinstance(source, Scenario) else schemes.of_file(builtin.resolve(Path(source)))
 
 
 def flat(overrides: Overrides | None) -> dict[str, Any]:

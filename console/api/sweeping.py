@@ -90,7 +90,7 @@ def _plan(
     def make(settings: dict[str, Any]) -> Scenario:
         return scenarios.resolve(source, settings).scenario
 
-    return design.crossed(base.name, make, fixed, fields, _seeds(seeds))
+    return design.crossed(base.name, make, fixed, fields, _seeds(seeds), scenarios.comparison(source))
 
 
 def _values(axis: str, values: Iterable[Any]) -> list[Any]:

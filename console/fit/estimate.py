@@ -13,6 +13,7 @@ from console.fit.shares import NORMAL
 from fes.arrays.types import Floats
 from fes.errors import FesError
 from fes.extension.context import SeededDraws, WorldContext
+from fes.model import objective, outage
 from fes.model.config import ObjectiveConfig
 from world.config.events import changed
 from world.config.radio import RadioConfig
@@ -23,6 +24,12 @@ Interval = tuple[float, float]
 LARGEST_EXPONENT = 20.0
 WIDTHS = (1e-3, 1e6)
 """Smallest and largest width of a logistic channel [m]."""
+
+OBJECTIVE = ObjectiveConfig()
+"""The objective for which r* is computed."""
+
+STEP = 1e-4
+"""Steps of differences, relative to r* or to a standard error [1]."""
 
 OTHERWISE = "--model table follows the measured shares"
 
@@ -170,24 +177,43 @@ def _finished(
     band: Callable[[Floats], tuple[Floats, Floats, Floats]],
     spread: float | None,
 ) -> Fit:
-    """The fit, with r* and its interval: its slopes by the parameters are central differences."""
-    parameters, errors = maximum.parameters, np.sqrt(np.diag(maximum.covariance))
-    rounded = {name: _rounded(value) for name, value in settings(parameters).items()}
+    """The fit, with r* and its interval.
+
+    r* solves (ln S)' + (ln p)' = 0. So its slope by a parameter is that of -(ln p)', over (ln S)'' + (ln p)''. The
+    derivatives of (ln p)' are central differences.
+    """
+    rounded = {name: _rounded(value) for name, value in settings(maximum.parameters).items()}
     optimal = _optimal(rounded)
-    steps = np.diag(1e-3 * errors)
-    slopes = [
-        (_optimal(settings(parameters + step)) - _optimal(settings(parameters - step))) / (2.0 * step.sum())
-        for step in steps
-    ]
-    half = NORMAL * math.sqrt(max(0.0, float(np.array(slopes) @ maximum.covariance @ np.array(slopes))))
+    around = optimal * np.array([1.0 - STEP, 1.0, 1.0 + STEP])
+
+    def slopes(parameters: Floats) -> Floats:
+        """(ln p)' around r* [3]."""
+        return outage.log_reception_slope(around, _channel(settings(parameters)))
+
+    steps = np.diag(STEP * np.sqrt(np.diag(maximum.covariance)))
+    by_parameter = np.array(
+        [
+            (slopes(maximum.parameters + step) - slopes(maximum.parameters - step))[1] / (2.0 * step.sum())
+            for step in steps
+        ]
+    )
+    before, _, after = slopes(maximum.parameters)
+    curvature = float(objective.log_preference_curvature(around, OBJECTIVE)[1]) + (after - before) / (
+        around[2] - around[0]
+    )
+    variance = float(by_parameter @ maximum.covariance @ by_parameter) / curvature**2
+    half = NORMAL * math.sqrt(variance)
     return Fit(rounded, intervals, band, maximum.log_likelihood, optimal, (optimal - half, optimal + half), spread)
 
 
+def _channel(settings: dict[str, Any]) -> RadioConfig:
+    """The channel with these fields; raises FesError for those that a scenario refuses."""
+    return changed(RadioConfig(), {f"channel.{name}": value for name, value in settings.items()}, 1.0)
+
+
 def _optimal(settings: dict[str, Any]) -> float:
-    """r* of a channel for the default objective [m]; raises FesError for fields that a scenario refuses."""
-    objective = ObjectiveConfig()
-    channel = changed(RadioConfig(), {f"channel.{name}": value for name, value in settings.items()}, 1.0)
-    return best_separation(WorldContext(1.0, 2, objective, SeededDraws(0)), channel)
+    """r* of a channel for the default objective [m]."""
+    return best_separation(WorldContext(1.0, 2, OBJECTIVE, SeededDraws(0)), _channel(settings))
 
 
 def _check_overlap(packets: Packets) -> None:

@@ -89,7 +89,7 @@ def maximize(family: Family, x: Floats, y: Floats, level: float) -> Maximum:
 def outage(eta: Floats, decoded: Floats) -> Terms:
     """A packet that decodes with probability exp(-e^eta), as by (3) with eta = ln(c r^nu)."""
     rate = np.exp(eta.clip(-_LARGEST, _LARGEST))
-    lost = rate / np.expm1(rate)
+    lost = rate * np.exp(-rate) / -np.expm1(-rate)
     return Terms(
         np.where(decoded, -rate, np.log(-np.expm1(-rate))),
         np.where(decoded, -rate, lost),

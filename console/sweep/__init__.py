@@ -11,4 +11,5 @@ comparison  cells, and paired differences between them
 results     rows, cells and differences, and the files that hold them
 report      the comparison as a table
 picture     the comparison as a figure
+schemes     schemes of one file, compared: their table and figure
 """

@@ -3,7 +3,7 @@
 import contextlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -13,12 +13,18 @@ from console.sweep import cluster, design, ledger, local, picture, report, table
 from console.sweep.design import Design
 from console.sweep.ledger import Ledger
 from console.sweep.results import Results
+from console.sweep.schemes import outcomes
+from console.sweep.schemes import picture as scheme_picture
+from console.sweep.schemes import report as scheme_report
 from console.sweep.table import Format
 from console.sweep.work import Workers
 from console.terminal import printing, progress
 from fes import process
 from fes.errors import FesError, ScenarioError, Stopped, reason
 from world.config import builtin, remarks
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def sweep(
@@ -37,7 +43,10 @@ def sweep(
     form: Annotated[Format, typer.Option("--format", help="Format of the table of runs.")] = Format.CSV,
     plot: Annotated[bool, typer.Option("--plot", help="Also draw sweep.png and sweep.svg.")] = False,
 ) -> int:
-    """Run a scenario with many seeds and settings, and compare them; a repeated command skips finished runs."""
+    """Run a scenario with many seeds and settings, and compare them; a repeated command skips finished runs.
+
+    A scenario file with schemes, such as `challenge`, has its schemes as the first axis.
+    """
     if scheduler is not None and jobs is not None:
         raise ScenarioError("--jobs", "sets processes on this machine, which --scheduler does not use")
     planned = design.plan(builtin.resolve(scenario), axis or [], seeds, set_ or [])
@@ -83,15 +92,19 @@ def _carry_out(planned: Design, finished: Ledger, workers: Workers) -> None:
 def _report(planned: Design, finished: Ledger, directory: Path, form: Format, plot: bool) -> int:
     """Write tables and figure, and print the comparison."""
     results = Results.of(planned, finished.done)
+    schemes = outcomes.of(planned, results.rows)
     try:
         written = results.write(directory, form)
-        if plot and picture.drawable(planned, results.rows):
+        if schemes is not None:
+            written.append(table.write_text(directory, "schemes.md", scheme_report.markdown(schemes)))
+        if plot and (schemes is not None or picture.drawable(planned, results.rows)):
             with progress.bar("figure"):
-                figure = picture.sweep_figure(planned, results.rows, results.differences)
+                figure = scheme_picture.schemes_figure(schemes) if schemes else _figure(results)
                 written += figures.save(figure, directory / "sweep")
     except OSError as error:
         raise FesError(f"cannot write the tables: {reason(error)}") from None
-    printing.show(printing.console(), report.render(planned, results.spreads, results.differences))
+    shown = scheme_report.render(schemes) if schemes else report.render(planned, results.spreads, results.differences)
+    printing.show(printing.console(), shown)
     for path in written:
         printing.line(path)
     failed = [(run, finished.done[run.key].error) for run in planned.runs if finished.done[run.key].error is not None]
@@ -101,3 +114,7 @@ def _report(planned: Design, finished: Ledger, directory: Path, form: Format, pl
         repeat = f"to repeat them, delete the lines with an error in {directory / ledger.LINES}"
         raise FesError(f"{len(failed)} of {len(planned.runs)} runs failed; the first is {first_failure}; {repeat}")
     return process.SUCCESS
+
+
+def _figure(results: Results) -> "Figure":
+    return picture.sweep_figure(results.design, results.rows, results.differences)

@@ -15,6 +15,8 @@ from typing import Any
 from console.backends import inprocess
 from fes.errors import ScenarioError
 from fes.system import encoding, strict_json
+from world.config.outside import schemes
+from world.config.outside.schemes import NOTHING, SCHEME, ColumnConfig, Comparison
 from world.config.scenario import Scenario, load, parse_override
 from world.config.validation import short
 from world.simulation import crowd
@@ -59,6 +61,8 @@ class Design:
     axes: tuple[str, ...]
     cells: list[Cell]
     seeds: list[int]
+    columns: tuple[ColumnConfig, ...] = ()
+    """Columns of the table of schemes, if the scenario file has any."""
 
     @cached_property
     def runs(self) -> list[SweepRun]:
@@ -95,7 +99,8 @@ def plan(path: Path, axes: list[str], seeds: str, settings: list[str]) -> Design
         if field in fields:
             raise ScenarioError("--axis", f"expects each field once, got '{short(field)}' again")
         fields[field] = values
-    return crossed(encoding.name_of(path), lambda settings: load(path, settings), fixed, fields, parse_seeds(seeds))
+    name, numbers, compared = encoding.name_of(path), parse_seeds(seeds), schemes.of_file(path)
+    return crossed(name, lambda settings: load(path, settings), fixed, fields, numbers, compared)
 
 
 def crossed(
@@ -104,12 +109,16 @@ def crossed(
     fixed: dict[str, Any],
     fields: dict[str, list[Any]],
     seeds: list[int],
+    compared: Comparison = NOTHING,
 ) -> Design:
     """The design that crosses the values of these `fields`, each by its dotted path, with the `seeds`.
 
     `make` makes a scenario from overrides: the `fixed` ones, and those of a cell. The scenario of every cell is
-    checked. Raises ScenarioError.
+    checked. The schemes of a file are the first axis, unless a field or a fixed one chooses among them. Raises
+    ScenarioError.
     """
+    if compared.scheme and SCHEME not in fields.keys() | fixed.keys():
+        fields = {SCHEME: [scheme.name for scheme in compared.scheme], **fields}
     for field in fields.keys() & fixed.keys():
         raise ScenarioError("--axis", f"'{short(field)}' is given by --set, and cannot be an axis too")
     if SEED in fields or SEED in fixed:
@@ -124,8 +133,11 @@ def crossed(
         scenario = make({**fixed, **dict(zip(fields, combination, strict=True))})
         inprocess.check(scenario)
         crowd.check(scenario)
-        cells.append(Cell(tuple(_value(scenario, field) for field in fields), scenario))
-    design = Design(name, tuple(fields), cells, seeds)
+        given = zip(fields, combination, strict=True)
+        cells.append(
+            Cell(tuple(value if field == SCHEME else _value(scenario, field) for field, value in given), scenario)
+        )
+    design = Design(name, tuple(fields), cells, seeds, tuple(compared.column))
     for index, (field, values) in enumerate(fields.items()):
         if len(design.values(index)) < len(values):
             raise ScenarioError("--axis", f"expects each value of '{field}' once, got {', '.join(map(str, values))}")

@@ -64,6 +64,14 @@ def write(directory: Path, name: str, table: Sequence[Row], form: Format = Forma
     return path
 
 
+def write_text(directory: Path, name: str, text: str) -> Path:
+    """Write a text atomically."""
+    path, temporary = directory / name, directory / f".{name}"
+    temporary.write_text(text, encoding="utf-8")
+    os.replace(temporary, path)
+    return path
+
+
 def _write_csv(file: IO[str], table: Sequence[Row]) -> None:
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(table[0] if table else [])

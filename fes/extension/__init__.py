@@ -21,7 +21,7 @@ from fes.extension.controllers import Action, ControllerContext, Neighbor, Pull,
 from fes.extension.neighborhood import Entry, LinkGeometry, Neighborhood
 from fes.extension.protocols import Formed, NoParameters, Published
 from fes.model.contacts import Contacts
-from fes.model.table import Table
+from fes.model.table import NonNegative, Positive, Table
 
 __all__ = [
     "API",
@@ -40,6 +40,8 @@ __all__ = [
     "Neighbor",
     "Neighborhood",
     "NoParameters",
+    "NonNegative",
+    "Positive",
     "Published",
     "Pull",
     "RobotView",

@@ -8,7 +8,7 @@ from fes.extension.context import LawContext
 from fes.extension.controller_laws import ControllerFormation, ControllerSeeking
 from fes.extension.kinds import CONTROLLER, FORMATION, RULE, SEEKING
 from fes.extension.protocols import MAX_DECLARED, FormationLaw, NeighborRule, SeekingLaw
-from fes.extension.registry import create, load, parameters
+from fes.extension.registry import create, is_told, load, parameters
 from fes.model.config import AgentConfig
 from fes.model.seeking import MeasuredConfig, SeekingConfig
 from fes.model.table import Use, chosen
@@ -25,11 +25,9 @@ class Laws(NamedTuple):
 def knows_channel(seeking: SeekingConfig, formation: str | Use, controller: str | Use | None) -> bool:
     """True if one of these laws must be told the channel; no built-in law is loaded. Raises FesError in one line."""
     if controller is not None:
-        return bool(getattr(load(CONTROLLER, chosen(controller).use), "knows_channel", False))
-    law = chosen(formation).use
-    is_told = law not in FORMATION.built_in and getattr(load(FORMATION, law), "knows_channel", False)
-    own = getattr(load(SEEKING, seeking.use), "knows_channel", False) if isinstance(seeking, Use) else None
-    return bool(is_told or (seeking.knows_channel if not isinstance(seeking, Use) else own))
+        return is_told(CONTROLLER, controller)
+    is_sought_told = is_told(SEEKING, seeking) if isinstance(seeking, Use) else seeking.knows_channel
+    return is_sought_told or is_told(FORMATION, formation)
 
 
 def physical_period(config: SeekingConfig) -> float | None:

@@ -26,6 +26,8 @@ class Kind(NamedTuple):
     """Alternative sets of members, of which a class of this kind has one; empty if it needs none."""
     checked: Callable[[Any, str, Any], Any] = lambda extension, what, context: extension
     """Wrapper that checks what an extension of others returns."""
+    model_based: frozenset[str] = frozenset()
+    """Built-in ones that must be told the channel: known without loading them."""
 
     def missing(self, loaded: Any) -> str:
         """The first member that a class lacks; empty if it has all of them.
@@ -80,9 +82,16 @@ RULE = Kind(
 FORMATION = Kind(
     "formation law",
     "fes.formation_laws",
-    {"paper": "agents.laws.formation:PaperFormation"},
+    {
+        "paper": "agents.laws.formation:PaperFormation",
+        "alpha_lattice": "agents.rivals.alpha_lattice:AlphaLattice",
+        "connectivity": "agents.rivals.connectivity:Connectivity",
+        "gradient": "agents.rivals.gradient:Gradient",
+        "voronoi": "agents.rivals.voronoi:Voronoi",
+    },
     (("start", "forget", "step"),),
     CheckedFormation,
+    frozenset({"gradient"}),
 )
 SEEKING = Kind(
     "seeking law",
@@ -92,9 +101,12 @@ SEEKING = Kind(
         "sampled": "agents.laws.seeking_perturbation:SampledSeeking",
         "measured, network": "agents.laws.seeking_measured:PooledSeeking",
         "measured, none": "agents.laws.seeking_measured:LinkSeeking",
+        "fixed_separation": "agents.rivals.fixed_separation:FixedSeparation",
+        "krstic_wang": "agents.rivals.krstic_wang:KrsticWang",
     },
     (("start", "forget", "relink", "desired", "measure", "publish", "seek"),),
     CheckedSeeking,
+    frozenset({"oracle"}),
 )
 CONTROLLER = Kind("controller", "fes.controllers", {}, (("step",),))
 CHANNEL = Kind(
@@ -120,7 +132,13 @@ DYNAMICS = Kind(
 METRIC = Kind(
     "metric",
     "fes.metrics",
-    {},
+    {
+        "covered_area": "world.metrics.team.at_the_end:CoveredArea",
+        "delivery": "world.metrics.team.at_the_end:TeamDelivery",
+        "link_index": "world.metrics.team.link_index:LinkIndex",
+        "links_connected": "world.metrics.team.links_connected:LinksConnected",
+        "travel": "world.metrics.team.travel:Travel",
+    },
     (("add", "result"),),
     lambda extension, what, context: CheckedMetric(extension, what),
 )

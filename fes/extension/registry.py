@@ -113,12 +113,21 @@ def parameters(kind: Kind, choice: str | Use, loaded: Any) -> Table:
 
 
 def check(kind: Kind, choice: str | Use) -> None:
-    """Raise FesError in one line unless an extension is there and takes its parameters; loads no built-in one."""
+    """Raise FesError in one line unless an extension is there and takes its parameters.
+
+    It loads no built-in one without parameters.
+    """
     selected = chosen(choice)
-    if selected.use not in kind.built_in:
+    if selected.use not in kind.built_in or selected.parameters:
         parameters(kind, choice, load(kind, selected.use))
-    elif selected.parameters:
-        raise FesError(f"{kind.name} '{selected.use}' has no parameter '{next(iter(selected.parameters))}'")
+
+
+def is_told(kind: Kind, choice: str | Use) -> bool:
+    """True if a law or a controller must be told the channel; loads no built-in one. Raises FesError in one line."""
+    name = chosen(choice).use
+    if name in kind.built_in:
+        return name in kind.model_based
+    return bool(getattr(load(kind, name), "knows_channel", False))
 
 
 def create(kind: Kind, choice: str | Use, context: Any, given: Table | None = None) -> Any:

@@ -25,7 +25,7 @@ LAYERS = (
     {"fes.protocol", "fes.extension"},
     {"fes.transport", "fes.recording"},
     {"fes.process"},
-    {"agents.laws", "world.config"},
+    {"agents.laws", "agents.rivals", "world.config"},
     {"agents.control", "world.simulation"},
     {"agents.runtime", "world.metrics"},
     {"agents.process", "world.execution"},
@@ -130,9 +130,24 @@ def test_every_built_in_extension_is_there_and_has_parameters() -> None:
             assert issubclass(registry.load(kind, name).Parameters, Table), (kind.name, name)
 
 
+def test_the_rivals_import_only_the_public_interface() -> None:
+    assert arrows()["agents.rivals"] == {"fes.extension"}
+    rivals = {name: path for name, path in modules("agents").items() if name.startswith("agents.rivals.")}
+    assert len(rivals) == 6
+    for path in rivals.values():
+        project = {word for word in imports(ast.parse(path.read_text(encoding="utf-8"))) if word.startswith("fes.")}
+        assert {word.rpartition(".")[0] or word for word in project} <= {"fes.extension", "fes"}
+
+
+def test_the_built_in_laws_that_are_told_the_channel_are_those_that_kinds_lists() -> None:
+    for kind in KINDS:
+        loaded = {name: registry.load(kind, name) for name in kind.built_in}
+        assert {name for name in loaded if getattr(loaded[name], "knows_channel", False)} == kind.model_based
+
+
 def test_a_built_in_extension_is_on_the_side_that_runs_it() -> None:
     for kind in KINDS:
-        side = "world." if kind in (CHANNEL, DYNAMICS, METRIC) else "agents.laws."
+        side = ("world.",) if kind in (CHANNEL, DYNAMICS, METRIC) else ("agents.laws.", "agents.rivals.")
         assert [path for path in kind.built_in.values() if not path.startswith(side)] == []
 
 

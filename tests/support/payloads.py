@@ -76,11 +76,10 @@ def beacons(draw: st.DrawFn) -> Beacon:
 def commands(draw: st.DrawFn) -> Command:
     near = draw(peers)
     learnt = draw(floats(draw(st.sampled_from([0, 2 * len(near)])), reals))
-    details, is_free = draw(floats(draw(st.integers(0, 7)), reals)), st.sampled_from([True, False, None])
+    details = draw(floats(draw(st.integers(0, 7)), reals))
     estimates = draw(floats(len(near), reals))
-    return Command(
-        draw(ticks), draw(robots), (draw(rates), draw(rates)), near, estimates, learnt, details, draw(is_free)
-    )
+    is_free = draw(st.none() | st.booleans())
+    return Command(draw(ticks), draw(robots), (draw(rates), draw(rates)), near, estimates, learnt, details, is_free)
 
 
 @st.composite

@@ -68,6 +68,8 @@ def _seeking_law(tables: dict[str, Any]) -> Any:
 
 def _drop_former_keys(tables: dict[str, Any], overridden: Collection[str]) -> None:
     """Drop the file's keys that the seeking law does not have, after overrides chose another law."""
+    if "seeking" in overridden:
+        return
     table = tables["seeking"]
     if "seeking.index" in overridden and "seeking.use" not in overridden:
         table.pop("use", None)

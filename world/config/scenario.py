@@ -7,19 +7,18 @@ from pydantic import Field, ValidationError, model_validator
 
 from fes.arrays import draws
 from fes.arrays.types import Floats
-from fes.errors import FesError, ScenarioError, reason
+from fes.errors import FesError, ScenarioError
 from fes.extension import crew_laws, registry
 from fes.extension.kinds import CHANNEL, CONTROLLER, DYNAMICS, FORMATION, METRIC, RULE, SEEKING, Kind
 from fes.model import counts, stability
 from fes.model.config import FORMULAS, AgentConfig, Clock, FaultConfig, FormationConfig, ObjectiveConfig
 from fes.model.seeking import MAX_TICKS, OracleConfig, SeekingConfig
 from fes.model.table import Table, Use, chosen
-from fes.system import encoding
 from world.config import events, faults, starts, toml
 from world.config.events import EventConfig, ParticipationChange, changed, schedule
 from world.config.expectations import ExpectConfig
 from world.config.faults import Transmission
-from world.config.outside import trace_file
+from world.config.outside import schemes, trace_file
 from world.config.overrides import apply
 from world.config.overrides import parse_override as parse_override
 from world.config.radio import RadioConfig
@@ -186,19 +185,18 @@ class Scenario(Table):
 
 
 def load(path: Path, overrides: dict[str, Any] | None = None) -> Scenario:
-    """The scenario in a TOML file, with `overrides` by dotted path.
+    """The scenario in a TOML file, with `overrides` by dotted path; `scheme` among them chooses one of its schemes.
 
     Raises ScenarioError: one line that names the field, the rule and the offending value.
     """
+    tables = toml.read(path)
+    compared = schemes.take(tables, str(path))
+    settings = dict(overrides or {})
+    if schemes.SCHEME in settings:
+        settings = compared.settings(settings.pop(schemes.SCHEME), str(path)) | settings
+    apply(tables, settings)
     try:
-        tables = toml.parse(encoding.read(path))
-    except OSError as error:
-        raise ScenarioError(str(path), f"cannot be read: {reason(error, with_file=False)}") from None
-    except ValueError as error:
-        raise ScenarioError(str(path), str(error)) from None
-    apply(tables, overrides or {})
-    try:
-        trace_file.locate(tables, path.parent, overrides or {})
+        trace_file.locate(tables, path.parent, settings)
     except FesError as error:
         raise ScenarioError(str(path), f"channel.trace: {error}") from None
     return parse(tables, str(path))

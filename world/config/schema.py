@@ -13,7 +13,10 @@ from functools import cache
 from itertools import pairwise
 from typing import Any, NamedTuple
 
+from pydantic import ConfigDict
+
 from fes.model.table import Table
+from world.config.outside.schemes import Comparison
 from world.config.scenario import Scenario
 from world.config.validation import tables_within
 
@@ -40,11 +43,17 @@ class ScenarioField(NamedTuple):
     description: str
 
 
+class ScenarioFile(Comparison, Scenario):
+    """The tables of a scenario file: the scenario, and the schemes that it has in common."""
+
+    model_config = ConfigDict(title="Scenario")
+
+
 def json_schema() -> dict[str, Any]:
     """JSON schema of a scenario; each field has a description, and a `unit` if it has one."""
-    schema = Scenario.model_json_schema()
-    for model in _models(Scenario):
-        table = schema if model is Scenario else schema["$defs"][model.__name__]
+    schema = ScenarioFile.model_json_schema()
+    for model in _models(ScenarioFile):
+        table = schema if model is ScenarioFile else schema["$defs"][model.__name__]
         for name, text in _docstrings(model).items():
             description, unit = _split(text)
             table["properties"][model.model_fields[name].alias or name] |= {

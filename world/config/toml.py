@@ -1,8 +1,11 @@
 """TOML from outside: tables of bounded depth and integers of bounded size, or an error in one line."""
 
 import tomllib
+from pathlib import Path
 from typing import Any
 
+from fes.errors import ScenarioError, reason
+from fes.system import encoding
 from fes.system.encoding import DEEPEST
 
 LARGEST = 2**64
@@ -25,6 +28,16 @@ def parse(text: str) -> dict[str, Any]:
         raise ValueError("has a number or a date that is too large") from None
     check(tables)
     return tables
+
+
+def read(path: Path) -> dict[str, Any]:
+    """The tables of a file; raises ScenarioError."""
+    try:
+        return parse(encoding.read(path))
+    except OSError as error:
+        raise ScenarioError(str(path), f"cannot be read: {reason(error, with_file=False)}") from None
+    except ValueError as error:
+        raise ScenarioError(str(path), str(error)) from None
 
 
 def check(value: object) -> None:

@@ -1,5 +1,6 @@
-"""Parts of a scenario that are not in its file.
+"""Parts that belong to a scenario, and are not in its tables.
 
 extensions  the code of its extensions, and whether it is that of a recorded run
 trace_file  the file of a trace
+schemes     named variants in its file, and the columns of their table
 """

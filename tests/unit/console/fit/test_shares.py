@@ -32,7 +32,7 @@ def test_other_separations_are_groups_of_about_equal_size_that_hold_all_packets(
     groups = len(measured.sent)
     assert groups == max(2, min(shares.MOST, count // shares.FEWEST))
     assert measured.sent.sum() == count
-    assert abs(measured.sent - count / groups).max() <= 1.0
+    assert measured.sent.max() - measured.sent.min() <= 2  # a quantile falls on a packet or between two
     assert (np.diff(measured.separation) > 0.0).all()
 
 

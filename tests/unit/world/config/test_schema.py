@@ -13,7 +13,6 @@ from fes.system import strict_json
 from tests.support.paths import CONFIGS
 from world.config import scenario as scenarios
 from world.config import schema, validation
-from world.config.scenario import Scenario
 
 FIELDS = {field.path: field for field in schema.fields()}
 UNIT_OF_THE_KEY = {"expect[].below", "expect[].above", "expect[].equals"}
@@ -26,7 +25,7 @@ def test_every_field_has_a_description() -> None:
     bare = [path for path, field in FIELDS.items() if len(field.description.split()) < 2]
     assert bare == []
     assert all(field.description.endswith(".") for field in FIELDS.values())
-    assert [name.replace("[]", "") for name in FIELDS] == validation._fields(Scenario, "")
+    assert [name.replace("[]", "") for name in FIELDS] == validation._fields(schema.ScenarioFile, "")
 
 
 @pytest.mark.parametrize("model", [AgentConfig, FaultConfig])

@@ -7,8 +7,9 @@ from typing import Any
 import pytest
 
 from fes.errors import FesError, ScenarioError
-from world.config import scenario, trace_file
+from world.config import scenario
 from world.config.events import changed
+from world.config.outside import trace_file
 from world.config.scenario import Scenario
 
 HEADER = "time,sender,receiver,probability\n"

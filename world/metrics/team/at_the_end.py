@@ -1,0 +1,83 @@
+"""Metrics of the configuration at the last tick: they keep that tick, and compute when the summary asks."""
+
+import numpy as np
+
+from fes.arrays import geometry
+from fes.arrays.types import Floats
+from fes.extension.context import WorldContext
+from fes.extension.protocols import NoParameters
+from fes.model.table import Positive, Table
+from world.metrics.team import coverage
+from world.metrics.team import delivery as deliveries
+from world.metrics.tick_truth import TickTruth
+from world.simulation.truth import State
+
+
+class CoveredAreaParameters(Table):
+    """The parameters of the metric `covered_area`."""
+
+    radius: Positive | None = None
+    """Radius that each robot covers [m]; by default the smallest separation that the team prefers (r_min)."""
+
+
+class CoveredArea:
+    """The area that the robots present cover together."""
+
+    Parameters = CoveredAreaParameters
+
+    def __init__(self, parameters: CoveredAreaParameters, context: WorldContext) -> None:
+        self._radius = parameters.radius or context.objective.minimum_separation
+        self._last: State | None = None
+
+    def add(self, tick: TickTruth) -> None:
+        """Keep the tick."""
+        self._last = tick.state
+
+    def result(self) -> dict[str, float | None]:
+        """The area [m^2], and its share of the area of as many discs that lie apart [1]."""
+        if self._last is None or not self._last.present.any():
+            return {"area": None, "share": None}
+        positions = self._last.poses[self._last.present, :2]
+        area = coverage.covered_area(positions, self._radius)
+        return {"area": area, "share": area / (len(positions) * np.pi * self._radius**2)}
+
+
+class TeamDelivery:
+    """Delivery between the robots present over their best routes, and after the worst loss of one robot."""
+
+    Parameters = NoParameters
+
+    def __init__(self, parameters: NoParameters, context: WorldContext) -> None:
+        self._objective = context.objective
+        self._last: State | None = None
+
+    def add(self, tick: TickTruth) -> None:
+        """Keep the tick."""
+        self._last = tick.state
+
+    def result(self) -> dict[str, float | None]:
+        """The arithmetic and the geometric mean over pairs [1], for all robots and after the worst loss.
+
+        None for less than two robots, and for more than `delivery.MAX_ROBOTS`.
+        """
+        links = np.zeros((0, 0)) if self._last is None else self._links(self._last)
+        now, after = deliveries.delivery(links), deliveries.delivery_after_loss(links)
+        return {
+            "mean": now and now.mean,
+            "geometric_mean": now and now.geometric_mean,
+            "mean_after_loss": after and after.mean,
+            "geometric_mean_after_loss": after and after.geometric_mean,
+        }
+
+    def _links(self, state: State) -> Floats:
+        """The quality of each link between the robots present [n, n]: 0 where they are out of range.
+
+        A pair that came in range at this tick has no reception probability yet, and counts as out of range.
+        """
+        edges, poses = state.radio.edges, state.poses
+        senders = np.searchsorted(edges.ids, edges.peers)
+        x, y = (poses[senders, :2] - poses[edges.rows, :2]).T
+        separation = geometry.separation(x, y)
+        quality = deliveries.link_quality(separation, np.nan_to_num(state.radio.probability), self._objective)
+        links = deliveries.link_matrix(len(poses), senders, edges.rows, quality)
+        return links[np.ix_(state.present, state.present)]
