@@ -143,6 +143,8 @@ def read(path: Path) -> Snapshot:
         raise FesError(f"{path} is damaged: its SHA-256 differs")
     head, _, pickled = body.partition(b"\n")
     _check_arithmetic(path, head)
+    recorded = strict_json.loads(head).get("extensions", [])
+    extensions.check_recorded(recorded, str(path))
     try:
         for opcode, _, _ in pickletools.genops(pickled):
             if opcode.name in _FORBIDDEN:
@@ -154,7 +156,7 @@ def read(path: Path) -> Snapshot:
         isinstance(getattr(snapshot, name, None), kind) for name, kind in _KINDS.items()
     ):
         raise FesError(f"{path} is not a checkpoint")
-    extensions.check(snapshot.scenario, strict_json.loads(head).get("extensions", []), str(path))
+    extensions.check(snapshot.scenario, recorded, str(path))
     return snapshot
 
 
