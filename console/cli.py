@@ -15,10 +15,12 @@ from console import guide, schema
 from console.analysis import command as analysis_command
 from console.backends import announcement, inprocess, processes, view
 from console.backends.processes import Launch
+from console.check.command import check
 from console.connect import options, run_directory, set_command
 from console.connect.run_directory import Client
 from console.dashboard import live, summary
 from console.doctor.command import doctor
+from console.fit import command as fit_command
 from console.keys import command as keys_command
 from console.replay import command as replay_command
 from console.replay import compare
@@ -56,7 +58,9 @@ guide.command(app, "replay")(replay_command.replay)
 guide.command(app, "compare")(compare.compare)
 guide.command(app, "sweep")(command.sweep)
 guide.command(app, "plot")(analysis_command.plot)
+guide.command(app, "fit")(fit_command.fit)
 guide.command(app, "schema")(schema.schema)
+guide.command(app, "check")(check)
 guide.command(app, "doctor")(doctor)
 guide.command(app, "claims")(analysis_command.show_claims)
 app.add_typer(keys_command.app, name="keys", epilog=f"\b\nExample: {guide.EXAMPLES['keys']}")

@@ -1,5 +1,6 @@
 """fes set: change the channel of a running run."""
 
+import math
 from typing import Annotated
 
 import typer
@@ -48,9 +49,10 @@ def set_command(
                 except Unavailable:
                     raise Unavailable(f"no world of run '{run}' answers at {endpoints.shown}") from None
                 result = channel_change.decode_result(answer)
+                optimal = result.optimal_separation
                 printing.line(
                     f"{result.path} = {strict_json.dumps(result.value)} from tick {result.tick} on; "
-                    f"r* = {result.optimal_separation:.3f} m"
+                    + (f"r* = {optimal:.3f} m" if math.isfinite(optimal) else "it has no r*")
                 )
             if result.unnoticed:  # of the last change, since it describes the present channel
                 printing.line(remarks.UNNOTICED)

@@ -20,7 +20,7 @@ _DECODERS: dict[str, Callable[[bytes], Any]] = {
 _PARTS = {"pose": ("x", "y", "heading"), "twist": ("linear", "angular")}
 _OUTSIDE = {"scenario", "elapsed", "ticks_per_s", "alive", "late"}
 """Fields of a Report that describe the machine or the scenario's file, not the run."""
-_OUTSIDE_SUMMARY = {"scenario", "backend", "wall_s", "ticks_per_s", "real_time_factor", "arithmetic"}
+_OUTSIDE_SUMMARY = {"scenario", "backend", "wall_s", "ticks_per_s", "real_time_factor", "arithmetic", "model_free"}
 """Keys of a summary that describe the machine or the scenario's file, not the run."""
 
 
@@ -50,16 +50,29 @@ def between(
 ) -> Difference | None:
     """The first difference of two ticks: Observations before Beacons before Commands, the lowest robot first.
 
-    With `robots`, only the messages of these robots are compared.
+    With `robots`, only the messages of these robots are compared. What Commands tell of the robots' processes is not.
     """
     for message, first_payloads, second_payloads in zip(_DECODERS, first, second, strict=True):
         if first_payloads != second_payloads:
             if len(first_payloads) != len(second_payloads):
                 return Difference(tick, message, None, "number of robots", len(first_payloads), len(second_payloads))
             for robot, pair in enumerate(zip(first_payloads, second_payloads, strict=True)):
-                if pair[0] != pair[1] and (robots is None or robot in robots):
+                if pair[0] == pair[1] or (robots is not None and robot not in robots):
+                    continue
+                if message != "Command" or not _is_of_other_process(*pair):
                     return of_payloads(tick, message, robot, *pair)
     return None
+
+
+def _is_of_other_process(first: bytes, second: bytes) -> bool:
+    """True for two Commands that differ only in what they tell of the robot's process."""
+    if not first or not second:
+        return False
+    try:
+        second_flag = messages.decode_command(second).is_model_free
+        return messages.encode_command(messages.decode_command(first)._replace(is_model_free=second_flag)) == second
+    except MessageError:
+        return False
 
 
 def of_payloads(tick: int, message: str, robot: int, first: bytes, second: bytes) -> Difference:

@@ -4,6 +4,7 @@ protocols        what an extension implements, one protocol per kind.
 controllers      a whole robot in plain Python.
 neighborhood     what a robot's laws know of its peers at one tick.
 context          what a constructor gets beside its parameters.
+conformance      for pytest: whether an extension keeps the rules.
 kinds            the kinds of extension, and the built-in ones.
 registry         extensions by name.
 crew_laws        the laws of a crew.

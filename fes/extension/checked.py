@@ -50,6 +50,20 @@ class Checked:
             self.fail(f"{what} must be finite, got {values[~np.isfinite(values)].flat[0]}")
         return values
 
+    def number(self, name: str) -> int:
+        """The whole number that a class states, 0 if it states none."""
+        value = getattr(self.inner, name, 0)
+        if type(value) is not int or value < 0:
+            self.fail(f"`{name}` must be a whole number from 0, got {value!r:.60}")
+        return value
+
+    def names(self, name: str) -> tuple[str, ...]:
+        """The names that a class states, none by default."""
+        value = getattr(self.inner, name, ())
+        if not isinstance(value, tuple) or not all(isinstance(entry, str) for entry in value):
+            self.fail(f"`{name}` must be a tuple of names, got {value!r:.60}")
+        return value
+
 
 class CheckedRule(Checked):
     """A neighbor rule."""
@@ -67,7 +81,7 @@ class CheckedFormation(Checked):
     def __init__(self, inner: Any, name: str, context: LawContext) -> None:
         super().__init__(inner, name)
         self._n = len(context.ids)
-        self.declared, self.details = _number(self, "declared"), _names(self, "details")
+        self.declared, self.details = self.number("declared"), self.names("details")
 
     def start(self) -> Any:
         """The state before the first tick."""
@@ -99,8 +113,8 @@ class CheckedSeeking(Checked):
         super().__init__(inner, name)
         self._n = len(context.ids)
         self.knows_channel = bool(getattr(inner, "knows_channel", False))
-        self.statistics, self.declared = _number(self, "statistics"), _number(self, "declared")
-        self.learnt = _names(self, "learnt")
+        self.statistics, self.declared = self.number("statistics"), self.number("declared")
+        self.learnt = self.names("learnt")
 
     def start(self) -> Any:
         """The state before the first tick."""
@@ -212,20 +226,6 @@ def _shares(checked: Checked, result: Any, shape: tuple[int, ...]) -> Floats:
     if values.size and not (values.min() >= 0.0 and values.max() <= 1.0):
         checked.fail(f"the probability must be from 0 to 1, got {values[(values < 0.0) | (values > 1.0)].flat[0]:g}")
     return values
-
-
-def _number(checked: Checked, name: str) -> int:
-    value = getattr(checked.inner, name, 0)
-    if type(value) is not int or value < 0:
-        checked.fail(f"`{name}` must be a whole number from 0, got {value!r:.60}")
-    return value
-
-
-def _names(checked: Checked, name: str) -> tuple[str, ...]:
-    value = getattr(checked.inner, name, ())
-    if not isinstance(value, tuple) or not all(isinstance(entry, str) for entry in value):
-        checked.fail(f"`{name}` must be a tuple of names, got {value!r:.60}")
-    return value
 
 
 def _text(shape: tuple[int, ...]) -> str:

@@ -1,6 +1,6 @@
-"""The adapter that lets controllers take part in a crew: a formation law steps them, and a seeking law is beside it.
+"""The laws of a crew of controllers: one steps them, the other publishes their estimates.
 
-It makes one object per robot and calls them in the order of their ids. The links are those of the neighbor rule.
+The links are those of the neighbor rule.
 """
 
 import math
@@ -41,6 +41,7 @@ class ControllerFormation:
 
     def __init__(self, controller: Any, parameters: Table, context: LawContext, name: str) -> None:
         self._checked = Checked(controller, name)
+        self._statistics = self._checked.number("statistics")
         self._class, self._parameters, self._context = controller, parameters, context
         self._own_ids = context.draws.own_ids(context.ids).tolist()
 
@@ -48,9 +49,7 @@ class ControllerFormation:
         """A new controller for each robot."""
         n = len(self._own_ids)
         controllers = tuple(map(self._new, range(n)))
-        return ControllerState(
-            controllers, no_edges(self._context.ids), np.zeros(0), np.zeros((n, self._class.statistics))
-        )
+        return ControllerState(controllers, no_edges(self._context.ids), np.zeros(0), np.zeros((n, self._statistics)))
 
     def forget(self, state: ControllerState, restarted: Bools) -> ControllerState:
         """New controllers for the robots `restarted` [n]."""
@@ -92,11 +91,14 @@ class ControllerFormation:
         action = result if isinstance(result, Action) else Action(result)
         if not isinstance(action.move, Twist | Pull):
             self._checked.fail(f"step must return a Twist, a Pull or an Action, got {type(result).__name__}")
-        count = self._class.statistics if len(action.statistics) else 0
-        if len(action.statistics) != count:
-            self._checked.fail(f"step must return {self._class.statistics} statistics, got {len(action.statistics)}")
-        numbers = [*action.move, *action.estimates.values(), *action.statistics]
-        if not all(map(math.isfinite, numbers)):
+        try:
+            count, numbers = len(action.statistics), [*action.move, *action.estimates.values(), *action.statistics]
+            is_finite = all(map(math.isfinite, numbers))
+        except (TypeError, AttributeError):
+            self._checked.fail(f"step must return numbers, estimates by id and a list of statistics, got {action}")
+        if count not in (0, self._statistics):
+            self._checked.fail(f"step must return {self._statistics} statistics, got {count}")
+        if not is_finite:
             self._checked.fail(f"step must return finite numbers, got {action} at tick {robot.tick}")
         return action
 
@@ -136,7 +138,7 @@ class ControllerSeeking:
     learnt: tuple[str, ...] = ()
 
     def __init__(self, controller: Any, context: LawContext) -> None:
-        self.statistics = int(controller.statistics)
+        self.statistics = int(getattr(controller, "statistics", 0))
         self._n = len(context.ids)
 
     def start(self) -> ControllerState | None:

@@ -1,7 +1,7 @@
 """Controllers: a whole robot in plain Python.
 
 A controller is a class with `Parameters`, `statistics` and `step(robot) -> Twist | Pull | Action`. Its object is its
-state: it must pickle.
+state. There is one object per robot; `fes.extension.controller_laws` calls them in the order of their ids.
 """
 
 from collections.abc import Mapping, Sequence
@@ -102,7 +102,7 @@ class Controller(Protocol):
 
     Parameters: ClassVar[type[Table]]
     statistics: ClassVar[int]
-    """Number of statistics in each beacon."""
+    """Number of statistics in each beacon; 0 for a class that states none."""
 
     def step(self, robot: RobotView) -> Twist | Pull | Action:
         """The action of this tick."""

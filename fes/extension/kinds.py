@@ -22,10 +22,50 @@ class Kind(NamedTuple):
     """Group of entry points."""
     built_in: dict[str, str]
     """Name -> `module:Class` of those that come with fes."""
+    members: tuple[tuple[str, ...], ...] = ()
+    """Alternative sets of members, of which a class of this kind has one; empty if it needs none."""
     checked: Callable[[Any, str, Any], Any] = lambda extension, what, context: extension
     """Wrapper that checks what an extension of others returns."""
     model_based: frozenset[str] = frozenset()
     """Built-in ones that must be told the channel: known without loading them."""
+
+    def missing(self, loaded: Any) -> str:
+        """The first member that a class lacks; empty if it has all of them.
+
+        >>> RULE.missing(object), RULE.missing(type("Rule", (), {"__call__": print}))
+        ('__call__', '')
+        """
+        lacking = [[name for name in names if not _has(loaded, name)] for names in self.members]
+        return min(lacking, key=len)[0] if lacking and all(lacking) else ""
+
+
+def _has(loaded: Any, name: str) -> bool:
+    """True if a class has a method; every class can be called, so `__call__` must stand in its own namespace."""
+    if name == "__call__":
+        return any(name in vars(base) for base in getattr(loaded, "__mro__", ()))
+    return callable(getattr(loaded, name, None))
+
+
+def infer(loaded: Any) -> list[Kind]:
+    """The kinds of which a class has all members: the more specific ones, where one has the members of another.
+
+    A class that has a state, by `start`, is not a controller: a controller is its own state.
+    """
+    complete = [(kind, set(names)) for kind in KINDS for names in kind.members if all(_has(loaded, n) for n in names)]
+    specific = [kind for kind, names in complete if not any(names < larger for _, larger in complete)]
+    return [kind for kind in specific if kind is not CONTROLLER or not _has(loaded, "start")]
+
+
+def nearest(loaded: Any) -> Kind | None:
+    """The kind of which a class lacks the fewest of several members; None if it has none of any kind."""
+    counts = [
+        (len(names) - sum(_has(loaded, name) for name in names), kind)
+        for kind in KINDS
+        for names in kind.members
+        if any(_has(loaded, name) for name in names)
+    ]
+    few = [(count, kind) for count, kind in counts if count]
+    return min(few, key=lambda entry: entry[0])[1] if few else None
 
 
 RULE = Kind(
@@ -36,6 +76,7 @@ RULE = Kind(
         "two_nearest": "agents.laws.neighbor_rules:TwoNearest",
         "relative_neighborhood": "agents.laws.neighbor_rules:RelativeNeighborhood",
     },
+    (("__call__",),),
     lambda extension, what, context: CheckedRule(extension, what),
 )
 FORMATION = Kind(
@@ -48,6 +89,7 @@ FORMATION = Kind(
         "gradient": "agents.rivals.gradient:Gradient",
         "voronoi": "agents.rivals.voronoi:Voronoi",
     },
+    (("start", "forget", "step"),),
     CheckedFormation,
     frozenset({"gradient"}),
 )
@@ -62,10 +104,11 @@ SEEKING = Kind(
         "fixed_separation": "agents.rivals.fixed_separation:FixedSeparation",
         "krstic_wang": "agents.rivals.krstic_wang:KrsticWang",
     },
+    (("start", "forget", "relink", "desired", "measure", "publish", "seek"),),
     CheckedSeeking,
     frozenset({"oracle"}),
 )
-CONTROLLER = Kind("controller", "fes.controllers", {})
+CONTROLLER = Kind("controller", "fes.controllers", {}, (("step",),))
 CHANNEL = Kind(
     "channel",
     "fes.channels",
@@ -76,12 +119,14 @@ CHANNEL = Kind(
         "table": "world.simulation.table:TableChannel",
         "trace": "world.simulation.trace:TraceChannel",
     },
+    (("probability",), ("pair_probability",)),
     checked_channel,
 )
 DYNAMICS = Kind(
     "dynamics",
     "fes.dynamics",
     {"unicycle": "world.simulation.unicycle:Unicycle"},
+    (("start", "step", "poses"),),
     lambda extension, what, context: CheckedDynamics(extension, what),
 )
 METRIC = Kind(
@@ -94,6 +139,7 @@ METRIC = Kind(
         "links_connected": "world.metrics.team.links_connected:LinksConnected",
         "travel": "world.metrics.team.travel:Travel",
     },
+    (("add", "result"),),
     lambda extension, what, context: CheckedMetric(extension, what),
 )
 

@@ -41,6 +41,8 @@ def use(module: str) -> str:
         sys.path.append(folder)
     try:
         _usable[name] = importlib.import_module(name)
+        if path.suffix == ".py" and Path(getattr(_usable[name], "__file__", "")).resolve() != path:
+            raise ImportError(f"another module is named '{name}': rename the file")
     except Exception as error:  # the module is anybody's code
         raise FesError(f"--use {module}: {type(error).__name__}: {' '.join(str(error).split())}") from None
     _arguments.append(str(path) if path.suffix == ".py" else module)
@@ -84,9 +86,16 @@ def load(kind: Kind, name: str) -> Any:
     raise FesError(f"there is no {kind.name} '{name:.60}'; {hint}")
 
 
+def installed(kind: Kind) -> tuple[str, ...]:
+    """The names of the extensions of a kind that other distributions bring."""
+    return tuple(_entry_points(kind.group))
+
+
 def parameters(kind: Kind, choice: str | Use, loaded: Any) -> Table:
     """The parameters of a choice, checked by its class; raises FesError in one line that names the extension."""
     selected = chosen(choice)
+    if selected.use not in kind.built_in and (member := kind.missing(loaded)):
+        raise FesError(f"{kind.name} '{selected.use}': it has no method `{member}`")
     table = getattr(loaded, "Parameters", None)
     if not (isinstance(table, type) and issubclass(table, Table)):
         raise FesError(f"{kind.name} '{selected.use}': its `Parameters` is not a subclass of `fes.extension.Table`")

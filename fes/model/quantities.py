@@ -140,7 +140,12 @@ SUMMARY = (
         "world and robots share a process",
         kind=FLAG,
     ),
-    Quantity("metrics.*.*", "1", "A number of a metric of the scenario, by the names of the metric and the number."),
+    Quantity(
+        "metrics.*.*",
+        "1",
+        "A number of a metric of the scenario, by the names of the metric and the number.",
+        "the metric has no value for it",
+    ),
     Quantity("expectations[].of", "", "Key of the summary to which the expectation applies.", kind=TEXT),
     Quantity("expectations[].expected", "", "The expectation, in words.", kind=TEXT),
     Quantity("expectations[].seen", "", "Value of the key.", "the summary has none", kind="any of these"),

@@ -1,5 +1,6 @@
 """Change: a person's request to the world to change the channel during a run. Effect: the result."""
 
+import math
 from typing import Any, NamedTuple
 
 from fes.errors import MessageError
@@ -37,7 +38,7 @@ class ChangeResult(NamedTuple):
     tick: int
     """First tick with this value."""
     optimal_separation: float
-    """r* of the channel with this value [m]."""
+    """r* of the channel with this value [m]; NaN for a channel that has none."""
     unnoticed: bool = False
     """True if the robots do not notice the change, because they compute with the channel that they were given."""
 
@@ -67,7 +68,8 @@ def decode_result(payload: bytes) -> ChangeResult:
     """The Effect in a payload; raises MessageError."""
     name = "Effect"
     path, value, tick, optimal, unnoticed = wire.unpack(name, payload, 5)
-    wire.finite(name, (optimal,))
+    if not (type(optimal) is float and math.isnan(optimal)):
+        wire.finite(name, (optimal,))
     wire.check(name, type(unnoticed) is bool, "unnoticed must be true or false", unnoticed)
     return ChangeResult(
         _path(name, path), _value(name, value, LONGEST_EFFECT), wire.tick(name, tick), optimal, unnoticed

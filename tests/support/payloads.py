@@ -1,6 +1,7 @@
 """Strategies for messages of every kind with any valid fields, and for any msgpack values."""
 
 import dataclasses
+import math
 import struct
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -78,7 +79,8 @@ def commands(draw: st.DrawFn) -> Command:
     learnt = draw(floats(draw(st.sampled_from([0, 2 * len(near)])), reals))
     details = draw(floats(draw(st.integers(0, 7)), reals))
     estimates = draw(floats(len(near), reals))
-    return Command(draw(ticks), draw(robots), (draw(rates), draw(rates)), near, estimates, learnt, details)
+    is_free = draw(st.none() | st.booleans())
+    return Command(draw(ticks), draw(robots), (draw(rates), draw(rates)), near, estimates, learnt, details, is_free)
 
 
 @st.composite
@@ -133,12 +135,13 @@ settings = st.recursive(
     max_leaves=5,
 )
 changes = st.builds(ParameterChange, paths, settings)
-effects = st.builds(ChangeResult, paths, settings, ticks, finite, st.booleans())
+optima = finite | st.just(math.nan)  # a trace has no optimal separation
+effects = st.builds(ChangeResult, paths, settings, ticks, optima, st.booleans())
 
 CODECS = {
     "Observation": Codec(messages.encode_observation, messages.decode_observation, observations(), 9),
     "Beacon": Codec(messages.encode_beacon, messages.decode_beacon, beacons(), 10),
-    "Command": Codec(messages.encode_command, messages.decode_command, commands(), 8),
+    "Command": Codec(messages.encode_command, messages.decode_command, commands(), 9),
     "Welcome": Codec(messages.encode_welcome, messages.decode_welcome, welcomes(), 2),
     "Lease": Codec(messages.encode_lease, messages.decode_lease, robots, 1),
     "Join": Codec(messages.encode_join, messages.decode_join, joins, 3),

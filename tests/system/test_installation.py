@@ -3,20 +3,15 @@
 import base64
 import hashlib
 import json
-import os
-import subprocess
-import sys
-import sysconfig
-import venv
 import zipfile
 from pathlib import Path
 
 import pytest
-from hatchling.build import build_wheel
 
 from fes.protocol import world_info
 from fes.system import distribution
 from tests.support.commands import complaint, with_path
+from tests.support.environments import Environment, wheel_of
 from tests.support.paths import ROOT
 from world.config import builtin
 
@@ -42,46 +37,9 @@ def _digest(text: str) -> str:
     return base64.urlsafe_b64encode(hashlib.sha256(text.encode()).digest()).rstrip(b"=").decode()
 
 
-class Environment:
-    """A virtual environment without fes, with the libraries of this one."""
-
-    def __init__(self, folder: Path) -> None:
-        venv.create(folder)
-        self.programs = folder / "bin"
-        self.packages = Path(sysconfig.get_path("purelib", "venv", {"base": str(folder)}))
-        (self.packages / "libraries.pth").write_text(sysconfig.get_path("purelib") + "\n")
-
-    def install(self, wheel: Path) -> None:
-        """Install a wheel without its dependencies."""
-        python = str(self.programs / "python")
-        words = ["--python", python, "install", "-q", "--no-deps", "--no-index", "--disable-pip-version-check"]
-        subprocess.run([sys.executable, "-m", "pip", *words, str(wheel)], check=True, timeout=120)
-
-    def call(self, where: Path, *words: str) -> "subprocess.CompletedProcess[str]":
-        """Outcome of one of its commands in the folder `where`."""
-        locale = "PYTHONUTF8", "PYTHONCOERCECLOCALE"  # as for the tests, which decode its output
-        kept = {key: value for key, value in os.environ.items() if key in locale or not key.startswith("PYTHON")}
-        return subprocess.run(
-            [str(self.programs / words[0]), *words[1:]],
-            cwd=where, env=kept, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120,
-        )  # fmt: skip
-
-    def names(self, where: Path) -> dict[str, str]:
-        """The finding of its doctor on our names."""
-        findings = json.loads(self.call(where, "fes", "doctor", "--json").stdout)
-        [finding] = [finding for finding in findings if finding["check"] == "our names"]
-        return finding  # type: ignore[no-any-return]
-
-
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("wheel")
-    before = Path.cwd()
-    os.chdir(ROOT)
-    try:
-        return folder / build_wheel(str(folder))
-    finally:
-        os.chdir(before)
+    return wheel_of(ROOT, tmp_path_factory.mktemp("wheel"))
 
 
 @pytest.fixture(scope="module")

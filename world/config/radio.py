@@ -54,11 +54,12 @@ class RadioConfig(ChannelConfig):
     rows, constant beyond them. It need not fall."""
     trace: str | None = None
     """File of the model `trace`, by its path from the scenario's file: comma-separated, with a line of names. The
-    columns are time in seconds, sender, receiver, and probability or decoded."""
+    columns are time in seconds, sender, receiver, and probability or decoded. The path of a `--set` starts from the
+    current directory."""
     trace_between: Literal["held", "interpolated"] = "held"
     """Between two times of a trace: the earlier value, or the line between both."""
     trace_sha256: str | None = None
-    """Checksum of the trace, filled in when it is first read: the run can be repeated only with the same file."""
+    """SHA-256 of the trace, filled in when it is first read: the run can be repeated only with the same file."""
     shadowing: ShadowingConfig | None = None
     """Log-normal shadowing; none by default."""
     bursts: BurstConfig | None = None
@@ -81,12 +82,13 @@ class RadioConfig(ChannelConfig):
         if self.model == "table" and len(self.rows) < 2:
             raise ValueError(f"rows: model 'table' needs at least two, got {len(self.rows)}")
         separations = [separation for separation, _ in self.rows]
-        if any(after <= before for before, after in pairwise(separations)):
-            raise ValueError("rows: separations must ascend")
-        if (self.model == "trace") != (self.trace is not None):
-            raise ValueError("model 'trace' needs the file `trace`, and no other model has one")
+        for before, after in pairwise(separations):
+            if after <= before:
+                raise ValueError(f"rows: separations must ascend, got {before:g} and then {after:g}")
+        if self.model == "trace" and self.trace is None:
+            raise ValueError("model 'trace' needs the path of a file, `trace`")
         if self.model == "trace" and self.shadowing is not None:
-            raise ValueError("shadowing changes separations, which a trace does not have: leave it out")
+            raise ValueError("shadowing acts on separations, which a trace does not have")
         return self
 
     @property

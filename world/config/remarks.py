@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 
 from fes.model import counts
 from fes.model.config import ChannelConfig
-from world.config.events import changed
+from fes.model.table import chosen
 from world.config.faults import TransmitterConfig
 from world.config.scenario import Scenario, knows_channel
 
@@ -32,6 +32,7 @@ def of(scenario: Scenario) -> list[str]:
         *_rounded_events(scenario),
         *_delays(scenario),
         *_unnoticed(scenario),
+        *_unused(scenario),
     ]
 
 
@@ -77,13 +78,22 @@ def _delays(scenario: Scenario) -> Iterator[str]:
 
 
 def _unnoticed(scenario: Scenario) -> Iterator[str]:
-    channel, dt, ticks = scenario.channel, scenario.run.dt, []
-    for tick, settings in scenario.changes.items():
-        channel = changed(channel, settings, dt)
+    dt, ticks = scenario.run.dt, []
+    for tick, channel in zip(scenario.changes, scenario.channels[1:], strict=True):
         if tick < scenario.ticks and is_unnoticed(scenario, channel.formula):
             ticks.append(tick * dt)
     if ticks:
         yield f"the channel is set at {_listed(ticks)} s, but {UNNOTICED}"
+
+
+def _unused(scenario: Scenario) -> Iterator[str]:
+    models = [chosen(channel.model).use for channel in scenario.channels]
+    for model, key, is_given in (
+        ("table", "rows", bool(scenario.channel.rows)),
+        ("trace", "trace", scenario.channel.trace is not None),
+    ):
+        if is_given and model not in models:
+            yield f"channel.{key} has no effect: channel.model is '{models[0]}', not '{model}'"
 
 
 def _is_rounded(time: float, dt: float) -> bool:

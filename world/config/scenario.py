@@ -94,13 +94,12 @@ class Scenario(Table):
     @model_validator(mode="after")
     def _channel_at_all_times(self) -> Self:
         self.channel.check(self.run.dt)
-        channel, robots = self.channel, self.robots.number
-        _check_partition(channel, robots)
-        for settings in self.changes.values():
-            try:
-                channel = changed(channel, settings, self.run.dt)
-            except ScenarioError as error:
-                raise ValueError(f"event: set {error}") from None
+        robots = self.robots.number
+        try:
+            channels = self.channels
+        except ScenarioError as error:
+            raise ValueError(f"event: set {error}") from None
+        for channel in channels:
             _check_partition(channel, robots)
         try:
             events.participation(self.event, robots, self.run.dt)
@@ -116,8 +115,7 @@ class Scenario(Table):
                 registry.check(kind, choice)
             except FesError as error:
                 raise ValueError(f"{path}: {error}") from None
-        channels = [self.channel.model, *(settings.get("channel.model") for settings in self.changes.values())]
-        unknown = [model for model in channels if model is not None and model not in FORMULAS]
+        unknown = [channel.model for channel in self.channels if channel.model not in FORMULAS]
         if unknown and knows_channel(self):
             raise ValueError(
                 f"a law is told the channel, and channel.model '{chosen(unknown[0]).use}' has no formula"
@@ -141,9 +139,17 @@ class Scenario(Table):
             *([("seeking", SEEKING, self.seeking)] if isinstance(self.seeking, Use) else []),
             ("robots.dynamics", DYNAMICS, self.robots.dynamics),
             *([("robots.controller", CONTROLLER, controller)] if controller is not None else []),
-            ("channel.model", CHANNEL, self.channel.model),
+            *(("channel.model", CHANNEL, channel.model) for channel in self.channels),
             *(("metric", METRIC, metric.choice) for metric in self.metric),
         ]
+
+    @property
+    def channels(self) -> list[RadioConfig]:
+        """The channel at the start and after each scheduled change, in order; raises ScenarioError."""
+        channels = [self.channel]
+        for settings in self.changes.values():
+            channels.append(changed(channels[-1], settings, self.run.dt))
+        return channels
 
     @property
     def changes(self) -> dict[int, dict[str, Any]]:
@@ -189,7 +195,10 @@ def load(path: Path, overrides: dict[str, Any] | None = None) -> Scenario:
     if schemes.SCHEME in settings:
         settings = compared.settings(settings.pop(schemes.SCHEME), str(path)) | settings
     apply(tables, settings)
-    trace_file.locate(tables, path)
+    try:
+        trace_file.locate(tables, path.parent, settings)
+    except FesError as error:
+        raise ScenarioError(str(path), f"channel.trace: {error}") from None
     return parse(tables, str(path))
 
 

@@ -94,7 +94,7 @@ def run(directory: Path, saved: Snapshot, recorder: Recorder | None, period: flo
     checkpoints.renewed.update(saved.renewed)
     try:
         run = Run(saved.scenario, recorder, checkpoints.note)
-    except ScenarioError:  # for example too little memory: not a fault of the checkpoint
+    except FesError:  # too little memory, a trace that has changed: not a fault of the checkpoint
         raise
     except Exception as error:
         raise FesError(f"{directory / FOLDER / STATE} is damaged: {type(error).__name__}") from None

@@ -11,11 +11,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fes.arrays.types import Bools, Bytes, Floats, Ints
+from fes.errors import FesError, ScenarioError
 from fes.model.sensing import Telemetry, no_telemetry
 from fes.protocol.channel_change import ChangeResult
 from fes.protocol.messages import Command
 from fes.recording.layout import TickPayloads
 from world.config import events, remarks
+from world.config.outside import trace_file
 from world.config.scenario import Scenario, with_event
 from world.execution import marshalling
 from world.execution.marshalling import CommandBatch
@@ -109,17 +111,23 @@ class Run:
         A `replayed` change was accepted before, and is not checked against the memory that is free now.
         """
         tick = self.state.tick
+        if path.removeprefix(events.PREFIX) in (trace_file.TRACE, trace_file.CHECKSUM):
+            raise ScenarioError(path, "cannot be set during a run: name the file in the scenario")
         channel = events.changed(self.state.channel, {path: value}, self.scenario.run.dt)
         if not replayed and channel.communication_range > self.state.channel.communication_range:
             crowd.check_contacts(self.state.poses, channel.communication_range)
         value = events.effective(channel, path)
         scenario = with_event(self.scenario, tick, path, value)
+        try:
+            optimal = best_separation(reception.context(scenario), channel)
+        except FesError as error:
+            raise ScenarioError(path, str(error)) from None
         self.note([SET, tick, path, value])
         self.scenario, self.state = scenario, replace(self.state, channel=channel)
         if self.recorder is not None:
             self.recorder.change(tick, path, value)
         unnoticed = remarks.is_unnoticed(scenario, channel.formula)
-        return ChangeResult(path, value, tick, best_separation(reception.context(self.scenario), channel), unnoticed)
+        return ChangeResult(path, value, tick, optimal, unnoticed)
 
     def observations(self, addressed: Bools) -> list[bytes]:
         """The payload of each robot's Observation of this tick, in id order; empty for all but `addressed` [n]."""

@@ -21,6 +21,8 @@ from pydantic import BaseModel
 from fes.errors import FesError, reason
 from fes.extension import registry
 from fes.extension.checked import CheckedMetric
+from fes.extension.kinds import DYNAMICS, METRIC
+from fes.model.table import chosen
 from fes.protocol import world_info
 from fes.protocol.messages import Join
 from fes.system import files, fingerprint, strict_json
@@ -103,11 +105,26 @@ _KINDS: dict[str, Any] = {
 
 
 def pack(snapshot: Snapshot) -> bytes:
-    """The content of the file of a snapshot."""
+    """The content of the file of a snapshot; raises FesError if the state of an extension cannot be in it."""
+    _check_extensions(snapshot)
     evidence = [entry.table for entry in extensions.of(snapshot.scenario)]
     head = {"fes": world_info.version(), "arithmetic": fingerprint.table(), "extensions": evidence}
     body = strict_json.dumps(head).encode() + b"\n" + pickle.dumps(snapshot, protocol=5)
     return b"\n".join([b"fes checkpoint %d" % FORMAT, hashlib.sha256(body).hexdigest().encode(), body])
+
+
+def _check_extensions(snapshot: Snapshot) -> None:
+    """Raise FesError unless the states of all extensions can be pickled, and read again."""
+    dynamics = chosen(snapshot.scenario.robots.dynamics).use
+    bodies = [(DYNAMICS, dynamics, snapshot.state.bodies)] if dynamics not in DYNAMICS.built_in else []
+    metrics = [(METRIC, metric.use, snapshot.metrics.extensions[metric.key]) for metric in snapshot.scenario.metric]
+    for kind, name, state in bodies + metrics:
+        try:
+            _Tables(io.BytesIO(pickle.dumps(state, protocol=5))).load()
+        except Exception as error:  # the state is that of anybody's code
+            raise FesError(
+                f"{kind.name} '{name}': its state cannot be in a checkpoint: {type(error).__name__}: {error}"
+            ) from None
 
 
 def read(path: Path) -> Snapshot:
@@ -126,6 +143,8 @@ def read(path: Path) -> Snapshot:
         raise FesError(f"{path} is damaged: its SHA-256 differs")
     head, _, pickled = body.partition(b"\n")
     _check_arithmetic(path, head)
+    recorded = strict_json.loads(head).get("extensions", [])
+    extensions.check_recorded(recorded, str(path))
     try:
         for opcode, _, _ in pickletools.genops(pickled):
             if opcode.name in _FORBIDDEN:
@@ -137,7 +156,7 @@ def read(path: Path) -> Snapshot:
         isinstance(getattr(snapshot, name, None), kind) for name, kind in _KINDS.items()
     ):
         raise FesError(f"{path} is not a checkpoint")
-    extensions.check(snapshot.scenario, strict_json.loads(head).get("extensions", []), str(path))
+    extensions.check(snapshot.scenario, recorded, str(path))
     return snapshot
 
 

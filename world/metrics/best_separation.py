@@ -20,7 +20,11 @@ GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
 def best_separation(context: WorldContext, channel: RadioConfig) -> float:
-    """r* [m]: the separation that maximizes J(r) = S(r) p(r); NaN for a channel known by pair, not by separation."""
+    """r* [m]: the separation that maximizes J(r) = S(r) p(r).
+
+    NaN for a channel known by pair, not by separation, and for one in which J is 0 everywhere. Of equal maxima the
+    nearest counts.
+    """
     if channel.model in FORMULAS:
         return optimal_separation(context.objective, channel)
     model = reception.model(channel, context)
@@ -29,27 +33,30 @@ def best_separation(context: WorldContext, channel: RadioConfig) -> float:
     farthest = context.objective.maximum_separation
 
     def index(separation: Floats) -> Floats:
-        preference = objective.preference(separation, context.objective)
-        values: Floats = preference * model.probability(separation)
+        values: Floats = objective.preference(separation, context.objective) * model.probability(separation)
         return values
 
     grid = np.linspace(farthest / (POINTS - 1), farthest, POINTS - 1)
-    best = int(np.argmax(index(grid)))
+    values = index(grid)
+    best = int(np.argmax(values))
+    if not values[best] > 0.0:
+        return math.nan
     low, high = float(grid[max(0, best - 1)]), float(grid[min(len(grid) - 1, best + 1)])
-    return _golden(lambda r: float(index(np.array([r]))[0]), low, high)
+    refined = _golden(lambda r: float(index(np.array([r]))[0]), low, high)
+    return refined if index(np.array([refined]))[0] >= values[best] else float(grid[best])
 
 
 def _golden(value: Callable[[float], float], low: float, high: float) -> float:
     """Place of the maximum between `low` and `high`, by golden section: it needs no slope."""
     left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-    at_left, at_right = value(left), value(right)
+    left_value, right_value = value(left), value(right)
     while high - low > 1e-9 * high:
-        if at_left >= at_right:
-            high, right, at_right = right, left, at_left
+        if left_value >= right_value:
+            high, right, right_value = right, left, left_value
             left = high - GOLDEN * (high - low)
-            at_left = value(left)
+            left_value = value(left)
         else:
-            low, left, at_left = left, right, at_right
+            low, left, left_value = left, right, right_value
             right = low + GOLDEN * (high - low)
-            at_right = value(right)
+            right_value = value(right)
     return 0.5 * (low + high)

@@ -121,7 +121,7 @@ def transmit(medium: Medium, config: RadioConfig, radio: Radio, robots: RadioInp
     on_air = is_open if present.all() else is_open & among(edges, present)
     probability = reception_probability(medium, config, robots, before)
     if factor is not None:
-        probability *= factor.take(_senders(edges))
+        probability = probability * factor.take(_senders(edges))
     average, burst = probability, radio.burst
     if config.bursts is not None:
         burst = bursts.step(burst, config.bursts, medium.dt, medium.bursts.numbers(robots.tick, edges))
@@ -154,15 +154,13 @@ def reception_probability(medium: Medium, config: RadioConfig, robots: RadioInpu
     if hasattr(model, "pair_probability"):
         edges = near.edges
         time = robots.tick * medium.dt
-        probability: Floats = model.pair_probability(
-            time, edges.peers, edges.robots, separation.take(near.pair)
-        ).copy()
+        probability: Floats = model.pair_probability(time, edges.peers, edges.robots, separation.take(near.pair))
     else:
         probability = model.probability(separation.take(near.pair))
     if config.jammers:
-        probability *= _jamming_factor(config.jammers, poses).take(near.edges.rows)
+        probability = probability * _jamming_factor(config.jammers, poses).take(near.edges.rows)
     if config.partition:
-        probability *= _same_side(config.partition, near.edges)
+        probability = probability * _same_side(config.partition, near.edges)
     return probability
 
 

@@ -1,5 +1,6 @@
 """The reception model of a channel: a built-in one or an extension, made once per setting."""
 
+from collections.abc import Iterable
 from functools import lru_cache
 from typing import Any
 
@@ -7,6 +8,7 @@ from fes.arrays import draws
 from fes.extension import registry
 from fes.extension.context import SeededDraws, WorldContext
 from fes.extension.kinds import CHANNEL
+from world.config.outside import trace_file
 from world.config.radio import RadioConfig
 from world.config.scenario import Scenario
 
@@ -23,6 +25,14 @@ def context(scenario: Scenario) -> WorldContext:
 def model(config: RadioConfig, context: WorldContext) -> Any:
     """The reception model of a channel; raises FesError in one line."""
     return _made(config.model_dump_json(exclude=_EFFECTS), context)
+
+
+def prepare(channels: Iterable[RadioConfig], context: WorldContext) -> None:
+    """Create the models of a run before its first tick, so that no channel ends it later; raises FesError."""
+    for config in channels:
+        if config.trace is not None and config.trace_sha256 is not None:
+            trace_file.read(config.trace, config.trace_sha256)  # it may have changed since the model was created
+        model(config, context)
 
 
 @lru_cache(maxsize=64)

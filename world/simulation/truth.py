@@ -69,10 +69,11 @@ class State:
 
 
 def create(scenario: Scenario) -> World:
-    """The world of a scenario."""
+    """The world of a scenario; raises FesError where a channel or the dynamics cannot be created."""
     ids = np.arange(scenario.robots.number)
     context = reception.context(scenario)
     medium = channel.medium(scenario.run.seed, context)
+    reception.prepare(scenario.channels, context)
     dynamics = registry.create(DYNAMICS, scenario.robots.dynamics, context)
     schedules = scenario.changes, scenario.participation, scenario.transmissions
     return World(scenario, ids, medium, dynamics, *schedules)

@@ -1,22 +1,35 @@
 """The file of a trace: time, sender, receiver, and probability or decoded."""
 
-import csv
 import hashlib
-import io
-from functools import lru_cache
+import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fes.arrays.types import Floats, Ints
-from fes.errors import FesError, ScenarioError, reason
-from fes.system import files
+from fes.errors import FesError, reason
+from fes.system import files, number_columns
+from fes.system.number_columns import Column
 
 LARGEST = 1 << 28
 """Largest trace that is read [bytes]."""
 
-VALUES = ("probability", "decoded")
+LATEST = 1e9
+"""Largest time of a row [s], as of an event."""
+
+TRACE, CHECKSUM = "trace", "trace_sha256"
+"""Keys of the channel: path and checksum of the file."""
+
+_IDS = 2**31 - 1
+
+_COLUMNS = (
+    (Column("time", -LATEST, LATEST),),
+    (Column("sender", 0, _IDS, is_whole=True),),
+    (Column("receiver", 0, _IDS, is_whole=True),),
+    (Column("probability", 0, 1), Column("decoded", 0, 1, is_whole=True)),
+)
 
 
 class Trace(NamedTuple):
@@ -30,58 +43,58 @@ class Trace(NamedTuple):
     """1 or 0 for a beacon that decoded or was lost."""
 
 
-def locate(tables: dict[str, Any], path: Path) -> None:
-    """Make the path of a trace absolute, and fill in its checksum; raises ScenarioError."""
-    channel = tables.get("channel")
-    if not isinstance(channel, dict) or not isinstance(channel.get("trace"), str):
-        return
-    channel["trace"] = str((path.parent / channel["trace"]).resolve())
-    try:
-        channel.setdefault("trace_sha256", checksum(channel["trace"]))
-    except FesError as error:
-        raise ScenarioError(str(path), f"channel.trace: {error}") from None
+_parsed: dict[str, Trace] = {}  # the rows of the latest file, by its checksum: a load and a run read the same file
 
 
-def checksum(path: str) -> str:
-    """SHA-256 of a trace; raises FesError."""
-    return hashlib.sha256(_bytes(path)).hexdigest()
-
-
-@lru_cache(maxsize=4)
-def read(path: str, sha256: str | None) -> Trace:
+def read(path: str, sha256: str) -> Trace:
     """The rows of a trace; raises FesError in one line, also where its checksum is not `sha256`."""
-    content = _bytes(path)
-    actual = hashlib.sha256(content).hexdigest()
-    if sha256 is not None and actual != sha256:
+    content = _content(path)
+    actual = _checksum(content)
+    if actual != sha256:
         raise FesError(f"{path} has changed: its SHA-256 is {actual[:12]}..., the scenario has {sha256[:12]}...")
-    try:
-        rows = csv.DictReader(io.StringIO(content.decode("utf-8-sig")), skipinitialspace=True)
-    except UnicodeDecodeError:
-        raise FesError(f"{path} is not text in UTF-8") from None
-    names = [name.strip() for name in rows.fieldnames or ()]
-    value = next((name for name in VALUES if name in names), None)
-    missing = [name for name in ("time", "sender", "receiver") if name not in names]
-    if missing or value is None:
-        raise FesError(f"{path}: its first line must name time, sender, receiver, and probability or decoded")
-    rows.fieldnames = names
-    table = np.array([_row(path, number, row, value) for number, row in enumerate(rows, 2)]).reshape(-1, 4)
-    ids = table[:, 1:3].astype(np.int64)
-    return Trace(table[:, 0], ids[:, 0], ids[:, 1], table[:, 3])
+    if sha256 not in _parsed:
+        time, sender, receiver, value = number_columns.read(path, content, _COLUMNS).values()
+        _parsed.clear()
+        _parsed[sha256] = Trace(time, sender.astype(np.int64), receiver.astype(np.int64), value)
+    return _parsed[sha256]
 
 
-def _row(path: str, number: int, row: dict[str, str], value: str) -> tuple[float, float, float, float]:
-    """The numbers of one row; raises FesError that names its line."""
-    try:
-        numbers = float(row["time"]), int(row["sender"]), int(row["receiver"]), float(row[value])
-    except (TypeError, ValueError):
-        raise FesError(f"{path}, line {number}: expects numbers, got {str(dict(row))[:80]}") from None
-    if not (0.0 <= numbers[3] <= 1.0 and abs(numbers[0]) < 1e12 and min(numbers[1:3]) >= 0):
-        raise FesError(f"{path}, line {number}: expects a time, two ids and a {value} from 0 to 1, got {numbers}")
-    return numbers
+def locate(tables: dict[str, Any], folder: Path, overrides: Mapping[str, Any]) -> None:
+    """Make the paths of all traces of a scenario absolute, and fill in missing checksums.
+
+    A path in the scenario starts from `folder`, that of an override from the current directory. A checksum that the
+    scenario has must be that of the file. Raises FesError in one line.
+    """
+    given, channel = overrides.get(f"channel.{TRACE}"), tables.get("channel")
+    if isinstance(given, str) and isinstance(channel, dict):
+        channel[TRACE] = str(Path.cwd() / given)
+        channel[CHECKSUM] = overrides.get(f"channel.{CHECKSUM}")
+    _locate(tables.get("channel"), "", folder)
+    events = tables.get("event")
+    for event in events if isinstance(events, list) else []:
+        if isinstance(event, dict):
+            _locate(event.get("set"), "channel.", folder)
 
 
-def _bytes(path: str) -> bytes:
+def _locate(table: Any, prefix: str, folder: Path) -> None:
+    if not isinstance(table, dict) or not isinstance(table.get(prefix + TRACE), str):
+        return
+    path = os.path.abspath(folder / table[prefix + TRACE])
+    table[prefix + TRACE] = path
+    checksum = table.get(prefix + CHECKSUM)
+    if checksum is None:
+        table[prefix + CHECKSUM] = checksum = _checksum(_content(path))
+    if isinstance(checksum, str):
+        read(path, checksum)
+
+
+def _checksum(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def _content(path: str) -> bytes:
     try:
         return files.read(Path(path), LARGEST)
-    except OSError as error:
-        raise FesError(f"trace {path} cannot be read: {reason(error, with_file=False)}") from None
+    except (OSError, ValueError) as error:  # a path may hold a null character
+        text = reason(error, with_file=False) if isinstance(error, OSError) else str(error)
+        raise FesError(f"trace {path} cannot be read: {text}") from None

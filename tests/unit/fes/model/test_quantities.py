@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from console.backends import inprocess
+from fes.extension import registry
 from fes.model import quantities
 from fes.model.quantities import FLAG, NUMBER, SUMMARY, TEXT, VERDICTS, Quantity, Shape
 from fes.protocol.report import Report
@@ -19,7 +20,7 @@ SCENARIOS: dict[str, dict[str, Any]] = {
     "paper.toml": {"run__duration": 1.0},
     "pair.toml": {"run__duration": 0.1, "channel__communication_range": 10.0},
     "measured.toml": MEASURED,
-    "faults/death.toml": {"run__duration": 1.0},
+    "faults/death.toml": {"run__duration": 1.0, "metric": [{"use": "tests.support.example_metric:Count"}]},
     "measured-jump.toml": {**MEASURED, "event": [{"at": 0.5, "set": {"channel.reference_snr": 5e6}}]},
 }
 KINDS = {NUMBER: (int, float), FLAG: (bool,), TEXT: (str,), "any of these": (int, float, bool, str)}
@@ -27,6 +28,7 @@ KINDS = {NUMBER: (int, float), FLAG: (bool,), TEXT: (str,), "any of these": (int
 
 @cache
 def summary(name: str) -> dict[str, Any]:
+    registry.use("tests.support.example_metric")
     expected = [{"of": "ticks", "above": 1.0}, {"of": "digest", "equals": "x"}]
     return inprocess.run(load(name, **SCENARIOS[name], expect=expected), name)
 
@@ -40,6 +42,8 @@ def is_of(shape: Shape, value: Any) -> bool:
     """True if a part of a summary has this shape."""
     if value is None:
         return True
+    if isinstance(shape, dict) and list(shape) == ["*"]:
+        return isinstance(value, dict) and all(is_of(shape["*"], part) for part in value.values())
     if isinstance(shape, dict):
         return list(shape) == list(value) and all(is_of(shape[key], value[key]) for key in shape)
     if isinstance(shape, list):
@@ -51,7 +55,9 @@ def is_of(shape: Shape, value: Any) -> bool:
 
 def values(summary: Any, name: str = "") -> dict[str, list[Any]]:
     """Name of a quantity -> its values in a summary."""
-    if isinstance(summary, dict):
+    if isinstance(summary, dict) and name == "metrics":
+        parts = [values(part, "metrics.*.*") for table in summary.values() for part in table.values()]
+    elif isinstance(summary, dict):
         parts = [values(part, f"{name}.{key}" if name else key) for key, part in summary.items()]
     elif isinstance(summary, list) and name in ("edges[]", "radio[]"):
         parts = [values(part, f"{name}.{column}") for column, part in enumerate(summary)]

@@ -51,6 +51,8 @@ CONTRACT = {
     "links_gap_longest": float,
     "unscheduled_absences": int,
     "links_lost_at": type(None),
+    "model_free": type(None),
+    "metrics": dict,
     "expectations": list,
 }
 """The keys of the contract, and their types in a run that has links."""
