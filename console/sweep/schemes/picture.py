@@ -1,6 +1,7 @@
 """The table of schemes as a figure: a panel for each column, a line for each scheme."""
 
 import math
+import textwrap
 from typing import TYPE_CHECKING
 
 from console.analysis import figures
@@ -10,6 +11,9 @@ from world.config.outside.schemes import ColumnConfig
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+TITLE = 20
+"""Largest width of a line of a title [characters]."""
 
 PER_ROW = 4
 """Largest number of panels beside each other."""
@@ -43,6 +47,6 @@ def _panel(axes: "Axes", column: ColumnConfig, index: int, rows: list[SchemeOutc
         if math.isfinite(mean.low):
             axes.plot([mean.low, mean.high], [place, place], "-", color=color, linewidth=2.0)
         axes.plot(mean.mean, place, "o", color=color, markersize=4.5, fillstyle="none" if row.is_told else "full")
-    axes.set(title=figures.plain(column.title), ylim=(len(rows) - 0.5, -0.5))
+    axes.set(title=textwrap.fill(figures.plain(column.title), TITLE), ylim=(len(rows) - 0.5, -0.5))
     axes.margins(x=0.1)
     axes.grid(alpha=0.3)

@@ -2,6 +2,7 @@
 
 import math
 
+from rich.console import Group, RenderableType
 from rich.table import Table
 
 from console.sweep.comparison import CONFIDENCE
@@ -12,19 +13,32 @@ from console.terminal.printing import cell
 SECOND = "told the channel"
 """Title of the second column."""
 
+AT_ONCE = 3
+"""Largest number of columns beside each other on the screen."""
+
+WIDEST = 24
+"""Largest width that keeps a word of a name whole on the screen."""
+
 CAPTION = f"mean over the seeds ± half its {100 * CONFIDENCE:g} % interval"
 
 
-def render(schemes: SchemeTable) -> Table:
-    """The table for a terminal."""
-    table = Table(box=None, padding=(0, 2, 0, 0), caption=CAPTION, caption_justify="left")
-    table.add_column(cell("scheme"), overflow="fold")
-    table.add_column(cell(SECOND))
-    for column in schemes.columns:
-        table.add_column(cell(column.title), justify="right", overflow="fold")
-    for row in schemes.rows:
-        table.add_row(cell(row.name), _yes(row.is_told), *map(text, row.means))
-    return table
+def render(schemes: SchemeTable) -> RenderableType:
+    """The table for a terminal: in parts of a few columns each, so that it fits 80 characters."""
+    parts: list[RenderableType] = []
+    words = [word for row in schemes.rows for word in row.name.split()]
+    for first in range(0, len(schemes.columns), AT_ONCE):
+        shown = slice(first, first + AT_ONCE)
+        table = Table(box=None, padding=(0, 2, 0, 0))
+        table.add_column(cell("scheme"), overflow="fold", min_width=min(max(map(len, words)), WIDEST))
+        if first == 0:
+            table.add_column(cell(SECOND), overflow="fold")
+        for column in schemes.columns[shown]:
+            table.add_column(cell(column.title), justify="right", overflow="fold")
+        for row in schemes.rows:
+            second = [_yes(row.is_told)] if first == 0 else []
+            table.add_row(cell(row.name), *second, *map(text, row.means[shown]))
+        parts += [table, ""]
+    return Group(*parts, CAPTION)
 
 
 def markdown(schemes: SchemeTable) -> str:

@@ -67,7 +67,7 @@ def test_an_index_that_still_moves_within_the_window_has_not_settled() -> None:
 def test_the_path_lengths_are_sums_of_steps() -> None:
     run = scenario("paper.toml", run__duration=2.0)
     positions = np.array([tick.state.poses[:, :2] for tick in inprocess.ticks(run)])
-    lengths = [sum(math.dist(a, b) for a, b in pairwise(path)) for path in positions.swapaxes(0, 1)]
+    lengths = [sum(math.dist(*step) for step in pairwise(path)) for path in positions.swapaxes(0, 1)]
     assert metrics(run)["travel"] == pytest.approx({"mean": sum(lengths) / 10, "largest": max(lengths)}, rel=1e-12)
 
 
