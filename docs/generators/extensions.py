@@ -19,8 +19,8 @@ numbers, j details. Arrays must not be written to."""
 
 ALL_KINDS = """Each class has an attribute `Parameters`, a subclass of `fes.extension.Table`, and a constructor
 `(parameters, context)`. A controller gets a `ControllerContext`. The other laws and a neighbor rule get a
-`LawContext`, and a channel, dynamics or a metric gets a `WorldContext`. A number or a tuple of names that a class does
-not state is 0 or empty."""
+`LawContext`, and a channel, dynamics or a metric gets a `WorldContext`. A number or a tuple of names that a class
+does not state is 0 or empty."""
 
 PROTOCOLS: tuple[tuple[Kind, str, tuple[type, ...]], ...] = (
     (kinds.CONTROLLER, "`[robots] controller`", (controllers.Controller,)),
