@@ -41,6 +41,8 @@ def use(module: str) -> str:
         sys.path.append(folder)
     try:
         _usable[name] = importlib.import_module(name)
+        if path.suffix == ".py" and Path(getattr(_usable[name], "__file__", "")).resolve() != path:
+            raise ImportError(f"another module is named '{name}': rename the file")
     except Exception as error:  # the module is anybody's code
         raise FesError(f"--use {module}: {type(error).__name__}: {' '.join(str(error).split())}") from None
     _arguments.append(str(path) if path.suffix == ".py" else module)

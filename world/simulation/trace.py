@@ -1,5 +1,7 @@
 """The channel `trace`: reception by time, sender and receiver, from a network simulator or a measurement."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from fes.arrays.edges import Edges
@@ -38,26 +40,47 @@ class TraceChannel:
         self._times, ranks = np.unique(self._time, return_inverse=True)
         # by pair and time, in one ascending array: one search finds the rows of all pairs
         self._place = np.searchsorted(self._pairs, keys) * (len(self._times) + 1) + ranks
+        self._end = np.append(self._first[1:], len(keys))
+        self._latest: _Rows | None = None
         self._is_line = parameters.trace_between == "interpolated"
         self._earliness = TOLERANCE * context.dt
 
     def pair_probability(self, time: float, senders: Ints, receivers: Ints, separation: Floats) -> Floats:
         """Probability that a beacon of `time` [s] decodes, for each pair of ids [m]."""
+        rank = int(np.searchsorted(self._times, time + self._earliness, "right"))
+        latest = self._latest
+        if latest is None or not (
+            latest.senders is senders and latest.receivers is receivers and latest.rank == rank
+        ):
+            self._latest = latest = self._search(senders, receivers, rank)
+        if not self._is_line:
+            return latest.value
+        share = np.clip((time - latest.since) / latest.length, 0.0, 1.0)
+        probability: Floats = latest.value + latest.climb * share
+        return probability
+
+    def _search(self, senders: Ints, receivers: Ints, rank: int) -> "_Rows":
+        """The rows in force for each pair of ids [m] after the first `rank` times of the file."""
         wanted = Edges.key(receivers, senders)
         pair = np.minimum(np.searchsorted(self._pairs, wanted), len(self._pairs) - 1)
-        rank = np.searchsorted(self._times, time + self._earliness, "right")
         row = np.searchsorted(self._place, pair * (len(self._times) + 1) + rank) - 1
         is_known = (self._pairs[pair] == wanted) & (row >= self._first[pair])
-        value = self._value[row]
-        if self._is_line:
-            value = value + self._climb(time, pair, row)
-        return np.where(is_known, value, 0.0)
+        after = np.where(row + 1 < self._end[pair], row + 1, row)
+        value, length = np.where(is_known, self._value[row], 0.0), self._time[after] - self._time[row]
+        value.flags.writeable = False  # the caller gets it as it is
+        climb = np.where(is_known, self._value[after] - self._value[row], 0.0)
+        return _Rows(senders, receivers, rank, value, self._time[row], np.where(length > 0.0, length, 1.0), climb)
 
-    def _climb(self, time: float, pair: Ints, row: Ints) -> Floats:
-        """Difference at `time` [s] from the value of each `row` to the line to the next row of its `pair` [m]."""
-        end = np.append(self._first[1:], len(self._time))[pair]
-        after = np.where(row + 1 < end, row + 1, row)
-        length = self._time[after] - self._time[row]
-        share = np.clip((time - self._time[row]) / np.where(length > 0.0, length, 1.0), 0.0, 1.0)
-        climb: Floats = (self._value[after] - self._value[row]) * share
-        return climb
+
+class _Rows(NamedTuple):
+    """The rows in force: robots that keep their contacts need them again until the next time of the file."""
+
+    senders: Ints
+    receivers: Ints
+    rank: int
+    value: Floats
+    since: Floats
+    length: Floats
+    """Time until the next row of the pair [m] [s]; 1 after the last row."""
+    climb: Floats
+    """Difference of the next row's value [m]; 0 after the last row."""

@@ -1,12 +1,15 @@
 """Messages between processes: every message is decoded bit for bit, and bad bytes are one line, never a crash."""
 
+import math
+
 import msgpack
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fes.protocol import wire
+from fes.protocol import channel_change, wire
+from fes.protocol.channel_change import ChangeResult
 from tests.support.examples import EXAMPLES
 from tests.support.payloads import CODECS, assert_refused_or_a_message, bits, refusal, values
 
@@ -67,3 +70,10 @@ def test_equal_bytes_of_ids_share_one_read_only_array() -> None:
     assert first.tolist() == [2, 5, 9]
     with pytest.raises(ValueError, match="read-only"):
         first[0] = 7
+
+
+def test_the_result_of_a_change_may_have_no_optimum() -> None:
+    payload = channel_change.encode_result(ChangeResult("channel.model", "trace", 3, math.nan))
+    result = channel_change.decode_result(payload)
+    assert math.isnan(result.optimal_separation)
+    assert result._replace(optimal_separation=0.0) == ChangeResult("channel.model", "trace", 3, 0.0)

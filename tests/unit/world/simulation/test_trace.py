@@ -160,3 +160,17 @@ def test_a_broken_trace_ends_no_run_in_its_midst(tmp_path: Path) -> None:
     (tmp_path / "links.csv").write_text(HEADER, encoding="utf-8")
     with pytest.raises(FesError, match="has changed"):
         truth.create(team([(0, 0), (50, 0), (90, 0), (130, 0)], (at_2_s,)))
+
+
+@pytest.mark.parametrize(
+    ("between", "expected"), [("held", [0.5, 0.5, 0.75, 0.5]), ("interpolated", [0.5, 0.625, 0.5, 0.5])]
+)
+def test_pairs_that_are_asked_for_again_get_the_values_of_the_new_time(
+    tmp_path: Path, between: str, expected: list[float]
+) -> None:
+    model = channel(tmp_path, ROWS, between)
+    senders, receivers = np.array([0, 1]), np.array([1, 0])
+    times = (1.0, 1.5, 3.0, 1.0)  # a model may serve another run, which begins again
+    values = [model.pair_probability(time, senders, receivers, np.zeros(2)).tolist() for time in times]
+    assert values == [[value, 1.0] for value in expected]
+    assert model.pair_probability(1.0, receivers, senders, np.zeros(2)).tolist() == [1.0, 0.5]
