@@ -18,6 +18,7 @@ from fes.system import strict_json
 from fes.transport import network_flags
 from tests.support.commands import PROGRAMS, call
 from world.config import builtin, validation
+from world.config.outside.schemes import Comparison
 from world.config.scenario import Scenario
 
 COMMANDS = {path: line for path, line in guide.EXAMPLES.items() if path != "keys"}
