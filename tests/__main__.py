@@ -1,7 +1,7 @@
 """The one check command, `python -m tests`: style, types, then every test. Further arguments go to pytest.
 
 `python -m tests --quick` runs style, types, and the unit and architecture tests that are not slow.
-All tests run in two processes, as most of their time is waiting; tests chosen by arguments run in one.
+All tests run in three processes, as most of their time is waiting; tests chosen by arguments run in one.
 """
 
 import subprocess
@@ -10,8 +10,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 
-PARALLEL = ["-n", "2", "--dist", "loadfile", "--no-loadscope-reorder"]
-"""Two processes, each with complete files, in their order: xdist would start the longest file last."""
+PARALLEL = ["-n", "3", "--dist", "loadfile", "--no-loadscope-reorder"]
+"""Three processes, each with complete files, in their order: xdist would start the longest file last."""
 
 QUICK = [*PARALLEL, "-q", "-m", "not slow", "--hypothesis-profile", "quick"]
 QUICK += ["tests/unit", "tests/architecture", "fes", "agents", "world", "console"]

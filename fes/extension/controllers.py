@@ -101,6 +101,7 @@ class Controller(Protocol):
     """A whole robot."""
 
     Parameters: ClassVar[type[Table]]
+    """Its parameters, in a scenario beside its name."""
     statistics: ClassVar[int]
     """Number of statistics in each beacon; 0 for a class that states none."""
 

@@ -37,8 +37,17 @@ def test_every_fenced_block_of_a_program_is_run_by_a_test_or_states_why_not(page
     for block in fences.blocks(page):
         assert block.language in LANGUAGES, f"line {block.line}: a block names its language"
         if block.language in ("sh", "python"):
-            known = block.mark in (fences.RUN, *fences.BY_SCRIPTS) or fences.NOT_RUN.fullmatch(block.mark)
-            assert known, f"line {block.line}: the block needs <!-- run --> or <!-- not run: reason --> above it"
+            stated = fences.NOT_RUN.fullmatch(block.mark) or fences.FILE.fullmatch(block.mark)
+            known = block.mark in (fences.RUN, *fences.BY_SCRIPTS) or stated
+            assert known, f"line {block.line}: needs <!-- run -->, <!-- file: name --> or <!-- not run: reason -->"
+
+
+def test_the_law_of_the_tutorial_is_that_of_the_example() -> None:
+    files = {block.mark: block.text for block in fences.blocks(DOCS / "tutorial" / "own-law.md")}
+    example = ROOT / "examples" / "own-law"
+    assert files["file: own_law.py"] == (example / "own_law.py").read_text(encoding="utf-8")
+    project = (example / "pyproject.toml").read_text(encoding="utf-8")
+    assert project in (DOCS / "tutorial" / "own-law.md").read_text(encoding="utf-8")
 
 
 def test_the_blocks_that_scripts_run_are_in_the_readme_once() -> None:

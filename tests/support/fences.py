@@ -18,6 +18,9 @@ BY_SCRIPTS = ("run command", "test command")
 NOT_RUN = re.compile(r"not run: \S.*")
 """Mark of a block that is not run, with the reason."""
 
+FILE = re.compile(r"file: ([\w.-]+)")
+"""Mark of a block that a reader writes to a file, with its name."""
+
 _MARK = re.compile(r"<!-- (.*) -->")
 
 

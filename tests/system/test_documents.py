@@ -55,8 +55,10 @@ def folder(tmp_path: Path) -> Path:
 @pytest.mark.slow
 @pytest.mark.parametrize("page", RUN, ids=lambda path: path.stem)
 def test_the_commands_of_a_page_work_in_its_order(page: Path, folder: Path, environment: dict[str, str]) -> None:
-    for block in fences.shell(page):
-        if block.mark != fences.RUN:
+    for block in fences.blocks(page):
+        if file := fences.FILE.fullmatch(block.mark):
+            (folder / file[1]).write_text(block.text, encoding="utf-8")
+        if block.language != "sh" or block.mark != fences.RUN:
             continue
         done = subprocess.run(
             ["bash", "-euo", "pipefail", "-c", block.text],
@@ -92,5 +94,5 @@ def test_the_python_of_a_page_works_in_its_order(page: Path, folder: Path, envir
 
 
 def test_the_tutorial_and_the_pages_on_python_are_run() -> None:
-    assert "first-run" in {page.stem for page in RUN}
+    assert {"first-run", "own-law"} <= {page.stem for page in RUN}
     assert {"README", "python"} <= {page.stem for page in PYTHON}

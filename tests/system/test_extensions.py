@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shutil
 import signal
 import subprocess
 from collections.abc import Iterator
@@ -19,6 +20,7 @@ from tests.support.processes import PATIENCE, until
 from world.execution.checkpoint import FOLDER
 
 OUTSIDE = ROOT / "tests" / "support" / "outside_package"
+OWN_LAW = ROOT / "examples" / "own-law"
 
 LAWS = """
 schema = 1
@@ -219,3 +221,21 @@ def test_a_run_resumed_after_the_death_of_its_world_has_the_same_digest_and_metr
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     alone = result(environment, tmp_path, "lab.toml", "--backend", "inprocess")
     assert {key: value for key, value in summary.items() if key not in MACHINE} == {**alone, "scenario": "lab"}
+
+
+@pytest.mark.slow
+def test_the_package_of_the_example_is_installed_and_its_law_runs_by_name_and_passes_its_own_test(
+    environment: Environment, tmp_path: Path
+) -> None:
+    environment.install(wheel_of(OWN_LAW, tmp_path))
+    for file in ("lab.toml", "test_own_law.py"):
+        shutil.copy(OWN_LAW / file, tmp_path)
+    words = ["lab.toml", "--duration", "1.0"]
+    alone = result(environment, tmp_path, *words, "--backend", "inprocess")
+    assert result(environment, tmp_path, *words, "--agents-per-process", "5") == alone
+    done = environment.call(tmp_path, "python", "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_own_law.py")
+    assert done.returncode == 0, done.stdout
+    assert "2 passed" in done.stdout
+    checked = environment.call(tmp_path, "fes", "check", "saturated")
+    assert checked.returncode == 0, checked.stdout
+    assert checked.stdout.splitlines()[0] == "formation law 'saturated'"

@@ -52,7 +52,7 @@ def test_two_robots_rest_where_near_field_and_reception_balance() -> None:
     assert pull(controller, 59.0) < 0.0 < pull(controller, 61.0)
 
 
-def test_a_peer_below_the_least_reception_does_not_pull() -> None:
+def test_a_peer_below_the_least_reception_is_not_a_neighbor() -> None:
     limit = (-math.log(0.7) / 3e-7) ** (1.0 / 3.0)  # 105.9 m, the paper's 30 %
     assert pull(law(least=0.7), limit - 0.01) > 0.0
     assert pull(law(least=0.7), limit + 0.01) == 0.0

@@ -1,0 +1,91 @@
+"""The page of the extensions, from the protocols of `fes.extension` and the values that they get and return."""
+
+import ast
+import inspect
+import textwrap
+from typing import Any
+
+from docs.generators.markdown import code, prose, table
+from fes.extension import context, controllers, kinds, neighborhood, protocols
+from fes.extension.kinds import Kind
+from fes.model import beacon_slots, contacts
+from world.metrics import tick_truth
+
+TITLE = "Extensions"
+INTRODUCTION = """The interface for laws, neighbor rules, channels, dynamics and metrics of others. Any class that has
+the members of a kind is one. Import names from `fes.extension`. The [tutorial](../tutorial/own-law.md) writes two.
+`fes check` shows whether one keeps the rules. Shapes: n robots, m contacts, l links, q statistics, b bytes, k learnt
+numbers, j details. Arrays must not be written to."""
+
+ALL_KINDS = """Each class has an attribute `Parameters`, a subclass of `fes.extension.Table`, and a constructor
+`(parameters, context)`. A controller gets a `ControllerContext`. The other laws and a neighbor rule get a
+`LawContext`, and a channel, dynamics or a metric gets a `WorldContext`. A number or a tuple of names that a class
+does not state is 0 or empty."""
+
+PROTOCOLS: tuple[tuple[Kind, str, tuple[type, ...]], ...] = (
+    (kinds.CONTROLLER, "`[robots] controller`", (controllers.Controller,)),
+    (kinds.FORMATION, "`[formation] law`", (protocols.FormationLaw,)),
+    (kinds.SEEKING, "`[seeking] use`", (protocols.SeekingLaw,)),
+    (kinds.RULE, "`[formation] rule`", (protocols.NeighborRule,)),
+    (kinds.CHANNEL, "`[channel] model`", (protocols.Channel, protocols.PairChannel)),
+    (kinds.DYNAMICS, "`[robots] dynamics`", (protocols.Dynamics,)),
+    (kinds.METRIC, "`[[metric]] use`", (protocols.Metric,)),
+)
+"""Each kind, its place in a scenario, and its protocols."""
+
+VALUES: tuple[type, ...] = (
+    controllers.RobotView, controllers.Neighbor, controllers.Action, controllers.Pull, controllers.Twist,
+    neighborhood.Neighborhood, neighborhood.LinkGeometry, neighborhood.Entry, contacts.Contacts, beacon_slots.Slots,
+    protocols.Formed, protocols.Published, controllers.ControllerContext, context.LawContext, context.WorldContext,
+    context.Draws, tick_truth.TickTruth,
+)  # fmt: skip
+"""Arguments and results of extensions."""
+
+
+def page() -> list[str]:
+    """The lines of the page, without its title."""
+    lines = ["## All kinds", "", ALL_KINDS, ""]
+    rows = [[kind.name, place, code(kind.group)] for kind, place, _ in PROTOCOLS]
+    lines += table(["kind", "place in a scenario", "group of entry points"], rows)
+    for kind, _, alternatives in PROTOCOLS:
+        lines += [f"## {kind.name.capitalize()}", ""]
+        for protocol in alternatives:
+            lines += _described(protocol)
+    lines += ["## Values", ""]
+    for value in VALUES:
+        lines += [f"### `{value.__name__}`", "", *_described(value)]
+    return lines
+
+
+def _described(kind: type) -> list[str]:
+    """The docstring of a class, and a table of its members."""
+    text = (inspect.getdoc(kind) or "").split("\n\n")
+    rows = [[code(member), prose(meaning)] for member, meaning in _members(kind)]
+    return [*(line for part in text for line in (prose(part), "")), *table(["member", "meaning"], rows)]
+
+
+def _members(kind: type) -> list[tuple[str, str]]:
+    """Each attribute, property and method in the body of a class; attributes may share the docstring after them."""
+    [definition] = ast.parse(textwrap.dedent(inspect.getsource(kind))).body
+    assert isinstance(definition, ast.ClassDef)
+    members: list[tuple[str, str]] = []
+    waiting: list[str] = []
+    for node in definition.body[1:]:
+        if isinstance(node, ast.FunctionDef) and (not node.name.startswith("_") or node.name == "__call__"):
+            members += [(name, "") for name in waiting] + [(_signature(node), ast.get_docstring(node) or "")]
+            waiting = []
+        elif isinstance(node, ast.AnnAssign):
+            waiting.append(ast.unparse(node))
+        elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and waiting:
+            members.append((", ".join(waiting), str(node.value.value)))
+            waiting = []
+    return members + [(name, "") for name in waiting]
+
+
+def _signature(node: ast.FunctionDef) -> str:
+    returned = ast.unparse(node.returns) if node.returns is not None else "None"
+    names: list[Any] = [getattr(decorator, "id", "") for decorator in node.decorator_list]
+    if "property" in names or "cached_property" in names:
+        return f"{node.name}: {returned}"
+    arguments = ast.unparse(node.args).removeprefix("self").removeprefix(", ")
+    return f"{node.name}({arguments}) -> {returned}"
