@@ -12,7 +12,6 @@ from fes.errors import FesError
 from fes.extension import registry
 from fes.extension.kinds import FORMATION, KINDS, RULE, SEEKING, Kind
 from fes.model.config import ChannelConfig
-from fes.model.seeking import BUILT_IN
 from fes.model.table import Table, Use
 from tests.support import laws
 
@@ -236,14 +235,9 @@ def test_only_a_law_that_declares_it_is_told_the_channel(folder: Path) -> None:
     assert told.channel is not None
 
 
-def test_a_check_needs_the_extension_but_loads_no_built_in_one_without_parameters() -> None:
-    missing = toys(own="a_module_that_is_not_there:Toy", disk=RULE.built_in["disk"])
+def test_a_check_needs_the_extension_but_loads_no_built_in_one() -> None:
+    missing = toys(own="a_module_that_is_not_there:Toy")
     registry.check(missing, "own")
-<<<<<<< HEAD
-    with pytest.raises(FesError, match=r"^toy 'disk': unknown parameter 'size'; it has none$"):
-        registry.check(missing, Use.model_validate({"use": "disk", "size": 3}))
-=======
->>>>>>> 3c3030a5c0881d9230036d9b8dfa87eb741bb9bd
     with pytest.raises(FesError, match=r"^there is no toy 'other'; "):
         registry.check(missing, "other")
 
@@ -268,13 +262,7 @@ def test_every_kind_has_a_group_of_entry_points_of_its_own() -> None:
 
 
 def test_the_table_of_parameters_of_a_built_in_seeking_law_is_that_of_its_settings() -> None:
-<<<<<<< HEAD
-    of_index = [name for name in SEEKING.built_in if name.partition(",")[0] in BUILT_IN]
-    assert len(of_index) == 4
-    for name in of_index:
-=======
     for name in ("oracle", "sampled", "measured, network", "measured, none"):
->>>>>>> 3c3030a5c0881d9230036d9b8dfa87eb741bb9bd
         table = registry.load(SEEKING, name).Parameters
         assert issubclass(table, Table)
         assert table.model_fields["index"].annotation.__args__ == (name.partition(",")[0],)
