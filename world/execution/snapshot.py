@@ -180,6 +180,7 @@ class _Tables(pickle.Unpickler):
             raise pickle.UnpicklingError(f"{module}.{name}")
         kind = super().find_class(module, name)
         is_own = isinstance(kind, type) and kind.__module__ == module
+        is_extension = is_extension or f"{module}:{name}" in METRIC.built_in.values()
         if is_extension and is_own:
             return kind
         if is_foreign or (is_own and (is_dataclass(kind) or issubclass(kind, (BaseModel, tuple)) or kind in _PLAIN)):

@@ -53,9 +53,10 @@ def test_no_force_acts_at_the_spacing_and_beyond_the_range(separation: float) ->
 def test_a_robot_takes_over_the_velocity_that_its_peer_put_into_its_beacon() -> None:
     declared = np.array([[0.0, 0.0], [1.5, -0.5]], dtype="<f4").tobytes()
     seen = around(pair(70.0), declared=declared)
-    formed = law().step(np.zeros((2, 2)), seen, geometry(seen, 70.0))
+    own = np.array([[1.0, 2.0], [0.0, 0.0]])
+    formed = law().step(own, seen, geometry(seen, 70.0))
     share = 0.6 * bump(norm(70.0) / norm(84.0)) * DT
-    assert formed.state[0] == pytest.approx([share * 1.5, -share * 0.5], rel=1e-12)
+    assert formed.state[0] == pytest.approx([1.0 + share * (1.5 - 1.0), 2.0 + share * (-0.5 - 2.0)], rel=1e-12)
     assert formed.declared is not None
     assert formed.declared.tobytes() == formed.state.astype("<f4").tobytes()
 

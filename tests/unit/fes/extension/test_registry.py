@@ -242,20 +242,6 @@ def test_a_check_needs_the_extension_but_loads_no_built_in_one() -> None:
         registry.check(missing, "other")
 
 
-def test_the_parameters_of_a_built_in_one_are_checked_by_its_class() -> None:
-    registry.check(FORMATION, Use.model_validate({"use": "voronoi", "sensing_radius": 34.0}))
-    with pytest.raises(FesError, match=r"^formation law 'voronoi': unknown parameter 'radius'; did you mean"):
-        registry.check(FORMATION, Use.model_validate({"use": "voronoi", "radius": 34.0}))
-    with pytest.raises(FesError, match=r"^formation law 'paper': unknown parameter 'size'; it has none$"):
-        registry.check(FORMATION, Use.model_validate({"use": "paper", "size": 3}))
-
-
-def test_a_built_in_law_is_told_the_channel_by_the_table_of_its_kind() -> None:
-    assert registry.is_told(FORMATION, "gradient")
-    assert not registry.is_told(FORMATION, Use.model_validate({"use": "voronoi", "gain": 2.0}))
-    assert registry.is_told(SEEKING, "oracle")
-
-
 def test_every_kind_has_a_group_of_entry_points_of_its_own() -> None:
     assert len({kind.group for kind in KINDS}) == len({kind.name for kind in KINDS}) == len(KINDS) == 7
     assert all(kind.group.startswith("fes.") for kind in KINDS)
