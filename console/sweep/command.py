@@ -96,7 +96,7 @@ def _report(planned: Design, finished: Ledger, directory: Path, form: Format, pl
     try:
         written = results.write(directory, form)
         if schemes is not None:
-            written.append(table.write_text(directory, "schemes.md", scheme_report.markdown(schemes)))
+            written.append(table.write_page(directory, "schemes.md", scheme_report.markdown(schemes)))
         if plot and (schemes is not None or picture.drawable(planned, results.rows)):
             with progress.bar("figure"):
                 figure = scheme_picture.schemes_figure(schemes) if schemes else _figure(results)

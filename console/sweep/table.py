@@ -64,7 +64,7 @@ def write(directory: Path, name: str, table: Sequence[Row], form: Format = Forma
     return path
 
 
-def write_text(directory: Path, name: str, text: str) -> Path:
+def write_page(directory: Path, name: str, text: str) -> Path:
     """Write a text atomically."""
     path, temporary = directory / name, directory / f".{name}"
     temporary.write_text(text, encoding="utf-8")

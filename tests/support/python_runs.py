@@ -14,5 +14,5 @@ def arrays(run: Run) -> dict[str, bytes]:
 
 def of_machine(summary: dict[str, object]) -> dict[str, object]:
     """A summary without the quantities of the machine and the backend."""
-    omitted = ("wall_s", "ticks_per_s", "real_time_factor", "backend")
+    omitted = ("wall_s", "ticks_per_s", "real_time_factor", "backend", "model_free")
     return {name: value for name, value in summary.items() if name not in omitted}

@@ -23,7 +23,7 @@ from world.execution.checkpoint import FOLDER
 from world.execution.run import ATTEND, TICK
 from world.metrics.summary import write_scenario
 
-MACHINE = ("backend", "wall_s", "ticks_per_s", "real_time_factor")
+MACHINE = ("backend", "wall_s", "ticks_per_s", "real_time_factor", "model_free")
 """Keys of a summary that depend on the machine."""
 
 
