@@ -8,7 +8,6 @@ import argparse
 import asyncio
 import logging
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -91,7 +90,7 @@ class Agent:
             if observations.in_range is not subscribed:
                 subscribed = observations.in_range
                 self.radio.update(set(subscribed.peers.tolist()))
-            telemetry = replace(telemetry, is_model_free=is_model_free(welcome.config.channel))
+            telemetry = telemetry._replace(is_model_free=is_model_free(welcome.config.channel))
             payloads = list(marshalling.encode_tick(sent, twists, telemetry))
             payloads = transmitter.on_air(robots.transmitters, observations.tick, payloads)
             self._outbox.publish(observations.tick, payloads)

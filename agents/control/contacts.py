@@ -18,8 +18,8 @@ def no_contacts(ids: Ints, statistics: int, declared: int) -> Contacts:
     """The contacts of a crew that has heard no beacon; a beacon has this many `statistics` and `declared` bytes."""
     nothing = no_edges(ids)
     floats, bools = np.zeros(0), np.zeros(0, dtype=np.bool_)
-    poses, numbers, declared_bytes = np.zeros((0, 3)), np.zeros((0, statistics)), np.zeros((0, declared), np.uint8)
-    of_beacons = nothing.rows, poses, floats, bools, numbers, declared_bytes
+    numbers, declared_bytes = np.zeros((0, statistics)), np.zeros((0, declared), np.uint8)
+    of_beacons = nothing.rows, floats, floats, floats, floats, bools, numbers, declared_bytes
     return Contacts(nothing, *of_beacons, floats, bools, floats, floats, floats)
 
 
@@ -32,19 +32,22 @@ def update(contacts: Contacts, received: Received, own: Floats, timeout: int) ->
     """
     contacts = _carried(contacts, received.edges)
     edges, heard = contacts.edges, received.heard
-    last = _replaced(contacts.heard, heard, np.full(len(heard), received.tick))
-    poses = _replaced(contacts.poses, heard, received.poses)
-    dx = poses[:, geometry.X] - own[:, geometry.X].take(edges.rows)
-    dy = poses[:, geometry.Y] - own[:, geometry.Y].take(edges.rows)
+    last = contacts.heard.copy()
+    last[heard] = received.tick
+    x, y = _replaced(contacts.x, heard, received.x), _replaced(contacts.y, heard, received.y)
+    dx = x - own[:, geometry.X].take(edges.rows)
+    dy = y - own[:, geometry.Y].take(edges.rows)
     separation = geometry.separation(dx, dy)
     return Contacts(
         edges,
         last,
-        poses,
+        x,
+        y,
+        _replaced(contacts.heading, heard, received.heading),
         _replaced(contacts.estimates, heard, received.estimates),
         _replaced(contacts.selected_by_peer, heard, received.selected),
-        _replaced(contacts.statistics, heard, _fitting(received.statistics, contacts.statistics)),
-        _replaced(contacts.declared, heard, _fitting(received.declared, contacts.declared)),
+        _told(contacts.statistics, heard, received.statistics),
+        _told(contacts.declared, heard, received.declared),
         _replaced(contacts.heard_separation, heard, separation.take(heard)),
         last >= received.tick + 1 - timeout,
         dx,
@@ -82,9 +85,12 @@ def _replaced(values: Array, positions: Ints, new: Array) -> Array:
     return result
 
 
-def _fitting(values: Array, like: Array) -> Array:
-    """Columns of `values` if there are as many as in `like`; else zeros: the sender has another law."""
-    return values if values.shape[1] == like.shape[1] else np.zeros((len(values), like.shape[1]), like.dtype)
+def _told(values: Array, positions: Ints, new: Array) -> Array:
+    """As `_replaced`, for values [m, q]; a sender with another number of values has another law, and told none."""
+    if not values.shape[1]:
+        return values
+    fits = new.shape[1] == values.shape[1]
+    return _replaced(values, positions, new if fits else np.zeros((len(new), values.shape[1]), values.dtype))
 
 
 def _carried(contacts: Contacts, edges: Edges) -> Contacts:
@@ -95,7 +101,9 @@ def _carried(contacts: Contacts, edges: Edges) -> Contacts:
     return Contacts(
         edges,
         heard=carry(contacts.heard, NEVER),
-        poses=carry(contacts.poses, 0.0),
+        x=carry(contacts.x, 0.0),
+        y=carry(contacts.y, 0.0),
+        heading=carry(contacts.heading, 0.0),
         estimates=carry(contacts.estimates, np.nan),
         selected_by_peer=carry(contacts.selected_by_peer, False),
         statistics=carry(contacts.statistics, 0.0),

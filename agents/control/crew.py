@@ -86,10 +86,9 @@ def step(
     twists = motion.twists(crew.ids, formed, sensed, crew.config.dt, crew.config.formation)
     sought = crew.seeking.measure(sought, around, formed)
     published = crew.seeking.publish(sought, used.edges)
-    published = _bounded(published)
     beacons = _beacons(sensed, used, selected, published, formed)
+    telemetry = _telemetry(beacons, published, formed)
     beacons, unsent = transmitter.send(crew.transmitters, state.unsent, beacons)
-    telemetry = _telemetry(used, published, formed)
     sought = crew.seeking.seek(sought, around)
     after = CrewState(sensed.poses, known, used, formed.state, sought, linked_since, since, unsent)
     return after, beacons, twists, telemetry
@@ -111,12 +110,6 @@ def _relink(
     return linked_since, crew.seeking.relink(state.seeking, old, edges, Entry(tick, is_fresh, reported))
 
 
-def _bounded(published: Published) -> Published:
-    """The published values, within the bounds of a message."""
-    estimates, statistics = bounded(published.estimates, MAX_NUMBER), bounded(published.statistics, MAX_NUMBER)
-    return Published(estimates, statistics, bounded(published.learnt, MAX_NUMBER), published.declared)
-
-
 def _beacons(sensed: Sensed, used: Links, selected: Bools, published: Published, formed: Formed) -> Beacons:
     """The beacons that the robots hand to their transmitters."""
     parts = [part for part in (formed.declared, published.declared) if part is not None]
@@ -125,14 +118,14 @@ def _beacons(sensed: Sensed, used: Links, selected: Bools, published: Published,
         used.edges.ids,
         bounded(sensed.poses, MAX_NUMBER),
         used.edges,
-        published.estimates,
+        bounded(published.estimates, MAX_NUMBER),
         selected.take(used.contact),
-        published.statistics,
+        bounded(published.statistics, MAX_NUMBER),
         np.concatenate(parts, axis=1) if parts else np.zeros((len(sensed.poses), 0), dtype=np.uint8),
     )
 
 
-def _telemetry(used: Links, published: Published, formed: Formed) -> Telemetry:
-    """The numbers for observers."""
-    details = np.zeros((len(used.edges.ids), 0)) if formed.details is None else bounded(formed.details, MAX_NUMBER)
-    return Telemetry(used.edges, published.estimates, published.learnt, details)
+def _telemetry(beacons: Beacons, published: Published, formed: Formed) -> Telemetry:
+    """The numbers for observers, beside the robots' `beacons`."""
+    details = np.zeros((len(beacons.ids), 0)) if formed.details is None else bounded(formed.details, MAX_NUMBER)
+    return Telemetry(beacons.links, beacons.estimates, bounded(published.learnt, MAX_NUMBER), details)

@@ -32,8 +32,9 @@ def twist(vector: Floats, heading: Floats, dt: float, config: FormationConfig) -
     delta the bearing of g from the heading. At mu' = 10 that is stiff (hundreds of rad/s). So omega is the mean rate
     of the exact flow, delta(h) = 2 atan(tan(delta_0 / 2) exp(-mu'|g| h)). v is that of (6) at the tick's beginning.
     """
-    size = geometry.separation(vector[:, 0], vector[:, 1])
-    begin = geometry.wrap(np.arctan2(vector[:, 1], vector[:, 0]) - heading)
+    x, y = vector[:, 0], vector[:, 1]
+    size = geometry.separation(x, y)
+    begin = geometry.wrap(np.arctan2(y, x) - heading)
     end = 2.0 * np.arctan(np.tan(0.5 * begin) * np.exp(-config.angular_gain * dt * size))
     result = np.empty((len(heading), 2))
     result[:, geometry.LINEAR] = config.linear_gain * size * np.cos(begin)

@@ -1,7 +1,7 @@
 """A crew and its state."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from agents.control.clocks import Clocks
 from agents.control.links import Links
@@ -28,8 +28,7 @@ class Crew:
     transmitters: Transmitters
 
 
-@dataclass(frozen=True, eq=False)
-class CrewState:
+class CrewState(NamedTuple):
     """The state that a crew carries from tick to tick."""
 
     poses: Floats

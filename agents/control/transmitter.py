@@ -5,7 +5,7 @@ account, a damaged beacon decodes at no robot. Every process that gets its bytes
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -146,8 +146,7 @@ def _replaced(beacons: Beacons, old: Mapping[int, BeaconContent]) -> Beacons:
         len(content.links) != links.counts[row] for row, content in old.items()
     ):
         links = Edges(links.ids, np.repeat(np.arange(len(peers)), [len(ids) for ids in peers]), all_peers)
-    return replace(
-        beacons,
+    return beacons._replace(
         poses=poses,
         links=links,
         estimates=np.concatenate(estimates),

@@ -70,9 +70,12 @@ def disk(contacts: Contacts) -> Bools:
 
 def two_nearest(contacts: Contacts) -> Bools:
     """The two nearest contacts (the paper's footnote 2); a link exists if either end selected it [m]."""
-    chosen = np.zeros(len(contacts.edges), dtype=np.bool_)
-    chosen[contacts.edges.smallest(np.where(contacts.known, contacts.separation, np.inf), 2)] = True
-    chosen &= contacts.known
+    known, reach = contacts.known, contacts.separation
+    are_all = np.count_nonzero(known) == len(known)
+    chosen = np.zeros(len(known), dtype=np.bool_)
+    chosen[contacts.edges.smallest(reach if are_all else np.where(known, reach, np.inf), 2)] = True
+    if not are_all:
+        chosen &= known
     return chosen
 
 

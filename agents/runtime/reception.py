@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fes.arrays import geometry
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats, Ints
 from fes.model.sensing import DECODED, Beacons, Observations, Received
@@ -41,7 +42,8 @@ class Receiver:
         self._in_range: Edges | None = None
         self._contacts: Edges | None = None
         self._is_contact: Bools = np.zeros(0, dtype=np.bool_)
-        self._positions: Ints = np.zeros(0, dtype=np.int64)
+        self._places: Ints = np.zeros(0, dtype=np.int64)
+        """Position among the contacts of each pair in range that is one."""
 
     def receive(self, observations: Observations, beacons: Beacons, contacts: Edges) -> Received:
         """The `beacons` of the previous tick that decoded, for a crew whose contacts until now are `contacts`.
@@ -55,16 +57,18 @@ class Receiver:
         is_decoded = (observations.reception == DECODED) & lookup.present
         edges = self._update(in_range, is_decoded, contacts)
         sender, link = lookup.sender, lookup.link
-        heard = pairs = np.flatnonzero(is_decoded)
+        heard = pairs = is_decoded.nonzero()[0]
         if len(pairs) < len(in_range):
-            heard = np.searchsorted(self._positions, pairs) if len(edges) < len(in_range) else pairs
+            heard = self._places.take(pairs)
             sender, link = sender.take(pairs), link.take(pairs)
         estimates, selected = _of_links(beacons, link)
         return Received(
             observations.tick - 1,
             edges,
             heard,
-            beacons.poses.take(sender, axis=0),
+            beacons.poses[:, geometry.X].take(sender),
+            beacons.poses[:, geometry.Y].take(sender),
+            beacons.poses[:, geometry.HEADING].take(sender),
             estimates,
             selected,
             _rows(beacons.statistics, sender),
@@ -80,7 +84,7 @@ class Receiver:
         elif len(contacts) == len(in_range) or not np.count_nonzero(is_decoded > self._is_contact):
             return contacts
         self._is_contact |= is_decoded
-        self._positions = np.flatnonzero(self._is_contact)
+        self._places = np.cumsum(self._is_contact) - 1
         edges = in_range if self._is_contact.all() else in_range.select(self._is_contact)
         if edges.ids is contacts.ids and edges.keys.tobytes() == contacts.keys.tobytes():
             edges = contacts

@@ -2,7 +2,6 @@
 
 from collections.abc import Collection
 from contextlib import suppress
-from dataclasses import replace
 
 import numpy as np
 
@@ -59,7 +58,7 @@ class ReplayedRobots:
         beacons = self._stack.beacons(tick.number - 1, received)
         arrived = self._receiver.receive(observations, beacons, self._state.contacts.edges)
         self._state, sent, twists, telemetry = crew.step(self._crew, self._state, observations.sensed, arrived)
-        telemetry = replace(telemetry, is_model_free=_stated(tick, sensing))
+        telemetry = telemetry._replace(is_model_free=_stated(tick, sensing))
         broken = transmitter.damaging(self._crew.transmitters, tick.number)
         for robot, encoded, command in agent_marshalling.encode_tick(sent, twists, telemetry):
             if robot not in sensed:

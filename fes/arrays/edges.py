@@ -109,6 +109,11 @@ class Edges:
         """Number of pairs of the same robot before each pair [m]."""
         return np.arange(len(self)) - (np.cumsum(self.counts) - self.counts)[self.rows]
 
+    @cached_property
+    def _leading(self) -> dict[int, Ints]:
+        """k -> positions of the first k pairs of each robot."""
+        return {}
+
     def find(self, keys: Ints) -> Ints:
         """Position of the pair of each of `keys`, or -1 where these edges lack it."""
         if len(self) == 0:
@@ -154,7 +159,9 @@ class Edges:
         >>> edges.smallest(np.array([5.0, 2.0, 2.0]), 2)
         array([1, 2])
         """
-        return np.lexsort((values, self.rows))[self.ranks < k]
+        if k not in self._leading:
+            self._leading[k] = np.flatnonzero(self.ranks < k)
+        return np.lexsort((values, self.rows)).take(self._leading[k])
 
     def select(self, mask: Bools) -> "Edges":
         """The pairs where `mask` [m] is true."""

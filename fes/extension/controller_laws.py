@@ -111,7 +111,9 @@ class ControllerFormation:
         age = around.dt * (around.tick - contacts.heard).astype(np.float64)
         columns = (
             self._context.draws.own_ids(edges.peers),
-            *contacts.poses.T,
+            contacts.x,
+            contacts.y,
+            contacts.heading,
             contacts.separation,
             contacts.dx,
             contacts.dy,

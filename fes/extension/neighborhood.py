@@ -1,7 +1,7 @@
 """The peers of a robot at one tick, as far as it heard them."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,8 +12,7 @@ from fes.model.beacon_slots import Slots
 from fes.model.contacts import Contacts
 
 
-@dataclass(frozen=True, eq=False)
-class Neighborhood:
+class Neighborhood(NamedTuple):
     """The contacts of a crew of n robots and its links among them, at one tick.
 
     Pairs lie one after the other, by robot, then by peer: m contacts, l links. Arrays must not be written to.
@@ -49,16 +48,18 @@ class Neighborhood:
         """Age of each link's last beacon [l] [s]."""
         return self.dt * (self.tick - self.contacts.heard.take(self.link_contact)).astype(np.float64)
 
-    @cached_property
+    @property
     def slots(self) -> Slots:
-        """The beacon slots of links that become known at this tick: decoded beacons, and those missed before them."""
+        """The beacon slots of links that become known at this tick: decoded beacons, and those missed before them.
+
+        Computed at each access.
+        """
         is_link = np.zeros(len(self.contacts.edges), dtype=np.bool_)
         is_link[self.link_contact] = True
         return beacon_slots.between(self.before, self.contacts, self.tick, is_link)
 
 
-@dataclass(frozen=True, eq=False)
-class LinkGeometry:
+class LinkGeometry(NamedTuple):
     """The links of a crew as the formation law sees them [l]."""
 
     separation: Floats

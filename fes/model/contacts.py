@@ -1,8 +1,7 @@
 """Contacts: the peers that each robot has heard, and the last beacon of each. Neighbor rules choose among them."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
-from fes.arrays import geometry
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Bytes, Floats, Ints
 
@@ -10,15 +9,16 @@ NEVER = -(2**62)
 """Stands for the tick of the last beacon of a peer that was never heard."""
 
 
-@dataclass(frozen=True, eq=False)
-class Contacts:
+class Contacts(NamedTuple):
     """The peers that each robot has heard since they came in range, and the last beacon of each; over `edges` [m]."""
 
     edges: Edges
     heard: Ints
     """Tick of the last decoded beacon."""
-    poses: Floats
-    """Pose in that beacon [m, 3] [m, m, rad; world frame]."""
+    x: Floats
+    y: Floats
+    heading: Floats
+    """Pose in that beacon [m] [m, m, rad; world frame]."""
     estimates: Floats
     """The peer's own separation estimate for the link to this robot [m]; NaN if it has no such link."""
     selected_by_peer: Bools
@@ -36,13 +36,3 @@ class Contacts:
     separation: Floats
     """Line of sight and its length [m; world frame], from the own pose of the previous tick. The peer's
     position is that of the same tick, unless its beacon was lost: then it is the last position heard."""
-
-    @property
-    def x(self) -> Floats:
-        """x coordinate in that beacon [m] [m; world frame]."""
-        return self.poses[:, geometry.X]
-
-    @property
-    def y(self) -> Floats:
-        """y coordinate in that beacon [m] [m; world frame]."""
-        return self.poses[:, geometry.Y]

@@ -70,8 +70,10 @@ class Received(NamedTuple):
     """The contacts: all peers in range that each robot has heard since they came in range [m]."""
     heard: Ints
     """Positions among the contacts, ascending [d]."""
-    poses: Floats
-    """Pose in the beacon [d, 3] [m, m, rad; world frame]."""
+    x: Floats
+    y: Floats
+    heading: Floats
+    """Pose in the beacon [d] [m, m, rad; world frame]."""
     estimates: Floats
     """The sender's own separation estimate for the link to this robot [d] [m]; NaN if it has no such link."""
     selected: Bools
@@ -85,8 +87,7 @@ class Received(NamedTuple):
     need it."""
 
 
-@dataclass(frozen=True, eq=False)
-class Beacons:
+class Beacons(NamedTuple):
     """Beacons of robots to their peers at one tick."""
 
     tick: int
@@ -106,8 +107,7 @@ class Beacons:
     """Bytes that each sender's laws declared [n, b]; b = 0 if they declare none."""
 
 
-@dataclass(frozen=True, eq=False)
-class Telemetry:
+class Telemetry(NamedTuple):
     """State of robots at one tick, for observers only."""
 
     links: Edges

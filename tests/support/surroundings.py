@@ -44,7 +44,9 @@ def around(
     contacts = Contacts(
         edges,
         heard=np.where(fresh, tick - 1, tick - 2),
-        poses=poses[edges.peers],
+        x=positions[edges.peers, 0],
+        y=positions[edges.peers, 1],
+        heading=np.zeros(m),
         estimates=np.full(m, np.nan) if estimates is None else estimates,
         selected_by_peer=np.ones(m, dtype=np.bool_),
         statistics=np.zeros((m, 0)),

@@ -1,6 +1,5 @@
 """A robot's knowledge of its peers: from decoded beacons only, and only for a while."""
 
-import dataclasses
 import math
 
 import numpy as np
@@ -111,7 +110,7 @@ def test_two_robots_at_the_same_point_drive_apart() -> None:
     sensed = Observations(3, where, near, np.full(2, DECODED, dtype=np.uint8))
     beacons = layouts.silent_beacons(2, np.arange(2), where)
     state = crew.start(team)
-    state = dataclasses.replace(state, poses=where)
+    state = state._replace(poses=where)
     _, _, twists, _ = loop.tick(team, state, Receiver(), sensed, beacons)
     # psi_ji = pi + psi_ij: the lower id sees the other along +x and backs off; 50 to 90 m, weight 1/2
     assert np.isfinite(twists).all()

@@ -68,7 +68,15 @@ def heard(received: Received) -> Pairs:
 
 def numbers(received: Received) -> list[float]:
     """Every number in what a crew received, except ids and positions."""
-    arrays = received.poses, received.estimates, received.statistics, received.declared, received.mean_estimates()
+    arrays = (
+        received.x,
+        received.y,
+        received.heading,
+        received.estimates,
+        received.statistics,
+        received.declared,
+        received.mean_estimates(),
+    )
     return [float(number) for array in arrays for number in np.asarray(array, dtype=np.float64).ravel()]
 
 
@@ -96,7 +104,7 @@ def test_a_beacon_is_received_with_all_its_content() -> None:
     assert received.tick == 6
     assert heard(received) == {(0, 1), (0, 2), (0, 3), (1, 0), (1, 2), (1, 3)}
     senders = [1, 2, 3, 0, 2, 3]
-    assert received.poses.tolist() == WHERE[senders].tolist()
+    assert np.stack([received.x, received.y, received.heading], axis=1).tolist() == WHERE[senders].tolist()
     # the sender's estimate for its link to this robot, and nothing of its other links
     nan = math.nan
     np.testing.assert_array_equal(received.estimates, [10.0, 20.0, nan, 1.0, nan, 31.0])
