@@ -46,8 +46,8 @@ def update(contacts: Contacts, received: Received, own: Floats, timeout: int) ->
         _replaced(contacts.heading, heard, received.heading),
         _replaced(contacts.estimates, heard, received.estimates),
         _replaced(contacts.selected_by_peer, heard, received.selected),
-        _told(contacts.statistics, heard, received.statistics),
-        _told(contacts.declared, heard, received.declared),
+        _shared(contacts.statistics, heard, received.statistics),
+        _shared(contacts.declared, heard, received.declared),
         _replaced(contacts.heard_separation, heard, separation.take(heard)),
         last >= received.tick + 1 - timeout,
         dx,
@@ -85,8 +85,8 @@ def _replaced(values: Array, positions: Ints, new: Array) -> Array:
     return result
 
 
-def _told(values: Array, positions: Ints, new: Array) -> Array:
-    """As `_replaced`, for values [m, q]; a sender with another number of values has another law, and told none."""
+def _shared(values: Array, positions: Ints, new: Array) -> Array:
+    """As `_replaced`, for values [m, q]; a sender with another number of values has another law, and counts as one with zeros."""
     if not values.shape[1]:
         return values
     fits = new.shape[1] == values.shape[1]

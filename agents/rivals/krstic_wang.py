@@ -24,6 +24,7 @@ from fes.extension import (
     Positive,
     Published,
     Table,
+    preference,
 )
 
 ESTIMATE, BASELINE, SLOPE = 0, 1, 2
@@ -89,7 +90,7 @@ class KrsticWang:
         mean = (old.sum(state[ESTIMATE]) / np.maximum(old.counts, 1)).take(new.rows)
         first = np.where((entry.is_fresh | (old.counts == 0)).take(new.rows), drawn, mean)
         result[ESTIMATE] = np.where(is_new, first, result[ESTIMATE])
-        result[BASELINE] = np.where(is_new, self.preference(first), result[BASELINE])
+        result[BASELINE] = np.where(is_new, preference(first, self._context.objective), result[BASELINE])
         return result
 
     def desired(self, state: Floats, tick: int, links: Edges) -> Floats:
@@ -102,7 +103,7 @@ class KrsticWang:
         dt, parameters = self._context.dt, self._parameters
         separation = around.contacts.separation.take(around.link_contact)
         is_heard = around.is_heard.take(around.link_contact)
-        sample = np.where(is_heard, self.preference(separation), 0.0)
+        sample = np.where(is_heard, preference(separation, self._context.objective), 0.0)
         baseline = state[BASELINE] + dt * parameters.washout_cutoff * (sample - state[BASELINE])
         product = (sample - baseline) * self._wave(around.tick - 1, around.links)
         slope = state[SLOPE] + dt * parameters.low_pass_cutoff * (product - state[SLOPE])
@@ -120,13 +121,6 @@ class KrsticWang:
         low, high = 0.4 * objective.minimum_separation, objective.maximum_separation
         estimates = np.clip(state[ESTIMATE] + self._context.dt * speed, low, high)
         return np.stack([estimates, state[BASELINE], state[SLOPE]])
-
-    def preference(self, separation: Floats) -> Floats:
-        """S(r) of (16) at `separation` [m], any shape: the factors of J that the team knows."""
-        objective = self._context.objective
-        near = np.power(separation / objective.minimum_separation, objective.shape_exponent)
-        far = np.power(separation / objective.maximum_separation, objective.shape_exponent)
-        return -np.expm1(-near) * np.exp(-far)
 
     def _wave(self, tick: int, links: Edges) -> Floats:
         """sin(omega t) on the clock of each link's robot [l]."""

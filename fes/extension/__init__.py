@@ -21,6 +21,7 @@ from fes.extension.controllers import Action, ControllerContext, Neighbor, Pull,
 from fes.extension.neighborhood import Entry, LinkGeometry, Neighborhood
 from fes.extension.protocols import Formed, NoParameters, Published
 from fes.model.contacts import Contacts
+from fes.model.objective import preference
 from fes.model.table import NonNegative, Positive, Table
 
 __all__ = [
@@ -48,6 +49,7 @@ __all__ = [
     "Table",
     "Twist",
     "WorldContext",
+    "preference",
 ]
 
 API = 1
