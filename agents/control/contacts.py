@@ -86,7 +86,7 @@ def _replaced(values: Array, positions: Ints, new: Array) -> Array:
 
 
 def _shared(values: Array, positions: Ints, new: Array) -> Array:
-    """As `_replaced`, for values [m, q]; a sender with another number of values has another law, and counts as one with zeros."""
+    """As `_replaced`, for values [m, q]. A sender with another number of values has another law: its values are 0."""
     if not values.shape[1]:
         return values
     fits = new.shape[1] == values.shape[1]
