@@ -66,14 +66,15 @@ def _distribution(top: str) -> metadata.Distribution | None:
 
 def _sources(distribution: metadata.Distribution | None, module: Any) -> dict[str, Path]:
     """Label -> file of each module: of the distribution, of the package, or of the one file."""
+    path = getattr(module, "__file__", None)
+    file = None if path is None else Path(path).resolve()
     if distribution is not None:
         listed = [file for file in distribution.files or () if file.suffix == ".py"]
         sources = {str(file): Path(str(distribution.locate_file(file))) for file in listed}
-        if sources and all(path.is_file() for path in sources.values()):
-            return sources
-    if getattr(module, "__file__", None) is None:
+        if file is not None and file in {path.resolve() for path in sources.values() if path.is_file()}:
+            return sources  # an editable installation lists no module of its own
+    if file is None:
         return {}  # a notebook has no file
-    file = Path(module.__file__)
     package = sys.modules[module.__name__.partition(".")[0]]
     if not hasattr(package, "__path__"):
         return {file.name: file}
