@@ -90,7 +90,7 @@ class Agent:
             if observations.in_range is not subscribed:
                 subscribed = observations.in_range
                 self.radio.update(set(subscribed.peers.tolist()))
-            telemetry = telemetry._replace(is_model_free=is_model_free(welcome.config.channel))
+            telemetry = telemetry._replace(is_model_free=is_model_free())
             payloads = list(marshalling.encode_tick(sent, twists, telemetry))
             payloads = transmitter.on_air(robots.transmitters, observations.tick, payloads)
             self._outbox.publish(observations.tick, payloads)

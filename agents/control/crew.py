@@ -36,7 +36,7 @@ def create(config: AgentConfig, ids: Ints, draws: Draws | None = None) -> Crew:
         raise FesError(f"the run's settings: {error}") from None
     numbers = SeededDraws(config.seed) if draws is None else draws
     emulated = clocks.of(config, ids, numbers)
-    context = LawContext(ids, config.dt, config.objective, numbers, partial(clocks.skew, emulated), config.channel)
+    context = LawContext(ids, config.dt, config.objective, numbers, partial(clocks.skew, emulated))
     laws = crew_laws.laws(config, context)
     timeout = counts.ticks_within(config.formation.contact_timeout, config.dt)
     return Crew(config, ids, laws.rule, laws.formation, laws.seeking, timeout, emulated, transmitter.of(config, ids))

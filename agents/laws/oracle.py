@@ -10,7 +10,6 @@ import numpy as np
 from agents.laws.perturbation import Index
 from agents.laws.seeking_perturbation import PerturbationSeeking
 from fes.arrays.types import Floats
-from fes.errors import FesError
 from fes.extension.context import LawContext
 from fes.model import outage
 from fes.model.config import ChannelConfig, ObjectiveConfig
@@ -72,6 +71,6 @@ class OracleSeeking(PerturbationSeeking):
     knows_channel = True
 
     def __init__(self, parameters: OracleConfig, context: LawContext) -> None:
-        if context.channel is None:
-            raise FesError("seeking.index = 'oracle' needs the channel, and this agent did not receive it")
-        super().__init__(parameters, context, index(context.objective, context.channel, parameters.index_transform))
+        assert context.channel is not None
+        formula = index(context.objective, context.channel.config, parameters.index_transform)
+        super().__init__(parameters, context, formula)

@@ -55,7 +55,8 @@ class Gradient:
         """The pull along the gradient, toward or away from every peer that is heard well enough."""
         contacts = around.contacts
         edges, separation = contacts.edges, np.maximum(contacts.separation, 1e-9)
-        reception, slope = self.reception(separation)
+        reception = self._channel.probability(separation)
+        slope = reception * self._channel.log_slope(separation)
         is_neighbor = contacts.known & (reception >= self._parameters.least_reception)
         near, near_slope = self._near(separation)
         toward = np.where(is_neighbor, -self._parameters.gain * (near_slope * reception + near * slope), 0.0)
@@ -66,21 +67,6 @@ class Gradient:
         quality = edges.sum(np.where(is_neighbor, near * reception, 0.0)) / count
         distance = edges.sum(np.where(is_neighbor, separation, 0.0)) / count
         return Formed(None, pull, details=np.stack([quality, distance], axis=1))
-
-    def reception(self, separation: Floats) -> tuple[Floats, Floats]:
-        """The reception probability at `separation` [m] and its slope [1/m], of the same shape."""
-        channel = self._channel
-        if channel.model == "perfect":
-            return np.ones_like(separation), np.zeros_like(separation)
-        if channel.model == "logistic":
-            excess = (separation - channel.logistic_midpoint) / channel.logistic_width
-            probability = 0.5 * (1.0 - np.tanh(0.5 * excess))
-            return probability, -probability * (1.0 - probability) / channel.logistic_width
-        exponent = channel.path_loss_exponent
-        loss = (2.0**channel.spectral_efficiency - 1.0) / channel.reference_snr
-        loss = loss * np.power(separation / channel.reference_distance, exponent)
-        probability = np.exp(-loss)
-        return probability, -exponent * loss / separation * probability
 
     def _near(self, separation: Floats) -> tuple[Floats, Floats]:
         """The near field at `separation` [m] and its slope [1/m], of the same shape."""

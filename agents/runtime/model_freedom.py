@@ -2,12 +2,10 @@
 
 import sys
 
-from fes.model.config import ChannelConfig
-
 FORMULA = ("agents.laws.oracle", "fes.model.outage")
-"""Modules that know the channel's formula."""
+"""Modules that know the channel's formula; a law that is told the channel loads the second."""
 
 
-def is_model_free(channel: ChannelConfig | None) -> bool:
-    """True if this process was not told a `channel`, and has loaded no module that knows the channel's formula."""
-    return channel is None and not any(name in sys.modules for name in FORMULA)
+def is_model_free() -> bool:
+    """True if this process has loaded no module that knows the channel's formula."""
+    return not any(name in sys.modules for name in FORMULA)

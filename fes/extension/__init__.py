@@ -8,6 +8,7 @@ conformance      for pytest: whether an extension keeps the rules.
 kinds            the kinds of extension, and the built-in ones.
 registry         extensions by name.
 crew_laws        the laws of a crew.
+told_channel     the channel, for a law that is told it.
 controller_laws  the laws of a crew of controllers.
 use_flag         the flag --use.
 checked          what an extension returns, checked.

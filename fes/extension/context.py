@@ -35,6 +35,20 @@ class SeededDraws:
         return ids
 
 
+class KnownChannel(Protocol):
+    """The channel as a law with `knows_channel` is told it (`fes.extension.told_channel`)."""
+
+    @property
+    def config(self) -> ChannelConfig:
+        """Its settings."""
+
+    def probability(self, separation: Floats) -> Floats:
+        """Probability that a beacon decodes at `separation` [m], of the same shape."""
+
+    def log_slope(self, separation: Floats) -> Floats:
+        """(ln p)' of that probability at `separation` [m], of the same shape [1/m]."""
+
+
 @dataclass(frozen=True, eq=False)
 class LawContext:
     """The circumstances of a law: those of its crew and its run.
@@ -54,7 +68,7 @@ class LawContext:
     """Random numbers by stream and ids."""
     skew: Callable[[int, Edges], Floats]
     """Skew of the clock of each link's robot at a tick [l] [s], or [1] if all clocks are exact."""
-    channel: ChannelConfig | None
+    channel: KnownChannel | None = None
     """The true channel, for a law with `knows_channel`; None for every other law."""
 
 

@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 from fes.errors import FesError
 from fes.extension.context import LawContext
 from fes.extension.controller_laws import ControllerFormation, ControllerSeeking
-from fes.extension.kinds import CONTROLLER, FORMATION, RULE, SEEKING
+from fes.extension.kinds import CONTROLLER, FORMATION, RULE, SEEKING, Kind
 from fes.extension.protocols import MAX_DECLARED, FormationLaw, NeighborRule, SeekingLaw
 from fes.extension.registry import create, is_told, load, parameters
 from fes.model.config import AgentConfig
-from fes.model.seeking import MeasuredConfig, SeekingConfig
+from fes.model.seeking import MeasuredConfig, OracleConfig, SampledConfig, SeekingConfig
 from fes.model.table import Use, chosen
 
 
@@ -26,8 +26,8 @@ def knows_channel(seeking: SeekingConfig, formation: str | Use, controller: str 
     """True if one of these laws must be told the channel; no built-in law is loaded. Raises FesError in one line."""
     if controller is not None:
         return is_told(CONTROLLER, controller)
-    is_sought_told = is_told(SEEKING, seeking) if isinstance(seeking, Use) else seeking.knows_channel
-    return is_sought_told or is_told(FORMATION, formation)
+    is_seeking_told = is_told(SEEKING, seeking) if isinstance(seeking, Use) else seeking.knows_channel
+    return is_seeking_told or is_told(FORMATION, formation)
 
 
 def physical_period(config: SeekingConfig) -> float | None:
@@ -51,34 +51,39 @@ def laws(config: AgentConfig, context: LawContext) -> Laws:
     """
     rule = create(RULE, config.formation.rule, context)
     if config.controller is not None:
-        return Laws(rule, *_controllers(config.controller, context))
-    formation = create(FORMATION, config.formation.law, context)
-    is_own = isinstance(config.seeking, Use)
-    if not isinstance(config.seeking, Use) and config.seeking.knows_channel and context.channel is None:
-        # before its module, which knows the formula, is loaded
-        raise FesError(
-            f"seeking.index = '{config.seeking.index}' needs the channel, and this agent did not receive it"
-        )
-    choice = config.seeking if isinstance(config.seeking, Use) else _seeking_name(config.seeking)
-    seeking = create(SEEKING, choice, context, None if is_own else config.seeking)
+        return Laws(rule, *_controllers(config, context))
+    formation = create(FORMATION, config.formation.law, _context_of(FORMATION, config.formation.law, config, context))
+    given = None if isinstance(config.seeking, Use) else config.seeking
+    choice = config.seeking if isinstance(config.seeking, Use) else _built_in_name(config.seeking)
+    seeking = create(SEEKING, choice, _context_of(SEEKING, choice, config, context), given)
     declared = formation.declared + seeking.declared
     if declared > MAX_DECLARED:
         raise FesError(f"the laws declare {declared} bytes in each beacon: at most {MAX_DECLARED} are allowed")
     return Laws(rule, formation, seeking)
 
 
-def _controllers(choice: str | Use, context: LawContext) -> tuple[ControllerFormation, ControllerSeeking]:
+def _context_of(kind: Kind, choice: str | Use, config: AgentConfig, context: LawContext) -> LawContext:
+    """The context for a law or a controller: with the channel if it must be told. Raises FesError without one."""
+    if not is_told(kind, choice):
+        return context
+    if config.channel is None:
+        name = chosen(choice).use
+        raise FesError(f"{kind.name} '{name}' needs the channel, and this agent did not receive it")
+    from fes.extension.told_channel import ToldChannel  # here, as it knows the formula
+
+    return replace(context, channel=ToldChannel(config.channel))
+
+
+def _controllers(config: AgentConfig, context: LawContext) -> tuple[ControllerFormation, ControllerSeeking]:
     """The two laws of a crew of controllers."""
-    name = chosen(choice).use
-    loaded = load(CONTROLLER, name)
-    if not getattr(loaded, "knows_channel", False):
-        context = replace(context, channel=None)
+    assert config.controller is not None
+    choice = config.controller
+    loaded = load(CONTROLLER, chosen(choice).use)
     checked = parameters(CONTROLLER, choice, loaded)
-    formation = ControllerFormation(loaded, checked, context, f"{CONTROLLER.name} '{name}'")
+    context = _context_of(CONTROLLER, choice, config, context)
+    formation = ControllerFormation(loaded, checked, context, f"{CONTROLLER.name} '{chosen(choice).use}'")
     return formation, ControllerSeeking(loaded, context)
 
 
-def _seeking_name(config: SeekingConfig) -> str:
-    if isinstance(config, Use):
-        return config.use
+def _built_in_name(config: OracleConfig | MeasuredConfig | SampledConfig) -> str:
     return f"measured, {config.pooling}" if isinstance(config, MeasuredConfig) else config.index

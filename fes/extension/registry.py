@@ -7,7 +7,6 @@ only from a module that this process was told to use (`--use`): a message or a f
 import difflib
 import importlib
 import sys
-from dataclasses import replace
 from functools import cache
 from importlib import metadata
 from pathlib import Path
@@ -17,9 +16,11 @@ from pydantic import ValidationError
 
 from fes.errors import FesError
 from fes.extension.checked import Checked
-from fes.extension.context import LawContext
 from fes.extension.kinds import Kind
 from fes.model.table import Table, Use, chosen
+
+OWN = frozenset({"fes", "agents", "world", "console"})
+"""Packages of the project. `--use` of one of their modules allows a name there, and nothing else of the package."""
 
 _arguments: list[str] = []
 
@@ -49,15 +50,21 @@ def use(module: str) -> str:
     return name
 
 
+def withdraw(name: str) -> None:
+    """Allow the classes of a module no longer; `name` is what `use` returned."""
+    _usable.pop(name, None)
+    _arguments[:] = [argument for argument in _arguments if argument != name and Path(argument).stem != name]
+
+
 def used() -> tuple[str, ...]:
     """The modules that this process was told to use, as a child process is told to."""
     return tuple(dict.fromkeys(_arguments))
 
 
 def is_usable(module: str) -> bool:
-    """True if a module belongs to an extension that this process may load."""
+    """True if a module belongs to an extension of others that this process may load."""
     top = module.partition(".")[0]
-    return top in {name.partition(".")[0] for name in [*_usable, *_loaded]}
+    return top not in OWN and top in {name.partition(".")[0] for name in [*_usable, *_loaded]}
 
 
 def load(kind: Kind, name: str) -> Any:
@@ -139,8 +146,6 @@ def create(kind: Kind, choice: str | Use, context: Any, given: Table | None = No
     """
     name = chosen(choice).use
     loaded = load(kind, name)
-    if isinstance(context, LawContext) and not getattr(loaded, "knows_channel", False):
-        context = replace(context, channel=None)
     if name in kind.built_in and given is not None:
         return loaded(given, context)
     checked = parameters(kind, choice, loaded)

@@ -15,7 +15,12 @@ from fes.model.table import Table
 from tests.support.paths import ROOT
 from tests.support.source import PACKAGES, arrows, importers, imports, modules, package
 
-FORMULA_READERS = {"world.simulation.formula", "world.metrics.report_builder", "agents.laws.oracle"}
+FORMULA_READERS = {
+    "world.simulation.formula",
+    "world.metrics.report_builder",
+    "agents.laws.oracle",
+    "fes.extension.told_channel",
+}
 """Modules that may know the channel's formula; `world.metrics.optimum` has it in decimals. Observers see the true
 outage."""
 MAPPED = [str(path.parent.relative_to(ROOT)) for top in PACKAGES for path in (ROOT / top).rglob("__init__.py")]
@@ -181,7 +186,7 @@ print(*(name for name in sys.modules if name in ("agents.laws.oracle", "fes.mode
 """
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     lines = done.stdout.splitlines()
-    assert lines[0].startswith("refused: seeking.index = 'oracle' needs the channel")
+    assert lines[0].startswith("refused: seeking law 'oracle' needs the channel")
     assert lines[1:] in ([], [""])
 
 

@@ -8,6 +8,7 @@ from fes.extension import registry
 from fes.extension.context import LawContext, SeededDraws, WorldContext
 from fes.extension.kinds import RULE
 from fes.extension.protocols import NeighborRule
+from fes.extension.told_channel import ToldChannel
 from fes.model.config import ChannelConfig, ObjectiveConfig
 
 RULES = sorted(RULE.built_in)
@@ -16,7 +17,8 @@ RULES = sorted(RULE.built_in)
 
 def context(ids: Ints, channel: ChannelConfig | None = None, dt: float = 0.02, seed: int = 0) -> LawContext:
     """The circumstances of a law of robots `ids` [n], whose clocks are exact."""
-    return LawContext(ids, dt, ObjectiveConfig(), SeededDraws(seed), lambda tick, links: NO_SKEW, channel)
+    told = None if channel is None else ToldChannel(channel)
+    return LawContext(ids, dt, ObjectiveConfig(), SeededDraws(seed), lambda tick, links: NO_SKEW, told)
 
 
 def rule(name: str, ids: Ints) -> NeighborRule:

@@ -6,6 +6,7 @@ from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats
 from fes.extension.context import LawContext, SeededDraws
 from fes.extension.neighborhood import LinkGeometry, Neighborhood
+from fes.extension.told_channel import ToldChannel
 from fes.model.config import ChannelConfig, ObjectiveConfig
 from fes.model.contacts import Contacts
 
@@ -14,7 +15,8 @@ DT = 0.02
 
 def context(n: int, channel: ChannelConfig | None = None) -> LawContext:
     """The context of a law of `n` robots with exact clocks."""
-    return LawContext(np.arange(n), DT, ObjectiveConfig(), SeededDraws(1), lambda tick, links: np.zeros(1), channel)
+    told = None if channel is None else ToldChannel(channel)
+    return LawContext(np.arange(n), DT, ObjectiveConfig(), SeededDraws(1), lambda tick, links: np.zeros(1), told)
 
 
 def everyone(n: int) -> Edges:

@@ -11,7 +11,6 @@ from agents.laws.neighbor_rules import TwoNearest
 from fes.errors import FesError
 from fes.extension import registry
 from fes.extension.kinds import FORMATION, KINDS, RULE, SEEKING, Kind
-from fes.model.config import ChannelConfig
 from fes.model.table import Table, Use
 from tests.support import laws
 
@@ -61,6 +60,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     for name in set(sys.modules) - before:
         if str(tmp_path) in str(getattr(sys.modules[name], "__file__", "")):
             del sys.modules[name]
+            registry.withdraw(name)
 
 
 def toys(group: str = "fes.tests_without_toys", **built_in: str) -> Kind:
@@ -229,10 +229,8 @@ def test_a_constructor_that_fails_is_one_line(folder: Path) -> None:
 def test_only_a_law_that_declares_it_is_told_the_channel(folder: Path) -> None:
     (folder / "toys_of_robots.py").write_text(SOURCE)
     registry.use("toys_of_robots")
-    told = laws.context(np.arange(2), ChannelConfig())
-    assert registry.create(toys(), "toys_of_robots:Ball", told).context.channel is None
-    assert registry.create(toys(), "toys_of_robots:Informed", told).context.channel == ChannelConfig()
-    assert told.channel is not None
+    assert not registry.is_told(toys(), "toys_of_robots:Ball")
+    assert registry.is_told(toys(), "toys_of_robots:Informed")
 
 
 def test_a_check_needs_the_extension_but_loads_no_built_in_one() -> None:
@@ -240,6 +238,15 @@ def test_a_check_needs_the_extension_but_loads_no_built_in_one() -> None:
     registry.check(missing, "own")
     with pytest.raises(FesError, match=r"^there is no toy 'other'; "):
         registry.check(missing, "other")
+
+
+def test_no_module_of_the_project_becomes_that_of_an_extension() -> None:
+    name = registry.use("world.metrics.team.travel")
+    assert not registry.is_usable("world.metrics.team.travel")
+    assert not registry.is_usable("world.execution.checkpoint")
+    assert name in registry.used()
+    registry.withdraw(name)
+    assert name not in registry.used()
 
 
 def test_every_kind_has_a_group_of_entry_points_of_its_own() -> None:
