@@ -21,9 +21,8 @@ from agents.runtime.model_freedom import is_model_free
 from agents.runtime.outbox import Outbox
 from agents.runtime.reception import Receiver
 from agents.runtime.tick_source import TickSource
-from fes import process
+from fes import command_line, process
 from fes.errors import FesError, Rejected, Unavailable
-from fes.extension import use_flag
 from fes.model.sensing import Observations
 from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon, Welcome
@@ -160,7 +159,7 @@ async def serve(flags: argparse.Namespace) -> int:
     robots = keys.parse_span(flags.id, "--id", "I, A-B or auto") if flags.id != AUTO else (0,)
     if flags.id == AUTO and flags.keys:
         raise FesError("--id auto does not go with --keys: a certificate is for one robot")
-    endpoints = process.agent_endpoints(flags, flags.timeout, identity.robot_role(robots))
+    endpoints = command_line.agent_endpoints(flags, flags.timeout, identity.robot_role(robots))
     logging.getLogger(f"agent.{flags.id}").info("waiting for the world at %s, run '%s'", endpoints.shown, run)
     async with bus.opened(endpoints) as opened:
         if flags.id == AUTO:
@@ -184,19 +183,19 @@ async def serve(flags: argparse.Namespace) -> int:
 def main() -> None:
     """Entry point of fes-agent."""
     output.configure()
-    parser = process.OneLineParser(
+    parser = command_line.OneLineParser(
         prog="fes-agent", description="One robot, or a range of robots, of a run.", epilog="example: fes-agent --id 0"
     )
     parser.add_argument("--id", required=True, metavar="I|A-B|auto", help="one robot, a range, or any free robot")
     parser.add_argument(
         "--timeout",
-        type=process.seconds,
+        type=command_line.seconds,
         default=30.0,
         metavar="S",
         help="longest wait for the world, at the start and whenever it is absent (default: %(default)g s)",
     )
-    use_flag.add_use_flag(parser)
-    process.add_network_flags(parser)
+    command_line.add_use_flag(parser)
+    command_line.add_network_flags(parser)
     flags = parser.parse_args()
     process.run("fes-agent", lambda: serve(flags), exit_with_stdin=flags.exit_with_stdin)
 

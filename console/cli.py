@@ -26,7 +26,7 @@ from console.replay import command as replay_command
 from console.replay import compare
 from console.sweep import command
 from console.terminal import printing, progress
-from fes import process
+from fes import command_line, process
 from fes.errors import FesError, ScenarioError, no_memory, reason
 from fes.protocol import keys
 from fes.protocol.world_info import version
@@ -170,7 +170,7 @@ def view_command(
     run: options.Run = keys.DEFAULT_RUN,
     picture: Annotated[Path | None, typer.Option(help="Write the last frame to this SVG file.")] = None,
     timeout: Annotated[
-        float, typer.Option(min=1e-3, max=process.YEAR, help="Longest wait for the world [s].")
+        float, typer.Option(min=1e-3, max=command_line.YEAR, help="Longest wait for the world [s].")
     ] = 30.0,
 ) -> int:
     """Show the dashboard of a running run (by default the latest one started in this folder)."""
@@ -233,7 +233,7 @@ def main() -> None:
 def _pace(text: str) -> float | None:
     """The pace in the argument of --rtf [simulated seconds per second]; None for full speed."""
     try:
-        return process.real_time_factor(text)
+        return command_line.real_time_factor(text)
     except argparse.ArgumentTypeError as error:
         raise ScenarioError("--rtf", str(error)) from None
 

@@ -1,6 +1,5 @@
-"""A process from start to exit: signals, exit codes, and the flags that world and agents share."""
+"""A process from start to exit: signals, exit codes and messages."""
 
-import argparse
 import asyncio
 import contextlib
 import fcntl
@@ -8,25 +7,17 @@ import logging
 import os
 import signal
 import sys
-from collections.abc import Callable, Coroutine, Iterator, Mapping
+from collections.abc import Callable, Coroutine, Iterator
 from typing import NoReturn, TypeVar
 
 from fes.errors import FesError, Stopped, no_memory, reason
-from fes.protocol import keys
 from fes.system import output, signals
-from fes.transport import identity, network_flags
-from fes.transport.endpoints import Endpoints, Mode, default_endpoint
 
 SUCCESS, FAILURE, UNMET = 0, 1, 2
 """Exit codes: success; bad configuration or run-time error; the run finished, but not as its scenario expects."""
 
 FORCED = 130
 """Exit code after a second signal."""
-
-YEAR = 3.2e7  # s
-
-SLOWEST = 1e-6
-"""Smallest real-time factor [simulated seconds per second]: a program can still sleep for a tick of it."""
 
 T = TypeVar("T")
 
@@ -162,94 +153,3 @@ def tell(message: str) -> None:
         output.erase()
         with contextlib.suppress(OSError, ValueError):  # the terminal may be gone
             print(line, file=sys.stderr, flush=True)
-
-
-def seconds(text: str) -> float:
-    """The argument of --timeout: a positive time [s], at most a year; raises ArgumentTypeError."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0.0 < value <= YEAR:
-        raise argparse.ArgumentTypeError(f"expects a positive time in seconds, got '{text}'")
-    return value
-
-
-def period(text: str) -> float:
-    """The argument of --checkpoint: a time [s] from 0 to a year; raises ArgumentTypeError."""
-    return 0.0 if text == "0" else seconds(text)
-
-
-def real_time_factor(text: str) -> float | None:
-    """The argument of --rtf: at least SLOWEST, or `max` for full speed (None); raises ArgumentTypeError."""
-    if text == "max":
-        return None
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not SLOWEST <= value < float("inf"):
-        raise argparse.ArgumentTypeError(f"expects 'max' or a number that is at least {SLOWEST:g}, got '{text}'")
-    return value
-
-
-class OneLineParser(argparse.ArgumentParser):
-    """A parser that reports a bad argument in one line with exit code 1, as every other error."""
-
-    def error(self, message: str) -> NoReturn:
-        """Print the error, and end the process."""
-        complain(self.prog, message)
-        raise SystemExit(FAILURE)
-
-
-def add_network_flags(parser: argparse.ArgumentParser) -> None:
-    """Zenoh's own flags, as in its examples, and the run's name."""
-    group = parser.add_argument_group("network")
-    group.add_argument("-m", "--mode", choices=["router", "client", "peer"], help="Zenoh session mode")
-    for flag in network_flags.ALL:
-        group.add_argument(*flag.names, **flag.keywords)
-    parser.set_defaults(run=keys.DEFAULT_RUN)
-    parser.add_argument("--exit-with-stdin", action="store_true", help="stop when standard input ends")
-
-
-def world_endpoints(flags: argparse.Namespace, access: Mapping[str, object] | None = None) -> Endpoints:
-    """Endpoints of a world: a router that listens, unless the flags or the configuration file say otherwise.
-
-    With `--keys` it speaks TLS only, to the roles that `access` names; raises FesError for an invalid certificate.
-    """
-    mode: Mode = flags.mode or "router"
-    listen = tuple(flags.listen) or ((default_endpoint(secure=flags.keys is not None),) if mode == "router" else ())
-    own = identity.security(flags.keys, identity.WORLD)
-    return Endpoints(
-        mode,
-        tuple(flags.connect),
-        listen,
-        flags.config,
-        tuple(flags.cfg),
-        by_default=_without_flag(flags.connect, flags.listen),
-        security={**own, **(access or {})} if own and mode != "client" else own,  # a client accepts no connections
-    )
-
-
-def agent_endpoints(flags: argparse.Namespace, timeout: float, role: str) -> Endpoints:
-    """Endpoints of an agent: a client of the world's router, unless flags or configuration file say otherwise.
-
-    With `--keys` it speaks TLS only, with the certificate of its role; raises FesError if that is invalid.
-    """
-    connect = tuple(flags.connect) or (default_endpoint(secure=flags.keys is not None),)
-    return Endpoints(
-        flags.mode or "client",
-        connect,
-        tuple(flags.listen),
-        flags.config,
-        tuple(flags.cfg),
-        timeout,
-        _without_flag(flags.connect, flags.listen),
-        identity.security(flags.keys, role),
-    )
-
-
-def _without_flag(connect: list[str], listen: list[str]) -> frozenset[str]:
-    """The endpoint settings for which no flag was given."""
-    given = {"connect/endpoints": connect, "listen/endpoints": listen}
-    return frozenset(key for key, endpoints in given.items() if not endpoints)

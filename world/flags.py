@@ -3,16 +3,15 @@
 import argparse
 from pathlib import Path
 
-from fes import process
-from fes.extension import use_flag
+from fes import command_line
 from world.config import builtin
 from world.config.scenario import parse_override
 from world.execution.checkpoint import PERIOD
 
 
-def parser() -> process.OneLineParser:
+def parser() -> command_line.OneLineParser:
     """The parser of all flags."""
-    parser = process.OneLineParser(
+    parser = command_line.OneLineParser(
         prog="fes-world",
         description="Ground truth and radio channel of a run.",
         epilog="example: fes-world pair --out runs/by-hand",
@@ -23,21 +22,21 @@ def parser() -> process.OneLineParser:
     add_scenario_flags(parser)
     parser.add_argument(
         "--rtf",
-        type=process.real_time_factor,
+        type=command_line.real_time_factor,
         metavar="max|X",
         help="pace: simulated seconds per second, or max for full speed (the default)",
     )
     parser.add_argument("--out", type=Path, metavar="DIR", help="run directory for scenario, summary and log")
     parser.add_argument(
         "--checkpoint",
-        type=process.period,
+        type=command_line.period,
         default=PERIOD,
         metavar="S",
         help="time between two checkpoints in --out [s]; 0 for none (default: %(default)g)",
     )
     parser.add_argument("--no-record", action="store_true", help="write no log (run.mcap)")
-    use_flag.add_use_flag(parser)
-    process.add_network_flags(parser)
+    command_line.add_use_flag(parser)
+    command_line.add_network_flags(parser)
     parser.set_defaults(run=None)  # None unless given: a resumed run keeps its name
     return parser
 

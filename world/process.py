@@ -17,7 +17,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from fes import process
+from fes import command_line, process
 from fes.errors import FesError, reason
 from fes.protocol import keys, world_info
 from fes.recording.layout import NAME
@@ -151,7 +151,7 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
         _logger.warning("%s", line)
     crews = identity.crews(flags.keys) if flags.keys else ()
     rules = access.control(start.run, start.scenario.robots.number, crews) if flags.keys else None
-    endpoints = process.world_endpoints(flags, rules)
+    endpoints = command_line.world_endpoints(flags, rules)
     audited = audit.running(access.roles(rules)) if rules else nullcontext()
     async with audited, bus.opened(endpoints) as opened:
         connected = bool(flags.connect or flags.config or flags.cfg) or flags.mode not in (None, "router")

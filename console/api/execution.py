@@ -25,7 +25,7 @@ from console.connect import run_directory
 from console.connect.run_directory import RunDirectory
 from console.replay import log, reexecution
 from console.replay.log import Log
-from fes import process
+from fes.command_line import SLOWEST
 from fes.errors import FesError, ScenarioError, Stopped
 from fes.recording.layout import NAME
 from world.config import remarks
@@ -124,8 +124,8 @@ def _launch(to_run: NamedScenario, backend: str, rtf: float | None, agents_per_p
     """Settings of a run with processes; raises FesError for an invalid argument of `run`."""
     scenario = to_run.scenario
     crowd.check(scenario)
-    if rtf is not None and not process.SLOWEST <= rtf < math.inf:
-        raise ScenarioError("rtf", f"expects a number that is at least {process.SLOWEST:g}, or None, got {rtf!r:.40}")
+    if rtf is not None and not SLOWEST <= rtf < math.inf:
+        raise ScenarioError("rtf", f"expects a number that is at least {SLOWEST:g}, or None, got {rtf!r:.40}")
     if agents_per_process < 1:
         raise ScenarioError("agents_per_process", f"expects at least 1, got {agents_per_process!r:.40}")
     launch = Launch(to_run.name, agents_per_process, "max" if rtf is None else str(rtf), dashboard=False, record=True)

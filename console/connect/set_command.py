@@ -9,7 +9,7 @@ from console.connect import run_directory
 from console.connect.options import Cfg, Config, Connect, OperatorKeys, Run
 from console.connect.run_directory import Client
 from console.terminal import printing, progress
-from fes import process
+from fes import command_line, process
 from fes.errors import Unavailable
 from fes.protocol import channel_change, keys
 from fes.protocol.channel_change import ParameterChange
@@ -33,7 +33,7 @@ def set_command(
     certificates: OperatorKeys = None,
     run: Run = keys.DEFAULT_RUN,
     timeout: Annotated[
-        float, typer.Option(min=1e-3, max=process.YEAR, help="Longest wait for the world's answer [s].")
+        float, typer.Option(min=1e-3, max=command_line.YEAR, help="Longest wait for the world's answer [s].")
     ] = 5.0,
 ) -> int:
     """Change the channel of a running run (by default the latest one started in this folder)."""

@@ -14,7 +14,7 @@ from typer.models import ArgumentInfo, OptionInfo
 from agents import process as agent
 from console import cli, guide
 from docs.generators.markdown import code, table
-from fes import process
+from fes import command_line
 from world import process as world
 
 TITLE = "Commands"
@@ -103,18 +103,18 @@ class _Stopped(Exception):
 def _parser(main: Callable[[], None]) -> argparse.ArgumentParser:
     """The parser that a program makes."""
 
-    def stop(parser: process.OneLineParser, *_: object) -> NoReturn:
+    def stop(parser: command_line.OneLineParser, *_: object) -> NoReturn:
         raise _Stopped(parser)
 
-    parse = process.OneLineParser.parse_args
-    process.OneLineParser.parse_args = stop  # type: ignore[method-assign,assignment]
+    parse = command_line.OneLineParser.parse_args
+    command_line.OneLineParser.parse_args = stop  # type: ignore[method-assign,assignment]
     try:
         main()
     except _Stopped as stopped:
         parser: argparse.ArgumentParser = stopped.args[0]
         return parser
     finally:
-        process.OneLineParser.parse_args = parse  # type: ignore[method-assign]
+        command_line.OneLineParser.parse_args = parse  # type: ignore[method-assign]
     raise AssertionError("the program parses no arguments")
 
 

@@ -10,7 +10,6 @@ registry         extensions by name.
 crew_laws        the laws of a crew.
 told_channel     the channel, for a law that is told it.
 controller_laws  the laws of a crew of controllers.
-use_flag         the flag --use.
 checked          what an extension returns, checked.
 evidence         which code an extension was.
 """

@@ -30,6 +30,7 @@ LAYERS = (
     {"fes.protocol", "fes.extension"},
     {"fes.transport", "fes.recording"},
     {"fes.process"},
+    {"fes.command_line"},
     {"agents.laws", "agents.rivals", "world.config"},
     {"agents.control", "world.simulation"},
     {"agents.runtime", "world.metrics"},
@@ -49,7 +50,7 @@ LAYERS = (
 """Sub-packages from the bottom up: each imports only from lower layers, never from its own.
 In addition, agents and world do not import each other. `fes.extension.registry` loads a built-in extension of the
 layers above by its dotted path, only where it is used."""
-LAWS = {"fes.arrays", "fes.errors", "fes.extension", "fes.model"}
+LAWS = {"fes.arrays", "fes.extension", "fes.model"}
 """Packages of the project that the laws import."""
 SHELLS = ("agents.runtime", "agents.process", "world.server", "world.process")
 """The only packages of an agent or a world that import asyncio, or the transport."""

@@ -12,7 +12,7 @@ from pathlib import Path
 from console.backends import inprocess
 from console.backends.process_group import free_port
 from console.keys import certificates
-from fes import process
+from fes import command_line
 from fes.transport.identity import Identity
 from tests.support import team_keys
 from tests.support.commands import call, complaint
@@ -202,11 +202,11 @@ def test_only_the_world_listens_and_only_on_loopback(tmp_path: Path) -> None:
 def test_without_flags_endpoints_are_on_loopback_with_and_without_keys(tmp_path: Path) -> None:
     team_keys.directory(tmp_path / "k", certificates.create(1.0), ["world", "robot-3"])
     parser = argparse.ArgumentParser()
-    process.add_network_flags(parser)
+    command_line.add_network_flags(parser)
     for words, endpoint in (([], "tcp/127.0.0.1:7447"), (["--keys", str(tmp_path / "k")], "tls/127.0.0.1:7447")):
         flags = parser.parse_args(words)
-        assert process.world_endpoints(flags).listen == (endpoint,)
-        agent = process.agent_endpoints(flags, 1.0, "robot-3")
+        assert command_line.world_endpoints(flags).listen == (endpoint,)
+        agent = command_line.agent_endpoints(flags, 1.0, "robot-3")
         assert (agent.connect, agent.listen) == ((endpoint,), ())
 
 

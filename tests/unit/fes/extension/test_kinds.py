@@ -2,8 +2,9 @@
 
 import pytest
 
-from fes.extension import kinds
+from fes.extension import kinds, registry
 from fes.extension.kinds import CHANNEL, CONTROLLER, DYNAMICS, FORMATION, KINDS, METRIC, RULE, SEEKING, Kind
+from fes.model.table import Table
 from tests.support import broken_laws, broken_worlds
 
 SEEKING_METHODS = ("start", "forget", "relink", "desired", "measure", "publish", "seek")
@@ -54,3 +55,15 @@ def test_built_in_extensions_have_the_methods_of_their_kind(kind: Kind) -> None:
     for path in kind.built_in.values():
         module, _, name = path.partition(":")
         assert kind.missing(getattr(__import__(module, fromlist=[name]), name)) == "", path
+
+
+def test_every_kind_has_a_group_of_entry_points_of_its_own() -> None:
+    assert len({kind.group for kind in KINDS}) == len({kind.name for kind in KINDS}) == len(KINDS) == 7
+    assert all(kind.group.startswith("fes.") for kind in KINDS)
+
+
+def test_the_table_of_parameters_of_a_built_in_seeking_law_is_that_of_its_settings() -> None:
+    for name in ("oracle", "sampled", "measured, network", "measured, none"):
+        table = registry.load(SEEKING, name).Parameters
+        assert issubclass(table, Table)
+        assert table.model_fields["index"].annotation.__args__ == (name.partition(",")[0],)

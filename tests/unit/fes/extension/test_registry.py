@@ -10,8 +10,8 @@ import pytest
 from agents.laws.neighbor_rules import TwoNearest
 from fes.errors import FesError
 from fes.extension import registry
-from fes.extension.kinds import FORMATION, KINDS, RULE, SEEKING, Kind
-from fes.model.table import Table, Use
+from fes.extension.kinds import FORMATION, RULE, Kind
+from fes.model.table import Use
 from tests.support import laws
 
 SOURCE = '''
@@ -247,15 +247,3 @@ def test_no_module_of_the_project_becomes_that_of_an_extension() -> None:
     assert name in registry.used()
     registry.withdraw(name)
     assert name not in registry.used()
-
-
-def test_every_kind_has_a_group_of_entry_points_of_its_own() -> None:
-    assert len({kind.group for kind in KINDS}) == len({kind.name for kind in KINDS}) == len(KINDS) == 7
-    assert all(kind.group.startswith("fes.") for kind in KINDS)
-
-
-def test_the_table_of_parameters_of_a_built_in_seeking_law_is_that_of_its_settings() -> None:
-    for name in ("oracle", "sampled", "measured, network", "measured, none"):
-        table = registry.load(SEEKING, name).Parameters
-        assert issubclass(table, Table)
-        assert table.model_fields["index"].annotation.__args__ == (name.partition(",")[0],)

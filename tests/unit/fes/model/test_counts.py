@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from agents.control import crew
 from agents.laws.seeking_perturbation import PerturbationSeeking
 from console.backends import inprocess
+from fes.command_line import real_time_factor
 from fes.errors import FesError, ScenarioError
 from fes.model import counts, seeking
 from fes.model.config import AgentConfig
 from fes.model.seeking import OracleConfig
-from fes.process import real_time_factor
 from tests.support.loop import load
 from tests.support.paths import ROOT
 from world.config.scenario import Scenario, agent_config
