@@ -30,15 +30,18 @@ def run(scenario: Scenario, *flags: str, hash_seed: int) -> dict[str, Any]:
         uses = [word for module in registry.used() for word in ("--use", module)]
         words = ["run", "scenario.toml", "--out", "out", "--no-record", "--headless", "--json", *uses, *flags]
         path = os.pathsep.join(str(Path(entry).absolute()) for entry in sys.path)
-        done = subprocess.run(
-            [sys.executable, "-c", "from fes_robots import fes; fes()", *words],
-            cwd=folder,
-            env={**os.environ, "PYTHONPATH": path, "PYTHONHASHSEED": str(hash_seed)},
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            timeout=PATIENCE,
-        )
+        try:
+            done = subprocess.run(
+                [sys.executable, "-c", "from fes_robots import fes; fes()", *words],
+                cwd=folder,
+                env={**os.environ, "PYTHONPATH": path, "PYTHONHASHSEED": str(hash_seed)},
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                text=True,
+                timeout=PATIENCE,
+            )
+        except subprocess.TimeoutExpired:
+            raise FesError(f"a run of {scenario.run.duration:g} s takes longer than {PATIENCE:g} s") from None
     if done.returncode != 0:
         last = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
         raise FesError(last.removeprefix("fes: error: "))

@@ -53,7 +53,7 @@ def _bounds() -> list[str]:
         ["robots of a run", f"{keys.MAX_ROBOTS:,}"],
         ["a number in a beacon", f"±{sensing.MAX_NUMBER:g}"],
         ["a twist in a command", f"±{sensing.MAX_TWIST:g} m/s, rad/s"],
-        ["statistics of a beacon", f"{messages.MAX_STATISTICS}"],
+        ["statistics of a beacon", f"{sensing.MAX_STATISTICS}"],
         ["value in a Change", f"{channel_change.LONGEST:,} characters of JSON"],
     ]
     return table(["quantity", "bound"], rows)

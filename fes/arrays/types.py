@@ -1,6 +1,6 @@
-"""Type aliases for the arrays in signatures."""
+"""Type aliases for the arrays in signatures, and views that nobody can write to."""
 
-from typing import TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,3 +9,12 @@ Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
 Bools: TypeAlias = NDArray[np.bool_]
 Bytes: TypeAlias = NDArray[np.uint8]
+
+A = TypeVar("A", bound=NDArray[Any])
+
+
+def read_only(values: A) -> A:
+    """The same values in an array that cannot be written to: what is handed to extensions."""
+    view = values.view()
+    view.setflags(write=False)
+    return view

@@ -6,12 +6,13 @@ from typing import Any, NoReturn, TypeVar
 import numpy as np
 
 from fes.arrays.edges import Edges
-from fes.arrays.types import Bools, Floats, Ints
+from fes.arrays.types import Bools, Floats, Ints, read_only
 from fes.errors import FesError
 from fes.extension.context import LawContext
 from fes.extension.neighborhood import Entry, LinkGeometry, Neighborhood
 from fes.extension.protocols import Formed, Published
 from fes.model.contacts import Contacts
+from fes.model.sensing import MAX_DECLARED, MAX_DETAILS, MAX_LEARNT, MAX_STATISTICS
 
 T = TypeVar("T")
 
@@ -38,30 +39,36 @@ class Checked:
             place = getattr(method, "__name__", type(method).__name__)
             self.fail(f"{place}: {type(error).__name__}" + (f": {text:.200}" if text else ""))
 
-    def array(self, what: str, values: Any, shape: tuple[int, ...], kind: Any = np.float64) -> Any:
-        """The values, if they are an array of this shape and kind, and finite."""
-        if not isinstance(values, np.ndarray):
+    def array(
+        self, what: str, values: Any, shape: tuple[int, ...], kind: Any = np.float64, *, is_partial: bool = False
+    ) -> Any:
+        """The values, if they are an array of this shape and kind, and finite; NaN is a gap if `is_partial`."""
+        if type(values) is not np.ndarray:  # a subclass may have other operators
             self.fail(f"{what} must be an array of shape {_text(shape)}, got {type(values).__name__}")
         if values.shape != shape:
             self.fail(f"{what} must have shape {_text(shape)}, got {_text(values.shape)}")
         if values.dtype != kind:
             self.fail(f"{what} must be of type {np.dtype(kind).name}, got {values.dtype.name}")
-        if kind is np.float64 and not np.isfinite(values).all():
-            self.fail(f"{what} must be finite, got {values[~np.isfinite(values)].flat[0]}")
+        if kind is np.float64:
+            wrong = values[np.isinf(values) if is_partial else ~np.isfinite(values)]
+            if wrong.size:
+                self.fail(f"{what} must be finite, got {wrong.flat[0]}")
         return values
 
-    def number(self, name: str) -> int:
-        """The whole number that a class states, 0 if it states none."""
+    def number(self, name: str, most: int) -> int:
+        """The whole number that a class states, 0 if it states none; a message holds no more than `most`."""
         value = getattr(self.inner, name, 0)
-        if type(value) is not int or value < 0:
-            self.fail(f"`{name}` must be a whole number from 0, got {value!r:.60}")
+        if type(value) is not int or not 0 <= value <= most:
+            self.fail(f"`{name}` must be a whole number from 0 to {most}, got {value!r:.60}")
         return value
 
-    def names(self, name: str) -> tuple[str, ...]:
-        """The names that a class states, none by default."""
+    def names(self, name: str, most: int) -> tuple[str, ...]:
+        """The names that a class states, none by default; a message holds no more than `most`."""
         value = getattr(self.inner, name, ())
         if not isinstance(value, tuple) or not all(isinstance(entry, str) for entry in value):
             self.fail(f"`{name}` must be a tuple of names, got {value!r:.60}")
+        if len(value) > most:
+            self.fail(f"`{name}` must hold at most {most} names, got {len(value)}")
         return value
 
 
@@ -72,7 +79,7 @@ class CheckedRule(Checked):
         """True for each contact that its robot selects [m]."""
         chosen = self.call(self.inner, contacts)
         selected: Bools = self.array("the selection", chosen, (len(contacts.edges),), np.bool_)
-        return selected
+        return selected & contacts.known
 
 
 class CheckedFormation(Checked):
@@ -81,7 +88,7 @@ class CheckedFormation(Checked):
     def __init__(self, inner: Any, name: str, context: LawContext) -> None:
         super().__init__(inner, name)
         self._n = len(context.ids)
-        self.declared, self.details = self.number("declared"), self.names("details")
+        self.declared, self.details = self.number("declared", MAX_DECLARED), self.names("details", MAX_DETAILS)
 
     def start(self) -> Any:
         """The state before the first tick."""
@@ -102,7 +109,7 @@ class CheckedFormation(Checked):
         if formed.details is not None or self.details:
             self.array("the details", formed.details, (self._n, len(self.details)))
         if formed.twists is not None:
-            self.array("the twists", np.nan_to_num(formed.twists, nan=0.0), (self._n, 2))
+            self.array("the twists", formed.twists, (self._n, 2), is_partial=True)
         return formed
 
 
@@ -113,8 +120,9 @@ class CheckedSeeking(Checked):
         super().__init__(inner, name)
         self._n = len(context.ids)
         self.knows_channel = bool(getattr(inner, "knows_channel", False))
-        self.statistics, self.declared = self.number("statistics"), self.number("declared")
-        self.learnt = self.names("learnt")
+        self.statistics = self.number("statistics", MAX_STATISTICS)
+        self.declared = self.number("declared", MAX_DECLARED)
+        self.learnt = self.names("learnt", MAX_LEARNT)
 
     def start(self) -> Any:
         """The state before the first tick."""
@@ -185,21 +193,22 @@ def checked_channel(inner: Any, name: str, context: Any) -> Checked:
 class CheckedDynamics(Checked):
     """The dynamics of bodies."""
 
+    def __init__(self, inner: Any, name: str, robots: int) -> None:
+        super().__init__(inner, name)
+        self._n = robots
+
     def start(self, poses: Floats) -> Any:
         """The state of bodies at rest at `poses` [n, 3]."""
         return self.call(self.inner.start, poses)
 
     def step(self, state: Any, twists: Floats, dt: float) -> Any:
         """The state after bodies were told to hold `twists` [n, 2] for `dt` [s]."""
-        self._n = len(twists)
-        return self.call(self.inner.step, state, twists, dt)
+        return self.call(self.inner.step, state, read_only(twists), dt)
 
     def poses(self, state: Any) -> Floats:
         """Poses [n, 3] [m, m, rad; world frame]."""
-        result = self.call(self.inner.poses, state)
-        n = getattr(self, "_n", len(result) if isinstance(result, np.ndarray) else 0)
-        poses: Floats = self.array("the poses", result, (n, 3))
-        return poses
+        poses: Floats = self.array("the poses", self.call(self.inner.poses, state), (self._n, 3))
+        return poses.copy()  # bodies may step in place, and the world still needs the poses of the tick before
 
 
 class CheckedMetric(Checked):

@@ -17,6 +17,7 @@ from fes.extension.context import LawContext
 from fes.extension.controllers import Action, ControllerContext, Neighbor, Pull, RobotView, Twist
 from fes.extension.neighborhood import Entry, LinkGeometry, Neighborhood
 from fes.extension.protocols import Formed, NoParameters, Published
+from fes.model.sensing import MAX_STATISTICS
 from fes.model.table import Table
 
 
@@ -41,7 +42,7 @@ class ControllerFormation:
 
     def __init__(self, controller: Any, parameters: Table, context: LawContext, name: str) -> None:
         self._checked = Checked(controller, name)
-        self._statistics = self._checked.number("statistics")
+        self._statistics = self._checked.number("statistics", MAX_STATISTICS)
         self._class, self._parameters, self._context = controller, parameters, context
         self._own_ids = context.draws.own_ids(context.ids).tolist()
 
@@ -94,7 +95,7 @@ class ControllerFormation:
         try:
             count, numbers = len(action.statistics), [*action.move, *action.estimates.values(), *action.statistics]
             is_finite = all(map(math.isfinite, numbers))
-        except (TypeError, AttributeError):
+        except (TypeError, AttributeError, OverflowError):
             self._checked.fail(f"step must return numbers, estimates by id and a list of statistics, got {action}")
         if count not in (0, self._statistics):
             self._checked.fail(f"step must return {self._statistics} statistics, got {count}")

@@ -4,13 +4,15 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from fes.errors import FesError
+from fes.extension.checked import Checked
 from fes.extension.context import LawContext
 from fes.extension.controller_laws import ControllerFormation, ControllerSeeking
 from fes.extension.kinds import CONTROLLER, FORMATION, RULE, SEEKING, Kind
-from fes.extension.protocols import MAX_DECLARED, FormationLaw, NeighborRule, SeekingLaw
+from fes.extension.protocols import FormationLaw, NeighborRule, SeekingLaw
 from fes.extension.registry import create, is_told, load, parameters
 from fes.model.config import AgentConfig
 from fes.model.seeking import MeasuredConfig, OracleConfig, SampledConfig, SeekingConfig
+from fes.model.sensing import MAX_DECLARED
 from fes.model.table import Use, chosen
 
 
@@ -40,8 +42,11 @@ def physical_period(config: SeekingConfig) -> float | None:
     loaded = load(SEEKING, config.use)
     if not hasattr(loaded, "physical_period"):
         return None
-    period: float | None = loaded.physical_period(parameters(SEEKING, config, loaded))
-    return period
+    law = Checked(loaded, f"{SEEKING.name} '{config.use}'")
+    period: Any = law.call(loaded.physical_period, parameters(SEEKING, config, loaded))
+    if period is not None and not (isinstance(period, int | float) and 0.0 < period < float("inf")):
+        law.fail(f"physical_period must return a positive time or None, got {period!r:.60}")
+    return None if period is None else float(period)
 
 
 def laws(config: AgentConfig, context: LawContext) -> Laws:

@@ -127,7 +127,7 @@ DYNAMICS = Kind(
     "fes.dynamics",
     {"unicycle": "world.simulation.unicycle:Unicycle"},
     (("start", "step", "poses"),),
-    lambda extension, what, context: CheckedDynamics(extension, what),
+    lambda extension, what, context: CheckedDynamics(extension, what, context.robots),
 )
 METRIC = Kind(
     "metric",

@@ -19,9 +19,6 @@ from fes.model.table import Table
 S = TypeVar("S")
 """State of an extension."""
 
-MAX_DECLARED = 256
-"""Largest number of bytes that the laws of a robot may declare in a beacon together."""
-
 
 class NoParameters(Table):
     """The parameters of an extension that has none."""

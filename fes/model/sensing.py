@@ -26,6 +26,18 @@ reject them: their squares and powers would overflow in the law of a peer, which
 MAX_TWIST = 1e9
 """Largest magnitude of a linear [m/s] or angular [rad/s] velocity in a Command, for the same reason."""
 
+MAX_STATISTICS = 64
+"""Largest number of statistics in a Beacon."""
+
+MAX_DECLARED = 256
+"""Largest number of bytes that the laws of a robot declare in a Beacon together."""
+
+MAX_LEARNT = 16
+"""Largest number of learnt numbers per link in a Command."""
+
+MAX_DETAILS = 64
+"""Largest number of further numbers in a Command."""
+
 
 def bounded(values: Floats, most: float) -> Floats:
     """The values, clipped to [-`most`, `most`]; NaN remains."""

@@ -11,20 +11,16 @@ from pydantic import ValidationError
 from fes.arrays.types import Bytes, Floats, Ints
 from fes.errors import MessageError
 from fes.model.config import AgentConfig
-from fes.model.sensing import DECODED, MAX_NUMBER, MAX_TWIST
+from fes.model.sensing import (
+    DECODED,
+    MAX_DECLARED,
+    MAX_DETAILS,
+    MAX_LEARNT,
+    MAX_NUMBER,
+    MAX_STATISTICS,
+    MAX_TWIST,
+)
 from fes.protocol import wire
-
-MAX_STATISTICS = 64
-"""Largest number of statistics in a Beacon."""
-
-MAX_DECLARED = 256
-"""Largest number of bytes that the laws of a robot declare in a Beacon."""
-
-MAX_LEARNT = 16
-"""Largest number of learnt numbers per link in a Command."""
-
-MAX_DETAILS = 64
-"""Largest number of further numbers in a Command."""
 
 MAX_AGENT = 2**62
 """Largest number of an agent in a Join."""

@@ -14,7 +14,7 @@ from fes.arrays.types import Floats
 from fes.errors import MessageError
 from fes.model.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig
 from fes.model.seeking import OracleConfig
-from fes.model.sensing import MAX_NUMBER, MAX_TWIST
+from fes.model.sensing import MAX_DECLARED, MAX_NUMBER, MAX_TWIST
 from fes.protocol import channel_change, messages, world_info
 from fes.protocol import report as reports
 from fes.protocol.channel_change import ChangeResult, ParameterChange
@@ -69,7 +69,7 @@ def beacons(draw: st.DrawFn) -> Beacon:
         draw(floats(len(near), reals)),
         draw(codes(len(near), 1)),
         draw(floats(draw(st.integers(0, 7)), reals)),
-        draw(st.binary(max_size=messages.MAX_DECLARED)),
+        draw(st.binary(max_size=MAX_DECLARED)),
     )
 
 

@@ -1,15 +1,19 @@
 """Collector of a run's metrics, tick by tick, from the truth and from the robots' telemetry."""
 
+import logging
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from fes.arrays.edges import Edges
-from fes.arrays.types import Floats, Ints
+from fes.arrays.types import Floats, Ints, read_only
+from fes.errors import FesError
 from fes.extension import crew_laws, registry
 from fes.extension.kinds import METRIC
 from fes.model import counts, objective
+from fes.model.seeking import MAX_TICKS
 from fes.model.sensing import Telemetry
 from world.config import events
 from world.config.radio import RadioConfig
@@ -23,6 +27,8 @@ from world.metrics.tracking import TeamErrors, Tracking
 from world.simulation import reception
 from world.simulation.channel import Radio
 from world.simulation.truth import State
+
+_logger = logging.getLogger("metrics")
 
 
 class MetricsCollector:
@@ -72,8 +78,10 @@ class MetricsCollector:
         self.tracking.add(state.tick, truth.optimal, truth.is_changed, self._team_errors(truth))
         mean = truth.mean_separation
         self.separation = np.where(np.isfinite(mean), mean, truth.separation)
-        for metric in self.extensions.values():
-            metric.add(truth)
+        if self.extensions:
+            seen = _read_only(truth)
+            for metric in self.extensions.values():
+                metric.add(seen)
         if telemetry.is_model_free is not None:
             self.is_model_free = telemetry.is_model_free and self.is_model_free is not False
         self.state, self.telemetry = state, telemetry
@@ -88,6 +96,17 @@ class MetricsCollector:
             "beacons_sent": self.state.sent,
             "beacons_decoded": self.state.decoded,
         }
+
+    def team_numbers(self) -> dict[str, dict[str, float | None]]:
+        """The numbers of each metric of the scenario; none of one that fails, and a warning says why."""
+        numbers: dict[str, dict[str, float | None]] = {}
+        for name, metric in self.extensions.items():
+            try:
+                numbers[name] = dict(metric.result())
+            except FesError as error:  # the other results of a long run are worth keeping
+                _logger.warning("%s; the summary has none of its numbers", error)
+                numbers[name] = {}
+        return numbers
 
     def _tick_truth(self, state: State, twists: Floats, telemetry: Telemetry) -> TickTruth:
         is_changed = state.channel is not self._channel and state.channel != self._channel
@@ -120,6 +139,22 @@ class MetricsCollector:
             self.unscheduled_absences += int(np.count_nonzero(self._scheduled & ~state.present))
 
 
+def _read_only(truth: TickTruth) -> TickTruth:
+    """The same truth for metrics of others: they cannot write to what the run still needs."""
+    given, radio = truth.telemetry, truth.state.radio
+    telemetry = given._replace(
+        estimates=read_only(given.estimates), learnt=read_only(given.learnt), details=read_only(given.details)
+    )
+    seen = replace(radio, reception=read_only(radio.reception), probability=read_only(radio.probability))
+    return truth._replace(
+        state=replace(truth.state, radio=seen),
+        twists=read_only(truth.twists),
+        telemetry=telemetry,
+        separation=read_only(truth.separation),
+        mean_separation=read_only(truth.mean_separation),
+    )
+
+
 def link_reception(radio: Radio, links: Edges) -> Floats:
     """True reception probability of each of `links.undirected` [u], mean over directions; NaN without a contact."""
     if not len(radio.edges):
@@ -133,4 +168,10 @@ def link_reception(radio: Radio, links: Edges) -> Floats:
 def dither_period(scenario: Scenario) -> int:
     """Ticks over which separations are averaged: the period of a physical dither, else 1."""
     period = crew_laws.physical_period(scenario.seeking)
-    return 1 if period is None else counts.ticks_of(period, scenario.run.dt)
+    if period is None:
+        return 1
+    try:
+        counts.check("the law's physical_period / run.dt", period, scenario.run.dt, MAX_TICKS)
+    except ValueError as error:
+        raise FesError(f"seeking: {error}") from None
+    return counts.ticks_of(period, scenario.run.dt)

@@ -60,7 +60,7 @@ def summarize(metrics: MetricsCollector, name: str, backend: str, wall: float) -
         "unscheduled_absences": metrics.unscheduled_absences,
         "links_lost_at": errors.links_lost_at,
         "model_free": metrics.is_model_free,
-        "metrics": {name: dict(metric.result()) for name, metric in metrics.extensions.items()},
+        "metrics": metrics.team_numbers(),
     }
     values[quantities.VERDICTS] = expectations.verdicts(scenario.expect, values)
     summary: dict[str, Any] = strict_json.finite(quantities.ordered(values))

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fes.arrays.types import Bools, Floats, Ints
+from fes.arrays.types import Bools, Floats, Ints, read_only
 from fes.extension import registry
 from fes.extension.kinds import DYNAMICS
 from fes.extension.protocols import Dynamics
@@ -43,7 +43,7 @@ class State:
 
     tick: int
     poses: Floats
-    """[n, 3] [m, m, rad; world frame]"""
+    """[n, 3] [m, m, rad; world frame]; read-only: laws and metrics of others see this array."""
     bodies: Any
     """State of the dynamics; for a unicycle the poses themselves."""
     channel: RadioConfig
@@ -85,7 +85,7 @@ def start(world: World) -> State:
     crowd.check(world.scenario)
     initial, radio = initial_poses(world.scenario), world.scenario.channel
     bodies = world.dynamics.start(initial)
-    poses = world.dynamics.poses(bodies)
+    poses = read_only(world.dynamics.poses(bodies))
     near = neighbor_list.measure(world.ids, poses, radio.communication_range, None)
     present = np.ones(len(poses), dtype=np.bool_)
     state = State(0, poses, bodies, radio, near, channel.quiet(near.edges), present, 0 * world.ids, 0, 0)
@@ -96,7 +96,7 @@ def start(world: World) -> State:
 def step(world: World, state: State, twists: Floats) -> State:
     """The state one tick later, with the bodies holding `twists` [n, 2] [m/s, rad/s]; see `held`."""
     bodies = world.dynamics.step(state.bodies, twists, world.scenario.run.dt)
-    poses = world.dynamics.poses(bodies)
+    poses = read_only(world.dynamics.poses(bodies))
     near = neighbor_list.measure(world.ids, poses, state.channel.communication_range, state.proximity)
     factor = None if state.transmission is None else state.transmission.reception_factor
     robots = RadioInput(state.tick, state.poses, state.present, state.proximity, factor)
