@@ -17,7 +17,7 @@ def check(
     ],
     kind: Annotated[
         str | None,
-        typer.Option(metavar="KIND", help=f"Kind, where the methods leave it open: {', '.join(subject.SLUGS)}."),
+        typer.Option(metavar="KIND", help=f"Kind, needed if the methods fit several: {', '.join(subject.SLUGS)}."),
     ] = None,
     set_: Annotated[
         list[str] | None, typer.Option("--set", metavar="A=B", help="A parameter of the extension.")
