@@ -1,4 +1,4 @@
-"""fes check: whether an extension keeps the rules."""
+"""fes check: a check that an extension keeps the rules."""
 
 from typing import Annotated
 

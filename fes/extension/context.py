@@ -55,7 +55,8 @@ class LawContext:
 
     The constructor of a law gets no seed and no generator. A law that needs a number takes it from `draws`. So its
     digits do not depend on its process, on its position in an array, or on the order of calls. For a new number at
-    each tick, put the tick into the name of the stream. Sums over a robot's peers go through `Edges.sum`, whose order is fixed.
+    each tick, put the tick into the name of the stream. Sums over a robot's peers go through `Edges.sum`, whose order
+    is fixed.
     """
 
     ids: Ints
