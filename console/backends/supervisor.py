@@ -1,7 +1,8 @@
 """Consequences of a process's end for its run.
 
-A run ends when its world ends. If an agent dies earlier, its robots are absent and the run continues. Before the run
-has begun, the death of an agent is an error, because the world waits for all robots.
+A run ends when its world ends. If an agent dies earlier, its robots are absent and the run continues, unless all
+agents have ended with an error of their own, such as one of a law: another agent would end in the same way. Before
+the run has begun, the death of an agent is an error, because the world waits for all robots.
 """
 
 import time
@@ -12,7 +13,7 @@ from console.backends.managed_process import ManagedProcess, NotStarted, ended
 from console.backends.process_group import DISMISSAL, ProcessGroup
 from console.backends.restart_limits import MOST, RestartLimit
 from fes.errors import FesError
-from fes.process import SUCCESS, UNMET
+from fes.process import FAILURE, SUCCESS, UNMET
 
 SETTLING = 2.0
 """Time [s] for the world to end, or for the run to begin, before a dead agent is reported as the cause."""
@@ -39,8 +40,8 @@ class Supervisor:
     async def finish(self) -> None:
         """Wait until the world has ended without error, and then up to DISMISSAL for the agents.
 
-        Raises ProcessFailed if the world fails, if a world that resumes the run cannot be started, or if an agent
-        ends before the run begins.
+        Raises ProcessFailed if the world fails, if a world that resumes the run cannot be started, if an agent ends
+        before the run begins, or if all agents have ended with errors.
         """
         while (
             process := await self.processes.ends.get()
@@ -66,7 +67,7 @@ class Supervisor:
     async def _lose(self, ids: str, why: str, lived: float) -> None:
         """Restart the agent of robots `ids`, which `lived` this long [s], or warn that the run continues without it.
 
-        Raises ProcessFailed if the run cannot begin without it.
+        Raises ProcessFailed if the run cannot begin without it, or if no agent is left to continue it.
         """
         plural, pronoun = ("s", "them") if "-" in ids else ("", "it")
         robots, delay = f"robot{plural} {ids}", None
@@ -79,8 +80,11 @@ class Supervisor:
             return
         if not self.processes.has_begun:
             await self._fail(why)
+        is_last = self.processes.is_abandoned and self._ended.issuperset(self.processes.agents)
+        if is_last and all(agent.process.returncode == FAILURE for agent in self.processes.agents):
+            raise ProcessFailed(f"{why}; no agent is left, and each ended with an error of its own")
         self.warn(f"{robots}: {why}; the run continues without {pronoun}")
-        if self.processes.is_abandoned and self._ended.issuperset(self.processes.agents):
+        if is_last:
             self.warn(self.deserted)
 
     async def _fail(self, why: str) -> None:

@@ -14,12 +14,16 @@ from world.execution.checkpoint import CheckpointWriter
 from world.execution.run import Run
 
 LAWS, WORLDS = "tests.support.broken_laws", "tests.support.broken_worlds"
+RUNS = "tests.support.broken_in_runs"
+
+READ_ONLY = "ValueError: output array is read-only"
 
 
 @pytest.fixture(autouse=True)
 def _modules() -> None:
     registry.use(LAWS)
     registry.use(WORLDS)
+    registry.use(RUNS)
 
 
 def with_extension(**tables: Any) -> Scenario:
@@ -97,6 +101,30 @@ def test_a_scenario_that_names_no_working_extension_is_rejected_in_one_line(tabl
             f"controller '{LAWS}:TellsText': step must return numbers, estimates by id and a list of statistics, got "
             "Action(move=Pull(x=0.0, y='far'), estimates={}, statistics=())",
         ),
+        (
+            {"formation": {"law": f"{RUNS}:PushesBodies"}},
+            f"formation law '{RUNS}:PushesBodies': step: {READ_ONLY}",
+        ),
+        (
+            {"metric": [{"use": f"{RUNS}:CentersPoses"}]},
+            f"metric '{RUNS}:CentersPoses': add: {READ_ONLY}",
+        ),
+        (
+            {"metric": [{"use": f"{RUNS}:StopsRobots"}]},
+            f"metric '{RUNS}:StopsRobots': add: {READ_ONLY}",
+        ),
+        (
+            {"seeking": {"use": f"{RUNS}:NegativePeriod", "separation": 60.0}},
+            f"seeking law '{RUNS}:NegativePeriod': physical_period must return a positive time or None, got -3.0",
+        ),
+        (
+            {"seeking": {"use": f"{RUNS}:PeriodInWords", "separation": 60.0}},
+            f"seeking law '{RUNS}:PeriodInWords': physical_period must return a positive time or None, got '1 s'",
+        ),
+        (
+            {"seeking": {"use": f"{RUNS}:EndlessPeriod", "separation": 60.0}},
+            "seeking: the law's physical_period / run.dt must be at most 1e+09, got 5e+301",
+        ),
     ],
 )
 def test_a_result_that_breaks_the_interface_ends_a_run_in_one_line(tables: Any, text: str) -> None:
@@ -129,3 +157,22 @@ def test_a_state_that_no_checkpoint_can_hold_is_reported_before_the_first_tick(
         writer.begin(run)
     writer.close(run)
     assert str(raised.value) == text
+
+
+def test_a_metric_that_fails_at_the_end_costs_only_its_own_numbers(caplog: pytest.LogCaptureFixture) -> None:
+    metrics = [{"use": f"{RUNS}:FailsAtTheEnd"}, {"use": f"{WORLDS}:Metric"}]
+    summary = inprocess.run(with_extension(metric=metrics), "lab")
+    assert summary["metrics"] == {"FailsAtTheEnd": {}, "Metric": {"total": summary["metrics"]["Metric"]["total"]}}
+    assert summary["metrics"]["Metric"]["total"] > 0.0
+    assert caplog.messages == [
+        f"metric '{RUNS}:FailsAtTheEnd': result: ZeroDivisionError: float division by zero; "
+        "the summary has none of its numbers"
+    ]
+
+
+def test_a_metric_that_fails_at_the_first_tick_leaves_a_summary_of_it() -> None:
+    kept: list[dict[str, Any]] = []
+    with pytest.raises(FesError) as raised:
+        inprocess.run(with_extension(metric=[{"use": f"{RUNS}:FailsAtOnce"}]), "lab", keep=kept.append)
+    assert str(raised.value) == f"metric '{RUNS}:FailsAtOnce': add: ValueError: no numbers"
+    assert [summary["ticks"] for summary in kept] == [1]

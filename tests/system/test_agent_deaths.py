@@ -12,10 +12,12 @@ from pathlib import Path
 
 import pytest
 
+from tests.support import broken_laws
 from tests.support.paths import CONFIGS
 from tests.support.processes import PATIENCE, STARTING, alive, children, fes, first_report, start, until
 
 BEGUN = "all robots are here"
+BROKEN = str(Path(broken_laws.__file__).resolve())
 
 
 class Run:
@@ -189,3 +191,14 @@ def test_respawn_is_rejected_without_processes(tmp_path: Path) -> None:
     rule = "--respawn needs --backend processes: one loop has no processes of its own"
     assert (done.returncode, done.stderr) == (1, f"fes: error: {rule}\n")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_law_that_fails_in_every_robot_ends_the_run_at_once_with_its_line(tmp_path: Path) -> None:
+    run = Run(tmp_path, "pair.toml", "--use", BROKEN, "--set", "formation.law=broken_laws:NotANumber")
+    code, _, output = run.end()
+    assert code == 1
+    law = "formation law 'broken_laws:NotANumber': the pull must be finite, got nan"
+    assert [line for line in output if law in line] == output
+    assert output[-1].startswith("fes: error: ")
+    assert output[-1].endswith("; no agent is left, and each ended with an error of its own")
+    assert "waited" not in run.log()

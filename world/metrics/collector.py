@@ -78,13 +78,13 @@ class MetricsCollector:
         self.tracking.add(state.tick, truth.optimal, truth.is_changed, self._team_errors(truth))
         mean = truth.mean_separation
         self.separation = np.where(np.isfinite(mean), mean, truth.separation)
-        if self.extensions:
-            seen = _read_only(truth)
-            for metric in self.extensions.values():
-                metric.add(seen)
         if telemetry.is_model_free is not None:
             self.is_model_free = telemetry.is_model_free and self.is_model_free is not False
         self.state, self.telemetry = state, telemetry
+        if self.extensions:
+            seen = _read_only(truth)
+            for metric in self.extensions.values():  # the last step: after an error the tick is complete without it
+                metric.add(seen)
 
     def shared(self) -> dict[str, Any]:
         """Quantities of the last tick that summary and report share, by their name in the summary."""
