@@ -1,8 +1,8 @@
 """Consequences of a process's end for its run.
 
-A run ends when its world ends. If an agent dies earlier, its robots are absent and the run continues, unless all
-agents have ended with an error of their own, such as one of a law: another agent would end in the same way. Before
-the run has begun, the death of an agent is an error, because the world waits for all robots.
+A run ends when its world ends. If an agent dies earlier, its robots are absent and the run continues. It does
+not continue if all agents ended with errors, such as that of a law: new ones would end in the same way. Before the run
+has begun, the death of an agent is an error, because the world waits for all robots.
 """
 
 import time
@@ -40,8 +40,8 @@ class Supervisor:
     async def finish(self) -> None:
         """Wait until the world has ended without error, and then up to DISMISSAL for the agents.
 
-        Raises ProcessFailed if the world fails, if a world that resumes the run cannot be started, if an agent ends
-        before the run begins, or if all agents have ended with errors.
+        Raises ProcessFailed if the world fails, or a world that resumes the run cannot be started. It also does so
+        if an agent ends before the run begins, or if all agents have ended with errors.
         """
         while (
             process := await self.processes.ends.get()

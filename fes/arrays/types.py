@@ -1,4 +1,4 @@
-"""Type aliases for the arrays in signatures, and views that nobody can write to."""
+"""Type aliases for the arrays in signatures, and read-only views."""
 
 from typing import Any, TypeAlias, TypeVar
 

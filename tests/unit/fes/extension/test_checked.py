@@ -1,4 +1,4 @@
-"""What an extension returns is checked: one line names the extension, the rule and the value."""
+"""Checks of the values that an extension returns: one line names the extension, the rule and the value."""
 
 from typing import Any
 
@@ -76,7 +76,7 @@ def test_a_twist_that_is_not_a_number_leaves_the_pull_in_force() -> None:
     assert checked(FORMATION, Stub(formed)).step(None, AROUND, None) is formed
 
 
-def test_a_matrix_is_no_array() -> None:
+def test_a_matrix_is_rejected() -> None:
     pull = np.zeros((N, 2)).view(np.matrix)
     message = "the pull must be an array of shape [3, 2], got matrix"
     assert refusal(FORMATION, Stub(Formed(None, pull)), None, AROUND, None) == message
@@ -132,7 +132,7 @@ def test_a_read_only_array_shares_its_values_and_cannot_be_written_to() -> None:
         seen[0] = 2.0
 
 
-def test_what_a_seeking_law_publishes_has_the_declared_shapes() -> None:
+def test_the_numbers_that_a_seeking_law_publishes_have_the_declared_shapes() -> None:
     class Law(Stub):
         def publish(self, state: Any, links: Any) -> Any:
             return self.result
