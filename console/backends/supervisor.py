@@ -1,8 +1,8 @@
 """Consequences of a process's end for its run.
 
 A run ends when its world ends. If an agent dies earlier, its robots are absent and the run continues. It does
-not continue if all agents ended with errors, such as that of a law: new ones would end in the same way. Before the run
-has begun, the death of an agent is an error, because the world waits for all robots.
+not continue if all agents ended with errors, such as that of a law: new ones would end in the same way. Before the
+run has begun, the death of an agent is an error, because the world waits for all robots.
 """
 
 import time
