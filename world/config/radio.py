@@ -113,3 +113,9 @@ class RadioConfig(ChannelConfig):
                 "channel.bursts.mean_length must be at least run.dt x bad_share / (1 - bad_share), "
                 f"{dt * share / (1.0 - share):g} s, got {length:g}"
             )
+
+    def check_partition(self, robots: int) -> None:
+        """Raise ValueError if the partition contains a robot that does not exist."""
+        unknown = [robot for group in self.partition for robot in group if robot >= robots]
+        if unknown:
+            raise ValueError(f"channel.partition: robot {unknown[0]} does not exist: there are only {robots}")
