@@ -13,7 +13,6 @@ from fes.system import encoding
 from world.config import builtin, scenario, toml
 from world.config.outside import schemes
 from world.config.outside.schemes import NOTHING, Comparison
-from world.config.overrides import apply
 from world.config.scenario import Scenario
 
 Source = Scenario | str | os.PathLike[str]
@@ -54,7 +53,7 @@ def resolve(source: Source, fields: dict[str, Any], name: str | None = None) -> 
     """The scenario of a source with other values of `fields`, each by its dotted path; raises ScenarioError."""
     name = None if name is None else encoding.check_name(name)
     if isinstance(source, Scenario):
-        return NamedScenario(name or UNNAMED, _changed(source, fields))
+        return NamedScenario(name or UNNAMED, scenario.with_overrides(source, fields) if fields else source)
     if not isinstance(source, str | os.PathLike):
         raise ScenarioError("scenario", f"expects a Scenario, a name or a path, got {type(source).__name__}")
     path = builtin.resolve(Path(source))
@@ -118,11 +117,3 @@ def _plain(value: Any, where: str, depth: int) -> Any:
 def _check_depth(where: str, depth: int) -> None:
     if depth > encoding.DEEPEST:
         raise ScenarioError("overrides", f"'{where:.40}' is nested too deeply")
-
-
-def _changed(original: Scenario, fields: dict[str, Any]) -> Scenario:
-    if not fields:
-        return original
-    tables = original.model_dump(by_alias=True)
-    apply(tables, fields)
-    return scenario.parse(tables, "scenario")

@@ -199,15 +199,21 @@ def load(path: Path, overrides: dict[str, Any] | None = None) -> Scenario:
     """
     tables = toml.read(path)
     compared = schemes.take(tables, str(path))
-    settings = dict(overrides or {})
+    settings = trace_file.anchored(overrides or {}, Path.cwd())
     if schemes.SCHEME in settings:
-        settings = compared.settings(settings.pop(schemes.SCHEME), str(path)) | settings
+        of_scheme = compared.settings(settings.pop(schemes.SCHEME), str(path))
+        settings = trace_file.anchored(of_scheme, path.parent) | settings
     apply(tables, settings)
-    try:
-        trace_file.locate(tables, path.parent, settings)
-    except FesError as error:
-        raise ScenarioError(str(path), f"channel.trace: {error}") from None
+    trace_file.locate(tables, path.parent, str(path))
     return parse(tables, str(path))
+
+
+def with_overrides(scenario: Scenario, overrides: dict[str, Any]) -> Scenario:
+    """The scenario with `overrides` by dotted path; raises ScenarioError as `load` does."""
+    tables, folder = scenario.model_dump(by_alias=True), Path.cwd()
+    apply(tables, trace_file.anchored(overrides, folder))
+    trace_file.locate(tables, folder, "scenario")
+    return parse(tables, "scenario")
 
 
 def parse(tables: dict[str, Any], where: str) -> Scenario:

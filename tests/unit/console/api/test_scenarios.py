@@ -43,3 +43,14 @@ def test_a_file_that_is_not_a_scenario_is_an_error_of_one_line(tmp_path: Path) -
     deep["x"] = 1
     with pytest.raises(ScenarioError, match=r"overrides: '.*' is nested too deeply"):
         fes.load("pair", nested)
+
+
+def test_a_scenario_object_takes_a_trace_as_a_name_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "links.csv").write_text("time,sender,receiver,probability\n0,0,1,1\n0,1,0,1\n")
+    monkeypatch.chdir(tmp_path)
+    measured = {"seeking.index": "measured", "run.duration": 0.2}
+    trace = {"channel": {"model": "trace", "trace": "links.csv"}}
+    by_name = fes.run("pair", overrides={**measured, **trace}, progress=False)
+    by_object = fes.run(fes.load("pair", measured), overrides=trace, progress=False)
+    assert by_object.scenario == by_name.scenario
+    assert by_object.digest == by_name.digest
