@@ -27,6 +27,19 @@ def test_all_forms_of_overrides_are_the_same_scenario(overrides: dict[str, objec
         assert fes.load(source, overrides) == expected
 
 
+def test_an_extension_with_its_parameters_is_one_value() -> None:
+    law = {"use": "voronoi", "gain": 0.5}
+    expected = scenario.load(CONFIGS / "pair.toml", {"formation.law": law, "seeking": {"use": "krstic_wang"}})
+    overrides: dict[str, object]
+    for overrides in (
+        {"formation.law": law, "seeking": {"use": "krstic_wang"}},
+        {"formation": {"law": {**law, "gain": np.float64(0.5)}}, "seeking": {"use": "krstic_wang"}},
+    ):
+        assert fes.load("pair", overrides) == expected
+        former = fes.load("pair", {"formation.law": {"use": "alpha_lattice", "force_gain": 0.1}})
+        assert fes.run(former, overrides={**overrides, "run.duration": 0.1}).scenario.formation == expected.formation
+
+
 def test_tables_in_lists_are_overrides_too() -> None:
     event = [{"at": np.float64(0.5), "set": {"channel.path_loss_exponent": 2.5}}]
     assert fes.load("pair", {"event": event}).changes == {25: {"channel.path_loss_exponent": 2.5}}
