@@ -4,7 +4,7 @@ import math
 import reprlib
 from typing import Annotated, Any, Self, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
 Exponent = Annotated[float, Field(gt=0, le=20, allow_inf_nan=False)]
 """Bounded, so that powers stay finite; larger exponents have no use."""
@@ -62,8 +62,14 @@ def _tag(choice: Any) -> str:
     return "use=" if isinstance(choice, dict | Use) else "name="
 
 
-Choice: TypeAlias = Annotated[Annotated[Name, Tag("name=")] | Annotated[Use, Tag("use=")], Discriminator(_tag)]
-"""An extension by its name alone, or as a table with its parameters."""
+def _shortest(choice: str | Use) -> str | Use:
+    return choice.use if isinstance(choice, Use) and not choice.parameters else choice
+
+
+Choice: TypeAlias = Annotated[
+    Annotated[Name, Tag("name=")] | Annotated[Use, Tag("use=")], Discriminator(_tag), AfterValidator(_shortest)
+]
+"""An extension by its name alone, or as a table with its parameters. A table without parameters becomes the name."""
 
 
 def chosen(choice: str | Use) -> Use:

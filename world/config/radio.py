@@ -5,8 +5,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from fes.extension.kinds import CHANNEL
 from fes.model.config import ChannelConfig
-from fes.model.table import Positive, Table
+from fes.model.table import Positive, Table, Use
 
 Distance = Annotated[float, Field(ge=0, le=1e6)]
 Share = Annotated[float, Field(ge=0, le=1)]
@@ -79,6 +80,9 @@ class RadioConfig(ChannelConfig):
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
+        if isinstance(self.model, Use) and self.model.use in CHANNEL.built_in:
+            given = next(iter(self.model.parameters))
+            raise ValueError(f"model: '{self.model.use}' takes its settings from [channel] itself, got '{given}'")
         if self.model == "table" and len(self.rows) < 2:
             raise ValueError(f"rows: model 'table' needs at least two, got {len(self.rows)}")
         separations = [separation for separation, _ in self.rows]

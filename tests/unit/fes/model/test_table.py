@@ -51,3 +51,20 @@ def test_a_parameter_that_would_not_last_is_refused_wherever_it_stands(
     path = f"{table}.{key}" if key else table
     with pytest.raises(ScenarioError, match=f"^here: {path}: {field}$"):
         scenario.parse(tables, "here")
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "name"),
+    [
+        ("channel", "model", "logistic"),
+        ("formation", "law", "voronoi"),
+        ("formation", "rule", "disk"),
+        ("robots", "dynamics", "unicycle"),
+    ],
+)
+def test_a_table_without_parameters_is_the_name_alone(table: str, key: str, name: str) -> None:
+    def with_choice(choice: Any) -> scenario.Scenario:
+        tables: dict[str, Any] = {"schema": 1, "robots": {"count": 2}}
+        return scenario.parse({**tables, table: {**tables.get(table, {}), key: choice}}, "here")
+
+    assert with_choice({"use": name}) == with_choice(name)
