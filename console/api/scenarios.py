@@ -13,14 +13,16 @@ from fes.system import encoding
 from world.config import builtin, scenario, toml
 from world.config.outside import schemes
 from world.config.outside.schemes import NOTHING, Comparison
-from world.config.overrides import apply
 from world.config.scenario import Scenario
 
 Source = Scenario | str | os.PathLike[str]
 """A scenario, the name of a built-in scenario, or the path of a file."""
 
 Overrides = Mapping[str, Any]
-"""Values of fields, by dotted path or in nested tables: {"run.seed": 3} or {"run": {"seed": 3}}."""
+"""Values of fields, by dotted path or in nested tables: {"run.seed": 3} or {"run": {"seed": 3}}.
+
+A table with the key `use`, an extension and its parameters, is one value.
+"""
 
 UNNAMED = "scenario"
 """Name of a scenario that was given as an object."""
@@ -40,8 +42,9 @@ def load(
 
     `name_or_path` is the name of a built-in scenario, such as "paper", or the path of a TOML file. `overrides` give
     fields other values: by dotted path, {"run.seed": 3}, or in nested tables, {"run": {"seed": 3}}. Values are those
-    of TOML; numpy arrays count as lists. `use` names modules, or files of modules, whose extensions the scenario may
-    name as `module:Class`; "__main__" is the notebook or script itself.
+    of TOML; numpy arrays count as lists. A table with the key `use` is one value, which replaces the former one:
+    {"formation.law": {"use": "voronoi", "gain": 2.0}}. `use` names modules, or files of modules, whose extensions the
+    scenario may name as `module:Class`; "__main__" is the notebook or script itself.
 
     Raises ScenarioError, a FesError of one line: the field, the rule and the offending value.
     """
@@ -54,7 +57,7 @@ def resolve(source: Source, fields: dict[str, Any], name: str | None = None) -> 
     """The scenario of a source with other values of `fields`, each by its dotted path; raises ScenarioError."""
     name = None if name is None else encoding.check_name(name)
     if isinstance(source, Scenario):
-        return NamedScenario(name or UNNAMED, _changed(source, fields))
+        return NamedScenario(name or UNNAMED, scenario.with_overrides(source, fields) if fields else source)
     if not isinstance(source, str | os.PathLike):
         raise ScenarioError("scenario", f"expects a Scenario, a name or a path, got {type(source).__name__}")
     path = builtin.resolve(Path(source))
@@ -69,8 +72,8 @@ def comparison(source: Source) -> Comparison:
 def flat(overrides: Overrides | None) -> dict[str, Any]:
     """Overrides by dotted path, with values of TOML; raises ScenarioError.
 
-    >>> flat({"run": {"seed": 3}, "run.dt": 0.01})
-    {'run.seed': 3, 'run.dt': 0.01}
+    >>> flat({"run": {"seed": 3}, "run.dt": 0.01, "seeking": {"use": "krstic_wang"}})
+    {'run.seed': 3, 'run.dt': 0.01, 'seeking': {'use': 'krstic_wang'}}
     """
     return dict(_flat("", overrides or {}, 0))
 
@@ -95,7 +98,7 @@ def _flat(prefix: str, overrides: Overrides, depth: int) -> Iterator[tuple[str, 
     for field, value in overrides.items():
         if not isinstance(field, str):
             raise ScenarioError("overrides", f"expects names of fields, got {field!r:.40}")
-        if isinstance(value, Mapping):
+        if isinstance(value, Mapping) and "use" not in value:
             _check_depth(prefix + field, depth)
             yield from _flat(f"{prefix}{field}.", value, depth + 1)
         else:
@@ -118,11 +121,3 @@ def _plain(value: Any, where: str, depth: int) -> Any:
 def _check_depth(where: str, depth: int) -> None:
     if depth > encoding.DEEPEST:
         raise ScenarioError("overrides", f"'{where:.40}' is nested too deeply")
-
-
-def _changed(original: Scenario, fields: dict[str, Any]) -> Scenario:
-    if not fields:
-        return original
-    tables = original.model_dump(by_alias=True)
-    apply(tables, fields)
-    return scenario.parse(tables, "scenario")

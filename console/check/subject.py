@@ -2,6 +2,8 @@
 
 from typing import Any, NamedTuple
 
+from pydantic import ValidationError
+
 from fes.errors import FesError
 from fes.extension import registry
 from fes.extension.kinds import (
@@ -20,6 +22,7 @@ from fes.extension.kinds import (
 from fes.model.table import Use
 from world.config import scenario
 from world.config.scenario import Scenario
+from world.config.validation import first_rule
 
 ROBOTS = 5
 """Number of robots of a run: several crews of several robots each."""
@@ -85,7 +88,11 @@ class Subject(NamedTuple):
 
     def scenario(self, seed: int = 7) -> Scenario:
         """The short run with a seed; raises FesError if the extension is not one of its kind."""
-        registry.check(self.kind, Use.model_validate({"use": self.name, **self.parameters}))
+        try:
+            choice = Use.model_validate({"use": self.name, **self.parameters})
+        except ValidationError as error:
+            raise FesError(f"{self.title}: {first_rule(error, Use, 'its parameters')}") from None
+        registry.check(self.kind, choice)
         return scenario.parse(self.tables(seed), "check")
 
 

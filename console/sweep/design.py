@@ -17,6 +17,7 @@ from fes.errors import ScenarioError
 from fes.system import encoding, strict_json
 from world.config.outside import schemes
 from world.config.outside.schemes import NOTHING, SCHEME, ColumnConfig, Comparison
+from world.config.overrides import value_at
 from world.config.scenario import Scenario, load, parse_override
 from world.config.validation import short
 from world.simulation import crowd
@@ -35,7 +36,7 @@ class Cell:
     """One combination of the axes' values."""
 
     values: tuple[Value, ...]
-    """Values in the scenario, one per axis; a list as its JSON."""
+    """Values in the scenario, one per axis; a list, and an extension with parameters, as its JSON."""
     scenario: Scenario
 
 
@@ -209,9 +210,7 @@ def _split(raw: str) -> list[str]:
 
 
 def _value(scenario: Scenario, field: str) -> Value:
-    value: Any = scenario.model_dump(mode="json", by_alias=True)
-    for part in field.split("."):
-        value = value[part]
-    if isinstance(value, dict):
+    value = value_at(scenario.model_dump(mode="json", by_alias=True), field)
+    if isinstance(value, dict) and "use" not in value:
         raise ScenarioError("--axis", f"expects a field, and '{field}' is a table")
-    return strict_json.dumps(value) if isinstance(value, list) else value
+    return strict_json.dumps(value) if isinstance(value, list | dict) else value

@@ -6,7 +6,7 @@ Symbols in parentheses are the paper's. A table holds only the keys that its law
 import math
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from fes.model import counts
 from fes.model.table import Cutoff, Positive, Table, Use
@@ -187,6 +187,14 @@ def without_unused(table: Any) -> Any:
     return {name: value for name, value in table.items() if name not in unused}
 
 
+def _not_an_index(choice: Use) -> Use:
+    """The choice; raises ValueError for the law of an index, whose table checks rules that an extension has not."""
+    index = choice.use.partition(",")[0]
+    if index in BUILT_IN:
+        raise ValueError(f"use names an extension, and '{choice.use}' is built in: write index = '{index}'")
+    return choice
+
+
 def _tag(table: Any) -> str:
     if isinstance(table, Use):
         return "use="
@@ -199,7 +207,7 @@ SeekingConfig: TypeAlias = Annotated[
     Annotated[OracleConfig, Tag("index=oracle")]
     | Annotated[MeasuredConfig, Tag("index=measured")]
     | Annotated[SampledConfig, Tag("index=sampled")]
-    | Annotated[Use, Tag("use=")],
+    | Annotated[Use, AfterValidator(_not_an_index), Tag("use=")],
     Discriminator(
         _tag,
         custom_error_type="index",

@@ -1,8 +1,10 @@
 """The tables of a configuration, and the kinds of numbers in them."""
 
-from typing import Annotated, Any, TypeAlias
+import math
+import reprlib
+from typing import Annotated, Any, Self, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
 Exponent = Annotated[float, Field(gt=0, le=20, allow_inf_nan=False)]
 """Bounded, so that powers stay finite; larger exponents have no use."""
@@ -27,16 +29,47 @@ class Use(Table):
     use: str = Field(min_length=1, max_length=200)
     """Name of an extension: a built-in one, one that is installed, or `module:Class`."""
 
+    @model_validator(mode="after")
+    def _lasting(self) -> Self:
+        for name, value in self.parameters.items():
+            _check_lasting(name, value)
+        return self
+
     @property
     def parameters(self) -> dict[str, Any]:
         """The parameters, which the extension itself checks."""
         return dict(self.model_extra or {})
 
 
+def _check_lasting(name: str, value: object) -> None:
+    """Raise ValueError unless a parameter is the same after it was written as TOML and as JSON."""
+    if isinstance(value, dict):
+        for key, part in value.items():
+            _check_lasting(f"{name}.{key}", part)
+    elif isinstance(value, list):
+        for place, part in enumerate(value):
+            _check_lasting(f"{name}.{place}", part)
+    elif not isinstance(value, str | int) and not (isinstance(value, float) and math.isfinite(value)):
+        raise ValueError(
+            f"{name}: must be a finite number, a text, true or false, a list or a table, got {reprlib.repr(value)}"
+        )
+
+
 Name = Annotated[str, Field(min_length=1, max_length=200)]
 
-Choice: TypeAlias = Name | Use
-"""An extension by its name alone, or as a table with its parameters."""
+
+def _tag(choice: Any) -> str:
+    return "use=" if isinstance(choice, dict | Use) else "name="
+
+
+def _shortest(choice: str | Use) -> str | Use:
+    return choice.use if isinstance(choice, Use) and not choice.parameters else choice
+
+
+Choice: TypeAlias = Annotated[
+    Annotated[Name, Tag("name=")] | Annotated[Use, Tag("use=")], Discriminator(_tag), AfterValidator(_shortest)
+]
+"""An extension by its name alone, or as a table with its parameters. A table without parameters becomes the name."""
 
 
 def chosen(choice: str | Use) -> Use:

@@ -1,5 +1,6 @@
 """fes check and the conformance kit: an extension that breaks a rule gets one line that names both."""
 
+import math
 import time
 
 import pytest
@@ -197,6 +198,13 @@ def test_unknown_parameters_are_one_line_with_the_nearest_name() -> None:
     with pytest.raises(AssertionError) as raised:
         check(broken_laws.Law, gian=0.5)
     text = "interface: unknown parameter 'gian'; did you mean 'gain'?"
+    assert str(raised.value) == line(broken_laws.Law, text)
+
+
+def test_a_parameter_that_no_scenario_can_hold_is_one_line() -> None:
+    with pytest.raises(AssertionError) as raised:
+        check(broken_laws.Law, gain=math.inf)
+    text = "interface: gain: must be a finite number, a text, true or false, a list or a table, got inf"
     assert str(raised.value) == line(broken_laws.Law, text)
 
 

@@ -12,6 +12,7 @@ from fes.model import counts
 from fes.model.table import Table
 from world.config import faults
 from world.config.faults import ClockConfig, Part, RobotId, TransmitterConfig
+from world.config.overrides import descend, value_at
 from world.config.radio import RadioConfig
 from world.config.validation import first_rule, short
 
@@ -79,9 +80,7 @@ def changed(channel: RadioConfig, settings: dict[str, Any], dt: float) -> RadioC
         *parents, field = path.removeprefix(PREFIX).split(".")
         table = tables
         for parent in parents:
-            if table.get(parent) is None:
-                table[parent] = {}
-            table = table[parent]
+            table = descend(table, parent)
             if not isinstance(table, dict):
                 raise ScenarioError(short(path), f"goes through '{short(parent)}', which is not a table")
         table[field] = value
@@ -98,10 +97,7 @@ def changed(channel: RadioConfig, settings: dict[str, Any], dt: float) -> RadioC
 
 def effective(channel: RadioConfig, path: str) -> Any:
     """The value of a field of the channel, by its dotted path."""
-    value: Any = channel.model_dump(mode="json")
-    for part in path.removeprefix(PREFIX).split("."):
-        value = value[part]
-    return value
+    return value_at(channel.model_dump(mode="json"), path.removeprefix(PREFIX))
 
 
 class ParticipationChange(NamedTuple):

@@ -52,10 +52,26 @@ def override(tables: dict[str, Any], dotted: str, value: Any) -> None:
             "--set", f"expects a field within at most {encoding.DEEPEST} tables, got '{short(dotted)}'"
         )
     for part in path:
-        tables = tables.setdefault(part, {})
+        tables = descend(tables, part)
         if not isinstance(tables, dict):
             raise ScenarioError("--set", f"'{short(dotted)}' goes through '{short(part)}', which is not a table")
     tables[field] = value
+
+
+def descend(tables: dict[str, Any], part: str) -> Any:
+    """The value of a key, to set a field in it: an absent one, or the name of an extension, becomes a table."""
+    value = tables.get(part)
+    if value is None or isinstance(value, str):
+        tables[part] = value = {} if value is None else {"use": value}
+    return value
+
+
+def value_at(tables: dict[str, Any], dotted: str) -> Any:
+    """The value of a field in nested tables, by its dotted path."""
+    *path, field = dotted.split(".")
+    for part in path:
+        tables = descend(tables, part)
+    return tables[field]
 
 
 def _seeking_law(tables: dict[str, Any]) -> Any:

@@ -5,8 +5,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from fes.extension.kinds import CHANNEL
 from fes.model.config import ChannelConfig
-from fes.model.table import Positive, Table
+from fes.model.table import Positive, Table, Use
 
 Distance = Annotated[float, Field(ge=0, le=1e6)]
 Share = Annotated[float, Field(ge=0, le=1)]
@@ -79,6 +80,9 @@ class RadioConfig(ChannelConfig):
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
+        if isinstance(self.model, Use) and self.model.use in CHANNEL.built_in:
+            given = next(iter(self.model.parameters))
+            raise ValueError(f"model: '{self.model.use}' takes its settings from [channel] itself, got '{given}'")
         if self.model == "table" and len(self.rows) < 2:
             raise ValueError(f"rows: model 'table' needs at least two, got {len(self.rows)}")
         separations = [separation for separation, _ in self.rows]
@@ -113,3 +117,9 @@ class RadioConfig(ChannelConfig):
                 "channel.bursts.mean_length must be at least run.dt x bad_share / (1 - bad_share), "
                 f"{dt * share / (1.0 - share):g} s, got {length:g}"
             )
+
+    def check_partition(self, robots: int) -> None:
+        """Raise ValueError if the partition contains a robot that does not exist."""
+        unknown = [robot for group in self.partition for robot in group if robot >= robots]
+        if unknown:
+            raise ValueError(f"channel.partition: robot {unknown[0]} does not exist: there are only {robots}")

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
 from fes.arrays import draws
 from fes.arrays.types import Floats
@@ -49,7 +49,7 @@ class MetricConfig(Use):
     """A metric, with its parameters."""
 
     name: Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,39}$")] | None = None
-    """Name under `metrics` in the summary; by default that of the extension."""
+    """Name under `metrics` in the summary, of one metric only; by default that of the extension."""
 
     @property
     def choice(self) -> Use:
@@ -100,13 +100,21 @@ class Scenario(Table):
         except ScenarioError as error:
             raise ValueError(f"event: set {error}") from None
         for channel in channels:
-            _check_partition(channel, robots)
+            channel.check_partition(robots)
         try:
             events.participation(self.event, robots, self.run.dt)
             events.parts(self.event, robots, self.run.dt)
         except ScenarioError as error:
             raise ValueError(str(error)) from None
         return self
+
+    @field_validator("metric")
+    @classmethod
+    def _metrics_named_once(cls, metrics: list[MetricConfig]) -> list[MetricConfig]:
+        names = [metric.key for metric in metrics]
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise ValueError(f"two metrics have the name '{twice[0]}' in the summary: give one another `name`")
+        return metrics
 
     @model_validator(mode="after")
     def _extensions(self) -> Self:
@@ -191,15 +199,21 @@ def load(path: Path, overrides: dict[str, Any] | None = None) -> Scenario:
     """
     tables = toml.read(path)
     compared = schemes.take(tables, str(path))
-    settings = dict(overrides or {})
+    settings = trace_file.anchored(overrides or {}, Path.cwd())
     if schemes.SCHEME in settings:
-        settings = compared.settings(settings.pop(schemes.SCHEME), str(path)) | settings
+        of_scheme = compared.settings(settings.pop(schemes.SCHEME), str(path))
+        settings = trace_file.anchored(of_scheme, path.parent) | settings
     apply(tables, settings)
-    try:
-        trace_file.locate(tables, path.parent, settings)
-    except FesError as error:
-        raise ScenarioError(str(path), f"channel.trace: {error}") from None
+    trace_file.locate(tables, path.parent, str(path))
     return parse(tables, str(path))
+
+
+def with_overrides(scenario: Scenario, overrides: dict[str, Any]) -> Scenario:
+    """The scenario with `overrides` by dotted path; raises ScenarioError as `load` does."""
+    tables, folder = scenario.model_dump(by_alias=True), Path.cwd()
+    apply(tables, trace_file.anchored(overrides, folder))
+    trace_file.locate(tables, folder, "scenario")
+    return parse(tables, "scenario")
 
 
 def parse(tables: dict[str, Any], where: str) -> Scenario:
@@ -244,10 +258,3 @@ def knows_channel(scenario: Scenario) -> bool:
 def initial_poses(scenario: Scenario) -> Floats:
     """Poses at tick 0 [n, 3] [m, m, rad; world frame]."""
     return starts.poses(scenario.robots, scenario.run.seed)
-
-
-def _check_partition(channel: RadioConfig, robots: int) -> None:
-    """Raise ValueError if the partition of a channel contains a robot that does not exist."""
-    unknown = [robot for group in channel.partition for robot in group if robot >= robots]
-    if unknown:
-        raise ValueError(f"channel.partition: robot {unknown[0]} does not exist: there are only {robots}")

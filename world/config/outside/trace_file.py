@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fes.arrays.types import Floats, Ints
-from fes.errors import FesError, reason
+from fes.errors import FesError, ScenarioError, reason
 from fes.system import files, number_columns
 from fes.system.number_columns import Column
 
@@ -59,21 +59,27 @@ def read(path: str, sha256: str) -> Trace:
     return _parsed[sha256]
 
 
-def locate(tables: dict[str, Any], folder: Path, overrides: Mapping[str, Any]) -> None:
-    """Make the paths of all traces of a scenario absolute, and fill in missing checksums.
+def anchored(overrides: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Overrides whose path of a trace starts from `folder`, and which drop the checksum of the former file."""
+    given = overrides.get(f"channel.{TRACE}")
+    if not isinstance(given, str):
+        return dict(overrides)
+    return {f"channel.{CHECKSUM}": None, **overrides, f"channel.{TRACE}": os.path.abspath(folder / given)}
 
-    A path in the scenario starts from `folder`, that of an override from the current directory. A checksum that the
-    scenario has must be that of the file. Raises FesError in one line.
+
+def locate(tables: dict[str, Any], folder: Path, where: str) -> None:
+    """Make the paths of all traces of a scenario absolute, from `folder`, and fill in missing checksums.
+
+    A checksum that the scenario has must be that of the file. Raises ScenarioError, which names their origin `where`.
     """
-    given, channel = overrides.get(f"channel.{TRACE}"), tables.get("channel")
-    if isinstance(given, str) and isinstance(channel, dict):
-        channel[TRACE] = str(Path.cwd() / given)
-        channel[CHECKSUM] = overrides.get(f"channel.{CHECKSUM}")
-    _locate(tables.get("channel"), "", folder)
     events = tables.get("event")
-    for event in events if isinstance(events, list) else []:
-        if isinstance(event, dict):
-            _locate(event.get("set"), "channel.", folder)
+    try:
+        _locate(tables.get("channel"), "", folder)
+        for event in events if isinstance(events, list) else []:
+            if isinstance(event, dict):
+                _locate(event.get("set"), "channel.", folder)
+    except FesError as error:
+        raise ScenarioError(where, f"channel.{TRACE}: {error}") from None
 
 
 def _locate(table: Any, prefix: str, folder: Path) -> None:

@@ -33,6 +33,23 @@ def test_a_list_is_one_value_of_an_axis() -> None:
     assert [cell.values for cell in planned.cells] == [("[50.0, 90.0]",), ("[60.0, 60.0]",)]
 
 
+def test_an_extension_with_its_parameters_is_one_value_of_an_axis() -> None:
+    axis = 'formation.law={use="voronoi", gain=0.5},{use="voronoi", gain=1.0},paper'
+    planned = design.plan(PAIR, [axis], "0:1", [])
+    assert [cell.values for cell in planned.cells] == [
+        ('{"use": "voronoi", "gain": 0.5}',),
+        ('{"use": "voronoi", "gain": 1.0}',),
+        ("paper",),
+    ]
+
+
+def test_the_names_and_the_parameters_of_extensions_are_axes() -> None:
+    named = design.plan(PAIR, ["formation.law.use=voronoi,paper", "seeking.use=krstic_wang"], "0:1", [])
+    assert [cell.values for cell in named.cells] == [("voronoi", "krstic_wang"), ("paper", "krstic_wang")]
+    tuned = design.plan(PAIR, ["formation.law.gain=0.5,1.0"], "0:1", ["formation.law=voronoi"])
+    assert [cell.values for cell in tuned.cells] == [(0.5,), (1.0,)]
+
+
 def test_the_key_of_a_run_depends_on_everything_that_it_does_and_on_nothing_else(tmp_path: Path) -> None:
     def key(*settings: str, path: Path = PAIR, seeds: str = "1") -> str:
         return design.plan(path, [], seeds, list(settings)).runs[0].key

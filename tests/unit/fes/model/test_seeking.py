@@ -140,6 +140,16 @@ def test_a_table_with_use_belongs_to_the_extension() -> None:
     assert TABLE.validate_json(TABLE.dump_json(chosen)) == chosen
 
 
+@pytest.mark.parametrize(
+    ("name", "index"),
+    [("oracle", "oracle"), ("sampled", "sampled"), ("measured", "measured"), ("measured, none", "measured")],
+)
+def test_a_law_with_an_index_is_not_an_extension_and_keeps_its_rules(name: str, index: str) -> None:
+    expected = f"seeking: use names an extension, and '{name}' is built in: write index = '{index}'"
+    assert refusal(use=name, dither_amplitude=0.5) == expected
+    assert refusal(use=name) == expected
+
+
 @pytest.mark.parametrize("name", ["", "x" * 201])
 def test_the_name_of_an_extension_has_1_to_200_characters(name: str) -> None:
     assert refusal(use=name).startswith("seeking.use: ")

@@ -1,6 +1,7 @@
 """Jammed discs, and the channel as an oracle, a report, a file and an error message show it."""
 
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from fes.model.config import ChannelConfig
 from fes.model.sensing import CLOSED, DECODED, LOST, Telemetry
 from tests.support import layouts
 from tests.support.radios import EVERYTHING, Pair, ledger, stand, started, team
-from world.config import scenario
+from world.config import events, scenario
 from world.config.radio import RadioConfig
 from world.config.scenario import Scenario
 from world.metrics import report_builder, summary
@@ -151,3 +152,28 @@ def test_an_impossible_channel_is_rejected_in_one_line(channel: dict[str, Any], 
     with pytest.raises(ScenarioError) as caught:
         team([(0, 0)], **channel)
     assert str(caught.value) == f"here: {message}"
+
+
+@pytest.mark.parametrize(
+    ("model", "given"),
+    [
+        ({"use": "rayleigh", "reference_snr": 1e6}, "reference_snr"),
+        ({"use": "table", "rows": [[0.0, 1.0], [9.0, 0.0]]}, "rows"),
+        ({"use": "trace", "gain": 1.0}, "gain"),
+    ],
+)
+def test_a_built_in_model_takes_no_parameters_that_would_have_no_effect(model: dict[str, Any], given: str) -> None:
+    expected = f"channel: model: '{model['use']}' takes its settings from [channel] itself, got '{given}'"
+    with pytest.raises(ScenarioError, match=re.escape(expected)):
+        team([(0, 0), (60, 0)], model=model)
+    with pytest.raises(ScenarioError, match=re.escape(expected.removeprefix("channel: "))):
+        events.changed(RadioConfig(), {"channel.model": model}, 0.02)
+
+
+def test_a_built_in_model_in_a_table_of_its_own_is_that_model() -> None:
+    rows = [(0.0, 1.0), (90.0, 0.5)]
+    with pytest.raises(ScenarioError, match="rows: model 'table' needs at least two, got 0"):
+        events.changed(RadioConfig(), {"channel.model": {"use": "table"}}, 0.02)
+    settings = {"channel.model.use": "table", "channel.rows": rows}
+    assert events.changed(RadioConfig(), settings, 0.02) == RadioConfig(model="table", rows=rows)
+    assert events.effective(RadioConfig(model="logistic"), "channel.model.use") == "logistic"

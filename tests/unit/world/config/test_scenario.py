@@ -184,3 +184,27 @@ def test_an_override_obeys_the_rules_of_its_field() -> None:
         scenario.load(PAIR, {"run.sede": 9})
     with pytest.raises(ScenarioError, match=r"goes through 'dt', which is not a table"):
         scenario.load(PAIR, {"run.dt.x": 9})
+
+
+LAW = {"use": "voronoi", "gain": 0.5}
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        {"formation.law": LAW},
+        {"formation.law.use": "voronoi", "formation.law.gain": 0.5},
+        {"formation.law": "voronoi", "formation.law.gain": 0.5},
+    ],
+)
+def test_an_override_replaces_the_name_of_an_extension_by_its_table(overrides: dict[str, Any]) -> None:
+    whole = scenario.parse(minimal(formation={"law": LAW}), "here")
+    for law in ({}, {"law": "paper"}, {"law": "voronoi"}):
+        plain = scenario.parse(minimal(formation=law), "here")
+        assert scenario.with_overrides(plain, overrides) == whole
+
+
+def test_an_override_sets_a_field_of_a_table_that_a_loaded_scenario_does_not_have() -> None:
+    plain = scenario.load(PAIR)
+    expected = scenario.load(PAIR, {"channel.shadowing": {"deviation": 3.0}})
+    assert scenario.with_overrides(plain, {"channel.shadowing.deviation": 3.0}) == expected

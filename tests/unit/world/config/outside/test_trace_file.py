@@ -101,6 +101,37 @@ def test_another_trace_by_set_has_its_own_checksum(tmp_path: Path) -> None:
     assert scenario.load(path, {"channel.trace": str(second)}).channel.trace_sha256 == checksum(second)
 
 
+def test_the_trace_of_a_scheme_starts_from_the_scenarios_folder_unless_a_set_gives_another(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own = tmp_path / "own"
+    own.mkdir()
+    former = f'trace_sha256 = "{hashlib.sha256(TRACE.encode()).hexdigest()}"'
+    written(own, more=f'{former}\n[[scheme]]\nname = "other"\nset = {{ "channel.trace" = "other.csv" }}')
+    for probability, folder in enumerate((own, tmp_path)):
+        (folder / "other.csv").write_text(f"{HEADER}0,0,1,{probability}\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    for overrides, folder in (({}, own), ({"channel.trace": "other.csv"}, tmp_path)):
+        channel = scenario.load(Path("own/scenario.toml"), {"scheme": "other", **overrides}).channel
+        assert channel.trace == str(folder / "other.csv")
+        assert channel.trace_sha256 == checksum(folder / "other.csv")
+
+
+def test_overrides_of_a_loaded_scenario_find_their_trace_in_the_current_directory(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "current").mkdir()
+    loaded = scenario.load(written(tmp_path))
+    second = tmp_path / "current" / "second.csv"
+    second.write_text(HEADER + "0,0,1,0.25\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path / "current")
+    channel = scenario.with_overrides(loaded, {"channel.trace": "second.csv"}).channel
+    assert (channel.trace, channel.trace_sha256) == (str(second), checksum(second))
+    assert scenario.with_overrides(loaded, {"run.seed": 0}) == loaded
+    with pytest.raises(ScenarioError, match=r"^scenario: channel\.trace: trace .*third\.csv cannot be read"):
+        scenario.with_overrides(loaded, {"channel.trace": "third.csv"})
+
+
 def test_a_trace_that_differs_from_its_checksum_is_refused_in_one_line(tmp_path: Path) -> None:
     path = written(tmp_path, more=f'trace_sha256 = "{"0" * 64}"')
     trace = tmp_path / "links.csv"

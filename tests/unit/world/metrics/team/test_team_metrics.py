@@ -9,6 +9,7 @@ import pytest
 
 from console.backends import inprocess
 from fes.arrays.types import Floats
+from fes.errors import ScenarioError
 from tests.support.loop import load
 from world.config.scenario import Scenario
 
@@ -94,3 +95,24 @@ def test_an_absent_robot_covers_nothing_and_delivers_nothing() -> None:
 def test_a_radius_of_its_own_is_a_parameter() -> None:
     run = load("pair.toml", run__duration=0.1, metric=[{"use": "covered_area", "radius": 1.0}])
     assert metrics(run)["covered_area"]["area"] == pytest.approx(2.0 * math.pi)
+
+
+def test_a_metric_may_stand_twice_under_two_names() -> None:
+    small, large = {"use": "covered_area", "radius": 1.0}, {"use": "covered_area", "radius": 10.0, "name": "far"}
+    result = metrics(load("pair.toml", run__duration=0.1, metric=[small, large]))
+    assert result["covered_area"]["area"] == pytest.approx(2.0 * math.pi)
+    assert result["far"]["area"] == pytest.approx(200.0 * math.pi)
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ({"use": "travel"}, {"use": "travel"}),
+        ({"use": "delivery", "name": "travel"}, {"use": "travel"}),
+        ({"use": "one:travel"}, {"use": "two:Lab.travel"}),
+    ],
+)
+def test_two_metrics_under_one_name_are_refused(first: dict[str, str], second: dict[str, str]) -> None:
+    text = "metric: two metrics have the name 'travel' in the summary: give one another `name`"
+    with pytest.raises(ScenarioError, match=text):
+        load("pair.toml", metric=[first, {"use": "delivery"}, second])
