@@ -1,7 +1,7 @@
 """A robot: its laws, its control step and its process.
 
 laws      neighbor rules, formation, seeking, packet counting, the oracle: pure
-rivals    laws of others, for comparison
+rivals    laws of other authors, for comparison
 control   one step of a crew from what it sensed and heard: pure
 runtime   asyncio and Zenoh: ticks in, beacons and commands out
 process   the process fes-agent

@@ -11,7 +11,7 @@ replay     logs: fes replay and fes compare
 sweep      fes sweep: many runs, compared
 fit        fes fit: a channel from measurements
 analysis   fes plot and fes claims: figures and studies
-check      fes check: whether an extension keeps the rules
+check      fes check: a check that an extension keeps the rules
 doctor     fes doctor: checks of this machine and of a running run
 keys       fes keys: certificates
 schema     fes schema: the JSON schema of a scenario

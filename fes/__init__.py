@@ -2,7 +2,7 @@
 
 arrays        arrays, edges, geometry, keyed random draws
 model         settings, sensing, contacts, the objective and the outage formula
-extension     the public interface for laws, channels, bodies and metrics of others
+extension     the public interface for extensions: laws, channels, dynamics, metrics
 protocol      key expressions, messages and their encoding
 transport     a Zenoh session, and the way of its samples to asyncio
 recording     the log of a run: format, writer and reader

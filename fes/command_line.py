@@ -71,7 +71,7 @@ def add_use_flag(parser: argparse.ArgumentParser) -> None:
         action=_Use,
         default=[],
         metavar="MODULE",
-        help="import a module or a file, and allow its extensions; several times for several",
+        help="import a module or a file, and allow its extensions; may be repeated",
     )
 
 

@@ -75,7 +75,7 @@ def mean_estimates(edges: Edges, received: Received) -> Floats:
 
 
 def _replaced(values: Array, positions: Ints, new: Array) -> Array:
-    """A copy of the values, with the `new` ones at `positions`; an array that is there already where it will do."""
+    """The values with the `new` ones at `positions`: a copy, or one of both arrays where that is the result."""
     if not new.size:
         return values
     if len(positions) == len(values):

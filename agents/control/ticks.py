@@ -1,7 +1,7 @@
 """The ticks that an agent answers: every tick in lockstep, the newest with a live clock. Pure.
 
 A machine receives one observation at a time, and returns what its shell must do. The shell asks for the step when it
-has read all messages that have arrived. Time, messages that cannot be decoded and silence are the shell's.
+has read all messages that have arrived. The shell handles time, silence, and messages that cannot be decoded.
 """
 
 from collections.abc import Iterable

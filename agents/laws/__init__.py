@@ -4,7 +4,7 @@ neighbor_rules        neighbor rules: the contacts that become links.
 formation             distance-based formation control (9).
 seeking_perturbation  seeking laws that climb an index by perturbation: with samples of J, and the base of the oracle.
 seeking_measured      seeking laws that climb the slope of ln J measured by counting beacons.
-learners              who learns the channel from which beacons: each robot, or each link end.
+learners              the learners of the channel: one per robot, or one per link end.
 oracle                the seeking law of robots that know the channel, with the index of its formula.
 link_estimates        the first estimates of links, and their dither.
 perturbation          extremum seeking by perturbation, with consensus (18).

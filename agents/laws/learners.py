@@ -1,4 +1,4 @@
-"""The learners of a measured law: who learns the channel from which beacons."""
+"""The learners of a measured law: one per robot from all its links, or one per link end from that link."""
 
 from typing import Protocol
 

@@ -1,4 +1,4 @@
-"""Estimates of links, as all built-in seeking laws have them: their first values, and the dither about them."""
+"""Estimates of links in all built-in seeking laws: their first values, and the dither added to them."""
 
 import math
 
@@ -25,9 +25,9 @@ def dither(config: LinkSeekingConfig, time: Floats) -> Floats:
 def stagger(config: LinkSeekingConfig, draws: Draws, links: Edges) -> Floats:
     """Time by which the dither of each link is ahead of the common one [l] [s], the same at both ends.
 
-    With one phase for all links, the formation oscillates as a whole, and far from its center robots move by many
-    times the amplitude. Under shadowing, which depends on place, a link would then learn how reception changes with
-    its place, not with its length.
+    With one phase for all links, the formation oscillates as a whole. Robots far from its center then move by many
+    times the amplitude. Under shadowing, which depends on place, a link would learn how reception changes with its
+    place, not with its length.
     """
     low, high = np.minimum(links.robots, links.peers), np.maximum(links.robots, links.peers)
     return 2.0 * math.pi / config.dither_frequency * draws(STAGGER, low, high)

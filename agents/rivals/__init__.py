@@ -1,4 +1,4 @@
-"""Rivals of the paper's law, each through the public interface `fes.extension` alone.
+"""Rivals of the paper's law. Each uses only the public interface `fes.extension`.
 
 fixed_separation  seeking law: a constant separation
 krstic_wang       seeking law: classic extremum seeking per link, on counted beacons

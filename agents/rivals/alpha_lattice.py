@@ -1,7 +1,8 @@
 """Flocking to an alpha-lattice, after Olfati-Saber, "Flocking for multi-agent dynamic systems" (2006), Algorithm 1.
 
 Each robot has a velocity. A force between robots nearer than the range r vanishes at the spacing d. The consensus of
-velocities damps the motion, and robots put theirs into their beacons. The friction stands for a gamma-agent at rest.
+velocities damps the motion, and robots put theirs into their beacons. The friction replaces the article's
+gamma-agent, the common goal, by one at rest.
 """
 
 from typing import Annotated

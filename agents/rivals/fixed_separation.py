@@ -1,6 +1,6 @@
 """A fixed separation: every link is driven to the same constant length. Nothing is sought.
 
-It stands for formation control with a length that somebody chose before the mission.
+It represents formation control with a length that was chosen before the mission.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """Gradient control of communication, after Heng Li, Peng, Liu, Gao & Zhang, "Communication-aware formation" (2015).
 
-Each robot climbs the sum over its neighbors of the link quality phi(r) = g(r) a(r): the near field g = r /
-sqrt(r^2 + r_0^2), which falls when robots come close, times the reception a = exp(-alpha (2^delta - 1) (r/r_ref)^nu),
-which falls when they part. It is told the channel: alpha, delta and nu are the true ones.
+Each robot climbs the sum over its neighbors of the link quality phi(r) = g(r) a(r). The near field
+g = r / sqrt(r^2 + r_0^2) falls when robots come close. The reception a = exp(-alpha (2^delta - 1) (r/r_ref)^nu) falls
+when they part; alpha is the inverse of the reference SNR. The law is told the channel, so a is the true reception.
 """
 
 import numpy as np

@@ -1,9 +1,9 @@
 """Extremum seeking of each link by itself, after Krstic & Wang, "Stability of extremum seeking feedback" (2000).
 
 The dither is physical: robots drive to r_hat + a sin(omega t). The sample of J of (16) at a tick is S(r) if the
-beacon decoded, and 0 if it was lost, so its mean is J(r). A washout, the product with sin(omega t), a low-pass and an
-integrator make r_hat of it. Both ends of a link measure alone; a consensus term, which Krstic and Wang do not need,
-keeps the two from chasing each other.
+beacon decoded, else 0, so its mean is J(r). It passes a washout, the product with sin(omega t), a low-pass and an
+integrator, whose output is r_hat. Both ends of a link measure alone. A consensus term, which Krstic and Wang do not
+need, keeps the two from chasing each other.
 """
 
 import math

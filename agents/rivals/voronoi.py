@@ -1,7 +1,7 @@
 """Coverage by Voronoi cells, after Cortes et al., "Coverage control for mobile sensing networks" (2004).
 
-Each robot moves to the centroid of its cell: the points that are nearer to it than to any peer it hears, within a
-disc of its sensing radius. The cell is star-shaped about the robot. So it is integrated along rays: on each, the
+Each robot moves to the centroid of its cell. The cell is the set of points within its sensing radius that are nearer
+to it than to any peer it hears. It is star-shaped about the robot, so it is integrated along rays. On each ray, the
 cell ends at the nearest bisector or at the edge of the disc.
 """
 

@@ -4,7 +4,7 @@ tick_source           the ticks at which an agent steps.
 beacon_subscriptions  subscriptions to the beacons of peers.
 outbox                publishes beacons and commands, and keeps two ticks for retransmission.
 marshalling           conversion between messages and arrays.
-reception             the verdict of the radio, applied: a crew gets only beacons that decoded.
+reception             applies the verdict of the radio: a crew gets only beacons that decoded.
 membership            joins a run, and confirms later that the robots are still assigned.
 model_freedom         whether this process can know the channel.
 world_liveliness      liveliness of the world.

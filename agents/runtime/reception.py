@@ -1,4 +1,4 @@
-"""The verdict of the radio, applied: a crew gets only the beacons that decoded."""
+"""Application of the radio's verdict: a crew gets only the beacons that decoded."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ class _Lookup:
 
 
 class Receiver:
-    """Keeps of each tick's beacons those that decoded. It remembers only a cache, which never changes the result."""
+    """Filters the beacons of each tick: it keeps those that decoded. Its cache never changes the result."""
 
     def __init__(self) -> None:
         self._lookup: _Lookup | None = None

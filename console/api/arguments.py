@@ -21,7 +21,7 @@ NAMES = {
     "fes sweep makes": "fes.sweep makes",
     "the same command": "the same call",
 }
-"""Words of the commands, and those of the Python interface for the same."""
+"""Words of the commands, and the words of the Python interface that replace them."""
 
 _WORDS = re.compile("|".join(map(re.escape, NAMES)))
 

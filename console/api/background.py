@@ -1,7 +1,7 @@
 """A long call in a thread of its own, which its caller can interrupt.
 
-The caller's thread only waits. An interrupt, which Python raises there between any two instructions, tears no file
-and no array: the work ends at its next tick. The work has no event loop in common with a notebook, either.
+The caller's thread only waits. Python raises an interrupt there, between any two instructions, so it leaves no file
+and no array half written: the work ends at its next tick. Nor does the work share an event loop with a notebook.
 """
 
 import asyncio

@@ -1,4 +1,4 @@
-"""Progress in a terminal, in a notebook, or by a person's function."""
+"""Progress in a terminal, in a notebook, or by a function of the caller."""
 
 import contextlib
 import html
@@ -13,7 +13,7 @@ Show = Callable[[int, int], None]
 """Called with the completed ticks and all ticks of a call."""
 
 Progress = Show | bool | None
-"""None or True for a bar where one can be drawn, False for none, or a function of one's own."""
+"""None or True for a bar where one can be drawn, False for none, or a function."""
 
 
 @contextlib.contextmanager

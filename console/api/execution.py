@@ -70,7 +70,7 @@ def run(
         use: modules whose extensions the scenario may name, as in `fes.load`.
 
     A KeyboardInterrupt ends the run after its present tick. A run directory then holds the results so far, which
-    `fes.read` reads. Remarks on parts of the scenario that do not run as written are warnings.
+    `fes.read` reads. Remarks on the scenario, such as a field without effect, are warnings.
 
     Raises FesError, one line; ScenarioError for an invalid scenario or argument.
     """
@@ -92,7 +92,7 @@ def read(run_dir_or_log: str | os.PathLike[str], *, progress: Progress = None, u
     """Read a recorded run from its run directory or its log, such as "runs/latest" or "run.mcap".
 
     The run is executed again from its messages and compared with the log. So the arrays are those of the run, to the
-    bit. A log without an end, of a run that was killed, gives its complete ticks and a warning. `progress` and
+    bit. If the run was killed, its log has no end: its complete ticks are returned, with a warning. `progress` and
     `use` are those of `fes.run`. An extension whose source has changed is an error.
 
     Raises FesError, one line, if the log is missing or damaged, or if the second execution differs from it.

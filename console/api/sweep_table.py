@@ -58,8 +58,8 @@ class ResultTable:
 class SweepTable(ResultTable):
     """A ResultTable with one row per run: cell by cell in the order of the axes, and by seed within a cell.
 
-    Its columns are the axes, `seed`, the numbers of the summary by dotted name without those of the wall clock, and
-    `error`: the error of a run that failed, or None.
+    Its columns are the axes, `seed`, the numbers of the summary by dotted name, and `error`. Numbers of the wall
+    clock are excluded. `error` is the error of a run that failed, or None.
     """
 
     axes: dict[str, Sequence[Value]] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""fes check: whether an extension keeps the rules, for a shell and, as `fes.extension.conformance`, for pytest.
+"""fes check: a check that an extension keeps the rules. For pytest it is `fes.extension.conformance`.
 
 command   fes check
 rules     the rules, in order

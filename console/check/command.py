@@ -1,4 +1,4 @@
-"""fes check: whether an extension keeps the rules."""
+"""fes check: a check that an extension keeps the rules."""
 
 from typing import Annotated
 
@@ -17,7 +17,7 @@ def check(
     ],
     kind: Annotated[
         str | None,
-        typer.Option(metavar="KIND", help=f"Kind, where the methods leave it open: {', '.join(subject.SLUGS)}."),
+        typer.Option(metavar="KIND", help=f"Kind, needed if the methods fit several: {', '.join(subject.SLUGS)}."),
     ] = None,
     set_: Annotated[
         list[str] | None, typer.Option("--set", metavar="A=B", help="A parameter of the extension.")

@@ -21,7 +21,10 @@ def _use(modules: list[str] | None) -> list[str] | None:
 Use = Annotated[
     list[str] | None,
     typer.Option(
-        "--use", metavar="MODULE", callback=_use, help="Import a module or a file, and allow its extensions."
+        "--use",
+        metavar="MODULE",
+        callback=_use,
+        help="Import a module or a file, and allow its extensions; may be repeated.",
     ),
 ]
 SET = "Override a field of the scenario; fes schema lists them."

@@ -24,7 +24,7 @@ class Model(StrEnum):
 
 def fit(
     file: Annotated[
-        Path, typer.Argument(help="Comma-separated columns separation [m], and decoded (0 or 1) or rssi [dBm].")
+        Path, typer.Argument(help="Comma-separated file: columns separation [m], and decoded (0 or 1) or rssi [dBm].")
     ],
     model: Annotated[Model, typer.Option(help="Channel to fit.")] = Model.RAYLEIGH,
     noise_floor: Annotated[

@@ -49,7 +49,7 @@ class Fit(NamedTuple):
     optimal_interval: Interval | None
     """95 % interval of r* [m]; None for a table."""
     spread: float | None = None
-    """Deviation of the received power, relative to its mean [1]: 1 for Rayleigh fading; None without power."""
+    """Standard deviation of the received power / its mean [1]: 1 for Rayleigh fading; None without power."""
 
 
 def fit(measured: Packets | Powers, model: str, spectral_efficiency: float) -> Fit:
@@ -65,7 +65,7 @@ def fit(measured: Packets | Powers, model: str, spectral_efficiency: float) -> F
 
 
 def _rayleigh(measured: Packets | Powers, efficiency: float) -> Fit:
-    """ln(-ln p) = level + nu ln(r/r0), with r0 in the midst of the separations, where both are known best."""
+    """ln(-ln p) = level + nu ln(r/r0), with r0 the geometric mean of the separations, where both are known best."""
     r0 = float(f"{math.exp(np.log(measured.separation).mean()):.2g}")
     x = np.log(measured.separation / r0)
     spread = None

@@ -44,7 +44,7 @@ class Powers(NamedTuple):
 
 
 def threshold(noise_floor: float | None, sensitivity: float | None, spectral_efficiency: float) -> float | None:
-    """Least power that decodes [dBm]; None if neither of both is given.
+    """Least power that decodes [dBm]; None if neither flag is given.
 
     It is the sensitivity, or by (3) the noise times 2^delta - 1. Raises FesError if both are given.
     """

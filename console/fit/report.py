@@ -17,7 +17,7 @@ UNITS = {
     "logistic_width": "m",
 }
 CHOSEN = {
-    "reference_distance": "chosen in the midst of the separations",
+    "reference_distance": "chosen: geometric mean of the separations",
     "spectral_efficiency": "chosen",
 }
 METHOD = "maximum likelihood; 95 % intervals from the observed Fisher information"

@@ -50,7 +50,7 @@ def between(
 ) -> Difference | None:
     """The first difference of two ticks: Observations before Beacons before Commands, the lowest robot first.
 
-    With `robots`, only the messages of these robots are compared. What Commands tell of the robots' processes is not.
+    With `robots`, only the messages of these robots are compared. `is_model_free` of Commands is not compared.
     """
     for message, first_payloads, second_payloads in zip(_DECODERS, first, second, strict=True):
         if first_payloads != second_payloads:
@@ -65,7 +65,7 @@ def between(
 
 
 def _is_of_other_process(first: bytes, second: bytes) -> bool:
-    """True for two Commands that differ only in what they tell of the robot's process."""
+    """True for two Commands that differ at most in `is_model_free`, a statement about the robot's process."""
     if not first or not second:
         return False
     try:

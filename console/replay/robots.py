@@ -72,7 +72,7 @@ class ReplayedRobots:
 
 
 def _stated(tick: LoggedTick, robots: list[int]) -> bool | None:
-    """The statement of the recorded commands about their processes: it cannot be computed again."""
+    """`is_model_free` of the recorded commands: a second execution cannot compute it."""
     for payload in filter(None, (tick.payloads.commands[robot] for robot in robots)):
         with suppress(MessageError):
             return messages.decode_command(payload).is_model_free

@@ -12,15 +12,17 @@ from fes.model import beacon_slots, contacts
 from world.metrics import tick_truth
 
 TITLE = "Extensions"
-INTRODUCTION = """The interface for laws, neighbor rules, channels, dynamics and metrics of others. Any class that has
-the members of a kind is one. Import names from `fes.extension`. The [tutorial](../tutorial/own-law.md) writes two.
-`fes check` shows whether one keeps the rules. Shapes: n robots, m contacts, l links, q statistics, b bytes, k learnt
-numbers, j details. Arrays must not be written to."""
+INTRODUCTION = """The interface for your own laws, neighbor rules, channels, dynamics and metrics. Any class that has
+the members of a kind is an extension of this kind. Import names from `fes.extension`. The
+[tutorial](../tutorial/own-law.md) writes two. `fes check` shows whether one keeps the rules. A *crew* is the robots
+of one process, as rows of the same arrays; the [glossary](glossary.md) has other terms. Shapes: n robots, m contacts,
+l links, q statistics, b bytes, k learnt numbers, j details. Arrays must not be written to."""
 
 ALL_KINDS = """Each class has an attribute `Parameters`, a subclass of `fes.extension.Table`, and a constructor
 `(parameters, context)`. A controller gets a `ControllerContext`. The other laws and a neighbor rule get a
 `LawContext`, and a channel, dynamics or a metric gets a `WorldContext`. A number or a tuple of names that a class
-does not state is 0 or empty."""
+does not state is 0 or empty. A controller, formation law or seeking law with `knows_channel = True` is told the
+channel."""
 
 PROTOCOLS: tuple[tuple[Kind, str, tuple[type, ...]], ...] = (
     (kinds.CONTROLLER, "`[robots] controller`", (controllers.Controller,)),
@@ -37,7 +39,7 @@ VALUES: tuple[type, ...] = (
     controllers.RobotView, controllers.Neighbor, controllers.Action, controllers.Pull, controllers.Twist,
     neighborhood.Neighborhood, neighborhood.LinkGeometry, neighborhood.Entry, contacts.Contacts, beacon_slots.Slots,
     protocols.Formed, protocols.Published, controllers.ControllerContext, context.LawContext, context.WorldContext,
-    context.Draws, tick_truth.TickTruth,
+    context.Draws, context.KnownChannel, tick_truth.TickTruth,
 )  # fmt: skip
 """Arguments and results of extensions."""
 

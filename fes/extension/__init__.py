@@ -1,17 +1,17 @@
-"""The public interface for laws, rules, channels, bodies and metrics of others: the one stable Python API.
+"""The public interface for extensions: laws, neighbor rules, channels, dynamics and metrics. It is stable.
 
-protocols        what an extension implements, one protocol per kind.
+protocols        the protocol of each kind of extension.
 controllers      a whole robot in plain Python.
-neighborhood     what a robot's laws know of its peers at one tick.
-context          what a constructor gets beside its parameters.
-conformance      for pytest: whether an extension keeps the rules.
+neighborhood     the peers of a robot at one tick, as its laws see them.
+context          the second argument of a constructor, beside its parameters.
+conformance      for pytest: a check that an extension keeps the rules.
 kinds            the kinds of extension, and the built-in ones.
 registry         extensions by name.
-crew_laws        the laws of a crew.
+crew_laws        the laws of a crew, the robots of one process.
 told_channel     the channel, for a law that is told it.
 controller_laws  the laws of a crew of controllers.
-checked          what an extension returns, checked.
-evidence         which code an extension was.
+checked          checks of the values that an extension returns.
+evidence         the code of an extension: distribution, version and SHA-256.
 """
 
 from fes.arrays.edges import Edges

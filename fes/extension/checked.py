@@ -28,7 +28,7 @@ class Checked:
         raise FesError(f"{self._name}: {rule}")
 
     def call(self, method: Callable[..., T], *arguments: Any) -> T:
-        """The result of a method; its errors become one line."""
+        """The result of a method; an error in it becomes a FesError of one line."""
         try:
             return method(*arguments)
         except FesError:

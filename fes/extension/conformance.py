@@ -16,8 +16,8 @@ from typing import Any
 def check(extension: str | type, kind: str | None = None, **parameters: Any) -> None:
     """Check an extension by short runs, as `fes check` does.
 
-    `extension` is a class, `module:Class`, or the name of an installed extension; `kind` is needed only where its
-    methods leave the kind open. `parameters` are those of the extension.
+    `extension` is a class, `module:Class`, or the name of an installed extension; `kind` is needed only if its
+    methods fit several kinds. `parameters` are those of the extension.
 
     Raises AssertionError with one line per broken rule, and FesError in one line if there is no such extension.
     """

@@ -54,12 +54,13 @@ class LawContext:
     """The circumstances of a law: those of its crew and its run.
 
     The constructor of a law gets no seed and no generator. A law that needs a number takes it from `draws`. So its
-    digits depend on neither process, nor neighbors in an array, nor order. For a new number at each tick, put the
-    tick into the name of the stream. Sums over a robot's peers go through `Edges.sum`, whose order is fixed.
+    digits do not depend on its process, on its position in an array, or on the order of calls. For a new number at
+    each tick, put the tick into the name of the stream. Sums over a robot's peers go through `Edges.sum`, whose order
+    is fixed.
     """
 
     ids: Ints
-    """Ids of the crew, ascending [n]. Only their order counts; where their values do, use `draws.own_ids`."""
+    """Ids of the crew, ascending [n]. They need not be the ids in the run: those are `draws.own_ids(ids)`."""
     dt: float
     """Tick length [s]."""
     objective: ObjectiveConfig
@@ -74,7 +75,7 @@ class LawContext:
 
 @dataclass(frozen=True)
 class WorldContext:
-    """The circumstances of a channel, a body or a metric: they are on the world's side, and may know the truth."""
+    """The circumstances of a channel, dynamics or a metric: the world runs them, and they may know the truth."""
 
     dt: float
     """Tick length [s]."""

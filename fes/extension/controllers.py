@@ -16,7 +16,7 @@ from fes.model.table import Table
 
 
 class Twist(NamedTuple):
-    """A twist for the body; only the limits of the configuration act on it."""
+    """A twist of the body: linear and angular velocity. Only the limits of the scenario act on it."""
 
     linear: float
     """[m/s; body frame]"""
@@ -25,7 +25,7 @@ class Twist(NamedTuple):
 
 
 class Pull(NamedTuple):
-    """A vector from the robot to where it should go; (6), (7) make a twist of it."""
+    """A vector from the robot to where it should go; the paper's controller (6), (7) turns it into a twist."""
 
     x: float
     y: float
@@ -36,23 +36,25 @@ class Action(NamedTuple):
     """A move, and what the robot tells its peers beside its pose."""
 
     move: Twist | Pull
+    """The motion of this tick."""
     estimates: Mapping[int, float] = {}
-    """Id of a neighbor -> estimate of the optimal separation from it [m]; used where there is a link. Without one the
-    present separation stands in its place."""
+    """Id of a neighbor -> estimate of the optimal separation from it [m]. It is used where there is a link; without
+    an estimate, the beacon holds the present separation instead."""
     statistics: Sequence[float] = ()
-    """As many numbers as the class states."""
+    """Numbers for the beacon [q]: as many as the class states in `statistics`, or none for zeros."""
 
 
 class Neighbor(NamedTuple):
     """A peer that was heard within the timeout, by its last beacon."""
 
     id: int
+    """Id of the peer."""
     x: float
     y: float
     heading: float
-    """[m, m, rad; world frame]"""
+    """Its pose in that beacon [m, m, rad; world frame]."""
     separation: float
-    """[m]"""
+    """Length of the line of sight to it [m]."""
     dx: float
     dy: float
     """Line of sight to it [m; world frame]."""
@@ -63,13 +65,16 @@ class Neighbor(NamedTuple):
     estimate: float | None
     """Its own estimate for the link to this robot [m]; None if it has no such link."""
     statistics: tuple[float, ...]
+    """Statistics in its beacon [q]."""
 
 
 class RobotView(NamedTuple):
     """The knowledge of a robot at one tick."""
 
     id: int
+    """Id of the robot."""
     tick: int
+    """Number of the tick, from 0."""
     dt: float
     """Tick length [s]."""
     x: float
@@ -77,7 +82,7 @@ class RobotView(NamedTuple):
     heading: float
     """Own pose [m, m, rad; world frame]."""
     neighbors: tuple[Neighbor, ...]
-    """By id, ascending."""
+    """The peers heard within the timeout, by id, ascending."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,20 +90,24 @@ class ControllerContext:
     """The circumstances of one robot."""
 
     id: int
+    """Id of the robot."""
     dt: float
     """Tick length [s]."""
     objective: ObjectiveConfig
+    """The separations that the team prefers."""
     laws: LawContext
+    """The context of all robots of its process."""
     crew_id: int
+    """Id of the robot in that context; `id` outside of stacked runs."""
 
     def draw(self, stream: str) -> float:
-        """A uniform number in [0, 1) of this robot; put the tick into the stream for a new number at each tick."""
+        """A uniform number in [0, 1) of this robot. For a new number at each tick, put the tick into `stream`."""
         ids = np.array([self.crew_id])
         return float(self.laws.draws(stream, ids, ids)[0])
 
 
 class Controller(Protocol):
-    """A whole robot."""
+    """A whole robot. One object per robot; the object is the state of the robot, and must pickle."""
 
     Parameters: ClassVar[type[Table]]
     """Its parameters, in a scenario beside its name."""

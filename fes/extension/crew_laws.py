@@ -47,7 +47,7 @@ def physical_period(config: SeekingConfig) -> float | None:
 def laws(config: AgentConfig, context: LawContext) -> Laws:
     """The laws of a crew with `config`; raises FesError in one line.
 
-    Only a law with `knows_channel` gets the channel. The values that laws of others return are checked at each call.
+    Only a law with `knows_channel` gets the channel. The values that extensions return are checked at each call.
     """
     rule = create(RULE, config.formation.rule, context)
     if config.controller is not None:
@@ -69,7 +69,7 @@ def _context_of(kind: Kind, choice: str | Use, config: AgentConfig, context: Law
     if config.channel is None:
         name = chosen(choice).use
         raise FesError(f"{kind.name} '{name}' needs the channel, and this agent did not receive it")
-    from fes.extension.told_channel import ToldChannel  # here, as it knows the formula
+    from fes.extension.told_channel import ToldChannel  # imported here only: it knows the formula
 
     return replace(context, channel=ToldChannel(config.channel))
 

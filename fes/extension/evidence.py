@@ -1,4 +1,4 @@
-"""Evidence: which code an extension was, so that a run is repeated only with the same."""
+"""Evidence: the code of an extension, so that a run is repeated only with the same code."""
 
 import hashlib
 import sys

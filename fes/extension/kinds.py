@@ -1,4 +1,4 @@
-"""The seven kinds of extension: the group of their entry points, and those that come with fes, by dotted path."""
+"""The seven kinds of extension: their groups of entry points, and the built-in ones by dotted path."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -25,9 +25,9 @@ class Kind(NamedTuple):
     members: tuple[tuple[str, ...], ...] = ()
     """Alternative sets of members, of which a class of this kind has one; empty if it needs none."""
     checked: Callable[[Any, str, Any], Any] = lambda extension, what, context: extension
-    """Wrapper that checks what an extension of others returns."""
+    """Wrapper that checks the values that an extension returns; built-in ones are not wrapped."""
     model_based: frozenset[str] = frozenset()
-    """Built-in ones that must be told the channel: known without loading them."""
+    """Names of the built-in ones that must be told the channel, so that no class is loaded to find out."""
 
     def missing(self, loaded: Any) -> str:
         """The first member that a class lacks; empty if it has all of them.
@@ -47,7 +47,7 @@ def _has(loaded: Any, name: str) -> bool:
 
 
 def infer(loaded: Any) -> list[Kind]:
-    """The kinds of which a class has all members: the more specific ones, where one has the members of another.
+    """The kinds of which a class has all members. Of two, where one has all members of the other, the larger one.
 
     A class that has a state, by `start`, is not a controller: a controller is its own state.
     """

@@ -1,4 +1,4 @@
-"""The peers of a robot at one tick, as far as it heard them."""
+"""The peers of each robot at one tick, as far as it heard them."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -13,18 +13,19 @@ from fes.model.contacts import Contacts
 
 
 class Neighborhood(NamedTuple):
-    """The contacts of a crew of n robots and its links among them, at one tick.
+    """The contacts of a crew of n robots, the robots of one process, and its links among them, at one tick.
 
-    Pairs lie one after the other, by robot, then by peer: m contacts, l links. Arrays must not be written to.
+    Pairs (robot, peer) are sorted by robot, then by peer: m contacts, l links. Arrays must not be written to.
     """
 
     tick: int
+    """Number of the tick, from 0."""
     dt: float
     """Tick length [s]."""
     poses: Floats
     """Own poses at this tick [n, 3] [m, m, rad; world frame]."""
     contacts: Contacts
-    """Each peer that a robot has heard, with its last beacon [m]."""
+    """The peers that each robot has heard, with their last beacons: m of them."""
     before: Contacts
     """The contacts of the previous tick."""
     links: Edges
@@ -71,7 +72,7 @@ class LinkGeometry(NamedTuple):
 
     @property
     def error(self) -> Floats:
-        """Separation less the desired one [l] [m]."""
+        """Separation minus the desired one [l] [m]."""
         return self.separation - self.desired
 
 
@@ -80,6 +81,7 @@ class Entry:
     """The conditions at the tick at which new links begin."""
 
     tick: int
+    """Number of the tick."""
     is_fresh: Bools
     """True for a robot whose initial graph is not complete yet: its own mean estimate does not count [n]."""
     reported: Floats

@@ -1,6 +1,6 @@
 """The seven kinds of extension, as protocols: any class that has these members is one.
 
-Each class has also `Parameters`, a subclass of `fes.extension.Table`: pydantic rejects what it does not know.
+Each class also has `Parameters`, a subclass of `fes.extension.Table`: pydantic rejects unknown keys.
 
 Shapes: n robots, m contacts, l links, q statistics, b bytes, k learnt numbers. A constructor gets (parameters,
 context). `parameters` is an instance of the class's own `Parameters`, a pydantic table. State is an ordinary value:
@@ -31,6 +31,7 @@ class Formed(NamedTuple):
     """The result of a formation law at one tick."""
 
     state: Any
+    """The state after this tick."""
     pull: Floats
     """Vector from each robot to where it should go [n, 2] [m; world frame]."""
     declared: Bytes | None = None
@@ -49,7 +50,7 @@ class Published(NamedTuple):
     statistics: Floats
     """Numbers for the robots' beacons [n, q]."""
     learnt: Floats
-    """Numbers learnt, by link, for observers [k, l]."""
+    """Numbers learnt for each link, for observers [k, l]."""
     declared: Bytes | None = None
     """Bytes for the robots' beacons [n, b]; None without any."""
 
@@ -62,7 +63,7 @@ class NeighborRule(Protocol):
 
 
 class FormationLaw(Protocol[S]):
-    """Computes where each robot is pulled. Limits and the twist come after it."""
+    """Computes where each robot is pulled. The twist of (6), (7) and its limits follow from the pull."""
 
     @property
     def declared(self) -> int:
@@ -83,7 +84,11 @@ class FormationLaw(Protocol[S]):
 
 
 class SeekingLaw(Protocol[S]):
-    """Seeks the optimal separation of each link. A tick calls its methods in the order in which they stand here."""
+    """Seeks the optimal separation of each link. A tick calls its methods in the order in which they stand here.
+
+    A class with a physical dither may have a static method `physical_period(parameters)`: the period of the
+    oscillation of the formation [s], or None. Summaries then average separations over it.
+    """
 
     @property
     def knows_channel(self) -> bool:

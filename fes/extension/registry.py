@@ -1,7 +1,7 @@
 """Extensions by name: built-in ones by dotted path, installed ones by entry point, others as `module:Class`.
 
 A name is resolved only where it is used, so no process loads a law that it does not run. A `module:Class` is loaded
-only from a module that this process was told to use (`--use`): a message or a file never makes it import code.
+only from a module that this process was started with (`--use`). A message or a file never makes it import code.
 """
 
 import difflib
@@ -28,13 +28,13 @@ _loaded: set[str] = set()
 """Modules of the installed extensions that this process has loaded."""
 
 _usable: dict[str, Any] = {}
-"""Modules that this process was told to use, by name."""
+"""Modules that `use` imported, by name."""
 
 
 def use(module: str) -> str:
     """Import a module by name, or by the path of its file, and allow its classes; returns its name.
 
-    It is looked for in the current directory too. Raises FesError in one line.
+    A name is searched in the current directory too. Raises FesError in one line.
     """
     path = Path(module).resolve()
     name, folder = (path.stem, str(path.parent)) if path.suffix == ".py" else (module, str(Path.cwd()))
@@ -57,12 +57,12 @@ def withdraw(name: str) -> None:
 
 
 def used() -> tuple[str, ...]:
-    """The modules that this process was told to use, as a child process is told to."""
+    """The arguments of `use` in this process, for the flags of a child process."""
     return tuple(dict.fromkeys(_arguments))
 
 
 def is_usable(module: str) -> bool:
-    """True if a module belongs to an extension of others that this process may load."""
+    """True if a module belongs to an extension that is not built in, and that this process may load."""
     top = module.partition(".")[0]
     return top not in OWN and top in {name.partition(".")[0] for name in [*_usable, *_loaded]}
 
@@ -94,7 +94,7 @@ def load(kind: Kind, name: str) -> Any:
 
 
 def installed(kind: Kind) -> tuple[str, ...]:
-    """The names of the extensions of a kind that other distributions bring."""
+    """The names of the extensions of a kind that other distributions provide."""
     return tuple(_entry_points(kind.group))
 
 
@@ -122,9 +122,9 @@ def parameters(kind: Kind, choice: str | Use, loaded: Any) -> Table:
 
 
 def check(kind: Kind, choice: str | Use) -> None:
-    """Raise FesError in one line unless an extension is there and takes its parameters.
+    """Raise FesError in one line unless an extension exists and accepts its parameters.
 
-    It loads no built-in one without parameters.
+    A built-in one without parameters is not loaded.
     """
     selected = chosen(choice)
     if selected.use not in kind.built_in or selected.parameters:
@@ -140,9 +140,9 @@ def is_told(kind: Kind, choice: str | Use) -> bool:
 
 
 def create(kind: Kind, choice: str | Use, context: Any, given: Table | None = None) -> Any:
-    """An extension; what one of others returns is checked at each call. Raises FesError in one line.
+    """An object of an extension, checked at each call unless it is built in. Raises FesError in one line.
 
-    `given` are the parameters of a built-in one, if it has any.
+    `given` are the parameters of a built-in one, if they are not in `choice`.
     """
     name = chosen(choice).use
     loaded = load(kind, name)

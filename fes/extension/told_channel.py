@@ -1,4 +1,4 @@
-"""The channel as a law is told it. Only a process with such a law loads this module, which knows the formula."""
+"""The channel, for a law that is told it. This module knows the formula; only a process with such a law loads it."""
 
 from fes.arrays.types import Floats
 from fes.model import outage

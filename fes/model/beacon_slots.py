@@ -30,7 +30,7 @@ def between(before: Contacts, now: Contacts, tick: int, is_counted: Bools) -> Sl
     """The beacon slots that become known at this tick, of the contacts `is_counted` [m].
 
     The separation of a missed beacon is interpolated between the decoded beacons before and after it. The first
-    decoded beacon of a contact is not a sample: the number of beacons missed before it is unknown, so it would always
+    decoded beacon of a contact is not a sample. The number of beacons missed before it is unknown, so it would always
     be a success.
     """
     transition = now.edges.after(before.edges)

@@ -13,8 +13,9 @@ class Contacts(NamedTuple):
     """The peers that each robot has heard since they came in range, and the last beacon of each; over `edges` [m]."""
 
     edges: Edges
+    """The pairs (robot, peer)."""
     heard: Ints
-    """Tick of the last decoded beacon."""
+    """Tick of the last decoded beacon [m]."""
     x: Floats
     y: Floats
     heading: Floats
@@ -26,7 +27,7 @@ class Contacts(NamedTuple):
     statistics: Floats
     """The peer's statistics [m, q]."""
     declared: Bytes
-    """Bytes that the peer's laws declared [m, b]."""
+    """Bytes that the peer's laws declared [m, b]: first those of its formation law, then those of its seeking law."""
     heard_separation: Floats
     """Separation at the tick of that beacon [m]."""
     known: Bools

@@ -142,7 +142,7 @@ SUMMARY = (
     ),
     Quantity(
         "metrics.*.*",
-        "1",
+        "that of the metric",
         "A number of a metric of the scenario, by the names of the metric and the number.",
         "the metric has no value for it",
     ),

@@ -171,7 +171,7 @@ _FORMER = {
 
 
 def without_unused(table: Any) -> Any:
-    """The table without keys that its law does not use, as far as they have the default of fes 0.3.
+    """The table without keys that its law does not use, if these have the default of fes 0.3.
 
     Raises ValueError for one with another value: it would have no effect.
     """

@@ -59,7 +59,7 @@ class Observations:
 
 
 class Received(NamedTuple):
-    """The beacons of one tick that a crew received: nothing of a peer whose beacon did not decode.
+    """The beacons of one tick that a crew received: those that decoded, and no others.
 
     Its arrays have one entry for each beacon that decoded at a robot [d].
     """

@@ -20,7 +20,7 @@ class Table(BaseModel):
 
 
 class Use(Table):
-    """An extension and its parameters: every other key of the table belongs to the extension."""
+    """An extension and its parameters: all keys of the table but `use` are parameters of the extension."""
 
     model_config = ConfigDict(frozen=True, extra="allow", strict=True)
 

@@ -88,7 +88,7 @@ class Beacon(NamedTuple):
     statistics: Floats
     """Numbers of its seeking law [q]; empty if it has none."""
     declared: bytes = b""
-    """Bytes that its laws declared."""
+    """Bytes that its laws declared: first those of its formation law, then those of its seeking law."""
 
 
 class Command(NamedTuple):

@@ -1,4 +1,4 @@
-"""Columns of numbers in a comma-separated file with a line of names, or one line that names file, line and rule."""
+"""Columns of numbers in a comma-separated file with a line of names. An error names file, line and rule."""
 
 import csv
 import io

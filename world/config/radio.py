@@ -50,14 +50,14 @@ class RadioConfig(ChannelConfig):
     """The true radio channel: the formula, and optional effects on top of it."""
 
     rows: list[Annotated[tuple[Distance, Share], Field(strict=False)]] = Field(default=[])
-    """Rows of the model `table`: separation and reception probability [m, 1], by separation; interpolated between
-    rows, constant beyond them. It need not fall."""
+    """Rows of the model `table`: separation and reception probability [m, 1], sorted by separation. The probability
+    is interpolated between rows and constant beyond them. It need not fall with separation."""
     trace: str | None = None
     """File of the model `trace`, by its path from the scenario's file: comma-separated, with a line of names. The
     columns are time in seconds, sender, receiver, and probability or decoded. The path of a `--set` starts from the
     current directory."""
     trace_between: Literal["held", "interpolated"] = "held"
-    """Between two times of a trace: the earlier value, or the line between both."""
+    """Value between two times of a trace. `held`: the earlier value. `interpolated`: on the line between both."""
     trace_sha256: str | None = None
     """SHA-256 of the trace, filled in when it is first read: the run can be repeated only with the same file."""
     shadowing: ShadowingConfig | None = None

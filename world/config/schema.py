@@ -44,7 +44,7 @@ class ScenarioField(NamedTuple):
 
 
 class ScenarioFile(Comparison, Scenario):
-    """The tables of a scenario file: the scenario, and the schemes that it has in common."""
+    """The tables of a scenario file: a scenario, its schemes, and the columns of their comparison."""
 
     model_config = ConfigDict(title="Scenario")
 

@@ -1,4 +1,4 @@
-"""The life cycle of the robots at a tick of a run, with a line of the log for each change."""
+"""The life cycle of the robots at a tick of a run. Each change is logged."""
 
 import logging
 

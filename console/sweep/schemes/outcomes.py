@@ -24,7 +24,7 @@ class Mean(NamedTuple):
     """NaN if no run has a value."""
     low: float
     high: float
-    """Bounds of the mean's confidence interval; NaN for less than two values."""
+    """Bounds of the mean's confidence interval; NaN for fewer than two values."""
     reached: int
     """Number of runs with a value."""
     runs: int

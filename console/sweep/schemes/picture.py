@@ -20,7 +20,7 @@ PER_ROW = 4
 
 
 def schemes_figure(schemes: SchemeTable) -> "Figure":
-    """The means with their intervals. A scheme that is told the channel has an open mark; the best has a line."""
+    """The means with their intervals. Open marks: schemes that are told the channel. Dotted lines: the best mean."""
     columns, rows = schemes
     across = min(PER_ROW, len(columns))
     down = math.ceil(len(columns) / across)

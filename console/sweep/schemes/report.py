@@ -50,7 +50,7 @@ def markdown(schemes: SchemeTable) -> str:
 
 
 def text(mean: Mean) -> str:
-    """A mean with three digits, half its interval, and the share of runs with a value unless all have one.
+    """A mean with three digits, half its interval, and the share of runs with a value if some have none.
 
     >>> text(Mean(0.84384, 0.8437, 0.844, 20, 20)), text(Mean(float("nan"), float("nan"), float("nan"), 0, 20))
     ('0.844 ± 0.000', '– (0/20)')

@@ -1,4 +1,4 @@
-"""Parts that belong to a scenario, and are not in its tables.
+"""Parts of a scenario outside its tables.
 
 extensions  the code of its extensions, and whether it is that of a recorded run
 trace_file  the file of a trace

@@ -1,7 +1,7 @@
 """Schemes: named variants of one scenario file, which fes sweep compares, and the columns of their table.
 
-A file with `[[scheme]]` is a scenario like any other: what its schemes have in common. The override `scheme` chooses
-one of them.
+The other tables of a file with `[[scheme]]` are a scenario like any other. Each scheme changes some of its fields.
+The override `scheme` chooses a scheme.
 """
 
 import copy
@@ -33,11 +33,11 @@ class ColumnConfig(Table):
     """A column of the table of schemes."""
 
     of: Annotated[str, Field(min_length=1, max_length=200)]
-    """A number of the summary, by dotted name, such as `metrics.travel.mean`."""
+    """Number of the summary that the column shows, by dotted name, such as `metrics.travel.mean`."""
     title: Annotated[str, Field(min_length=1, max_length=60)]
     """Title of the column, with its unit."""
     factor: Positive = 1.0
-    """Factor of the number [1]: 0.0001 for an area in hectares."""
+    """Factor by which the number is multiplied [1]: 0.0001 shows an area in hectares."""
     better: Literal["larger", "smaller"] = "larger"
     """Direction in which a scheme is better."""
 

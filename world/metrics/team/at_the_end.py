@@ -58,7 +58,7 @@ class TeamDelivery:
     def result(self) -> dict[str, float | None]:
         """The arithmetic and the geometric mean over pairs [1], for all robots and after the worst loss.
 
-        None for less than two robots, and for more than `delivery.MAX_ROBOTS`.
+        None for fewer than two robots, and for more than `delivery.MAX_ROBOTS`.
         """
         links = np.zeros((0, 0)) if self._last is None else self._links(self._last)
         now, after = deliveries.delivery(links), deliveries.delivery_after_loss(links)

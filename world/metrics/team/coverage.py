@@ -1,8 +1,8 @@
 """Covered area: the area of the union of equal discs around the robots, exact up to rounding.
 
 By Green's theorem the area is the integral of (x dy - y dx) / 2 along the boundary of the union. The boundary
-consists of those arcs of the circles that no other disc covers; along the boundary of a hole they run clockwise
-around the hole, so its area is not counted.
+consists of those arcs of the circles that no other disc covers. Along the boundary of a hole they run clockwise, so
+the area of the hole is not counted.
 """
 
 import math

@@ -1,9 +1,9 @@
 """Delivery: the quality of the best route between two robots, averaged over the ordered pairs of the team.
 
-The quality of a route is the product of the qualities q of its links. With the cost w = -ln q of a link, the best
+The quality of a route is the product of the qualities q of its links. Let the cost of a link be w = -ln q. The best
 route from i to j has the least sum of costs, delta(i, j), and the quality exp(-delta).
 
-Links are a matrix [n, n]: the quality in [0, 1] from each sender (row) to each receiver (column), and 0 where they
+Links are a matrix [n, n]: the quality in [0, 1] from each sender (row) to each receiver (column). It is 0 where they
 are out of range. The diagonal is not used.
 """
 
@@ -46,7 +46,7 @@ def link_matrix(n: int, senders: Ints, receivers: Ints, quality: Floats) -> Floa
 
 
 def delivery(links: Floats) -> Delivery | None:
-    """Delivery between all robots of `links` [n, n]; None for less than 2 robots, or more than MAX_ROBOTS."""
+    """Delivery between all robots of `links` [n, n]; None for fewer than 2 robots, or more than MAX_ROBOTS."""
     n = len(links)
     if not 2 <= n <= MAX_ROBOTS:
         return None
@@ -75,8 +75,8 @@ def _costs(links: Floats) -> Floats:
 def _without_each(costs: Floats, robots: range) -> Iterator[tuple[int, Floats]]:
     """Each of the `robots`, with the least costs [n, n] of the routes that all other robots relay.
 
-    The robots outside of `robots` relay already in `costs`. One half relays, and the other half is divided again: in
-    all n log n relays, instead of the n^2 of a new search without each robot.
+    The robots outside of `robots` relay already in `costs`. One half of `robots` relays, and the other half is
+    divided again. This takes n log n relays in all; a new search without each robot would take n^2.
     """
     if len(robots) == 1:
         yield robots[0], costs

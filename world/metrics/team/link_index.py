@@ -1,4 +1,4 @@
-"""The index J of (16), averaged over the robots' links: at the end of a run, and since when."""
+"""The index J of (16), averaged over the robots' links: its value at the end, and the time when it settled."""
 
 import math
 
