@@ -165,6 +165,11 @@ def test_the_kit_for_pytest_raises_an_assertion_with_one_line_per_broken_rule() 
             "--use no_such_module: ModuleNotFoundError: No module named 'no_such_module'",
         ),
         (
+            "labs/flat.py:DeadBand",
+            "extension 'labs/flat.py:DeadBand': a class is named by its module, not by a path: write 'flat:DeadBand' "
+            "(--use labs/flat.py)",
+        ),
+        (
             "flocking",
             "extension 'flocking': none is installed under this name; a file is named by `module:Class`",
         ),
