@@ -99,6 +99,20 @@ def test_digits_that_depend_on_the_interpreter_are_found(extension: type, text: 
 
 
 @pytest.mark.slow
+def test_rules_that_fail_only_because_repeat_fails_say_so() -> None:
+    failures = {finding.rule: finding.failure for finding in rules.findings(subject.of(broken_laws.MovesByClock))}
+    own = {rule: failures.pop(rule) for rule in ("repeat", "clock")}
+    assert own["repeat"].startswith(
+        line(broken_laws.MovesByClock, "repeat: it computes other digits the second time")
+    )
+    assert own["clock"] == line(broken_laws.MovesByClock, "clock: it reads a clock: time.time")
+    follows = "it has other digits, which follows from the failure of `repeat`: correct that first"
+    others = {rule: text for rule, text in failures.items() if text}
+    assert others == {rule: line(broken_laws.MovesByClock, f"{rule}: {follows}") for rule in others}
+    assert set(others) == {"alone", "crews", "stacked", "inputs", "state", "restart", "hashing", "processes"}
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("extension", "expected"),
     [
