@@ -162,4 +162,4 @@ class Metric(Protocol):
         """Add a tick, a `world.metrics.tick_truth.TickTruth`."""
 
     def result(self) -> Mapping[str, float | None]:
-        """The numbers up to the last tick."""
+        """The numbers up to the last tick. One that is None, or not finite, is null in the summary."""
