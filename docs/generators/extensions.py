@@ -17,10 +17,12 @@ from world.simulation import channel, truth
 TITLE = "Extensions"
 INTRODUCTION = """The interface for your own laws, neighbor rules, channels, dynamics and metrics. Any class that has
 the members of a kind is an extension of this kind. Import names from `fes.extension`. The
-[tutorial](../tutorial/own-law.md) writes two. `fes check` shows whether one keeps the rules. A *crew* is the robots
-of one process, as rows of the same arrays; the [glossary](glossary.md) has other terms. Shapes: n robots, m contacts,
-l links, u pairs of linked robots, q statistics, b bytes, k learnt numbers, j details. Arrays must not be written
-to."""
+[tutorial](../tutorial/own-law.md) writes three, the page of [built-in extensions](built-in.md) lists those that come
+with `fes`, and `fes check` shows whether one keeps the rules.
+
+A *crew* is the robots of one process, as rows of the same arrays; the [glossary](glossary.md) has other terms.
+Shapes: n robots, m contacts, l links, u pairs of linked robots, q statistics, b bytes, k learnt numbers, j details.
+Arrays must not be written to."""
 
 ALL_KINDS = """Each class has an attribute `Parameters`, a subclass of `fes.extension.Table`, and a constructor
 `(parameters, context)`. A controller gets a `ControllerContext`. The other laws and a neighbor rule get a
