@@ -6,7 +6,8 @@ from typing import Any
 from console.backends import inprocess
 from console.check import recorded
 from console.check.recorded import Moment
-from console.check.subject import Subject
+from console.check.subject import ROBOTS, Subject
+from console.replay.difference import Difference
 from world.config.scenario import Scenario
 
 
@@ -25,6 +26,13 @@ class Case:
     def moments(self) -> list[Moment]:
         """The short run in one loop, recorded."""
         return recorded.record(self.scenario)
+
+    @cached_property
+    def repetition(self) -> Difference | None:
+        """The first difference of a second execution in this process; None if all digits are the same."""
+        if self.subject.is_law:
+            return recorded.robots(self.scenario, self.moments, range(ROBOTS))
+        return recorded.world(self.scenario, self.moments)
 
     @cached_property
     def summary(self) -> dict[str, Any]:

@@ -44,7 +44,7 @@ def inputs(case: Case) -> str:
             raise
         method = str(error).partition(f"{case.subject.title}: ")[2].partition(":")[0]
         return f"{method} writes to an array of its inputs or of its state, instead of returning a new one"
-    return text_of("it computes other digits from inputs that are read-only", mismatch, "from others")
+    return text_of(case, "it computes other digits from inputs that are read-only", mismatch, "from others")
 
 
 def state(case: Case) -> str:
@@ -53,9 +53,8 @@ def state(case: Case) -> str:
         mismatch = recorded.robots(case.scenario, case.moments, ALL, pause=_pickled)
     else:
         mismatch = recorded.world(case.scenario, case.moments, pause=lambda pair: _checkpointed(case.scenario, *pair))
-    return text_of(
-        "a run resumed from its state has other digits: keep all memory in the state", mismatch, "uninterrupted"
-    )
+    what = "a run resumed from its state has other digits: keep all memory in the state"
+    return text_of(case, what, mismatch, "uninterrupted")
 
 
 def restart(case: Case) -> str:
@@ -63,7 +62,7 @@ def restart(case: Case) -> str:
     for robot in ALL:
         mismatch = recorded.robots(case.scenario, case.moments, (robot,), renews=True)
         if mismatch is not None:
-            return text_of("a robot that forgets differs from a new one", mismatch, "after `forget`")
+            return text_of(case, "a robot that forgets differs from a new one", mismatch, "after `forget`")
     return ""
 
 

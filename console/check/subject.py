@@ -107,7 +107,8 @@ def of(extension: str | type, kind: str | None = None, parameters: dict[str, Any
         raise FesError(f"there is no kind '{kind}' of extension; known are {', '.join(map(slug, KINDS))}")
     module, colon, _ = name.partition(":")
     if colon:
-        registry.use(module)
+        if not registry.is_path(module):
+            registry.use(module)
         loaded = registry.load(kinds[0] if kind else ANY, name)
         kinds = kinds if kind else tuple(infer(loaded))
     else:

@@ -12,12 +12,15 @@ from console.terminal.printing import cell
 from world.metrics.summary import links_lost
 
 BELOW = 11
-"""Lines of a summary without deadlines and expectations, at 80 columns, with the line of the run directory."""
+"""Lines of a summary at 80 columns, with the line of the run directory; without deadlines, expectations, metrics."""
 
 MAX_EDGES = 30
 MAX_CONTACTS = 5
 MAX_EXPECTED = 4
 """Maximum number of expectations shown; those not met are first."""
+
+MAX_NUMBERS = 12
+"""Maximum number of numbers shown for a metric of the scenario."""
 
 LONGEST_NAME = 40
 
@@ -42,7 +45,8 @@ def render(summary: dict[str, Any], verbose: bool = False) -> RenderableType:
     facts = Table.grid(padding=(0, 2))
     facts.add_column(style="bold", no_wrap=True)
     facts.add_column(overflow="fold")
-    for name, value in [*_conditions(summary), *([] if verbose else _expected(summary)), *_headline(summary)]:
+    expected = [] if verbose else _expected(summary)
+    for name, value in [*_conditions(summary), *expected, *_metrics(summary["metrics"]), *_headline(summary)]:
         facts.add_row(cell(name), value if isinstance(value, Text) else cell(value))
     digest = Text.assemble(("digest", "bold"), cell(f"  {summary['digest']}"), no_wrap=True, overflow="ignore")
     return Group(*(_tables(summary) if verbose else []), facts, digest)
@@ -109,6 +113,16 @@ def _expected(summary: dict[str, Any]) -> list[tuple[str, Text]]:
         rows.append(("", cell(f"{len(verdicts)} expectations, {unmet} not met")))
     for _, line in rows:
         line.no_wrap, line.overflow = True, "ellipsis"
+    return rows
+
+
+def _metrics(metrics: dict[str, dict[str, float | None]]) -> list[tuple[str, str]]:
+    """One row per metric of the scenario, with its numbers."""
+    rows = []
+    for number, (name, numbers) in enumerate(metrics.items()):
+        shown = [f"{key} {_seen(value)}" for key, value in list(numbers.items())[:MAX_NUMBERS]]
+        rest = f", and {len(numbers) - MAX_NUMBERS} more in summary.json" if len(numbers) > MAX_NUMBERS else ""
+        rows.append(("" if number else "metrics", f"{name}: {', '.join(shown) or 'no numbers'}{rest}"))
     return rows
 
 

@@ -23,6 +23,10 @@ SETTINGS = frozenset({"robots", "ticks", "dt", "simulated_s", "optimal_separatio
 """Numbers of the summary that the scenario determines."""
 
 
+METRICS = "metrics."
+"""Prefix of the outcomes that the metrics of the scenario compute; their units are not known."""
+
+
 @dataclass(frozen=True)
 class Spread:
     """An outcome over the runs of one cell."""

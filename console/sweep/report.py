@@ -7,7 +7,7 @@ from rich.table import Table
 from rich.text import Text
 
 from console.sweep import comparison
-from console.sweep.comparison import PairedDifference, Spread
+from console.sweep.comparison import METRICS, PairedDifference, Spread
 from console.sweep.design import Design
 from console.terminal.formatting import UNKNOWN
 from console.terminal.printing import cell
@@ -15,8 +15,8 @@ from console.terminal.printing import cell
 MOST_ROWS = 36
 """Maximum number of rows of a table on the screen; the files hold all."""
 
-SHOWN = ("time_to.", "separation_error_max")
-"""Prefixes of the outcomes shown; the files hold all outcomes."""
+SHOWN = (METRICS, "time_to.", "separation_error_max")
+"""Prefixes of the outcomes shown, in their order; the files hold all outcomes."""
 
 
 def render(design: Design, spreads: list[Spread], differences: list[PairedDifference]) -> RenderableType:
@@ -66,6 +66,8 @@ def _table(heading: str, *numbers: str) -> Table:
 
 
 def _name(outcome: str) -> Text:
+    if outcome.startswith(METRICS):
+        return cell(outcome, "bold")
     unit = "s" if outcome.startswith("time_to.") else "m"
     return cell(f"{outcome} [{unit}]", "bold")
 

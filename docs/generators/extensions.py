@@ -2,21 +2,27 @@
 
 import ast
 import inspect
+import re
 import textwrap
 from typing import Any
 
 from docs.generators.markdown import code, prose, table
+from fes.arrays import edges
 from fes.extension import context, controllers, kinds, neighborhood, protocols
 from fes.extension.kinds import Kind
-from fes.model import beacon_slots, contacts
+from fes.model import beacon_slots, config, contacts, sensing
 from world.metrics import tick_truth
+from world.simulation import channel, truth
 
 TITLE = "Extensions"
 INTRODUCTION = """The interface for your own laws, neighbor rules, channels, dynamics and metrics. Any class that has
 the members of a kind is an extension of this kind. Import names from `fes.extension`. The
-[tutorial](../tutorial/own-law.md) writes two. `fes check` shows whether one keeps the rules. A *crew* is the robots
-of one process, as rows of the same arrays; the [glossary](glossary.md) has other terms. Shapes: n robots, m contacts,
-l links, q statistics, b bytes, k learnt numbers, j details. Arrays must not be written to."""
+[tutorial](../tutorial/own-law.md) writes three, the page of [built-in extensions](built-in.md) lists those that come
+with `fes`, and `fes check` shows whether one keeps the rules.
+
+A *crew* is the robots of one process, as rows of the same arrays; the [glossary](glossary.md) has other terms.
+Shapes: n robots, m contacts, l links, u pairs of linked robots, q statistics, b bytes, k learnt numbers, j details.
+Arrays must not be written to."""
 
 ALL_KINDS = """Each class has an attribute `Parameters`, a subclass of `fes.extension.Table`, and a constructor
 `(parameters, context)`. A controller gets a `ControllerContext`. The other laws and a neighbor rule get a
@@ -39,9 +45,22 @@ VALUES: tuple[type, ...] = (
     controllers.RobotView, controllers.Neighbor, controllers.Action, controllers.Pull, controllers.Twist,
     neighborhood.Neighborhood, neighborhood.LinkGeometry, neighborhood.Entry, contacts.Contacts, beacon_slots.Slots,
     protocols.Formed, protocols.Published, controllers.ControllerContext, context.LawContext, context.WorldContext,
-    context.Draws, context.KnownChannel, tick_truth.TickTruth,
+    context.Draws, context.KnownChannel, config.ObjectiveConfig, edges.Edges, edges.Transition, tick_truth.TickTruth,
+    truth.State, channel.Radio, sensing.Telemetry,
 )  # fmt: skip
 """Arguments and results of extensions."""
+
+SHOWN: dict[type, tuple[str, ...]] = {
+    edges.Edges: (
+        "ids", "rows", "peers", "robots", "keys", "reverse", "mutual", "undirected", "counts", "find", "sum",
+        "first_smallest", "smallest", "select", "carry", "after",
+    ),
+    truth.State: ("tick", "poses", "channel", "radio", "present", "since", "sent", "decoded"),
+    channel.Radio: (
+        "edges", "age", "reception", "sent", "decoded", "probability", "outage_sum", "gap", "longest_gap",
+    ),
+}  # fmt: skip
+"""Members for extensions, of classes that have further ones."""
 
 
 def page() -> list[str]:
@@ -62,8 +81,17 @@ def page() -> list[str]:
 def _described(kind: type) -> list[str]:
     """The docstring of a class, and a table of its members."""
     text = (inspect.getdoc(kind) or "").split("\n\n")
-    rows = [[code(member), prose(meaning)] for member, meaning in _members(kind)]
+    rows = [[code(member), prose(meaning)] for member, meaning in _shown(kind)]
     return [*(line for part in text for line in (prose(part), "")), *table(["member", "meaning"], rows)]
+
+
+def _shown(kind: type) -> list[tuple[str, str]]:
+    """The members of a class that the page describes, without examples."""
+    members = [(member, meaning.partition(">>>")[0].strip()) for member, meaning in _members(kind)]
+    if kind not in SHOWN:
+        return members
+    named = {re.split(r"\W", member, maxsplit=1)[0]: (member, meaning) for member, meaning in members}
+    return [named[name] for name in SHOWN[kind]]
 
 
 def _members(kind: type) -> list[tuple[str, str]]:

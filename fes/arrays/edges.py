@@ -24,7 +24,7 @@ _SHIFT = 32  # a pair's key is robot * 2**32 + peer: unique, and sorted as the p
 
 @dataclass(frozen=True, eq=False)
 class Edges:
-    """Directed pairs (robot, peer), compared by identity: the same object means the same pairs."""
+    """Directed pairs (robot, peer), m of them, compared by identity: the same object means the same pairs."""
 
     ids: Ints
     """Robot ids of the crew, ascending [n]."""
@@ -72,7 +72,7 @@ class Edges:
 
     @cached_property
     def undirected(self) -> Ints:
-        """Positions of one pair for each two robots that are linked in either direction."""
+        """Positions of one pair for each two robots that are linked in either direction [u]."""
         return np.flatnonzero((self.reverse < 0) | (self.robots < self.peers))
 
     @cached_property
@@ -126,7 +126,7 @@ class Edges:
         return Transition(np.arange(len(self)) if old is self else old.find(self.keys))
 
     def carry(self, values: NDArray[Number], old: "Edges", fill: float, axis: int = 0) -> NDArray[Number]:
-        """`values` of the pairs of `old`, for the pairs of these edges; see `Transition.carry`.
+        """`values` of the pairs of `old`, for the pairs of these edges; a pair that is new gets `fill`.
 
         To carry several arrays, use `after`, which looks the pairs up once.
         """

@@ -153,10 +153,14 @@ class Dynamics(Protocol[S]):
 
 
 class Metric(Protocol):
-    """Named numbers of a run, from the truth of each tick. The object itself is its state, and must pickle."""
+    """Named numbers of a run, from the truth of each tick. The object itself is its state, and must pickle.
+
+    A metric reads the attributes of a tick, and imports no class for them. The position of each link among the pairs
+    of the radio is `tick.state.radio.edges.find(tick.telemetry.links.keys)`, or -1 if its robots are out of range.
+    """
 
     def add(self, tick: Any) -> None:
         """Add a tick, a `world.metrics.tick_truth.TickTruth`."""
 
     def result(self) -> Mapping[str, float | None]:
-        """The numbers up to the last tick."""
+        """The numbers up to the last tick. One that is None, or not finite, is null in the summary."""

@@ -61,6 +61,11 @@ def used() -> tuple[str, ...]:
     return tuple(dict.fromkeys(_arguments))
 
 
+def is_path(module: str) -> bool:
+    """True if the text before the colon of a name is the path of a file, not the name of a module."""
+    return module.endswith(".py") or "/" in module
+
+
 def is_usable(module: str) -> bool:
     """True if a module belongs to an extension that is not built in, and that this process may load."""
     top = module.partition(".")[0]
@@ -74,6 +79,13 @@ def load(kind: Kind, name: str) -> Any:
         return _attribute(path, f"{kind.name} '{name}'")
     module, colon, _ = name.partition(":")
     if colon:
+        if is_path(module):
+            stem = Path(module).stem
+            attribute = name.rpartition(":")[2]
+            raise FesError(
+                f"{kind.name} '{name}': a class is named by its module, not by a path: write '{stem}:{attribute}' "
+                f"(--use {Path(module).with_suffix('.py')})"
+            )
         if module not in _usable:
             raise FesError(
                 f"{kind.name} '{name}': this process was not told to use module '{module}' (--use {module})"

@@ -144,7 +144,7 @@ SUMMARY = (
         "metrics.*.*",
         "that of the metric",
         "A number of a metric of the scenario, by the names of the metric and the number.",
-        "the metric has no value for it",
+        "the metric has no value for it, or one that is not finite",
     ),
     Quantity("expectations[].of", "", "Key of the summary to which the expectation applies.", kind=TEXT),
     Quantity("expectations[].expected", "", "The expectation, in words.", kind=TEXT),

@@ -100,6 +100,20 @@ def test_digits_that_depend_on_the_interpreter_are_found(extension: type, text: 
 
 
 @pytest.mark.slow
+def test_rules_that_fail_only_because_repeat_fails_say_so() -> None:
+    failures = {finding.rule: finding.failure for finding in rules.findings(subject.of(broken_laws.MovesByClock))}
+    own = {rule: failures.pop(rule) for rule in ("repeat", "clock")}
+    assert own["repeat"].startswith(
+        line(broken_laws.MovesByClock, "repeat: it computes other digits the second time")
+    )
+    assert own["clock"] == line(broken_laws.MovesByClock, "clock: it reads a clock: time.time")
+    follows = "it has other digits, which follows from the failure of `repeat`: correct that first"
+    others = {rule: text for rule, text in failures.items() if text}
+    assert others == {rule: line(broken_laws.MovesByClock, f"{rule}: {follows}") for rule in others}
+    assert set(others) == {"alone", "crews", "stacked", "inputs", "state", "restart", "hashing", "processes"}
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("extension", "expected"),
     [
@@ -164,6 +178,11 @@ def test_the_kit_for_pytest_raises_an_assertion_with_one_line_per_broken_rule() 
         (
             "no_such_module:Law",
             "--use no_such_module: ModuleNotFoundError: No module named 'no_such_module'",
+        ),
+        (
+            "labs/flat.py:DeadBand",
+            "extension 'labs/flat.py:DeadBand': a class is named by its module, not by a path: write 'flat:DeadBand' "
+            "(--use labs/flat.py)",
         ),
         (
             "flocking",

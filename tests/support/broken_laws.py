@@ -170,6 +170,13 @@ class ReadsClock(Law):
         return Formed(state, self.pull(around, links) + 0.0 * time.time())
 
 
+class MovesByClock(Law):
+    """Has other digits at each execution, so rules on digits fail that it does not break by itself."""
+
+    def step(self, state: Any, around: Neighborhood, links: LinkGeometry) -> Formed:
+        return Formed(state, self.pull(around, links) * (1.0 + 1e-3 * (time.time() % 1.0)))
+
+
 class ReadsImportedClock(Law):
     def step(self, state: Any, around: Neighborhood, links: LinkGeometry) -> Formed:
         try:

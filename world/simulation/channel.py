@@ -46,11 +46,11 @@ class Radio:
     """The result of one tick of the radio, over the pairs in range [m], and the ledger of each contact."""
 
     edges: Edges
-    """(receiver, sender)"""
+    """The pairs (receiver, sender) in range [m]."""
     age: Ints
     """Ticks since each pair came in range [m]."""
     reception: Bytes
-    """Fate of the previous tick's beacon: CLOSED, LOST or DECODED [m]."""
+    """Fate of the previous tick's beacon: CLOSED (0), LOST (1) or DECODED (2) [m]."""
     sent: Ints
     """Beacons sent on each contact since it opened [m]."""
     decoded: Ints

@@ -42,14 +42,18 @@ class State:
     """Everything that is true at one tick."""
 
     tick: int
+    """Number of the tick, from 0."""
     poses: Floats
-    """[n, 3] [m, m, rad; world frame]; read-only: laws and metrics of others see this array."""
+    """True poses [n, 3] [m, m, rad; world frame]; read-only, as laws and metrics of others see this array."""
     bodies: Any
     """State of the dynamics; for a unicycle the poses themselves."""
     channel: RadioConfig
-    """The channel from this tick on; if it is replaced, its `communication_range` takes effect a tick later."""
+    """The channel from this tick on, with the fields of `[channel]`. If it is replaced, its `communication_range`
+    takes effect a tick later."""
     proximity: Proximity
+    """The pairs in range, and those that may soon be."""
     radio: Radio
+    """The radio: the pairs in range, and the fate of their beacons."""
     present: Bools
     """True for a robot that takes part [n]. The body of an absent robot stands still and its radio is silent; its
     peers learn of it only by its missing beacons."""

@@ -6,15 +6,13 @@ from typing import NamedTuple
 import numpy as np
 
 from console.sweep import comparison
+from console.sweep.comparison import METRICS
 from console.sweep.design import Design
 from console.sweep.table import Row
 from fes.arrays.types import Floats
 from fes.errors import ScenarioError
 from world.config.outside.schemes import SCHEME, ColumnConfig
 from world.config.scenario import knows_channel
-
-METRICS = "metrics."
-"""Prefix of the outcomes in the columns of a file that states none."""
 
 
 class Mean(NamedTuple):
