@@ -65,18 +65,21 @@ def _distribution(top: str) -> metadata.Distribution | None:
 
 
 def _sources(distribution: metadata.Distribution | None, module: Any) -> dict[str, Path]:
-    """Label -> file of each module: of the distribution, of the package, or of the one file."""
-    path = getattr(module, "__file__", None)
-    file = None if path is None else Path(path).resolve()
-    if distribution is not None:
-        listed = [file for file in distribution.files or () if file.suffix == ".py"]
-        sources = {str(file): Path(str(distribution.locate_file(file))) for file in listed}
-        if file is not None and file in {path.resolve() for path in sources.values() if path.is_file()}:
-            return sources  # an editable installation lists no module of its own
-    if file is None:
-        return {}  # a notebook has no file
+    """Label -> file of each module of the distribution, or else of the package; the module's own is always there."""
+    listed = (distribution.files if distribution is not None else None) or []
+    sources = _modules({str(file): Path(str(file.locate())) for file in listed})
+    path = getattr(module, "__file__", None)  # a notebook has no file
+    own = None if path is None else Path(path).resolve()
+    if own in {source.resolve() for source in sources.values()}:
+        return sources
+    # an editable installation lists no module of its own
     package = sys.modules[module.__name__.partition(".")[0]]
-    if not hasattr(package, "__path__"):
-        return {file.name: file}
-    root = Path(next(iter(package.__path__)))
-    return {str(path.relative_to(root.parent)): path for path in root.rglob("*.py")}
+    roots = [Path(root) for root in getattr(package, "__path__", ())]
+    sources = _modules({str(file.relative_to(root.parent)): file for root in roots for file in root.rglob("*.py")})
+    if own is not None and own not in {source.resolve() for source in sources.values()}:
+        sources[own.name] = own
+    return sources
+
+
+def _modules(files: dict[str, Path]) -> dict[str, Path]:
+    return {label: file for label, file in files.items() if file.suffix == ".py" and file.is_file()}
