@@ -22,49 +22,49 @@ from fes.model.table import Table, Use, chosen
 OWN = frozenset({"fes", "agents", "world", "console"})
 """Packages of the project. `--use` of one of their modules allows a name there, and nothing else of the package."""
 
-_arguments: list[str] = []
+_arguments: dict[str, str] = {}
+"""Module that this process was told to use -> the argument that names it for another process."""
 
 _loaded: set[str] = set()
 """Modules of the installed extensions that this process has loaded."""
-
-_usable: dict[str, Any] = {}
-"""Modules that this process was told to use, by name."""
 
 
 def use(module: str) -> str:
     """Import a module by name, or by the path of its file, and allow its classes; returns its name.
 
-    It is looked for in the current directory too. Raises FesError in one line.
+    It is looked for in the current directory too. Raises FesError in one line; nothing has changed then.
     """
     path = Path(module).resolve()
     name, folder = (path.stem, str(path.parent)) if path.suffix == ".py" else (module, str(Path.cwd()))
-    if folder not in sys.path:
+    is_new = folder not in sys.path
+    if is_new:
         sys.path.append(folder)
     try:
-        _usable[name] = importlib.import_module(name)
-        if path.suffix == ".py" and Path(getattr(_usable[name], "__file__", "")).resolve() != path:
+        imported = importlib.import_module(name)
+        if path.suffix == ".py" and Path(getattr(imported, "__file__", None) or "").resolve() != path:
             raise ImportError(f"another module is named '{name}': rename the file")
     except Exception as error:  # the module is anybody's code
+        if is_new:
+            sys.path.remove(folder)
         raise FesError(f"--use {module}: {type(error).__name__}: {' '.join(str(error).split())}") from None
-    _arguments.append(str(path) if path.suffix == ".py" else module)
+    _arguments[name] = str(path) if path.suffix == ".py" else module
     return name
 
 
 def withdraw(name: str) -> None:
     """Allow the classes of a module no longer; `name` is what `use` returned."""
-    _usable.pop(name, None)
-    _arguments[:] = [argument for argument in _arguments if argument != name and Path(argument).stem != name]
+    _arguments.pop(name, None)
 
 
 def used() -> tuple[str, ...]:
     """The modules that this process was told to use, as a child process is told to."""
-    return tuple(dict.fromkeys(_arguments))
+    return tuple(_arguments.values())
 
 
 def is_usable(module: str) -> bool:
     """True if a module belongs to an extension of others that this process may load."""
     top = module.partition(".")[0]
-    return top not in OWN and top in {name.partition(".")[0] for name in [*_usable, *_loaded]}
+    return top not in OWN and top in {name.partition(".")[0] for name in [*_arguments, *_loaded]}
 
 
 def load(kind: Kind, name: str) -> Any:
@@ -74,7 +74,7 @@ def load(kind: Kind, name: str) -> Any:
         return _attribute(path, f"{kind.name} '{name}'")
     module, colon, _ = name.partition(":")
     if colon:
-        if module not in _usable:
+        if module not in _arguments:
             raise FesError(
                 f"{kind.name} '{name}': this process was not told to use module '{module}' (--use {module})"
             )
