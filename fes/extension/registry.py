@@ -26,7 +26,7 @@ _arguments: dict[str, str] = {}
 """Module that this process was told to use -> the argument that names it for another process."""
 
 _loaded: set[str] = set()
-"""Modules of the installed extensions that this process has loaded."""
+"""Modules that hold the classes of the extensions that this process has loaded."""
 
 
 def use(module: str) -> str:
@@ -62,9 +62,11 @@ def used() -> tuple[str, ...]:
 
 
 def is_usable(module: str) -> bool:
-    """True if a module belongs to an extension of others that this process may load."""
-    top = module.partition(".")[0]
-    return top not in OWN and top in {name.partition(".")[0] for name in [*_arguments, *_loaded]}
+    """True if objects of a module of others may be read: this process uses it, or has loaded an extension from it.
+
+    The other modules of a package are not, even if they are imported already.
+    """
+    return _top(module) not in OWN and (module in _arguments or module in _loaded)
 
 
 def load(kind: Kind, name: str) -> Any:
@@ -73,24 +75,25 @@ def load(kind: Kind, name: str) -> Any:
     if path is not None:
         return _attribute(path, f"{kind.name} '{name}'")
     module, colon, _ = name.partition(":")
-    if colon:
-        if module not in _arguments:
-            raise FesError(
-                f"{kind.name} '{name}': this process was not told to use module '{module}' (--use {module})"
-            )
-        return _attribute(name, f"{kind.name} '{name}'")
     installed = _entry_points(kind.group)
-    if name in installed:
-        try:
-            loaded = installed[name].load()
-            _loaded.add(loaded.__module__)
-            return loaded
-        except Exception as error:  # the module is anybody's code
-            raise FesError(f"{kind.name} '{name}': {type(error).__name__}: {' '.join(str(error).split())}") from None
-    known = [*kind.built_in, *installed]
-    near = difflib.get_close_matches(name, known, 1)
-    hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known) or 'none'}, and `module:Class`"
-    raise FesError(f"there is no {kind.name} '{name:.60}'; {hint}")
+    if colon and module not in _arguments:
+        raise FesError(f"{kind.name} '{name}': this process was not told to use module '{module}' (--use {module})")
+    if not colon and name not in installed:
+        known = [*kind.built_in, *installed]
+        near = difflib.get_close_matches(name, known, 1)
+        hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known) or 'none'}, and `module:Class`"
+        raise FesError(f"there is no {kind.name} '{name:.60}'; {hint}")
+    try:
+        loaded = _attribute(name, f"{kind.name} '{name}'") if colon else installed[name].load()
+    except FesError:
+        raise
+    except Exception as error:  # the module is anybody's code
+        raise FesError(f"{kind.name} '{name}': {type(error).__name__}: {' '.join(str(error).split())}") from None
+    module = module if colon else installed[name].module
+    home = getattr(loaded, "__module__", module)
+    if _top(home) == _top(module):
+        _loaded.add(home)
+    return loaded
 
 
 def installed(kind: Kind) -> tuple[str, ...]:
@@ -169,6 +172,11 @@ def _attribute(path: str, what: str) -> Any:
         hint = f"; did you mean '{near[0]}'?" if near else ""
         raise FesError(f"{what}: module '{module}' has no class '{attribute}'{hint}") from None
     return loaded
+
+
+def _top(module: str) -> str:
+    """The top-level package of a module, or the module itself."""
+    return module.partition(".")[0]
 
 
 @cache

@@ -1,6 +1,5 @@
 """`--use`: which modules it allows, and what a module that is used again becomes."""
 
-import importlib
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,6 +8,7 @@ import pytest
 
 from fes.errors import FesError
 from fes.extension import registry
+from fes.extension.kinds import Kind
 
 
 @pytest.fixture
@@ -65,3 +65,30 @@ def test_withdrawing_a_package_leaves_its_module_allowed(folder: Path) -> None:
     registry.withdraw("toy_package")
     assert registry.used()[-1] == "toy_package.law"
     assert "toy_package" not in registry.used()
+
+
+def test_of_a_package_only_the_modules_that_were_told_are_usable(folder: Path) -> None:
+    written(folder / "narrow_package" / "__init__.py", "from narrow_package import imported")
+    for name in ("law", "imported", "absent"):
+        written(folder / "narrow_package" / f"{name}.py")
+    sys.path.append(str(folder))
+    registry.use("narrow_package.law")
+    assert registry.is_usable("narrow_package.law")
+    for other in ("narrow_package", "narrow_package.imported", "narrow_package.absent"):
+        assert not registry.is_usable(other)
+
+
+def test_the_module_of_a_class_that_its_package_offers_is_usable_and_that_of_another_package_is_not(
+    folder: Path,
+) -> None:
+    written(
+        folder / "offering" / "__init__.py", "from offering.law import Law\nfrom decimal import Context as Borrowed\n"
+    )
+    written(folder / "offering" / "law.py")
+    sys.path.append(str(folder))
+    registry.use("offering")
+    kind = Kind("toy", "fes.tests_without_toys", {})
+    for name in ("Law", "Borrowed"):
+        registry.load(kind, f"offering:{name}")
+    assert registry.is_usable("offering.law")
+    assert not registry.is_usable("decimal")
