@@ -15,12 +15,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from fes.errors import FesError
+from fes.extension import evidence
 from fes.extension.checked import Checked
 from fes.extension.kinds import Kind
 from fes.model.table import Table, Use, chosen
-
-OWN = frozenset({"fes", "agents", "world", "console"})
-"""Packages of the project. `--use` of one of their modules allows a name there, and nothing else of the package."""
 
 _arguments: dict[str, str] = {}
 """Module that this process was told to use -> the argument that names it for another process."""
@@ -32,7 +30,8 @@ _loaded: set[str] = set()
 def use(module: str) -> str:
     """Import a module by name, or by the path of its file, and allow its classes; returns its name.
 
-    It is looked for in the current directory too. Raises FesError in one line; nothing has changed then.
+    It is looked for in the current directory too. If its source has changed since it was used, it is imported again.
+    Raises FesError in one line; nothing has changed then.
     """
     path = Path(module).resolve()
     name, folder = (path.stem, str(path.parent)) if path.suffix == ".py" else (module, str(Path.cwd()))
@@ -40,9 +39,7 @@ def use(module: str) -> str:
     if is_new:
         sys.path.append(folder)
     try:
-        imported = importlib.import_module(name)
-        if path.suffix == ".py" and Path(getattr(imported, "__file__", None) or "").resolve() != path:
-            raise ImportError(f"another module is named '{name}': rename the file")
+        evidence.import_module(name, path if path.suffix == ".py" else None)
     except Exception as error:  # the module is anybody's code
         if is_new:
             sys.path.remove(folder)
@@ -64,9 +61,9 @@ def used() -> tuple[str, ...]:
 def is_usable(module: str) -> bool:
     """True if objects of a module of others may be read: this process uses it, or has loaded an extension from it.
 
-    The other modules of a package are not, even if they are imported already.
+    The other modules of a package are not, even if they are imported already. Those of the project never are.
     """
-    return _top(module) not in OWN and (module in _arguments or module in _loaded)
+    return evidence.top_level(module) not in evidence.OWN and (module in _arguments or module in _loaded)
 
 
 def load(kind: Kind, name: str) -> Any:
@@ -91,8 +88,10 @@ def load(kind: Kind, name: str) -> Any:
         raise FesError(f"{kind.name} '{name}': {type(error).__name__}: {' '.join(str(error).split())}") from None
     module = module if colon else installed[name].module
     home = getattr(loaded, "__module__", module)
-    if _top(home) == _top(module):
+    if evidence.top_level(home) == evidence.top_level(module):
         _loaded.add(home)
+    if home in sys.modules:
+        evidence.note(home)
     return loaded
 
 
@@ -172,11 +171,6 @@ def _attribute(path: str, what: str) -> Any:
         hint = f"; did you mean '{near[0]}'?" if near else ""
         raise FesError(f"{what}: module '{module}' has no class '{attribute}'{hint}") from None
     return loaded
-
-
-def _top(module: str) -> str:
-    """The top-level package of a module, or the module itself."""
-    return module.partition(".")[0]
 
 
 @cache

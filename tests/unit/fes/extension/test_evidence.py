@@ -1,4 +1,4 @@
-"""Evidence: the files that are hashed for a module, whatever way it is installed."""
+"""Evidence: the files that are hashed for a module, for each way of installation."""
 
 import importlib
 import sys
@@ -25,8 +25,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 
 def sha256(name: str) -> str:
-    """The evidence of the class `Law` of a module."""
-    return evidence.of(FORMATION, f"{name}:Law").sha256
+    """SHA-256 of the source of an imported module."""
+    return evidence.on_disk(name).sha256
 
 
 def test_a_package_that_lies_in_two_folders_is_hashed_in_both(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -42,7 +42,7 @@ def test_a_package_that_lies_in_two_folders_is_hashed_in_both(folder: Path, monk
     assert len(seen) == 3
 
 
-def test_a_file_that_a_distribution_lists_and_lacks_is_no_error(folder: Path) -> None:
+def test_a_file_that_a_distribution_lists_and_lacks_is_skipped(folder: Path) -> None:
     (folder / "partly_there.py").write_text(LAW)
     information = folder / "partly_there-1.0.dist-info"
     information.mkdir()
@@ -51,7 +51,7 @@ def test_a_file_that_a_distribution_lists_and_lacks_is_no_error(folder: Path) ->
     (information / "RECORD").write_text("partly_there.py,,\ngone.py,,\n")
     importlib.invalidate_caches()
     registry.use("partly_there")
-    found = evidence.of(FORMATION, "partly_there:Law")
+    found = evidence.on_disk("partly_there")
     assert (found.distribution, found.version) == ("partly-there", "1.0")
     assert len(found.sha256) == 64
 
@@ -72,3 +72,19 @@ def test_the_file_of_a_module_is_hashed_although_its_package_does_not_hold_it(fo
     before = sha256("moved.law")
     source.write_text(LAW + "# changed\n")
     assert sha256("moved.law") != before
+
+
+def test_the_evidence_is_that_of_the_code_in_memory_until_the_module_is_used_again(folder: Path) -> None:
+    source = folder / "edited_law.py"
+    source.write_text(LAW)
+    registry.use("edited_law")
+
+    def noted() -> str:
+        return evidence.of(FORMATION, "edited_law:Law", registry.load(FORMATION, "edited_law:Law")).sha256
+
+    first = noted()
+    assert first == sha256("edited_law")
+    source.write_text(LAW + "# changed\n")
+    assert noted() == first
+    registry.use("edited_law")
+    assert noted() == sha256("edited_law") != first
