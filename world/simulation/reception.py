@@ -37,7 +37,7 @@ def prepare(channels: Iterable[RadioConfig], context: WorldContext) -> None:
         model(config, context)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=8)  # more than the channels of a run have: a model may hold a large file
 def _made(loaded: type, settings: str, context: WorldContext) -> Any:
     """The model of a class: one that is defined again under its name, as in a notebook, is made again."""
     config = RadioConfig.model_validate_json(settings)
