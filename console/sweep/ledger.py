@@ -1,7 +1,8 @@
 """Finished runs, durable through every interruption: one line per run, appended at its end.
 
 A line cut short by a kill is dropped, and its run is repeated. Each run has one line, found by its key. Each line
-ends with a checksum of the text before it. All runs of a directory are computed with one arithmetic.
+ends with a checksum of the text before it. All runs of a directory are computed with one arithmetic,
+and with one source of each extension.
 """
 
 import contextlib
@@ -19,6 +20,7 @@ from console.sweep.work import Done
 from fes.errors import FesError, reason
 from fes.protocol.world_info import version
 from fes.system import encoding, files, fingerprint, strict_json
+from world.config.outside import extensions
 
 HEADER = "sweep.json"
 LINES = "runs.jsonl"
@@ -35,6 +37,7 @@ _DIFFERS = {
     "fes": "another version of fes",
     "cells": "another scenario",
     "arithmetic": "another arithmetic",
+    "extensions": "another source of its extensions",
 }
 
 
@@ -83,6 +86,7 @@ def opened(directory: Path, design: Design) -> Iterator[Ledger]:
 def _identity(design: Design) -> dict[str, Any]:
     """Header of a directory: equal for designs that differ only in their seeds."""
     cells = "".join(digest(seeded(cell.scenario, 0)) for cell in design.cells)
+    evidence = dict.fromkeys(entry for cell in design.cells for entry in extensions.of(cell.scenario))
     axes = {field: design.values(index) for index, field in enumerate(design.axes)}
     return {
         "scenario": design.name,
@@ -90,6 +94,7 @@ def _identity(design: Design) -> dict[str, Any]:
         "cells": hashlib.sha256(cells.encode()).hexdigest(),
         "fes": version(),
         "arithmetic": fingerprint.text(),
+        "extensions": [entry.table for entry in evidence],
         "format": FORMAT,
     }
 

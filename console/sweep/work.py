@@ -12,6 +12,8 @@ from console.backends import inprocess, stacked
 from console.sweep.design import Design, SweepRun, Value
 from fes.errors import FesError
 from fes.extension import registry
+from fes.extension.evidence import Evidence
+from world.config.outside import extensions
 from world.config.scenario import Scenario
 
 MOST_RUNS, MOST_ROBOTS = 20, 400
@@ -46,6 +48,8 @@ class Batch:
     scenarios: tuple[Scenario, ...]
     use: tuple[str, ...] = ()
     """Modules of extensions that the worker may load."""
+    extensions: tuple[Evidence, ...] = ()
+    """The extensions, of which the worker must have the same source."""
 
 
 Watch = Callable[[int], None]
@@ -107,8 +111,9 @@ def batches(name: str, runs: Sequence[SweepRun], workers: int) -> list[Batch]:
 
 def carry_out(batch: Batch, watch: Watch = ignore) -> list[Done]:
     """Run a batch as one stack; after an error, run by run, so that only the faulty run fails."""
-    for module in set(batch.use) - set(registry.used()):
+    for module in batch.use:
         registry.use(module)
+    extensions.check_recorded([entry.table for entry in batch.extensions], "the sweep")
     with np.errstate(all="ignore"):  # numbers that are not finite end a run or appear in its row
         try:
             summaries = stacked.run(batch.scenarios, batch.name, watch)
@@ -152,4 +157,7 @@ def _cut(name: str, runs: list[SweepRun], workers: int) -> Iterator[Batch]:
     count = min(len(runs), workers * math.ceil(len(runs) / most / workers))
     for index in range(count):
         share = runs[index * len(runs) // count : (index + 1) * len(runs) // count]
-        yield Batch(name, tuple(run.key for run in share), tuple(run.scenario for run in share), registry.used())
+        cells = {run.cell: run.scenario for run in share}
+        evidence = dict.fromkeys(entry for scenario in cells.values() for entry in extensions.of(scenario))
+        keys, scenarios = tuple(run.key for run in share), tuple(run.scenario for run in share)
+        yield Batch(name, keys, scenarios, registry.used(), tuple(evidence))

@@ -15,50 +15,47 @@ from typing import Any
 from pydantic import ValidationError
 
 from fes.errors import FesError
+from fes.extension import evidence
 from fes.extension.checked import Checked
 from fes.extension.kinds import Kind
 from fes.model.table import Table, Use, chosen
 
-OWN = frozenset({"fes", "agents", "world", "console"})
-"""Packages of the project. `--use` of one of their modules allows a name there, and nothing else of the package."""
-
-_arguments: list[str] = []
+_arguments: dict[str, str] = {}
+"""Module that this process was told to use -> the argument that names it for another process."""
 
 _loaded: set[str] = set()
-"""Modules of the installed extensions that this process has loaded."""
-
-_usable: dict[str, Any] = {}
-"""Modules that `use` imported, by name."""
+"""Modules that hold the classes of the extensions that this process has loaded."""
 
 
 def use(module: str) -> str:
     """Import a module by name, or by the path of its file, and allow its classes; returns its name.
 
-    A name is searched in the current directory too. Raises FesError in one line.
+    A name is searched in the current directory too. If its source has changed since it was used, it is imported
+    again. Raises FesError in one line; nothing has changed then.
     """
     path = Path(module).resolve()
     name, folder = (path.stem, str(path.parent)) if path.suffix == ".py" else (module, str(Path.cwd()))
-    if folder not in sys.path:
+    is_new = folder not in sys.path
+    if is_new:
         sys.path.append(folder)
     try:
-        _usable[name] = importlib.import_module(name)
-        if path.suffix == ".py" and Path(getattr(_usable[name], "__file__", "")).resolve() != path:
-            raise ImportError(f"another module is named '{name}': rename the file")
+        evidence.import_module(name, path if path.suffix == ".py" else None)
     except Exception as error:  # the module is anybody's code
+        if is_new:
+            sys.path.remove(folder)
         raise FesError(f"--use {module}: {type(error).__name__}: {' '.join(str(error).split())}") from None
-    _arguments.append(str(path) if path.suffix == ".py" else module)
+    _arguments[name] = str(path) if path.suffix == ".py" else module
     return name
 
 
 def withdraw(name: str) -> None:
     """Allow the classes of a module no longer; `name` is what `use` returned."""
-    _usable.pop(name, None)
-    _arguments[:] = [argument for argument in _arguments if argument != name and Path(argument).stem != name]
+    _arguments.pop(name, None)
 
 
 def used() -> tuple[str, ...]:
-    """The arguments of `use` in this process, for the flags of a child process."""
-    return tuple(dict.fromkeys(_arguments))
+    """The modules that this process was told to use, as a child process is told to."""
+    return tuple(_arguments.values())
 
 
 def is_path(module: str) -> bool:
@@ -67,9 +64,11 @@ def is_path(module: str) -> bool:
 
 
 def is_usable(module: str) -> bool:
-    """True if a module belongs to an extension that is not built in, and that this process may load."""
-    top = module.partition(".")[0]
-    return top not in OWN and top in {name.partition(".")[0] for name in [*_usable, *_loaded]}
+    """True if objects of a module of others may be read: this process uses it, or has loaded an extension from it.
+
+    The other modules of a package are not, even if they are imported already. Those of the project never are.
+    """
+    return evidence.top_level(module) not in evidence.OWN and (module in _arguments or module in _loaded)
 
 
 def load(kind: Kind, name: str) -> Any:
@@ -78,31 +77,33 @@ def load(kind: Kind, name: str) -> Any:
     if path is not None:
         return _attribute(path, f"{kind.name} '{name}'")
     module, colon, _ = name.partition(":")
-    if colon:
-        if is_path(module):
-            stem = Path(module).stem
-            attribute = name.rpartition(":")[2]
-            raise FesError(
-                f"{kind.name} '{name}': a class is named by its module, not by a path: write '{stem}:{attribute}' "
-                f"(--use {Path(module).with_suffix('.py')})"
-            )
-        if module not in _usable:
-            raise FesError(
-                f"{kind.name} '{name}': this process was not told to use module '{module}' (--use {module})"
-            )
-        return _attribute(name, f"{kind.name} '{name}'")
+    if colon and is_path(module):
+        named = f"{Path(module).stem}:{name.rpartition(':')[2]}"
+        raise FesError(
+            f"{kind.name} '{name}': a class is named by its module, not by a path: write '{named}' "
+            f"(--use {Path(module).with_suffix('.py')})"
+        )
     installed = _entry_points(kind.group)
-    if name in installed:
-        try:
-            loaded = installed[name].load()
-            _loaded.add(loaded.__module__)
-            return loaded
-        except Exception as error:  # the module is anybody's code
-            raise FesError(f"{kind.name} '{name}': {type(error).__name__}: {' '.join(str(error).split())}") from None
-    known = [*kind.built_in, *installed]
-    near = difflib.get_close_matches(name, known, 1)
-    hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known) or 'none'}, and `module:Class`"
-    raise FesError(f"there is no {kind.name} '{name:.60}'; {hint}")
+    if colon and module not in _arguments:
+        raise FesError(f"{kind.name} '{name}': this process was not told to use module '{module}' (--use {module})")
+    if not colon and name not in installed:
+        known = [*kind.built_in, *installed]
+        near = difflib.get_close_matches(name, known, 1)
+        hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known) or 'none'}, and `module:Class`"
+        raise FesError(f"there is no {kind.name} '{name:.60}'; {hint}")
+    try:
+        loaded = _attribute(name, f"{kind.name} '{name}'") if colon else installed[name].load()
+    except FesError:
+        raise
+    except Exception as error:  # the module is anybody's code
+        raise FesError(f"{kind.name} '{name}': {type(error).__name__}: {' '.join(str(error).split())}") from None
+    module = module if colon else installed[name].module
+    home = getattr(loaded, "__module__", module)
+    if evidence.top_level(home) == evidence.top_level(module):
+        _loaded.add(home)
+    if home in sys.modules:
+        evidence.note(home)
+    return loaded
 
 
 def installed(kind: Kind) -> tuple[str, ...]:

@@ -1,5 +1,6 @@
 """Files crafted to be expensive are rejected in one line, in bounded time and memory."""
 
+import hashlib
 import json
 import os
 import subprocess
@@ -10,10 +11,11 @@ import pytest
 from console.connect import run_directory
 from console.replay import log
 from fes.errors import FesError
+from fes.extension import registry
 from fes.recording import layout, mcap_file, messages_pb2, records
 from fes.recording.mcap_file import McapFile
 from fes.recording.records import Reader
-from fes.system import files
+from fes.system import files, fingerprint, strict_json
 from fes.transport.endpoints import DEFAULT_ENDPOINT
 from tests.support import crafted, recordings
 from tests.support.loop import load
@@ -106,3 +108,23 @@ def test_a_summary_too_large_for_a_reader_is_written_to_the_run_directory_only(
     with pytest.raises(FesError, match="a reason"), Recorder(path, pair, "x", "inprocess"):
         raise FesError("a reason " + "x" * 1_000_000)
     assert recordings.messages(path)[-1][0] == "/log"
+
+
+def test_a_checkpoint_imports_no_module_that_was_not_told_to_be_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package, evil = tmp_path / "wide_package", tmp_path / "evil"
+    package.mkdir()
+    for name in ("__init__", "law"):
+        (package / f"{name}.py").write_text("")
+    (package / "danger.py").write_text(f"open({str(evil)!r}, 'w')\nclass Danger:\n    pass\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    registry.use("wide_package.law")
+    head = strict_json.dumps({"fes": "0", "arithmetic": fingerprint.table(), "extensions": []}).encode()
+    body = head + b"\ncwide_package.danger\nDanger\n."  # a pickle that is this class
+    first = b"fes checkpoint %d" % snapshot.FORMAT
+    (tmp_path / "state").write_bytes(b"\n".join([first, hashlib.sha256(body).hexdigest().encode(), body]))
+    with pytest.raises(FesError, match=r"state is damaged: UnpicklingError$"):
+        snapshot.read(tmp_path / "state")
+    assert not evil.exists()
+    registry.withdraw("wide_package.law")

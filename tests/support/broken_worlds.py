@@ -80,6 +80,19 @@ class Metric:
         return {"total": self.total}
 
 
+class MetricWithNestedParameters(Metric):
+    """Keeps all rules, with its parameters as the tutorial writes them."""
+
+    class Parameters(Table):
+        """One number."""
+
+        gain: float = 0.2
+
+    def __init__(self, parameters: Any, context: WorldContext) -> None:
+        super().__init__(parameters, context)
+        self.parameters = parameters
+
+
 class InfiniteMetric(Metric):
     def result(self) -> Mapping[str, float | None]:
         return {"total": float("inf")}

@@ -176,10 +176,11 @@ class _Tables(pickle.Unpickler):
     def find_class(self, module: str, name: str) -> Any:
         is_foreign, is_extension = (module, name) in _FOREIGN, registry.is_usable(module)
         is_known = is_foreign or is_extension or module.split(".")[0] in ("fes", "world")
-        if "." in name or not is_known:  # before the import runs code
+        is_nested = "." in name  # such as the `Parameters` of a metric
+        if not is_known or (is_nested and not is_extension):  # before the import runs code
             raise pickle.UnpicklingError(f"{module}.{name}")
         kind = super().find_class(module, name)
-        is_own = isinstance(kind, type) and kind.__module__ == module
+        is_own = isinstance(kind, type) and (kind.__module__, kind.__qualname__) == (module, name)
         is_extension = is_extension or f"{module}:{name}" in METRIC.built_in.values()
         if is_extension and is_own:
             return kind

@@ -1,4 +1,4 @@
-"""The reception model of a channel: a built-in one or an extension, made once per setting."""
+"""The reception model of a channel: a built-in one or an extension, made once per class and setting."""
 
 from collections.abc import Iterable
 from functools import lru_cache
@@ -8,6 +8,7 @@ from fes.arrays import draws
 from fes.extension import registry
 from fes.extension.context import SeededDraws, WorldContext
 from fes.extension.kinds import CHANNEL
+from fes.model.table import chosen
 from world.config.outside import trace_file
 from world.config.radio import RadioConfig
 from world.config.scenario import Scenario
@@ -24,7 +25,8 @@ def context(scenario: Scenario) -> WorldContext:
 
 def model(config: RadioConfig, context: WorldContext) -> Any:
     """The reception model of a channel; raises FesError in one line."""
-    return _made(config.model_dump_json(exclude=_EFFECTS), context)
+    loaded = registry.load(CHANNEL, chosen(config.model).use)
+    return _made(loaded, config.model_dump_json(exclude=_EFFECTS), context)
 
 
 def prepare(channels: Iterable[RadioConfig], context: WorldContext) -> None:
@@ -35,8 +37,9 @@ def prepare(channels: Iterable[RadioConfig], context: WorldContext) -> None:
         model(config, context)
 
 
-@lru_cache(maxsize=64)
-def _made(settings: str, context: WorldContext) -> Any:
+@lru_cache(maxsize=8)  # more than the channels of a run have: a model may hold a large file
+def _made(loaded: type, settings: str, context: WorldContext) -> Any:
+    """The model of a class: one that is defined again under its name, as in a notebook, is made again."""
     config = RadioConfig.model_validate_json(settings)
     return registry.create(CHANNEL, config.model, context, config)
 

@@ -3,7 +3,7 @@
 from typing import Any
 
 from fes.errors import FesError
-from fes.extension import evidence
+from fes.extension import evidence, registry
 from fes.extension.evidence import Evidence
 from fes.extension.kinds import KINDS, Kind
 from fes.model.table import chosen
@@ -19,7 +19,7 @@ def of(scenario: Scenario) -> list[Evidence]:
         name = chosen(choice).use
         if name not in kind.built_in:
             kinds[kind.name, name] = kind
-    return [evidence.of(kind, name) for (_, name), kind in kinds.items()]
+    return [evidence.of(kind, name, registry.load(kind, name)) for (_, name), kind in kinds.items()]
 
 
 def check(scenario: Scenario, recorded: list[Any], where: str) -> None:
@@ -42,6 +42,6 @@ def check_recorded(recorded: Any, where: str) -> None:
     except (KeyError, TypeError, ValueError) as error:
         raise FesError(f"{where} is damaged: its extensions cannot be read: {type(error).__name__}") from None
     for kind, name, entry in entries:
-        difference = evidence.difference(entry, evidence.of(kind, name))
+        difference = evidence.difference(entry, evidence.of(kind, name, registry.load(kind, name)))
         if difference:
             raise FesError(f"{where}: {difference}")

@@ -1,11 +1,14 @@
 """The ledger of a sweep: complete lines, each run once, one design per directory."""
 
+import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from console.sweep import design, ledger, work
 from fes.errors import FesError
+from fes.extension import registry
 from tests.support.paths import PAIR
 
 
@@ -56,3 +59,63 @@ def test_a_directory_in_use_and_one_without_a_sweep_are_rejected(tmp_path: Path)
     (tmp_path / ledger.HEADER).unlink()
     with pytest.raises(FesError, match="not empty, and holds no sweep"), ledger.opened(tmp_path, planned):
         pass
+
+
+METRIC = """
+from fes.extension import NoParameters
+
+
+class Constant:
+    Parameters = NoParameters
+
+    def __init__(self, parameters, context):
+        pass
+
+    def add(self, tick):
+        pass
+
+    def result(self):
+        return {"value": VALUE}
+"""
+
+
+@pytest.fixture
+def metric(tmp_path: Path) -> Iterator[Path]:
+    """A file with a metric, and the scenario that has it: `lab.toml`."""
+    path, source = list(sys.path), tmp_path / "swept_metric.py"
+    source.write_text(METRIC.replace("VALUE", "1.0"))
+    (tmp_path / "lab.toml").write_text(
+        'schema = 1\n[run]\nduration = 0.1\n[robots]\ncount = 2\n[[metric]]\nuse = "swept_metric:Constant"\n'
+    )
+    registry.use(str(source))
+    yield source
+    registry.withdraw("swept_metric")
+    sys.path[:] = path
+    del sys.modules["swept_metric"]
+
+
+def test_a_sweep_is_not_resumed_with_another_source_of_an_extension(metric: Path, tmp_path: Path) -> None:
+    def planned(seeds: str) -> design.Design:
+        registry.use(str(metric))
+        return design.plan(tmp_path / "lab.toml", [], seeds, [])
+
+    with ledger.opened(tmp_path / "out", planned("0:2")):
+        pass
+    with ledger.opened(tmp_path / "out", planned("0:3")):
+        pass
+    metric.write_text(METRIC.replace("VALUE", "2.0"))
+    with (
+        pytest.raises(FesError, match="holds a sweep of another source of its extensions"),
+        ledger.opened(tmp_path / "out", planned("0:3")),
+    ):
+        pass
+
+
+def test_a_worker_does_not_run_another_source_than_that_of_the_sweep(metric: Path, tmp_path: Path) -> None:
+    planned = design.plan(tmp_path / "lab.toml", [], "0:1", [])
+    (batch,) = work.batches("lab", planned.runs, 1)
+    (done,) = work.carry_out(batch)
+    assert done.scalars["metrics.Constant.value"] == 1.0
+    metric.write_text(METRIC.replace("VALUE", "2.0"))
+    with pytest.raises(FesError, match=r"^the sweep: the source of metric 'swept_metric:Constant' has changed: SHA"):
+        work.carry_out(batch)

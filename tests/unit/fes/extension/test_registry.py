@@ -251,12 +251,3 @@ def test_a_check_needs_the_extension_but_loads_no_built_in_one() -> None:
     registry.check(missing, "own")
     with pytest.raises(FesError, match=r"^there is no toy 'other'; "):
         registry.check(missing, "other")
-
-
-def test_no_module_of_the_project_becomes_that_of_an_extension() -> None:
-    name = registry.use("world.metrics.team.travel")
-    assert not registry.is_usable("world.metrics.team.travel")
-    assert not registry.is_usable("world.execution.checkpoint")
-    assert name in registry.used()
-    registry.withdraw(name)
-    assert name not in registry.used()
