@@ -78,9 +78,9 @@ def load(kind: Kind, name: str) -> Any:
         return _attribute(path, f"{kind.name} '{name}'")
     module, colon, _ = name.partition(":")
     if colon and is_path(module):
-        named = f"{Path(module).stem}:{name.rpartition(':')[2]}"
+        written = f"{Path(module).stem}:{name.rpartition(':')[2]}"
         raise FesError(
-            f"{kind.name} '{name}': a class is named by its module, not by a path: write '{named}' "
+            f"{kind.name} '{name}': a class is named by its module, not by a path: write '{written}' "
             f"(--use {Path(module).with_suffix('.py')})"
         )
     installed = _entry_points(kind.group)

@@ -122,6 +122,7 @@ def test_rules_that_fail_only_because_repeat_fails_say_so() -> None:
         (broken_worlds.Channel, WORLD_RULES),
         (broken_worlds.Bodies, WORLD_RULES),
         (broken_worlds.Metric, WORLD_RULES),
+        (broken_worlds.MetricWithNestedParameters, WORLD_RULES),
     ],
     ids=title,
 )
