@@ -41,7 +41,7 @@ def load(
     `name_or_path` is the name of a built-in scenario, such as "paper", or the path of a TOML file. `overrides` give
     fields other values: by dotted path, {"run.seed": 3}, or in nested tables, {"run": {"seed": 3}}. Values are those
     of TOML; numpy arrays count as lists. `use` names modules, or files of modules, whose extensions the scenario may
-    name as `module:Class`; "__main__" is the notebook or script itself.
+    name as `module:Class`; "__main__" is the notebook or script itself, for runs in one loop.
 
     Raises ScenarioError, a FesError of one line: the field, the rule and the offending value.
     """
