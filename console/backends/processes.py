@@ -23,6 +23,7 @@ from fes.errors import FesError
 from fes.system import files, signals, strict_json
 from fes.transport import bus, identity
 from fes.transport.endpoints import Endpoints
+from world.config.outside import extensions
 from world.config.scenario import Scenario
 from world.server.lockstep import RETURN_TIMEOUT
 
@@ -59,6 +60,7 @@ class Launch:
 
 def check(launch: Launch, scenario: Scenario) -> None:
     """Raise FesError, in the words of `fes doctor`, if this machine cannot start the run."""
+    extensions.check_importable(scenario)
     for finding in (machine.loopback(), machine.files(len(launch.groups(scenario.robots.number)))):
         if finding.status is Status.FAILED:
             raise FesError(f"{finding.check}: {finding.seen}; {finding.remedy}")

@@ -15,7 +15,7 @@ from typing import Any
 from console.backends import inprocess
 from fes.errors import ScenarioError
 from fes.system import encoding, strict_json
-from world.config.outside import schemes
+from world.config.outside import extensions, schemes
 from world.config.outside.schemes import NOTHING, SCHEME, ColumnConfig, Comparison
 from world.config.overrides import value_at
 from world.config.scenario import Scenario, load, parse_override
@@ -116,7 +116,7 @@ def crossed(
 
     `make` makes a scenario from overrides: the `fixed` ones, and those of a cell. The scenario of every cell is
     checked. The schemes of a file are the first axis, unless a field or a fixed one chooses among them. Raises
-    ScenarioError.
+    ScenarioError, and FesError for an extension that no worker can import.
     """
     if compared.scheme and SCHEME not in fields.keys() | fixed.keys():
         fields = {SCHEME: [scheme.name for scheme in compared.scheme], **fields}
@@ -134,6 +134,7 @@ def crossed(
         scenario = make({**fixed, **dict(zip(fields, combination, strict=True))})
         inprocess.check(scenario)
         crowd.check(scenario)
+        extensions.check_importable(scenario)
         given = zip(fields, combination, strict=True)
         cells.append(
             Cell(tuple(value if field == SCHEME else _value(scenario, field) for field, value in given), scenario)

@@ -20,7 +20,10 @@ from fes.extension.kinds import Kind
 OWN = frozenset({"fes", "agents", "world", "console"})
 """Packages of the project."""
 
-_RUNNING = OWN | {"__main__"}
+PROGRAM = "__main__"
+"""Module of a script or a notebook, which no other process can import."""
+
+_RUNNING = OWN | {PROGRAM}
 """Packages that are never imported again."""
 
 

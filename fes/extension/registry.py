@@ -54,8 +54,8 @@ def withdraw(name: str) -> None:
 
 
 def used() -> tuple[str, ...]:
-    """The modules that this process was told to use, as a child process is told to."""
-    return tuple(_arguments.values())
+    """The modules that this process was told to use, as a child process is told to: all but the program itself."""
+    return tuple(argument for name, argument in _arguments.items() if name != evidence.PROGRAM)
 
 
 def is_path(module: str) -> bool:

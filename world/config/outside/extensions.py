@@ -22,6 +22,14 @@ def of(scenario: Scenario) -> list[Evidence]:
     return [evidence.of(kind, name, registry.load(kind, name)) for (_, name), kind in kinds.items()]
 
 
+def check_importable(scenario: Scenario) -> None:
+    """Raise FesError in one line if an extension is a class of the program itself, such as a notebook."""
+    for _, kind, choice in scenario.choices:
+        name = chosen(choice).use
+        if name.startswith(f"{evidence.PROGRAM}:"):
+            raise FesError(f"{kind.name} '{name}': no other process can import it; put the class into a file")
+
+
 def check(scenario: Scenario, recorded: list[Any], where: str) -> None:
     """Raise FesError in one line unless the extensions of a scenario are those `recorded` at `where`."""
     before = {(entry["kind"], entry["name"]): entry for entry in recorded}

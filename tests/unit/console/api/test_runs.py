@@ -2,8 +2,11 @@
 
 import hashlib
 import math
+import sys
 import threading
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,9 +14,11 @@ import pytest
 import fes
 from console.api import background
 from fes.errors import FesError
+from fes.extension import registry
 from fes.protocol import messages
 from fes.recording import reader
 from fes.recording.ticks import LoggedTick
+from tests.support.example_metric import Count
 from tests.support.loop import load
 from tests.support.python_runs import arrays
 from world.config import scenario
@@ -195,3 +200,21 @@ def test_a_directory_that_is_not_empty_and_a_missing_log_are_errors(tmp_path: Pa
         fes.read(tmp_path)
     with pytest.raises(FesError, match="cannot be read: No such file or directory"):
         fes.read(tmp_path / "absent")
+
+
+def test_a_class_of_the_notebook_itself_is_refused_before_other_processes_start(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    notebook = ModuleType("__main__")
+    notebook.Count = Count  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "__main__", notebook)
+    given: dict[str, Any] = {"overrides": {"run.duration": 0.1, "metric": [{"use": "__main__:Count"}]}}
+    try:
+        assert fes.run("pair", use="__main__", **given).summary["metrics"]["Count"]["ticks"] == 5.0
+        with pytest.raises(FesError, match=r"^metric '__main__:Count': no other process can import it"):
+            fes.run("pair", backend="processes", out=tmp_path / "run", **given)
+        with pytest.raises(FesError, match=r"^metric '__main__:Count': no other process can import it"):
+            fes.sweep("pair", seeds=[0], out=tmp_path / "sweep", **given)
+    finally:
+        registry.withdraw("__main__")
+    assert not list(tmp_path.iterdir())
