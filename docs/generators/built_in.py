@@ -94,7 +94,7 @@ def _shown(name: str) -> str:
     return f'{code(index)}, `pooling = "{pooling}"`' if pooling else code(name)
 
 
-def _purpose(kind: Kind, name: str, loaded: type) -> str:
+def _purpose(kind: Kind, name: str, loaded: Any) -> str:
     if kind is not kinds.METRIC:
         return prose(PURPOSES[name])
     return prose(f"{loaded.__doc__} {loaded.result.__doc__ or ''}".partition("\n\n")[0])
