@@ -69,6 +69,16 @@ def with_extension(**tables: Any) -> Scenario:
             "formation.law: formation law 'somewhere:Law': this process was not told to use module 'somewhere' "
             "(--use somewhere)",
         ),
+        (
+            {"formation": {"law": "flat.py:Law"}},
+            "formation.law: formation law 'flat.py:Law': a class is named by its module, not by a path: write "
+            "'flat:Law' (--use flat.py)",
+        ),
+        (
+            {"formation": {"law": "labs/flat:Law"}},
+            "formation.law: formation law 'labs/flat:Law': a class is named by its module, not by a path: write "
+            "'flat:Law' (--use labs/flat.py)",
+        ),
     ],
 )
 def test_a_scenario_that_names_no_working_extension_is_rejected_in_one_line(tables: Any, text: str) -> None:

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats
 from fes.extension import (
     Action,
@@ -256,8 +255,3 @@ class Ambiguous(Law):
 
 class Nothing:
     """Has no method of any kind."""
-
-
-def edges(context: LawContext) -> Edges:
-    """No extension at all."""
-    raise NotImplementedError

@@ -123,19 +123,6 @@ def test_a_class_is_not_imported_unless_its_module_was_allowed(folder: Path) -> 
     assert refusal(RULE, "json:JSONDecoder").startswith("neighbor rule 'json:JSONDecoder': this process was not told")
 
 
-@pytest.mark.parametrize(
-    ("name", "written", "file"),
-    [
-        ("flat.py:DeadBand", "flat:DeadBand", "flat.py"),
-        ("labs/flat.py:DeadBand", "flat:DeadBand", "labs/flat.py"),
-        ("labs/flat:DeadBand", "flat:DeadBand", "labs/flat.py"),
-    ],
-)
-def test_a_path_in_the_place_of_a_module_is_answered_by_the_name_to_write(name: str, written: str, file: str) -> None:
-    message = f"toy '{name}': a class is named by its module, not by a path: write '{written}' (--use {file})"
-    assert refusal(toys(), name) == message
-
-
 def test_an_allowed_module_is_found_by_name_or_by_the_path_of_its_file(folder: Path) -> None:
     (folder / "toys_by_name.py").write_text(SOURCE)
     assert registry.use("toys_by_name") == "toys_by_name"
