@@ -137,7 +137,10 @@ def crossed(
         extensions.check_importable(scenario)
         given = zip(fields, combination, strict=True)
         cells.append(
-            Cell(tuple(value if field == SCHEME else _value(scenario, field) for field, value in given), scenario)
+            Cell(
+                tuple(value if field == SCHEME else _value(scenario, field, value) for field, value in given),
+                scenario,
+            )
         )
     design = Design(name, tuple(fields), cells, seeds, tuple(compared.column))
     for index, (field, values) in enumerate(fields.items()):
@@ -210,8 +213,14 @@ def _split(raw: str) -> list[str]:
     return pieces
 
 
-def _value(scenario: Scenario, field: str) -> Value:
+def _value(scenario: Scenario, field: str, given: Any) -> Value:
+    """The value of a field; an extension is its name, with the parameters that the axis itself gives."""
     value = value_at(scenario.model_dump(mode="json", by_alias=True), field)
-    if isinstance(value, dict) and "use" not in value:
-        raise ScenarioError("--axis", f"expects a field, and '{field}' is a table")
-    return strict_json.dumps(value) if isinstance(value, list | dict) else value
+    if isinstance(value, dict):
+        if "use" not in value:
+            raise ScenarioError("--axis", f"expects a field, and '{field}' is a table")
+        if given == value["use"]:
+            return str(given)
+        parameters = (f"{name}={strict_json.dumps(entry)}" for name, entry in value.items() if name != "use")
+        return f"{value['use']}({', '.join(parameters)})"
+    return strict_json.dumps(value) if isinstance(value, list) else value

@@ -45,7 +45,10 @@ def apply(tables: dict[str, Any], overrides: Mapping[str, Any]) -> None:
 
 
 def override(tables: dict[str, Any], dotted: str, value: Any) -> None:
-    """Set a field in nested tables, by its dotted path; raises ScenarioError in one line."""
+    """Set a field in nested tables, by its dotted path; raises ScenarioError in one line.
+
+    The name of the extension that the field has already keeps its parameters.
+    """
     *path, field = dotted.split(".")
     if len(path) > encoding.DEEPEST:
         raise ScenarioError(
@@ -55,7 +58,9 @@ def override(tables: dict[str, Any], dotted: str, value: Any) -> None:
         tables = descend(tables, part)
         if not isinstance(tables, dict):
             raise ScenarioError("--set", f"'{short(dotted)}' goes through '{short(part)}', which is not a table")
-    tables[field] = value
+    former = tables.get(field)
+    if not (isinstance(former, dict) and isinstance(value, str) and former.get("use") == value):
+        tables[field] = value
 
 
 def descend(tables: dict[str, Any], part: str) -> Any:

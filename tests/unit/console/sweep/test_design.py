@@ -6,6 +6,7 @@ import pytest
 
 from console.sweep import design
 from fes.errors import ScenarioError
+from fes.model.table import chosen
 from tests.support.paths import CONFIGS
 
 PAIR = CONFIGS / "pair.toml"
@@ -37,10 +38,13 @@ def test_an_extension_with_its_parameters_is_one_value_of_an_axis() -> None:
     axis = 'formation.law={use="voronoi", gain=0.5},{use="voronoi", gain=1.0},paper'
     planned = design.plan(PAIR, [axis], "0:1", [])
     assert [cell.values for cell in planned.cells] == [
-        ('{"use": "voronoi", "gain": 0.5}',),
-        ('{"use": "voronoi", "gain": 1.0}',),
+        ("voronoi(gain=0.5)",),
+        ("voronoi(gain=1.0)",),
         ("paper",),
     ]
+    file = design.plan(PAIR, ["formation.law=voronoi,paper"], "0:1", ['formation.law={use="voronoi", gain=0.5}'])
+    assert [cell.values for cell in file.cells] == [("voronoi",), ("paper",)]
+    assert [chosen(run.scenario.formation.law).parameters for run in file.runs] == [{"gain": 0.5}, {}]
 
 
 def test_the_names_and_the_parameters_of_extensions_are_axes() -> None:

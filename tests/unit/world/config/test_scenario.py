@@ -208,3 +208,9 @@ def test_an_override_sets_a_field_of_a_table_that_a_loaded_scenario_does_not_hav
     plain = scenario.load(PAIR)
     expected = scenario.load(PAIR, {"channel.shadowing": {"deviation": 3.0}})
     assert scenario.with_overrides(plain, {"channel.shadowing.deviation": 3.0}) == expected
+
+
+def test_an_override_with_the_name_of_the_same_extension_keeps_its_parameters() -> None:
+    tuned = scenario.parse(minimal(formation={"law": LAW}), "here")
+    assert scenario.with_overrides(tuned, {"formation.law": "voronoi"}) == tuned
+    assert scenario.with_overrides(tuned, {"formation.law": "paper"}).formation.law == "paper"
