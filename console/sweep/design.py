@@ -138,7 +138,7 @@ def crossed(
         given = zip(fields, combination, strict=True)
         cells.append(
             Cell(
-                tuple(value if field == SCHEME else _value(scenario, field, value) for field, value in given),
+                tuple(_value(scenario, field, value) for field, value in given),
                 scenario,
             )
         )
@@ -215,6 +215,8 @@ def _split(raw: str) -> list[str]:
 
 def _value(scenario: Scenario, field: str, given: Any) -> Value:
     """The value of a field; an extension is its name, with the parameters that the axis itself gives."""
+    if field == SCHEME:
+        return str(given)
     value = value_at(scenario.model_dump(mode="json", by_alias=True), field)
     if isinstance(value, dict):
         if "use" not in value:

@@ -42,9 +42,14 @@ def test_an_extension_with_its_parameters_is_one_value_of_an_axis() -> None:
         ("voronoi(gain=1.0)",),
         ("paper",),
     ]
-    file = design.plan(PAIR, ["formation.law=voronoi,paper"], "0:1", ['formation.law={use="voronoi", gain=0.5}'])
-    assert [cell.values for cell in file.cells] == [("voronoi",), ("paper",)]
-    assert [chosen(run.scenario.formation.law).parameters for run in file.runs] == [{"gain": 0.5}, {}]
+
+
+def test_the_name_of_the_law_of_the_file_keeps_its_parameters_on_an_axis(tmp_path: Path) -> None:
+    path = tmp_path / "tuned.toml"
+    path.write_text(PAIR.read_text().replace("[formation]", '[formation]\nlaw = {use = "voronoi", gain = 0.5}'))
+    planned = design.plan(path, ["formation.law=voronoi,paper"], "0:1", [])
+    assert [cell.values for cell in planned.cells] == [("voronoi",), ("paper",)]
+    assert [chosen(run.scenario.formation.law).parameters for run in planned.runs] == [{"gain": 0.5}, {}]
 
 
 def test_the_names_and_the_parameters_of_extensions_are_axes() -> None:
