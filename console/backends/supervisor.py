@@ -1,8 +1,9 @@
 """Consequences of a process's end for its run.
 
-A run ends when its world ends. If an agent dies earlier, its robots are absent and the run continues. It does
-not continue if all agents ended with errors, such as that of a law: new ones would end in the same way. Before the
-run has begun, the death of an agent is an error, because the world waits for all robots.
+A run ends when its world ends. If an agent dies earlier, its robots are absent and the run continues. It does not
+continue if all agents ended with errors, such as that of a law: new ones would end in the same way. Where agents are
+restarted, that was tried already, and the world waits for a person. Before the run has begun, the death of an agent
+is an error, because the world waits for all robots.
 """
 
 import time
@@ -80,8 +81,9 @@ class Supervisor:
             return
         if not self.processes.has_begun:
             await self._fail(why)
-        is_last = self.processes.is_abandoned and self._ended.issuperset(self.processes.agents)
-        if is_last and all(agent.process.returncode == FAILURE for agent in self.processes.agents):
+        agents = self.processes.agents
+        is_last = self.processes.is_abandoned and self._ended.issuperset(agents)
+        if is_last and self.respawn is None and all(agent.process.returncode == FAILURE for agent in agents):
             raise ProcessFailed(f"{why}; no agent is left, and each ended with an error of its own")
         self.warn(f"{robots}: {why}; the run continues without {pronoun}")
         if is_last:
