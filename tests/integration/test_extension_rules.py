@@ -121,7 +121,6 @@ def test_rules_that_fail_only_because_repeat_fails_say_so() -> None:
         (broken_laws.Rule, LAW_RULES),
         (broken_worlds.Channel, WORLD_RULES),
         (broken_worlds.Bodies, WORLD_RULES),
-        (broken_worlds.Metric, WORLD_RULES),
         (broken_worlds.MetricWithNestedParameters, WORLD_RULES),
     ],
     ids=title,
@@ -136,12 +135,9 @@ def test_an_extension_that_keeps_all_rules_is_checked_against_each(extension: ty
 @pytest.mark.parametrize(
     ("name", "parameters"),
     [
-        ("agents.laws.formation:PaperFormation", {}),
         ("agents.laws.neighbor_rules:RelativeNeighborhood", {}),
-        ("agents.laws.seeking_perturbation:SampledSeeking", {"index": "sampled"}),
         ("agents.laws.seeking_measured:PooledSeeking", {"index": "measured"}),
         ("agents.laws.oracle:OracleSeeking", {}),
-        ("world.simulation.unicycle:Unicycle", {}),
     ],
 )
 def test_a_built_in_law_keeps_the_rules_of_those_of_others(name: str, parameters: dict[str, str]) -> None:
