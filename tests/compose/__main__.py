@@ -193,8 +193,8 @@ def exclusions(team: Team) -> tuple[int, int]:
 
 def secure(network: Network) -> None:
     """The profile `secure`: TLS, a certificate per role, the same formation."""
-    length = ("--duration", "150")
-    team = Team("secure", "secure-world", FES_RTF="3", FES_FLAGS=" ".join(length))
+    length = ("--duration", "90")
+    team = Team("secure", "secure-world", FES_RTF="2", FES_FLAGS=" ".join(length))
     up = team.start("up", "--no-color")
     wait("all robots are here", lambda: "all robots are here" in team.attempt("logs", team.world).stdout)
     own = team.compose("exec", "-T", "secure-agent-3", "sh", "-c", "cd /keys && find . -type f | sort").split()
@@ -213,7 +213,7 @@ def secure(network: Network) -> None:
     code, log = up.end()
     claim(code == 0 and "summary: largest separation error" in log, "docker compose up: exit code 0, summary")
     claim("dropped a connection: it does not speak TLS" in log, "the world's log names the rejected connection")
-    summary = reached(team, "secure", 150.0)
+    summary = reached(team, "secure", 90.0)
     watched(dashboard)
     alone = ("fes", "run", "configs/compose.toml", "--backend", "inprocess", "--no-record", "--json", *length)
     output_alone = team.compose("run", "--rm", "-T", "secure-dashboard", *alone)
