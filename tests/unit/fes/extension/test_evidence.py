@@ -1,8 +1,6 @@
 """Evidence: the files that are hashed for a module, for each way of installation."""
 
 import importlib
-import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -13,38 +11,29 @@ from fes.extension.kinds import FORMATION
 LAW = "class Law: pass\n"
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A folder in which Python finds modules, and whose modules are forgotten afterwards."""
-    before = set(sys.modules)
-    monkeypatch.syspath_prepend(tmp_path)
-    yield tmp_path
-    for name in set(sys.modules) - before:
-        del sys.modules[name]
-        registry.withdraw(name)
-
-
 def sha256(name: str) -> str:
     """SHA-256 of the source of an imported module."""
     return evidence.on_disk(name).sha256
 
 
-def test_a_package_that_lies_in_two_folders_is_hashed_in_both(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_package_that_lies_in_two_folders_is_hashed_in_both(
+    searched: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     for part, file in (("first", "other.py"), ("second", "law.py")):
-        (folder / part / "shared_space").mkdir(parents=True)
-        (folder / part / "shared_space" / file).write_text(LAW)
-        monkeypatch.syspath_prepend(folder / part)
+        (searched / part / "shared_space").mkdir(parents=True)
+        (searched / part / "shared_space" / file).write_text(LAW)
+        monkeypatch.syspath_prepend(searched / part)
     registry.use("shared_space.law")
     seen = {sha256("shared_space.law")}
     for part, file in (("first", "other.py"), ("second", "law.py")):
-        (folder / part / "shared_space" / file).write_text(LAW + "# changed\n")
+        (searched / part / "shared_space" / file).write_text(LAW + "# changed\n")
         seen.add(sha256("shared_space.law"))
     assert len(seen) == 3
 
 
-def test_a_file_that_a_distribution_lists_and_lacks_is_skipped(folder: Path) -> None:
-    (folder / "partly_there.py").write_text(LAW)
-    information = folder / "partly_there-1.0.dist-info"
+def test_a_file_that_a_distribution_lists_and_lacks_is_skipped(searched: Path) -> None:
+    (searched / "partly_there.py").write_text(LAW)
+    information = searched / "partly_there-1.0.dist-info"
     information.mkdir()
     (information / "METADATA").write_text("Metadata-Version: 2.1\nName: partly-there\nVersion: 1.0\n")
     (information / "top_level.txt").write_text("partly_there\n")
@@ -56,17 +45,17 @@ def test_a_file_that_a_distribution_lists_and_lacks_is_skipped(folder: Path) -> 
     assert len(found.sha256) == 64
 
 
-def test_the_file_of_a_module_is_hashed_although_its_package_does_not_hold_it(folder: Path) -> None:
+def test_the_file_of_a_module_is_hashed_although_its_package_does_not_hold_it(searched: Path) -> None:
     """A package may look for its modules in folders that it adds to its path, and then removes."""
-    (folder / "moved").mkdir()
-    (folder / "elsewhere").mkdir()
-    (folder / "moved" / "__init__.py").write_text(
+    (searched / "moved").mkdir()
+    (searched / "elsewhere").mkdir()
+    (searched / "moved" / "__init__.py").write_text(
         "from pathlib import Path\n"
         "__path__.append(str(Path(__file__).parents[1] / 'elsewhere'))\n"
         "from moved import law\n"
         "__path__.pop()\n"
     )
-    source = folder / "elsewhere" / "law.py"
+    source = searched / "elsewhere" / "law.py"
     source.write_text(LAW)
     registry.use("moved.law")
     before = sha256("moved.law")
@@ -74,8 +63,8 @@ def test_the_file_of_a_module_is_hashed_although_its_package_does_not_hold_it(fo
     assert sha256("moved.law") != before
 
 
-def test_the_evidence_is_that_of_the_code_in_memory_until_the_module_is_used_again(folder: Path) -> None:
-    source = folder / "edited_law.py"
+def test_the_evidence_is_that_of_the_code_in_memory_until_the_module_is_used_again(searched: Path) -> None:
+    source = searched / "edited_law.py"
     source.write_text(LAW)
     registry.use("edited_law")
 

@@ -1,7 +1,6 @@
 """Extensions by name: what is found where, and one line for what is not."""
 
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -51,27 +50,15 @@ class Loose:
 '''
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A folder in which Python finds modules, and whose modules are forgotten afterwards."""
-    before = set(sys.modules)
-    monkeypatch.syspath_prepend(tmp_path)
-    yield tmp_path
-    for name in set(sys.modules) - before:
-        if str(tmp_path) in str(getattr(sys.modules[name], "__file__", "")):
-            del sys.modules[name]
-            registry.withdraw(name)
-
-
 def toys(group: str = "fes.tests_without_toys", **built_in: str) -> Kind:
     """A kind of extension that only this test knows."""
     return Kind("toy", group, built_in)
 
 
-def installed(folder: Path, group: str, **classes: str) -> None:
+def installed(searched: Path, group: str, **classes: str) -> None:
     """Installs a distribution with entry points, as pip lays it out."""
     listed = "\n".join(f"{name} = {path}" for name, path in classes.items())
-    metadata = folder / f"{group.replace('.', '_')}-1.0.dist-info"
+    metadata = searched / f"{group.replace('.', '_')}-1.0.dist-info"
     metadata.mkdir()
     (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {group}\nVersion: 1.0\n")
     (metadata / "entry_points.txt").write_text(f"[{group}]\n{listed}\n")
@@ -111,8 +98,8 @@ def test_a_long_name_is_cut_in_the_message() -> None:
     assert refusal(toys(), "x" * 200).startswith(f"there is no toy '{'x' * 60}'; ")
 
 
-def test_a_class_is_not_imported_unless_its_module_was_allowed(folder: Path) -> None:
-    (folder / "toys_of_a_stranger.py").write_text("raise SystemExit('imported')")
+def test_a_class_is_not_imported_unless_its_module_was_allowed(searched: Path) -> None:
+    (searched / "toys_of_a_stranger.py").write_text("raise SystemExit('imported')")
     message = (
         "toy 'toys_of_a_stranger:Ball': this process was not told to use module 'toys_of_a_stranger' "
         "(--use toys_of_a_stranger)"
@@ -123,11 +110,11 @@ def test_a_class_is_not_imported_unless_its_module_was_allowed(folder: Path) -> 
     assert refusal(RULE, "json:JSONDecoder").startswith("neighbor rule 'json:JSONDecoder': this process was not told")
 
 
-def test_an_allowed_module_is_found_by_name_or_by_the_path_of_its_file(folder: Path) -> None:
-    (folder / "toys_by_name.py").write_text(SOURCE)
+def test_an_allowed_module_is_found_by_name_or_by_the_path_of_its_file(searched: Path) -> None:
+    (searched / "toys_by_name.py").write_text(SOURCE)
     assert registry.use("toys_by_name") == "toys_by_name"
     assert registry.load(toys(), "toys_by_name:Ball").__name__ == "Ball"
-    elsewhere = folder / "else where"
+    elsewhere = searched / "else where"
     elsewhere.mkdir()
     (elsewhere / "toys_by_path.py").write_text(SOURCE)
     assert registry.use(str(elsewhere / "toys_by_path.py")) == "toys_by_path"
@@ -146,8 +133,8 @@ def test_an_allowed_module_is_found_by_name_or_by_the_path_of_its_file(folder: P
         ("def", "SyntaxError: "),
     ],
 )
-def test_a_module_that_fails_is_rejected_in_one_line(folder: Path, source: str, error: str) -> None:
-    (folder / "toys_that_fail.py").write_text(source)
+def test_a_module_that_fails_is_rejected_in_one_line(searched: Path, source: str, error: str) -> None:
+    (searched / "toys_that_fail.py").write_text(source)
     with pytest.raises(FesError) as caught:
         registry.use("toys_that_fail")
     assert str(caught.value).startswith(f"--use toys_that_fail: {error}")
@@ -155,8 +142,8 @@ def test_a_module_that_fails_is_rejected_in_one_line(folder: Path, source: str, 
     assert refusal(toys(), "toys_that_fail:Ball").endswith("(--use toys_that_fail)")
 
 
-def test_a_class_that_is_not_there_is_rejected_with_the_nearest_one(folder: Path) -> None:
-    (folder / "toys_without_one.py").write_text(SOURCE)
+def test_a_class_that_is_not_there_is_rejected_with_the_nearest_one(searched: Path) -> None:
+    (searched / "toys_without_one.py").write_text(SOURCE)
     registry.use("toys_without_one")
     there = "toy 'toys_without_one:{0}': module 'toys_without_one' has no class '{0}'"
     assert refusal(toys(), "toys_without_one:Bal") == there.format("Bal") + "; did you mean 'Ball'?"
@@ -165,11 +152,11 @@ def test_a_class_that_is_not_there_is_rejected_with_the_nearest_one(folder: Path
     assert refusal(toys(), "toys_without_one:Ball.inner") == there.format("Ball.inner")
 
 
-def test_an_installed_extension_is_found_by_its_entry_point(folder: Path) -> None:
-    (folder / "toys_installed.py").write_text(SOURCE)
+def test_an_installed_extension_is_found_by_its_entry_point(searched: Path) -> None:
+    (searched / "toys_installed.py").write_text(SOURCE)
     kind = toys("fes.tests_toys", own="agents.laws.neighbor_rules:Disk")
     classes = {"ball": "toys_installed:Ball", "lost": "toys_installed:Lost", "absent": "toys_absent:Ball"}
-    installed(folder, kind.group, **classes)
+    installed(searched, kind.group, **classes)
     assert "toys_installed" not in sys.modules
     created = registry.create(kind, "ball", "the context")
     assert (type(created).__module__, type(created).__name__, created.context) == (
@@ -184,14 +171,14 @@ def test_an_installed_extension_is_found_by_its_entry_point(folder: Path) -> Non
     assert refusal(kind, "qqq") == "there is no toy 'qqq'; known are own, ball, lost, absent, and `module:Class`"
 
 
-def test_a_built_in_name_is_never_that_of_an_installed_extension(folder: Path) -> None:
+def test_a_built_in_name_is_never_that_of_an_installed_extension(searched: Path) -> None:
     kind = toys("fes.tests_shadows", own="agents.laws.neighbor_rules:TwoNearest")
-    installed(folder, kind.group, own="toys_shadow:Ball")
+    installed(searched, kind.group, own="toys_shadow:Ball")
     assert registry.load(kind, "own") is TwoNearest
 
 
-def test_parameters_are_checked_by_the_class(folder: Path) -> None:
-    (folder / "toys_with_parameters.py").write_text(SOURCE)
+def test_parameters_are_checked_by_the_class(searched: Path) -> None:
+    (searched / "toys_with_parameters.py").write_text(SOURCE)
     registry.use("toys_with_parameters")
     name = "toys_with_parameters:Top"
 
@@ -208,8 +195,8 @@ def test_parameters_are_checked_by_the_class(folder: Path) -> None:
     assert refusal(toys(), name) == f"{where}color: is required"
 
 
-def test_an_extension_without_parameters_takes_none_and_one_without_a_table_is_rejected(folder: Path) -> None:
-    (folder / "toys_without_parameters.py").write_text(SOURCE)
+def test_an_extension_without_parameters_takes_none_and_one_without_a_table_is_rejected(searched: Path) -> None:
+    (searched / "toys_without_parameters.py").write_text(SOURCE)
     registry.use("toys_without_parameters")
     ball, loose = "toys_without_parameters:Ball", "toys_without_parameters:Loose"
     assert refusal(toys(), Use.model_validate({"use": ball, "size": 1})) == (
@@ -218,16 +205,16 @@ def test_an_extension_without_parameters_takes_none_and_one_without_a_table_is_r
     assert refusal(toys(), loose) == f"toy '{loose}': its `Parameters` is not a subclass of `fes.extension.Table`"
 
 
-def test_a_constructor_that_fails_is_one_line(folder: Path) -> None:
-    (folder / "toys_that_are_shut.py").write_text(SOURCE)
+def test_a_constructor_that_fails_is_one_line(searched: Path) -> None:
+    (searched / "toys_that_are_shut.py").write_text(SOURCE)
     registry.use("toys_that_are_shut")
     message = refusal(toys(), "toys_that_are_shut:Shut")
     assert message.startswith("toy 'toys_that_are_shut:Shut': ")
     assert message.endswith("RuntimeError: the box is shut")
 
 
-def test_only_a_law_that_declares_it_is_told_the_channel(folder: Path) -> None:
-    (folder / "toys_of_robots.py").write_text(SOURCE)
+def test_only_a_law_that_declares_it_is_told_the_channel(searched: Path) -> None:
+    (searched / "toys_of_robots.py").write_text(SOURCE)
     registry.use("toys_of_robots")
     assert not registry.is_told(toys(), "toys_of_robots:Ball")
     assert registry.is_told(toys(), "toys_of_robots:Informed")

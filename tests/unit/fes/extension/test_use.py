@@ -2,7 +2,6 @@
 
 import os
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
@@ -13,18 +12,6 @@ from fes.extension import registry
 from fes.extension.kinds import Kind
 
 TOY = Kind("toy", "fes.tests_without_toys", {})
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Iterator[Path]:
-    """A folder whose modules are forgotten afterwards."""
-    before, path = set(sys.modules), list(sys.path)
-    yield tmp_path
-    sys.path[:] = path
-    for name in set(sys.modules) - before:
-        if str(tmp_path) in str(getattr(sys.modules[name], "__file__", "")):
-            del sys.modules[name]
-            registry.withdraw(name)
 
 
 def written(file: Path, text: str = "class Law: pass\n") -> str:
