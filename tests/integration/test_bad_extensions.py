@@ -119,9 +119,9 @@ def test_a_scenario_that_names_no_working_extension_is_rejected_in_one_line(tabl
             {"metric": [{"use": f"{RUNS}:CentersPoses"}]},
             f"metric '{RUNS}:CentersPoses': add: {READ_ONLY}",
         ),
-        (
-            {"metric": [{"use": f"{RUNS}:StopsRobots"}]},
-            f"metric '{RUNS}:StopsRobots': add: {READ_ONLY}",
+        *(
+            ({"metric": [{"use": f"{RUNS}:{name}"}]}, f"metric '{RUNS}:{name}': add: {READ_ONLY}")
+            for name in ("StopsRobots", "RemovesRobot", "RestartsContacts")
         ),
         (
             {"seeking": {"use": f"{RUNS}:NegativePeriod", "separation": 60.0}},

@@ -26,6 +26,16 @@ class StopsRobots(Metric):
         twists *= 0.0
 
 
+class RemovesRobot(Metric):
+    def add(self, tick: Any) -> None:
+        tick.state.present &= False
+
+
+class RestartsContacts(Metric):
+    def add(self, tick: Any) -> None:
+        tick.state.radio.age *= 0
+
+
 class FailsAtOnce(Metric):
     def add(self, tick: Any) -> None:
         raise ValueError("no\nnumbers")

@@ -141,18 +141,15 @@ class MetricsCollector:
 
 def _read_only(truth: TickTruth) -> TickTruth:
     """The same truth for metrics of others: they cannot write to what the run still needs."""
-    given, radio = truth.telemetry, truth.state.radio
-    telemetry = given._replace(
-        estimates=read_only(given.estimates), learnt=read_only(given.learnt), details=read_only(given.details)
-    )
-    seen = replace(radio, reception=read_only(radio.reception), probability=read_only(radio.probability))
-    return truth._replace(
-        state=replace(truth.state, radio=seen),
-        twists=read_only(truth.twists),
-        telemetry=telemetry,
-        separation=read_only(truth.separation),
-        mean_separation=read_only(truth.mean_separation),
-    )
+    radio = replace(truth.state.radio, **_views(vars(truth.state.radio)))
+    state = replace(truth.state, **_views(vars(truth.state)), radio=radio)
+    telemetry = truth.telemetry._replace(**_views(truth.telemetry._asdict()))
+    return truth._replace(**_views(truth._asdict()), state=state, telemetry=telemetry)
+
+
+def _views(fields: dict[str, Any]) -> dict[str, Any]:
+    """Read-only views of the arrays among these fields."""
+    return {name: read_only(value) for name, value in fields.items() if isinstance(value, np.ndarray)}
 
 
 def link_reception(radio: Radio, links: Edges) -> Floats:
