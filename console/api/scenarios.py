@@ -43,9 +43,10 @@ def load(
     `name_or_path` is the name of a built-in scenario, such as "paper", or the path of a TOML file. `overrides` give
     fields other values: by dotted path, {"run.seed": 3}, or in nested tables, {"run": {"seed": 3}}. Values are those
     of TOML; numpy arrays count as lists. A table with the key `use` is one value, which replaces the former one:
-    {"formation.law": {"use": "voronoi", "gain": 2.0}}. `use` names modules, or files of modules, whose extensions the
-    scenario may name as `module:Class`; "__main__" is the notebook or script itself, for
-    runs in one loop.
+    {"formation.law": {"use": "voronoi", "gain": 2.0}}. The name of the file's own extension keeps its parameters.
+
+    `use` names modules, or files of modules, whose extensions the scenario may name as `module:Class`. "__main__" is
+    the notebook or script itself, for runs in one loop.
 
     Raises ScenarioError, a FesError of one line: the field, the rule and the offending value.
     """

@@ -36,7 +36,7 @@ class Cell:
     """One combination of the axes' values."""
 
     values: tuple[Value, ...]
-    """Values in the scenario, one per axis; a list, and an extension with parameters, as its JSON."""
+    """Values in the scenario, one per axis; a list as its JSON, an extension as its name."""
     scenario: Scenario
 
 
@@ -136,12 +136,7 @@ def crossed(
         crowd.check(scenario)
         extensions.check_importable(scenario)
         given = zip(fields, combination, strict=True)
-        cells.append(
-            Cell(
-                tuple(_value(scenario, field, value) for field, value in given),
-                scenario,
-            )
-        )
+        cells.append(Cell(tuple(_value(scenario, field, value) for field, value in given), scenario))
     design = Design(name, tuple(fields), cells, seeds, tuple(compared.column))
     for index, (field, values) in enumerate(fields.items()):
         if len(design.values(index)) < len(values):
@@ -214,7 +209,7 @@ def _split(raw: str) -> list[str]:
 
 
 def _value(scenario: Scenario, field: str, given: Any) -> Value:
-    """The value of a field; an extension is its name, with the parameters that the axis itself gives."""
+    """The value of a field; an extension is its name, with parameters if the axis gives them."""
     if field == SCHEME:
         return str(given)
     value = value_at(scenario.model_dump(mode="json", by_alias=True), field)
