@@ -1,0 +1,11 @@
+"""Elementary functions as fixed sequences of IEEE 754 operations: the same bits on every processor.
+
+elementary    all functions, on one page
+exponential   exp(x) and 1 - exp(-a)
+logarithm     log(x) and log(1 + x)
+power         x to a real power
+trigonometry  sin and cos
+angle         atan2
+sums          sums and matrix products in a fixed order
+exact         rounding to an integer, bits, and errors of products
+"""

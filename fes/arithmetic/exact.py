@@ -1,0 +1,45 @@
+"""Operations without a rounding error, of which the elementary functions are made."""
+
+import numpy as np
+
+from fes.arrays.types import Floats, Ints
+
+ROUND = 6755399441055744.0  # 1.5 * 2**52
+"""Added to a number below 2**51 in magnitude, it leaves the nearest integer in the last bits; ties go to even."""
+
+ROUND_BITS = 0x4338000000000000
+"""The bits of `ROUND`."""
+
+BIAS, MANTISSA = 1023, 52
+"""Bias of the exponent of a float, and number of its mantissa's bits."""
+
+_SPLIT = 134217729.0  # 2**27 + 1
+
+
+def bits(values: Floats) -> Ints:
+    """The bits of floats as integers, any shape."""
+    result: Ints = values.view(np.int64)
+    return result
+
+
+def from_bits(values: Ints) -> Floats:
+    """The floats with these bits, any shape."""
+    result: Floats = values.view(np.float64)
+    return result
+
+
+def power_of_two(exponent: Ints) -> Floats:
+    """2^exponent for exponents from -1022 to 1023, any shape."""
+    return from_bits((exponent + BIAS) << MANTISSA)
+
+
+def product_error(a: Floats, b: Floats, product: Floats) -> Floats:
+    """a b - product, where `product` is a b rounded (Dekker 1971); exact while nothing over- or underflows."""
+    t = a * _SPLIT
+    a_high = t - (t - a)
+    a_low = a - a_high
+    t = b * _SPLIT
+    b_high = t - (t - b)
+    b_low = b - b_high
+    error: Floats = ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low
+    return error

@@ -1,0 +1,94 @@
+"""x^y: products and one square root where y is a multiple of 1/2, exp(y log x) in twice the precision elsewhere."""
+
+import numpy as np
+
+from fes.arithmetic import exact, exponential, logarithm
+from fes.arrays.types import Floats
+
+SERIES = (
+    0.13251319912287723,
+    0.13250119072859887,
+    0.1538709071966058,
+    0.18181775666270608,
+    0.2222222264678884,
+    0.2857142856908592,
+    0.4000000000000625,
+    0.6666666666666666,
+)
+"""As `logarithm.SERIES`, with an error of 2^-66."""
+
+LN2_HIGH, LN2_LOW = 0.6931471805592082, 7.371002565167799e-13
+"""log 2 in two parts; the first has 40 bits."""
+
+MOST_PRODUCTS = 16
+"""Largest exponent that is a product."""
+
+
+def power(x: Floats, y: float) -> Floats:
+    """x^y for x >= 0 of any shape and one exponent.
+
+    A multiple of 1/2 from 0 to MOST_PRODUCTS is a product; others take x as at least the smallest normal number.
+    """
+    if 0.0 <= y <= MOST_PRODUCTS and (2.0 * y) % 1.0 == 0.0:
+        whole = product(x, int(y))
+        return whole if y % 1.0 == 0.0 else whole * np.sqrt(x)
+    return real_power(np.maximum(x, logarithm.SMALLEST), y)
+
+
+def product(x: Floats, n: int) -> Floats:
+    """x^n for n >= 0, by squaring from the highest bit of n."""
+    if n == 0:
+        return np.ones_like(x)
+    result = x
+    for bit in bin(n)[3:]:
+        result = result * result
+        if bit == "1":
+            result = result * x
+    return result
+
+
+def real_power(x: Floats, y: Floats | float) -> Floats:
+    """x^y for normal positive x, any shapes that broadcast."""
+    k, f = logarithm.split(x)
+    e = k.astype(np.float64)
+    t = f + 2.0
+    s = f / t
+    product = s * t
+    s_low = (((f - product) - exact.product_error(s, t, product)) - s * (f - (t - 2.0))) / t
+    z = s * s
+    q = z * SERIES[0]
+    q += SERIES[1]
+    for coefficient in SERIES[2:]:
+        q *= z
+        q += coefficient
+    q *= z
+    q *= s
+    q += 2.0 * s_low
+    q += e * LN2_LOW
+    # log x = high + low
+    whole, part = e * LN2_HIGH, 2.0 * s
+    total = whole + part
+    low = ((whole - total) + part) + q
+    high = total + low
+    low = (total - high) + low
+    # y log x = product + low
+    exponents = np.asarray(y, dtype=np.float64)
+    product = exponents * high
+    low = exact.product_error(exponents, high, product) + exponents * low
+    return _exp(np.minimum(np.maximum(product, exponential.LEAST), exponential.MOST), low)
+
+
+def _exp(x: Floats, low: Floats) -> Floats:
+    """e^(x + low), for a `low` below 1e-12."""
+    t = x * exponential.PER_LN2
+    t = t + exact.ROUND
+    n = exact.bits(t) - exact.ROUND_BITS
+    t = t - exact.ROUND
+    w, v = x - t * exponential.LN2_HIGH, t * exponential.LN2_LOW
+    r = w - v
+    r_low = ((w - r) - v) + low
+    tail = exponential.tail(r)
+    tail += r_low + r_low * (r + tail)
+    whole = 1.0 + r
+    result: Floats = (whole + ((r - (whole - 1.0)) + tail)) * exact.power_of_two(n - 1)
+    return result * 2.0

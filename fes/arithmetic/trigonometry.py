@@ -1,0 +1,76 @@
+"""sin and cos together, by a reduction to a quarter turn and two polynomials without a table.
+
+x = n pi/2 + r + e with |r| <= pi/4: pi/2 is in three parts, so that n times each of the first two is exact.
+"""
+
+import numpy as np
+
+from fes.arithmetic import exact
+from fes.arrays.types import Floats
+
+PER_QUARTER = 0.6366197723675814
+QUARTER_HIGH, QUARTER_MIDDLE, QUARTER_LOW = 1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21
+"""pi/2; the first two parts have 33 bits each."""
+
+SINES = (
+    1.5896066701344328e-10,
+    -2.5050745023009887e-08,
+    2.755731360442391e-06,
+    -0.00019841269829542273,
+    0.008333333333322061,
+    -0.1666666666666663,
+)
+COSINES = (
+    -1.1358423270163104e-11,
+    2.0875698703482154e-09,
+    -2.75573141639367e-07,
+    2.4801587288799876e-05,
+    -0.0013888888888872975,
+    0.041666666666666595,
+)
+
+TURN = 6.283185307179586
+
+MOST = 1e6
+"""Largest magnitude [rad] with full precision; larger angles are wrapped first, by the float nearest to 2 pi."""
+
+
+def sin_cos(x: Floats) -> tuple[Floats, Floats]:
+    """sin(x) and cos(x), any shape [rad]."""
+    if np.logical_or.reduce(np.abs(x) > MOST, axis=None):
+        x = np.where(np.abs(x) > MOST, np.remainder(x, TURN), x)
+    t = x * PER_QUARTER
+    t = t + exact.ROUND
+    n = exact.bits(t)
+    t = t - exact.ROUND
+    y, w = x - t * QUARTER_HIGH, t * QUARTER_MIDDLE
+    high = y - w
+    v = high - y
+    low = ((y - (high - v)) - (w + v)) - t * QUARTER_LOW
+    r = high + low
+    e = (high - r) + low
+    z = r * r
+    half = 0.5 * z
+    s = _polynomial(SINES, z)
+    s *= z
+    s *= r
+    s += e - half * e
+    s += r
+    c = _polynomial(COSINES, z)
+    c *= z * z
+    c -= r * e
+    w = 1.0 - half
+    c += (1.0 - w) - half
+    c += w
+    is_odd = (n & 1) == 1
+    sine, cosine = np.where(is_odd, c, s), np.where(is_odd, s, c)
+    return np.where((n & 2) == 2, -sine, sine), np.where(((n + 1) & 2) == 2, -cosine, cosine)
+
+
+def _polynomial(coefficients: tuple[float, ...], z: Floats) -> Floats:
+    q = z * coefficients[0]
+    q += coefficients[1]
+    for coefficient in coefficients[2:]:
+        q *= z
+        q += coefficient
+    return q
