@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fes.arithmetic import elementary
 from fes.arrays import geometry
 from fes.arrays.types import Floats, Ints
 from fes.errors import FesError
@@ -30,15 +31,21 @@ def twist(vector: Floats, heading: Floats, dt: float, config: FormationConfig) -
 
     `vector` [n, 2] [m] is g, held over the tick. (7) then turns the heading by delta' = -mu'|g| sin(delta), with
     delta the bearing of g from the heading. At mu' = 10 that is stiff (hundreds of rad/s). So omega is the mean rate
-    of the exact flow, delta(h) = 2 atan(tan(delta_0 / 2) exp(-mu'|g| h)). v is that of (6) at the tick's beginning.
+    of the exact flow, tan(delta(h) / 2) = tan(delta_0 / 2) E with E = exp(-mu'|g| h). With c and s, the components
+    of g along and across the heading, tan(delta_0 / 2) = s / (|g| + c), and the flow turns by
+    2 atan2(s (1 - E), |g| + c + (|g| - c) E). v is that of (6) at the tick's beginning.
     """
     x, y = vector[:, 0], vector[:, 1]
     size = geometry.separation(x, y)
-    begin = geometry.wrap(np.arctan2(y, x) - heading)
-    end = 2.0 * np.arctan(np.tan(0.5 * begin) * np.exp(-config.angular_gain * dt * size))
+    sine, cosine = elementary.sin_cos(heading)
+    along, across = x * cosine + y * sine, y * cosine - x * sine
+    rate = config.angular_gain * dt * size
+    decay, rise = elementary.exp_and_rise(-rate, rate)
+    # Rounding may make the sum negative where g points straight backward.
+    ahead = np.maximum((size + along) + (size - along) * decay, 0.0)
     result = np.empty((len(heading), 2))
-    result[:, geometry.LINEAR] = config.linear_gain * size * np.cos(begin)
-    result[:, geometry.ANGULAR] = (begin - end) / dt
+    result[:, geometry.LINEAR] = config.linear_gain * along
+    result[:, geometry.ANGULAR] = 2.0 * elementary.atan2(across * rise, ahead) / dt
     return limited(result, config)
 
 

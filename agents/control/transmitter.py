@@ -105,14 +105,13 @@ def damage(seed: int, tick: int, robot: int, beacon: bytes) -> bytes:
     The result never decodes as a beacon. A beacon has no redundancy, so most flipped bits would give a valid beacon
     with other numbers. A real radio's checksum detects these, so bits are flipped until decoding fails.
     """
-    counter = np.array([0, tick, robot, 0], dtype=np.uint64)
-    numbers = np.random.Generator(np.random.Philox(key=draws.key(seed, "damage"), counter=counter))
-    kind = numbers.integers(3)
+    words = draws.words(draws.key(seed, "damage"), tick, robot)
+    kind = next(words) % 3
     if kind == 0:
-        return beacon[: numbers.integers(len(beacon))]
-    damaged = bytearray(numbers.bytes(len(beacon)) if kind == 1 else beacon)
+        return beacon[: next(words) % len(beacon)]
+    damaged = bytearray(next(words) & 0xFF for _ in beacon) if kind == 1 else bytearray(beacon)
     while _is_beacon(bytes(damaged)):
-        damaged[numbers.integers(len(damaged))] ^= 1 << int(numbers.integers(8))
+        damaged[next(words) % len(damaged)] ^= 1 << next(words) % 8
     return bytes(damaged)
 
 

@@ -9,17 +9,40 @@ Sums over nodes run along the second axis of small arrays, term by term. So a li
 number of links that are computed together. Those of a matrix product would.
 """
 
-from collections.abc import Callable
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from fes.arithmetic import elementary, sums
 from fes.arrays.types import Floats
 
 NODES = 5
 """Gauss-Legendre nodes per step; fewer than 8, so that numpy adds them in order."""
 
-_QUADRATURE = 24
+POINTS = np.array([0.046910077030668004, 0.23076534494715845, 0.5, 0.7692346550528415, 0.953089922969332])
+"""The nodes within a step of length 1."""
+
+_QUADRATURE = (
+    (0.06405689286260563, 0.12793819534675216),
+    (0.1911188674736163, 0.1258374563468283),
+    (0.3150426796961634, 0.12167047292780339),
+    (0.4337935076260451, 0.1155056680537256),
+    (0.5454214713888396, 0.10744427011596563),
+    (0.6480936519369755, 0.09761865210411388),
+    (0.7401241915785544, 0.08619016153195327),
+    (0.820001985973903, 0.0733464814110803),
+    (0.8864155270044011, 0.05929858491543678),
+    (0.9382745520027328, 0.04427743881741981),
+    (0.9747285559713095, 0.028531388628933663),
+    (0.9951872199970213, 0.0123412297999872),
+)
+"""Positive points of the Gauss-Legendre rule with 24 points on [-1, 1], and their weights."""
+
+QUADRATURE_POINTS = np.array([sign * point for point, _ in _QUADRATURE for sign in (-1.0, 1.0)])
+QUADRATURE_WEIGHTS = np.array([weight for _, weight in _QUADRATURE for _ in range(2)])
+"""Of the responses: exact for the products of a Lagrange polynomial and an exponential."""
+
 _TAYLOR = 30
 
 
@@ -46,55 +69,59 @@ def step(length: float, low_pass: float, washout: float, consensus: float, sign:
     `low_pass` and `washout` are the cut-offs [rad/s], and `consensus` is kappa [1/s], 0 for a link without a peer.
     `sign` is that of the kappa term in xi': -1 as printed, +1 for consensus.
     """
-    points, _ = np.polynomial.legendre.leggauss(NODES)
-    nodes = 0.5 * (points + 1.0)
-    ends = np.append(nodes, 1.0)
+    ends = np.append(POINTS, 1.0)
     high_pass = np.array([[-washout]])
     # (r_hat, xi)' = system (r_hat, xi) + from_peer r_hat_peer + from_index demodulated
     system = np.array([[-consensus, 1.0], [-sign * low_pass * consensus, -low_pass]])
     from_peer = np.array([consensus, sign * low_pass * consensus])
     from_index = np.array([0.0, low_pass])
-    path_start, path_input = [], []
-    for end in ends:
-        peer = _response(system, from_peer, length, end, np.ones_like)[:, :1]
-        path_start.append(np.hstack([_exponential(system * length * end), peer]))
-        path_input.append(_response(system, from_index, length, end, lambda s: _lagrange(nodes, s)))
-    rows = [part[0] for part in path_start] + [path_start[-1][1]]
-    inputs = [part[0] for part in path_input] + [path_input[-1][1]]
-    wash = [_response(high_pass, np.array([washout]), length, end, lambda s: _lagrange(nodes, s))[0] for end in ends]
+    own = _exponential(system * (length * ends)[:, None, None])
+    peer = _response(system, from_peer, length, ends, constant=True)
+    index = _response(system, from_index, length, ends)
+    starts = np.concatenate([own, peer], axis=2)
     return Step(
-        nodes=length * nodes,
-        washout_start=np.exp(-washout * length * ends)[:, None],
-        washout_input=np.array(wash)[:, :, None],
-        path_start=np.array(rows)[:, :, None],
-        path_input=np.array(inputs)[:, :, None],
+        nodes=length * POINTS,
+        washout_start=elementary.exp(-washout * length * ends)[:, None],
+        washout_input=_response(high_pass, np.array([washout]), length, ends)[:, 0, :, None],
+        path_start=np.concatenate([starts[:, 0], starts[-1:, 1]])[:, :, None],
+        path_input=np.concatenate([index[:, 0], index[-1:, 1]])[:, :, None],
     )
 
 
-def _response(system: Floats, gain: Floats, length: float, end: float, shape: Callable[[Floats], Floats]) -> Floats:
-    """Integral over t in [0, end * length] of exp(system * (end * length - t)) gain shape(t / length) dt."""
-    points, weights = np.polynomial.legendre.leggauss(_QUADRATURE)
-    times = 0.5 * end * (points + 1.0)
-    kernels = np.stack([_exponential(system * length * (end - s)) @ gain for s in times], axis=1)
-    return 0.5 * end * length * (kernels * weights) @ np.atleast_2d(shape(times)).reshape(len(times), -1)
+def _response(system: Floats, gain: Floats, length: float, ends: Floats, *, constant: bool = False) -> Floats:
+    """Integral over t in [0, end * length] of exp(system * (end * length - t)) gain shape(t / length) dt.
+
+    One for each of the `ends` [e], with the Lagrange polynomials of POINTS as shapes, or the `constant` 1: [e, k, s].
+    """
+    times = 0.5 * ends[:, None] * (QUADRATURE_POINTS + 1.0)
+    spans = length * (ends[:, None] - times)
+    kernels = sums.product(_exponential(system * spans[:, :, None, None]), gain[:, None])[..., 0]
+    shapes = np.ones((*times.shape, 1)) if constant else _lagrange(times)
+    weighted = (0.5 * ends * length)[:, None, None] * kernels * QUADRATURE_WEIGHTS[:, None]
+    return sums.product(np.swapaxes(weighted, 1, 2), shapes)
 
 
-def _lagrange(nodes: Floats, times: Floats) -> Floats:
-    """The Lagrange polynomials of the nodes at `times` [t], both in units of the step [t, NODES]."""
+def _lagrange(times: Floats) -> Floats:
+    """The Lagrange polynomials of POINTS at `times` [...], both in units of the step [..., NODES]."""
     columns = []
-    for j, node in enumerate(nodes):
-        others = np.delete(nodes, j)
-        columns.append(np.prod((times[:, None] - others) / (node - others), axis=1))
-    return np.stack(columns, axis=1)
+    for j, node in enumerate(POINTS.tolist()):
+        column = np.ones_like(times)
+        for k, other in enumerate(POINTS.tolist()):
+            if k != j:
+                column = column * ((times - other) / (node - other))
+        columns.append(column)
+    return np.stack(columns, axis=-1)
 
 
-def _exponential(matrix: Floats) -> Floats:
-    """exp of a small matrix of norm below about 10, by halving and Taylor's series."""
-    halvings = max(0, int(np.ceil(np.log2(max(np.abs(matrix).sum(), 1e-300)))) + 1)
-    term = result = np.eye(len(matrix))
+def _exponential(matrices: Floats) -> Floats:
+    """exp of small matrices [..., k, k] of norms below about 10, by halving and Taylor's series."""
+    largest = float(np.abs(matrices).max(initial=0.0)) * len(matrices[0])
+    halvings = max(0, math.frexp(largest)[1] + 1)
+    scaled = matrices * math.ldexp(1.0, -halvings)
+    term = result = np.broadcast_to(np.eye(matrices.shape[-1]), matrices.shape)
     for order in range(1, _TAYLOR):
-        term = term @ (matrix / 2.0**halvings) / order
+        term = sums.product(term, scaled) / order
         result = result + term
     for _ in range(halvings):
-        result = result @ result
+        result = sums.product(result, result)
     return result

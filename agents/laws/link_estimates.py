@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from fes.arithmetic import elementary
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
 from fes.extension.context import Draws
@@ -19,7 +20,7 @@ NO_SKEW = np.zeros(1)
 
 def dither(config: LinkSeekingConfig, time: Floats) -> Floats:
     """a sin(beta_0 t) [m] at `time` [s], any shape; the same for all links, on one clock."""
-    return config.dither_amplitude * np.sin(config.dither_frequency * time)
+    return config.dither_amplitude * elementary.sin_cos(config.dither_frequency * time)[0]
 
 
 def stagger(config: LinkSeekingConfig, draws: Draws, links: Edges) -> Floats:

@@ -7,13 +7,16 @@ from typing import Literal
 
 import numpy as np
 
-from agents.laws.perturbation import Index
 from agents.laws.seeking_perturbation import PerturbationSeeking
+from fes.arithmetic import elementary
 from fes.arrays.types import Floats
 from fes.extension.context import LawContext
 from fes.model import outage
 from fes.model.config import ChannelConfig, ObjectiveConfig
+from fes.model.objective import share_of_reach
 from fes.model.seeking import OracleConfig
+
+LEAST_SPREAD = 1e-300
 
 NEARLY_ZERO = 1e-9
 """The smallest separation [m] at which the index is evaluated: an estimate may overshoot below zero."""
@@ -23,45 +26,74 @@ LEAST = -1e9
 would be infinite at an estimate that is far off, because of a peer's estimate of 1e12 m, say."""
 
 
-def index(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal["log", "none"]) -> Index:
-    """J of (33), or ln J, as a function of separations [m] in an array.
+class FormulaIndex:
+    """J of (33), or ln J.
 
-    J(r) = S(r) p(r) = [1 - exp(-A)] exp(-q A - c r^nu), with A = (r/r_min)^s and q = (r_min/r_x)^s. It is evaluated
-    at many points per tick, and this form has one exponential less than `fes.model.objective` and `fes.model.outage`.
-    For a logistic channel, ln p = -ln(1 + e^z) replaces -c r^nu.
+    J(r) = S(r) p(r) = [1 - exp(-A)] exp(-q A - c r^nu), with A = (r/r_min)^s and q = (r_min/r_x)^s. For a logistic
+    channel, ln p = -ln(1 + e^z) replaces -c r^nu. It is evaluated at many points per tick, and this form has one
+    exponential less than `fes.model.objective` and `fes.model.outage`.
     """
-    shape, scale = objective.shape_exponent, objective.minimum_separation
-    reach = -((scale / objective.maximum_separation) ** shape)
-    logistic = channel.model == "logistic"
-    loss = 0.0 if logistic else -outage.exponent_scale(channel)
-    exponent = channel.path_loss_exponent
 
-    def exponents(separation: Floats) -> tuple[Floats, Floats]:
-        """1 - exp(-A), and -q A + ln p."""
+    def __init__(self, objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal["log", "none"]) -> None:
+        self._objective, self._channel, self._is_log = objective, channel, transform == "log"
+        self._reach = share_of_reach(objective)
+        self._loss = 0.0 if channel.model == "logistic" else outage.exponent_scale(channel)
+
+    def __call__(self, separation: Floats) -> Floats:
+        """The index at `separation` [m], any shape."""
         r = np.maximum(separation, NEARLY_ZERO)
-        spread = np.power(r / scale, shape)
-        decay = reach * spread
-        if loss != 0.0:
-            decay += loss * np.power(r, exponent)
-        if logistic:
-            decay -= np.logaddexp(0.0, outage.logistic_excess(r, channel))
-        np.negative(spread, out=spread)
-        np.expm1(spread, out=spread)
-        return np.negative(spread, out=spread), decay
+        spread = self._spread(r)
+        decay = self._log_reception(r) - self._reach * spread
+        return self._value(decay, spread)[0]
 
-    def plain(separation: Floats) -> Floats:
-        gain, decay = exponents(separation)
-        np.exp(decay, out=decay)
-        decay *= gain
-        return decay
+    def parabola(self, separation: Floats) -> tuple[Floats, Floats, Floats]:
+        """The index at `separation` [m], any shape, its slope [1/m] and half its second derivative [1/m^2]."""
+        shape, r = self._objective.shape_exponent, np.maximum(separation, NEARLY_ZERO)
+        spread = self._spread(r)
+        reception, loss, bend = self._reception(r)
+        reach = self._reach * spread
+        value, rise = self._value(reception - reach, spread)
+        # r (ln S)' = s (f - q A) with f = A/(e^A - 1), and r f' = s f (1 - A/(1 - e^-A))
+        turn = spread / rise
+        fall = turn * (1.0 - rise)
+        slope = (shape * (fall - reach) + loss) / r
+        second = (shape * (shape * (fall * (1.0 - turn) - reach) - fall + reach) + bend) / (r * r)
+        if not self._is_log:
+            second = value * (second + slope * slope)
+            slope = value * slope
+        return value, slope, 0.5 * second
 
-    def log(separation: Floats) -> Floats:
-        gain, decay = exponents(separation)
-        np.maximum(decay, LEAST, out=decay)
-        decay += np.log(gain, out=gain)
-        return decay
+    def _spread(self, r: Floats) -> Floats:
+        """A, between bounds at which A/(1 - e^-A) has all its digits."""
+        spread = elementary.power(r / self._objective.minimum_separation, self._objective.shape_exponent)
+        return np.minimum(np.maximum(spread, LEAST_SPREAD), -LEAST)
 
-    return log if transform == "log" else plain
+    def _value(self, decay: Floats, spread: Floats) -> tuple[Floats, Floats]:
+        """The index, and 1 - e^-A."""
+        if self._is_log:
+            rise = elementary.one_minus_exp(spread)
+            return np.maximum(decay, LEAST) + elementary.log(rise), rise
+        fall, rise = elementary.exp_and_rise(decay, spread)
+        return fall * rise, rise
+
+    def _log_reception(self, r: Floats) -> Floats:
+        """ln p."""
+        if self._channel.model == "logistic":
+            return -elementary.log_sum_exp(outage.logistic_excess(r, self._channel))
+        if self._loss == 0.0:
+            return np.zeros_like(r)
+        return -self._loss * elementary.power(r, self._channel.path_loss_exponent)
+
+    def _reception(self, r: Floats) -> tuple[Floats, Floats, Floats]:
+        """ln p, r (ln p)' and r^2 (ln p)''."""
+        log = self._log_reception(r)
+        if self._channel.model == "logistic":
+            lost = outage.outage_probability(r, self._channel)
+            per_width = r / self._channel.logistic_width
+            loss = -lost * per_width
+            return log, loss, loss * (1.0 - lost) * per_width
+        exponent = self._channel.path_loss_exponent
+        return log, exponent * log, exponent * (exponent - 1.0) * log
 
 
 class OracleSeeking(PerturbationSeeking):
@@ -72,5 +104,5 @@ class OracleSeeking(PerturbationSeeking):
 
     def __init__(self, parameters: OracleConfig, context: LawContext) -> None:
         assert context.channel is not None
-        formula = index(context.objective, context.channel.config, parameters.index_transform)
+        formula = FormulaIndex(context.objective, context.channel.config, parameters.index_transform)
         super().__init__(parameters, context, formula)

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fes.arithmetic import elementary
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats, Ints
 from fes.model import objective
@@ -60,7 +61,7 @@ NEAREST = 0.1
 LEAST_WEIGHT = 2.0
 """Smallest weight of the short memory at which its means are good enough to correct the slope."""
 
-LEVEL_PRIOR = (float(np.log(-np.log(0.9))), 0.1 / 2.25)
+LEVEL_PRIOR = (-2.2503673273124454, 0.1 / 2.25)  # ln(-ln 0.9)
 """A reception of 0.9 at rho_0, and its weight."""
 
 SPEED, LEAST_CURVATURE, ESTIMATES = 5.0, 2e-4, (20.0, 145.0)
@@ -104,8 +105,10 @@ def forget(reception: ReceptionFit, restarted: Bools) -> ReceptionFit:
 def fade(reception: ReceptionFit, dt: float) -> ReceptionFit:
     """The learners, with their statistics faded by a tick of `dt` [s]."""
     statistics = reception.statistics.copy()
-    statistics[:, :3] *= np.exp(-dt / reception.method.short_memory)
-    statistics[:, 3:] *= np.exp(-dt / reception.method.long_memory)
+    memories = np.array([reception.method.short_memory, reception.method.long_memory])
+    kept = elementary.exp(-dt / memories)
+    statistics[:, :3] *= kept[0]
+    statistics[:, 3:] *= kept[1]
     return replace(reception, statistics=statistics)
 
 
@@ -128,10 +131,10 @@ def mix(reception: ReceptionFit, edges: Edges, heard: Bools, received: Floats) -
 def learn(reception: ReceptionFit, rows: Ints, separation: Floats, decoded: Bools, scale: float) -> ReceptionFit:
     """Statistics and fit after beacon slots [s] of the learners `rows`, at `separation` [m]; rho_0 is `scale` [m]."""
     n = len(reception.level)
-    u = np.log(np.maximum(separation / scale, NEAREST))
+    u = elementary.log(np.maximum(separation / scale, NEAREST))
     predictor = np.clip(reception.level[rows] + reception.exponent[rows] * u, LOW, HIGH)
-    rate = np.exp(predictor)  # -ln p
-    p = np.exp(-rate)
+    rate = elementary.exp(predictor)  # -ln p
+    p = elementary.exp(-rate)
     weight = rate * rate * p / (1.0 - p)
     response = weight * predictor + np.where(decoded, -rate, rate * p / (1.0 - p))
     before = reception.statistics
@@ -142,7 +145,13 @@ def learn(reception: ReceptionFit, rows: Ints, separation: Floats, decoded: Bool
     counts = known[rows].astype(np.float64)
     statistics = before.copy()
     for column, values in enumerate(
-        (weight, weight * u, response, counts * weight * centered**2, counts * centered * (response - weight * mean))
+        (
+            weight,
+            weight * u,
+            response,
+            counts * weight * (centered * centered),
+            counts * centered * (response - weight * mean),
+        )
     ):
         statistics[:, column] += np.bincount(rows, values, minlength=n)
     return _fit(reception.method, statistics)
@@ -151,10 +160,11 @@ def learn(reception: ReceptionFit, rows: Ints, separation: Floats, decoded: Bool
 def drift(reception: ReceptionFit, rows: Ints, estimate: Floats, config: ObjectiveConfig, scale: float) -> Floats:
     """Speed [l] [m/s] at which estimates [l] [m] of links of learners `rows` climb ln J: a bounded Newton step."""
     exponent = reception.exponent[rows]
-    rate = np.exp(reception.level[rows]) * np.power(estimate / scale, exponent)
+    rate = elementary.exp(reception.level[rows] + exponent * elementary.log(estimate / scale))
     channel = -exponent * rate / estimate  # (ln p)'
-    slope = objective.log_preference_slope(estimate, config) + channel
-    curvature = objective.log_preference_curvature(estimate, config) + channel * (exponent - 1.0) / estimate
+    slope, curvature = objective.log_preference_derivatives(estimate, config)
+    slope = slope + channel
+    curvature = curvature + channel * (exponent - 1.0) / estimate
     size = config.maximum_separation / FARTHEST
     step = -reception.method.gain * slope / np.minimum(curvature, -LEAST_CURVATURE / np.square(size))
     speed: Floats = np.clip(step, -SPEED * size, SPEED * size)

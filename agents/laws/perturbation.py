@@ -7,9 +7,9 @@ default, reverses the sign of the kappa term in xi'. At the paper's own kappa = 
 of its Lyapunov function (28) negative definite.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -26,14 +26,26 @@ from fes.model.seeking import PerturbationConfig
 ESTIMATE, DRIFT, BASELINE = 0, 1, 2
 """Rows of the seeking state [3, l]: r_hat [m], xi [m/s], eta [index]."""
 
-SWEEPS = 3
-"""Picard sweeps per step. At 2 rad of dither per step the error stays below 1e-5 of the travel from a start in
-[50, 90] m. From 25 m, where ln J is steepest, it stays below 1e-3."""
+SWEEPS = 4
+"""Picard sweeps per step, with the index as a parabola about the path that only drifts. At 2 rad of dither per step
+the error stays below 1e-7 of the travel from a start in [50, 90] m. From 25 m, where ln J is steepest, it stays below
+1e-5. Three sweeps that evaluate the index anew leave ten times as much."""
+
+TRUSTED = 0.1
+"""Share of a separation over which the parabola counts; beyond it the index is evaluated anew."""
 
 MAX_EXTRAPOLATION = 0.1
 """Age [s] up to which a peer's estimate is extrapolated."""
 
-Index = Callable[[Floats], Floats]
+
+class Index(Protocol):
+    """A performance index as a function of separations [m] in an array of any shape."""
+
+    def __call__(self, separation: Floats) -> Floats:
+        """The index at `separation` [m]."""
+
+    def parabola(self, separation: Floats) -> tuple[Floats, Floats, Floats]:
+        """The index at `separation` [m], its slope [1/m] and half its second derivative [1/m^2]."""
 
 
 @dataclass(frozen=True)
@@ -134,9 +146,14 @@ def _integrate(seeker: Seeker, begin: Floats, state: Floats, peer: Floats, linea
         held = linear.washout_start * state[BASELINE]
         start[:2] = state[:2]
         drift = np.add.reduce(linear.path_start * start, axis=1)
-        path = drift
+        path, center = drift, drift[:n] + wave
+        value, slope, bend = index.parabola(center)
         for _ in range(SWEEPS):
-            sample = index(path[:n] + wave)
+            ahead = path[:n] - drift[:n]
+            sample = value + ahead * (slope + ahead * bend)
+            is_far = np.abs(ahead) > TRUSTED * center
+            if np.logical_or.reduce(is_far, axis=None):
+                sample = np.where(is_far, index(center + ahead), sample)
             sample *= seeker.config.index_gain
             baseline = np.add.reduce(linear.washout_input * sample, axis=1)
             baseline += held

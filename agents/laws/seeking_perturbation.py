@@ -1,7 +1,6 @@
 """The seeking laws that climb an index by perturbation (18): with the oracle's index, and with samples of J."""
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from fes.extension.context import LawContext
 from fes.extension.neighborhood import Entry, Neighborhood
 from fes.extension.protocols import Formed, Published
 from fes.model import objective
+from fes.model.config import ObjectiveConfig
 from fes.model.seeking import PerturbationConfig, SampledConfig
 
 
@@ -71,8 +71,7 @@ class SampledSeeking(PerturbationSeeking):
     Parameters = SampledConfig
 
     def __init__(self, parameters: SampledConfig, context: LawContext) -> None:
-        # This index gives only the initial baseline of a link.
-        super().__init__(parameters, context, partial(objective.preference, objective=context.objective))
+        super().__init__(parameters, context, _Preference(context.objective))
 
     def desired(self, state: Floats, tick: int, links: Edges) -> Floats:
         """The estimates, with the dither of each robot's clock."""
@@ -85,14 +84,35 @@ class SampledSeeking(PerturbationSeeking):
         return self.climb(state, around, _Constant(sample(around, self.context)))
 
 
+class _Flat:
+    """An index whose slope is not known."""
+
+    def __call__(self, separation: Floats) -> Floats:
+        raise NotImplementedError
+
+    def parabola(self, separation: Floats) -> tuple[Floats, Floats, Floats]:
+        flat = np.zeros_like(separation)
+        return self(separation), flat, flat
+
+
 @dataclass(frozen=True, eq=False)
-class _Constant:
+class _Constant(_Flat):
     """An index that has the same sample at every separation: a tick gives only one."""
 
     sample: Floats
 
     def __call__(self, separation: Floats) -> Floats:
         return np.broadcast_to(self.sample, separation.shape).copy()
+
+
+@dataclass(frozen=True, eq=False)
+class _Preference(_Flat):
+    """The index of the initial baseline of a link: S(r)."""
+
+    objective: ObjectiveConfig
+
+    def __call__(self, separation: Floats) -> Floats:
+        return objective.preference(separation, self.objective)
 
 
 def sample(around: Neighborhood, context: LawContext) -> Floats:

@@ -21,6 +21,7 @@ from fes.extension import (
     NonNegative,
     Positive,
     Table,
+    elementary,
 )
 
 EPSILON, BUMP, FORCE = 0.1, 0.2, 5.0
@@ -97,7 +98,7 @@ class AlphaLattice:
     def _adjacency(self, separation: Floats) -> Floats:
         """a_ij at `separation` [m], any shape: 1 when near, and smoothly 0 at the range."""
         share = sigma(separation) / sigma(np.array(self._range))
-        fall = 0.5 * (1.0 + np.cos(np.pi * (np.clip(share, BUMP, 1.0) - BUMP) / (1.0 - BUMP)))
+        fall = 0.5 * (1.0 + elementary.sin_cos(np.pi * (np.clip(share, BUMP, 1.0) - BUMP) / (1.0 - BUMP))[1])
         return np.where(share < 1.0, fall, 0.0)
 
 

@@ -50,5 +50,5 @@ class Connectivity:
         error = separation - desired
         room = np.where(error > 0.0, np.maximum(self._reach - desired, 1e-9), desired)
         share = np.minimum(np.abs(error) / room, 1.0 - CLOSEST)
-        stiffness = 0.5 * (2.0 - share) / (1.0 - share) ** 2
+        stiffness = 0.5 * (2.0 - share) / np.square(1.0 - share)
         return self._gain * stiffness * np.sign(error) * share * room

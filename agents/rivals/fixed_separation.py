@@ -5,7 +5,19 @@ It represents formation control with a length that was chosen before the mission
 
 import numpy as np
 
-from fes.extension import Bools, Edges, Entry, Floats, Formed, LawContext, Neighborhood, Positive, Published, Table
+from fes.extension import (
+    Bools,
+    Edges,
+    Entry,
+    Floats,
+    Formed,
+    LawContext,
+    Neighborhood,
+    Positive,
+    Published,
+    Table,
+    elementary,
+)
 
 DISTINCT = 0.95
 """Factor [1 - exp(-(r/r_min)^s)] of (16) at the default separation: 5 % less than the most that a link can have."""
@@ -30,8 +42,9 @@ class FixedSeparation:
 
     def __init__(self, parameters: FixedSeparationParameters, context: LawContext) -> None:
         objective = context.objective
-        least = objective.minimum_separation * (-np.log(1.0 - DISTINCT)) ** (1.0 / objective.shape_exponent)
-        self.separation = float(least) if parameters.separation is None else parameters.separation
+        spread = -elementary.log(np.array([1.0 - DISTINCT]))
+        least = objective.minimum_separation * elementary.power(spread, 1.0 / objective.shape_exponent)
+        self.separation = float(least[0]) if parameters.separation is None else parameters.separation
         self._nothing = np.zeros((len(context.ids), 0))
 
     def start(self) -> None:

@@ -70,5 +70,6 @@ class Gradient:
 
     def _near(self, separation: Floats) -> tuple[Floats, Floats]:
         """The near field at `separation` [m] and its slope [1/m], of the same shape."""
-        length = np.sqrt(separation * separation + self._near_field**2)
-        return separation / length, self._near_field**2 / length**3
+        square = self._near_field * self._near_field
+        length = np.sqrt(separation * separation + square)
+        return separation / length, square / (length * length * length)

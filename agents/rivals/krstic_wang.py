@@ -24,6 +24,7 @@ from fes.extension import (
     Positive,
     Published,
     Table,
+    elementary,
     preference,
 )
 
@@ -125,4 +126,4 @@ class KrsticWang:
     def _wave(self, tick: int, links: Edges) -> Floats:
         """sin(omega t) on the clock of each link's robot [l]."""
         time = tick * self._context.dt + self._context.skew(tick, links)
-        return np.broadcast_to(np.sin(self._parameters.dither_frequency * time), (len(links),))
+        return np.broadcast_to(elementary.sin_cos(self._parameters.dither_frequency * time)[0], (len(links),))

@@ -20,6 +20,8 @@ from fes.extension import (
     Neighborhood,
     Positive,
     Table,
+    elementary,
+    sums,
 )
 
 
@@ -46,7 +48,7 @@ class Voronoi:
         self._n, self._gain = len(context.ids), parameters.gain
         self._radius = parameters.sensing_radius or context.objective.minimum_separation
         angles = 2.0 * np.pi * np.arange(parameters.rays) / parameters.rays
-        self._x, self._y = np.cos(angles), np.sin(angles)
+        self._y, self._x = elementary.sin_cos(angles)
 
     def start(self) -> None:
         """No state."""
@@ -58,9 +60,10 @@ class Voronoi:
         """The pull toward the centroid of each robot's cell."""
         length = self.cell(around.contacts)
         angle = 2.0 * np.pi / len(self._x)
-        area = 0.5 * angle * np.sum(length**2, axis=1)
-        moment = angle / 3.0 * length**3
-        x, y = np.sum(moment * self._x, axis=1), np.sum(moment * self._y, axis=1)
+        square = length * length
+        area = 0.5 * angle * sums.of_rows(square)
+        moment = angle / 3.0 * (square * length)
+        x, y = sums.of_rows(moment * self._x), sums.of_rows(moment * self._y)
         safe = np.where(area > 0.0, area, 1.0)  # the cell of a robot that stands on a peer may be empty
         return Formed(None, self._gain * np.stack([x / safe, y / safe], axis=1), details=area[:, None])
 
@@ -70,7 +73,7 @@ class Voronoi:
         if not len(contacts.edges):
             return length
         along = np.multiply.outer(contacts.dx, self._x) + np.multiply.outer(contacts.dy, self._y)
-        half = np.where(contacts.known, 0.5 * contacts.separation**2, np.inf)
+        half = np.where(contacts.known, 0.5 * np.square(contacts.separation), np.inf)
         with np.errstate(divide="ignore", invalid="ignore"):
             bisector = np.where(along > 0.0, half[:, None] / along, np.inf)
         nearest = np.minimum.reduceat(bisector, contacts.edges.starts, axis=0)

@@ -6,6 +6,7 @@ the others, and another controller changes no draw of the channel.
 """
 
 import hashlib
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -52,6 +53,13 @@ def uniform_ticks(stream_key: Ints, first: int, count: int, senders: Ints, recei
     for row in range(0, count, rows):
         np.multiply(words[row : row + rows], _TO_UNIT, out=numbers[row : row + rows])
     return numbers
+
+
+def words(stream_key: Ints, tick: int, robot: int) -> Iterator[int]:
+    """Random 64-bit words without an end, for a robot at a tick."""
+    generator = np.random.Philox(key=stream_key, counter=np.array([0, tick, robot, 0], dtype=np.uint64))
+    while True:
+        yield from generator.random_raw(_PER_COUNTER).tolist()
 
 
 def uniform_pairs(stream_key: Ints, senders: Ints, receivers: Ints) -> Floats:

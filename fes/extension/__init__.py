@@ -14,6 +14,7 @@ checked          checks of the values that an extension returns.
 evidence         the code of an extension: distribution, version and SHA-256.
 """
 
+from fes.arithmetic import elementary, sums
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Bytes, Floats, Ints
 from fes.extension.context import LawContext, WorldContext
@@ -49,7 +50,9 @@ __all__ = [
     "Table",
     "Twist",
     "WorldContext",
+    "elementary",
     "preference",
+    "sums",
 ]
 
 API = 1

@@ -7,42 +7,44 @@ loss inside p. Only two exponents, 4 and 3, give its Fig. 3, so they are kept ap
 
 import numpy as np
 
+from fes.arithmetic import elementary
 from fes.arrays.types import Floats
 from fes.model.config import ObjectiveConfig
+
+_TINY, _LARGE = 1e-300, 700.0
 
 
 def preference(separation: Floats, objective: ObjectiveConfig) -> Floats:
     """S(r) = [1 - exp(-(r/r_min)^s)] exp(-(r/r_x)^s) at `separation` [m], any shape; from (16)."""
-    shape = objective.shape_exponent
-    ratio = objective.minimum_separation / objective.maximum_separation
-    spread = np.power(separation / objective.minimum_separation, shape)
-    preference: Floats = -np.expm1(-spread) * np.exp(-(ratio**shape) * spread)
+    spread = elementary.power(separation / objective.minimum_separation, objective.shape_exponent)
+    preference: Floats = elementary.one_minus_exp(spread) * elementary.exp(-share_of_reach(objective) * spread)
     return preference
+
+
+def share_of_reach(objective: ObjectiveConfig) -> float:
+    """(r_min/r_x)^s, by which the exponent of the second factor of (16) follows from that of the first."""
+    ratio = np.array(objective.minimum_separation / objective.maximum_separation)
+    return float(elementary.power(ratio, objective.shape_exponent))
 
 
 def log_preference_slope(separation: Floats, objective: ObjectiveConfig) -> Floats:
     """(ln S)' [1/m] at `separation` [m], any shape; from (16)."""
-    shape = objective.shape_exponent
-    spread = np.power(separation / objective.minimum_separation, shape)
-    reach = np.power(separation / objective.maximum_separation, shape)
-    with np.errstate(over="ignore"):  # far beyond r_min the first term is 0, as it should be
-        # spread / (e^spread - 1) tends to 1 where the separation is so small that spread underflows
-        fall = np.where(spread > 0.0, spread / np.expm1(np.maximum(spread, np.finfo(np.float64).tiny)), 1.0)
-        slope: Floats = shape / separation * (fall - reach)
-    return slope
+    return log_preference_derivatives(separation, objective)[0]
 
 
-def log_preference_curvature(separation: Floats, objective: ObjectiveConfig) -> Floats:
-    """(ln S)'' [1/m^2] at `separation` [m], any shape; from (16).
+def log_preference_derivatives(separation: Floats, objective: ObjectiveConfig) -> tuple[Floats, Floats]:
+    """(ln S)' [1/m] and (ln S)'' [1/m^2] at `separation` [m], any shape; from (16).
 
     With A = (r/r_min)^s and f = A/(e^A - 1): r (ln S)' = s (f - (r/r_x)^s), and r f' = s f (1 - A e^A/(e^A - 1)).
     """
     shape = objective.shape_exponent
-    spread = np.power(separation / objective.minimum_separation, shape)
-    reach = np.power(separation / objective.maximum_separation, shape)
-    with np.errstate(over="ignore", invalid="ignore"):
-        safe = np.maximum(spread, np.finfo(np.float64).tiny)
-        fall = np.where(spread > 0.0, spread / np.expm1(safe), 1.0)
-        turn = np.where(spread > 0.0, safe / -np.expm1(-safe), 1.0)
-    curvature: Floats = shape / separation**2 * (shape * (fall * (1.0 - turn) - reach) - fall + reach)
-    return curvature
+    spread = elementary.power(separation / objective.minimum_separation, shape)
+    reach = share_of_reach(objective) * spread
+    # A/(e^A - 1) is 1 where A is 0, and 0 where A is large
+    bounded = np.minimum(np.maximum(spread, _TINY), _LARGE)
+    decay, rise = elementary.exp_and_rise(-bounded, bounded)
+    turn = bounded / rise
+    fall = turn * decay
+    slope: Floats = shape / separation * (fall - reach)
+    curvature: Floats = shape / (separation * separation) * (shape * (fall * (1.0 - turn) - reach) - fall + reach)
+    return slope, curvature

@@ -9,8 +9,11 @@ import sys
 
 import numpy as np
 
+from fes.arithmetic import elementary
 from fes.arrays.types import Floats
 from fes.model.config import ChannelConfig
+
+_LN2 = np.array(0.6931471805599453)
 
 
 def exponent_scale(channel: ChannelConfig) -> float:
@@ -25,9 +28,13 @@ def exponent_scale(channel: ChannelConfig) -> float:
         return 0.0
     efficiency = channel.spectral_efficiency
     # where it is small, 2^delta - 1 would lose digits
-    threshold = math.exp2(efficiency) - 1.0 if efficiency >= 1.0 else math.expm1(math.log(2.0) * efficiency)
-    scale = threshold / channel.reference_snr / channel.reference_distance**channel.path_loss_exponent
-    return float(scale if scale < math.inf else sys.float_info.max)
+    if efficiency >= 1.0:
+        threshold = elementary.power(np.array(2.0), efficiency) - 1.0
+    else:
+        threshold = elementary.exp(_LN2 * efficiency) * elementary.one_minus_exp(_LN2 * efficiency)
+    distance = elementary.power(np.array(channel.reference_distance), channel.path_loss_exponent)
+    scale = float(threshold / channel.reference_snr / distance)
+    return scale if scale < math.inf else sys.float_info.max
 
 
 def logistic_excess(separation: Floats, channel: ChannelConfig) -> Floats:
@@ -40,14 +47,14 @@ def reception_probability(separation: Floats, channel: ChannelConfig) -> Floats:
     """Probability that a beacon decodes at `separation` [m], any shape: 1 - outage, by (3) for a Rayleigh channel."""
     if channel.model == "logistic":
         return _logistic(-logistic_excess(separation, channel))
-    return np.exp(_log_reception(separation, channel))
+    return elementary.exp(_log_reception(separation, channel))
 
 
 def outage_probability(separation: Floats, channel: ChannelConfig) -> Floats:
     """Outage probability at `separation` [m], any shape; P[C < delta] of (3) for a Rayleigh channel."""
     if channel.model == "logistic":
         return _logistic(logistic_excess(separation, channel))
-    return -np.expm1(_log_reception(separation, channel))
+    return elementary.one_minus_exp(-_log_reception(separation, channel))
 
 
 def log_reception_slope(separation: Floats, channel: ChannelConfig) -> Floats:
@@ -58,7 +65,7 @@ def log_reception_slope(separation: Floats, channel: ChannelConfig) -> Floats:
     if channel.model == "logistic":
         return -outage_probability(separation, channel) / channel.logistic_width
     exponent = channel.path_loss_exponent
-    return -(exponent * exponent_scale(channel) * np.power(separation, exponent - 1.0))
+    return -(exponent * exponent_scale(channel) * elementary.power(separation, exponent - 1.0))
 
 
 def range_at_outage(outage: float, channel: ChannelConfig) -> float:
@@ -70,22 +77,26 @@ def range_at_outage(outage: float, channel: ChannelConfig) -> float:
     if not 0.0 < outage < 1.0:
         raise ValueError(f"outage must lie in (0, 1): {outage}")
     if channel.model == "logistic":
-        separation = channel.logistic_midpoint + channel.logistic_width * (math.log(outage) - math.log1p(-outage))
+        odds = np.array(outage / (1.0 - outage))
+        separation = channel.logistic_midpoint + channel.logistic_width * float(elementary.log(odds))
         if separation <= 0.0:
             raise ValueError(f"this logistic channel has a larger outage at every separation: {outage}")
         return separation
     scale = exponent_scale(channel)
     if scale == 0.0:
         raise ValueError("a perfect channel reaches no outage at any separation")
-    return float((-math.log1p(-outage) / scale) ** (1.0 / channel.path_loss_exponent))
+    exponent = -elementary.log1p(np.array(-outage))
+    return float(elementary.power(exponent / scale, 1.0 / channel.path_loss_exponent))
 
 
 def _log_reception(separation: Floats, channel: ChannelConfig) -> Floats:
     """ln p = -c r^nu of (3) at `separation` [m], any shape; infinite beyond what a float can hold."""
     scale = exponent_scale(channel)
-    return -scale * np.power(separation, channel.path_loss_exponent) if scale else np.zeros_like(separation)
+    return -scale * elementary.power(separation, channel.path_loss_exponent) if scale else np.zeros_like(separation)
 
 
 def _logistic(z: Floats) -> Floats:
     """1 / (1 + e^-z), to relative precision at both ends and without overflow."""
-    return np.exp(-np.logaddexp(0.0, -z))
+    decay = elementary.exp(-np.abs(z))
+    result: Floats = np.where(z >= 0.0, 1.0, decay) / (1.0 + decay)
+    return result
