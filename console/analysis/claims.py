@@ -160,7 +160,7 @@ CLAIMS: dict[str, Callable[[], Numbers]] = {
 
 def _pair(config: OracleConfig, duration: float) -> tuple[Floats, Floats]:
     """State [3, 2] of the two ends of one link at the start and after `duration` [s]."""
-    index = oracle.index(ObjectiveConfig(), ChannelConfig(), config.index_transform)
+    index = oracle.FormulaIndex(ObjectiveConfig(), ChannelConfig(), config.index_transform)
     seeker = Seeker(config, index, 0.02)
     start = state = perturbation.begin(seeker, 0, PAIR)
     for tick in range(math.ceil(duration / seeker.dt)):
@@ -173,7 +173,7 @@ def _curvature(objective: ObjectiveConfig) -> float:
     """J'' at r* [1/m^2], by central differences."""
     h = 0.02
     separations = optimum.optimal_separation(objective, ChannelConfig()) + h * np.array([-1.0, 0.0, 1.0])
-    below, center, above = oracle.index(objective, ChannelConfig(), "none")(separations)
+    below, center, above = oracle.FormulaIndex(objective, ChannelConfig(), "none")(separations)
     return float((below - 2.0 * center + above) / h**2)
 
 

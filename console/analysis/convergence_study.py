@@ -76,7 +76,7 @@ def time_to_one_meter(scenario: Scenario, links: int) -> float:
     slope_change = (
         outage.log_reception_slope(best + step, channel) - outage.log_reception_slope(best - step, channel)
     ) / step
-    curvature = float((objective.log_preference_curvature(best, objective_config) + 0.5 * slope_change)[0])
+    curvature = float((objective.log_preference_derivatives(best, objective_config)[1] + 0.5 * slope_change)[0])
     assert not isinstance(scenario.seeking, Use)
     excited = 0.5 * scenario.seeking.dither_amplitude**2
     return (1.0 - p) / p / (links / scenario.run.dt * excited * curvature**2)

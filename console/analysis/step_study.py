@@ -50,7 +50,7 @@ def _path(sub_step: float, transform: str, starts: Floats) -> Floats:
     """Estimates [t, l] [m] of links without consensus, every 20 ms."""
     gain = 44460.0 if transform == "none" else 40000.0
     config = OracleConfig(index_transform=transform, index_gain=gain, sub_step=sub_step)  # type: ignore[arg-type]
-    index = oracle.index(ObjectiveConfig(), ChannelConfig(), config.index_transform)
+    index = oracle.FormulaIndex(ObjectiveConfig(), ChannelConfig(), config.index_transform)
     seeker = Seeker(config, index, 0.02)
     state, path = perturbation.begin(seeker, 0, starts), []
     for tick in range(round(SPAN / seeker.dt)):

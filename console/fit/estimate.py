@@ -198,7 +198,7 @@ def _finished(
         ]
     )
     before, _, after = slopes(maximum.parameters)
-    curvature = float(objective.log_preference_curvature(around, OBJECTIVE)[1]) + (after - before) / (
+    curvature = float(objective.log_preference_derivatives(around, OBJECTIVE)[1][1]) + (after - before) / (
         around[2] - around[0]
     )
     variance = float(by_parameter @ maximum.covariance @ by_parameter) / curvature**2

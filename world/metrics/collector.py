@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from fes.arithmetic import sums
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints, read_only
 from fes.errors import FesError
@@ -122,13 +123,13 @@ class MetricsCollector:
         links, optimal = truth.telemetry.links, truth.optimal
         error = rms = index = math.nan
         if len(links):
-            error = float(truth.telemetry.estimates.sum()) / len(links) - optimal
+            error = sums.mean(truth.telemetry.estimates) - optimal
         if len(links) and self.tracking.is_settled(truth.state.tick, truth.is_changed):
             mean = truth.mean_separation
             of_old_links = mean[np.isfinite(mean)]  # a younger link has no mean over a period yet
-            rms = math.sqrt(float(np.mean((of_old_links - optimal) ** 2))) if len(of_old_links) else math.nan
+            rms = math.sqrt(sums.mean(np.square(of_old_links - optimal)))
             preference = objective.preference(truth.separation, self.scenario.objective)
-            index = float(np.mean(preference * link_reception(truth.state.radio, links)))
+            index = sums.mean(preference * link_reception(truth.state.radio, links))
         return TeamErrors(error, self.link_errors.errors["disagreement"], rms, index)
 
     def _add_absences(self, state: State) -> None:

@@ -1,8 +1,13 @@
 """Connectivity of an undirected graph given by its edges."""
 
+import math
+
 import numpy as np
 
+from fes.arithmetic import sums
 from fes.arrays.types import Floats, Ints
+
+_TINY = 1e-300
 
 MAX_DENSE = 1500
 """Largest number of robots whose algebraic connectivity is computed: the Laplacian is dense."""
@@ -44,4 +49,48 @@ def algebraic_connectivity(n: int, a: Ints, b: Ints) -> float | None:
         return 0.0
     if n > MAX_DENSE:
         return None
-    return max(0.0, float(np.linalg.eigvalsh(laplacian(n, a, b))[1]))
+    if component_count(n, a, b) > 1:
+        return 0.0
+    return max(0.0, _second_smallest(*_tridiagonal(laplacian(n, a, b))))
+
+
+def _tridiagonal(matrix: Floats) -> tuple[Floats, Floats]:
+    """Diagonal [n] and off-diagonal [n - 1] of a tridiagonal matrix with the eigenvalues of a symmetric one [n, n].
+
+    By Householder's reflections, with all sums term by term: LAPACK's digits depend on the processor.
+    """
+    rest, n = matrix, len(matrix)
+    diagonal, beside = np.zeros(n), np.zeros(n - 1)
+    for row in range(n - 2):
+        diagonal[row], column, rest = rest[0, 0], rest[1:, 0], rest[1:, 1:]
+        size = math.sqrt(sums.total(column * column))
+        if size == 0.0:
+            continue
+        beside[row] = -math.copysign(size, column[0])
+        normal = column.copy()
+        normal[0] -= beside[row]
+        scale = 2.0 / sums.total(normal * normal)
+        product = scale * np.add.reduce(rest * normal[:, None], axis=0)  # the matrix is symmetric
+        product -= (0.5 * scale * sums.total(normal * product)) * normal
+        rest = rest - normal[:, None] * product - product[:, None] * normal
+    diagonal[n - 2 :] = rest[0, 0], rest[1, 1]
+    beside[n - 2] = rest[1, 0]
+    return diagonal, beside
+
+
+def _second_smallest(diagonal: Floats, beside: Floats) -> float:
+    """The second smallest eigenvalue of a tridiagonal matrix, by bisection with Sturm's sequence."""
+    squares = [0.0, *(beside * beside).tolist()]
+    entries = list(zip(diagonal.tolist(), squares, strict=True))
+    low, high = 0.0, 2.0 * float(np.abs(diagonal).max()) + 1.0
+    while True:
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            return high
+        below, pivot = 0, 1.0
+        for entry, square in entries:
+            pivot = entry - middle - square / pivot
+            if pivot == 0.0:
+                pivot = -_TINY
+            below += pivot < 0.0
+        low, high = (low, middle) if below >= 2 else (middle, high)

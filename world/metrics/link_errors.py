@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fes.arithmetic import sums
 from fes.arrays import geometry
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats, Ints
@@ -138,7 +139,7 @@ def link_errors(telemetry: Telemetry, separation: Floats, optimal: float) -> dic
         return dict.fromkeys(("disagreement", "estimate_error", "separation_error"), math.nan)
     mutual = links.mutual
     return {
-        "disagreement": float(np.abs(estimates.take(mutual) - estimates.take(links.reverse.take(mutual))).sum()),
+        "disagreement": sums.total(np.abs(estimates.take(mutual) - estimates.take(links.reverse.take(mutual)))),
         "estimate_error": float(np.abs(estimates - optimal).max()),
         "separation_error": float(np.abs(separation - optimal).max()),
     }

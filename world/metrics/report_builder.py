@@ -1,9 +1,8 @@
 """The report to observers: the truth at one tick, and the robots' telemetry."""
 
-import math
-
 import numpy as np
 
+from fes.arithmetic import elementary
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bytes, Floats, Ints
 from fes.model import outage
@@ -63,7 +62,7 @@ def build(metrics: MetricsCollector, name: str, alive: Bytes, elapsed: float, ti
         sent=_both_ways(radio.sent, forward, backward),
         decoded=_both_ways(radio.decoded, forward, backward),
         longest_gap=_both_ways(radio.longest_gap, forward, backward, np.maximum),
-        learnt_reception=np.exp(-np.exp(level + exponent * np.log(separation / scale))),
+        learnt_reception=elementary.exp(-elementary.exp(level + exponent * elementary.log(separation / scale))),
         learnt_level=level,
         learnt_exponent=exponent,
         true_level=true_level,
@@ -127,15 +126,12 @@ def _without_beacon(scenario: Scenario, channel: RadioConfig, separation: Floats
 def _reception_line(scenario: Scenario, channel: RadioConfig, scale: float) -> tuple[float, float]:
     """Level and exponent of an exact fit of the channel at `scale` [m]: ln(-ln p), and its slope in ln r."""
     if channel.model not in FORMULAS:
-        near = scale * np.exp(np.array([-STEP, 0.0, STEP]))
-        below, level, above = np.log(-np.log1p(-_without_beacon(scenario, channel, near))).tolist()
+        near = scale * elementary.exp(np.array([-STEP, 0.0, STEP]))
+        below, level, above = elementary.log(-elementary.log1p(-_without_beacon(scenario, channel, near))).tolist()
         return level, (above - below) / (2.0 * STEP)
     if channel.model != "logistic":
-        try:
-            rate = outage.exponent_scale(channel) * scale**channel.path_loss_exponent
-        except OverflowError:
-            rate = math.inf
-        return math.log(rate) if rate > 0.0 else -math.inf, channel.path_loss_exponent
+        rate = outage.exponent_scale(channel) * elementary.power(np.array(scale), channel.path_loss_exponent)
+        return float(elementary.log(rate)), channel.path_loss_exponent
     separation = np.array([scale])
-    rate = float(np.logaddexp(0.0, outage.logistic_excess(separation, channel))[0])  # -ln p
-    return math.log(rate), float(-scale * outage.log_reception_slope(separation, channel)[0] / rate)
+    rate = elementary.log_sum_exp(outage.logistic_excess(separation, channel))[0]  # -ln p
+    return float(elementary.log(rate)), float(-scale * outage.log_reception_slope(separation, channel)[0] / rate)

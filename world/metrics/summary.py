@@ -1,6 +1,7 @@
 """The summary of a run, and summary.json and scenario.toml, which scripts outside the project read."""
 
 import contextlib
+import math
 import os
 from pathlib import Path
 from typing import Any
@@ -8,6 +9,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from fes.arithmetic import sums
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
 from fes.errors import FesError, reason
@@ -160,4 +162,4 @@ def _largest(errors: Floats) -> float | None:
 
 
 def _rms(errors: Floats) -> float | None:
-    return float(np.sqrt(np.mean(errors**2))) if len(errors) else None
+    return math.sqrt(sums.mean(np.square(errors))) if len(errors) else None

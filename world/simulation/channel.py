@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fes.arithmetic import elementary
 from fes.arrays import draws, geometry
 from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Bools, Bytes, Floats, Ints
@@ -194,7 +195,7 @@ def _effective(
         true_separation,
     )
     power = np.clip(gain / (-10.0 * config.path_loss_exponent), -_FARTHEST, _FARTHEST)
-    separation[in_range] = true_separation * np.power(10.0, power)
+    separation[in_range] = true_separation * elementary.real_power(np.full_like(power, 10.0), power)
     return separation
 
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fes.arithmetic import elementary
 from fes.arrays import draws, geometry
 from fes.arrays.types import Floats, Ints
 from world.config.radio import ShadowingConfig
@@ -46,13 +47,14 @@ def modes(seed: int) -> Modes:
     drawn = draws.uniform_ticks(draws.key(seed, "shadowing"), 0, MODES, np.zeros_like(columns), columns)
     size = np.sqrt(np.square(1.0 / (1.0 - drawn[:, 0])) - 1.0)
     angle = 2.0 * math.pi * drawn[:, 1]
-    return Modes(size * np.stack([np.cos(angle), np.sin(angle)]), 2.0 * math.pi * drawn[:, 2])
+    sine, cosine = elementary.sin_cos(angle)
+    return Modes(size * np.stack([cosine, sine]), 2.0 * math.pi * drawn[:, 2])
 
 
 def gain(waves: Modes, config: ShadowingConfig, poses: Floats, a: Ints, b: Ints, separation: Floats) -> Floats:
     """Gain [dB] of the pairs of rows a and b [p] of `poses` [n, 3], `separation` [p] [m] apart.
 
-    Sums of products, row by row: no digit depends on other pairs, nor on the threads of a matrix product.
+    Sums of products, term by term along the first axis: no digit depends on other pairs, nor on a matrix product.
     """
     distance = config.decorrelation_distance
     first_end, second_end = _ends(waves, poses, distance)
@@ -60,23 +62,22 @@ def gain(waves: Modes, config: ShadowingConfig, poses: Floats, a: Ints, b: Ints,
     for first in range(0, len(a), _CHUNK):
         part = slice(first, first + _CHUNK)
         i, j = a[part], b[part]
-        total[part] = np.einsum("pk,pk->p", first_end.take(i, axis=0), second_end.take(j, axis=0))
-        total[part] += np.einsum("pk,pk->p", first_end.take(j, axis=0), second_end.take(i, axis=0))
-    scale = np.sqrt(MODES * (1.0 + np.exp(-2.0 / distance * separation)))
+        total[part] = np.add.reduce(first_end.take(i, axis=1) * second_end.take(j, axis=1), axis=0)
+        total[part] += np.add.reduce(first_end.take(j, axis=1) * second_end.take(i, axis=1), axis=0)
+    scale = np.sqrt(MODES * (1.0 + elementary.exp(-2.0 / distance * separation)))
     gains: Floats = config.deviation * total / scale
     return gains
 
 
 def _ends(waves: Modes, poses: Floats, distance: float) -> tuple[Floats, Floats]:
-    """The factors of each robot as first and as second end of a pair [n, 2 K]; their products add up to f.
+    """The factors of each robot as first and as second end of a pair [2 K, n]; their products add up to f.
 
     cos(u + v) = cos u cos v - sin u sin v, with u = k.a and v = q.b + phi.
     """
-    kx, ky = waves.vectors / distance
-    angle = poses[:, geometry.X, None] * kx + poses[:, geometry.Y, None] * ky
-    cosine, sine = np.cos(angle), np.sin(angle)
-    first_end = np.concatenate([cosine, -sine], axis=1)
-    cosine, sine = np.roll(cosine, -1, axis=1), np.roll(sine, -1, axis=1)
-    along, across = np.cos(waves.phase), np.sin(waves.phase)
-    second_end = np.concatenate([cosine * along - sine * across, sine * along + cosine * across], axis=1)
+    kx, ky = (waves.vectors / distance)[:, :, None]
+    sine, cosine = elementary.sin_cos(poses[:, geometry.X] * kx + poses[:, geometry.Y] * ky)
+    first_end = np.concatenate([cosine, -sine])
+    cosine, sine = np.roll(cosine, -1, axis=0), np.roll(sine, -1, axis=0)
+    across, along = elementary.sin_cos(waves.phase[:, None])
+    second_end = np.concatenate([cosine * along - sine * across, sine * along + cosine * across])
     return first_end, second_end

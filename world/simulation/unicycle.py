@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fes.arithmetic import elementary
 from fes.arrays import geometry
 from fes.arrays.types import Floats
 from fes.extension.context import WorldContext
@@ -35,10 +36,13 @@ def move(poses: Floats, twists: Floats, dt: float) -> Floats:
     The chord of an arc of angle 2b has length v dt sin(b)/b and points along the mean heading.
     """
     half_turn = 0.5 * dt * twists[:, geometry.ANGULAR]
-    chord = dt * twists[:, geometry.LINEAR] * np.sinc(half_turn / np.pi)
     middle = poses[:, geometry.HEADING] + half_turn
+    sine, cosine = elementary.sin_cos(np.stack([half_turn, middle]))
+    is_straight = half_turn == 0.0
+    shortening = np.where(is_straight, 1.0, sine[0] / np.where(is_straight, 1.0, half_turn))
+    chord = dt * twists[:, geometry.LINEAR] * shortening
     moved = np.empty_like(poses)
-    moved[:, geometry.X] = poses[:, geometry.X] + chord * np.cos(middle)
-    moved[:, geometry.Y] = poses[:, geometry.Y] + chord * np.sin(middle)
+    moved[:, geometry.X] = poses[:, geometry.X] + chord * cosine[1]
+    moved[:, geometry.Y] = poses[:, geometry.Y] + chord * sine[1]
     moved[:, geometry.HEADING] = geometry.wrap(middle + half_turn)
     return moved

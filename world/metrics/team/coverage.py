@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 
+from fes.arithmetic import elementary, sums
 from fes.arrays.types import Floats, Ints
 from world.metrics import graphs
 from world.simulation import neighbor_list
@@ -22,14 +23,16 @@ def covered_area(positions: Floats, radius: float) -> float:
     centers = np.unique(positions, axis=0)  # robots at one place cover one disc
     near = neighbor_list.measure(np.arange(len(centers)), centers, 2.0 * radius, None)
     rows, peers = near.edges.rows, near.edges.peers
-    half_width = np.arccos(0.5 * near.separation[near.pair] / radius)
+    share = np.minimum(0.5 * near.separation[near.pair] / radius, 1.0)
+    half_width = elementary.atan2(np.sqrt((1.0 - share) * (1.0 + share)), share)
     circle, start, end = _visible_arcs(len(centers), *_hidden_arcs(centers, rows, peers, half_width))
 
     # Each connected region has its own origin: the area does not lose digits far from the world's origin.
     regions = graphs.components(len(centers), rows, peers)
     x, y = (centers - centers[regions])[circle].T
-    moment = x * (np.sin(end) - np.sin(start)) - y * (np.cos(end) - np.cos(start))
-    return 0.5 * radius * float(np.sum(radius * (end - start) + moment))
+    (first_sine, first_cosine), (last_sine, last_cosine) = elementary.sin_cos(start), elementary.sin_cos(end)
+    moment = x * (last_sine - first_sine) - y * (last_cosine - first_cosine)
+    return 0.5 * radius * sums.total(radius * (end - start) + moment)
 
 
 def _hidden_arcs(centers: Floats, rows: Ints, peers: Ints, half_width: Floats) -> tuple[Ints, Floats, Floats]:
@@ -38,7 +41,7 @@ def _hidden_arcs(centers: Floats, rows: Ints, peers: Ints, half_width: Floats) -
     An arc that ends past TURN hides the beginning of its circle too, as a second arc.
     """
     x, y = (centers[peers] - centers[rows]).T
-    start = np.mod(np.arctan2(y, x) - half_width, TURN)
+    start = np.mod(elementary.atan2(y, x) - half_width, TURN)
     end = start + 2.0 * half_width
     across = end > TURN
     return (

@@ -7,12 +7,12 @@ Links are a matrix [n, n]: the quality in [0, 1] from each sender (row) to each 
 are out of range. The diagonal is not used.
 """
 
-import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 
+from fes.arithmetic import elementary, sums
 from fes.arrays.types import Floats, Ints
 from fes.model.config import ObjectiveConfig
 
@@ -34,7 +34,8 @@ def link_quality(separation: Floats, reception: Floats, objective: ObjectiveConf
 
     `reception` is p, the true probability that a beacon decodes on this link.
     """
-    quality: Floats = np.exp(-((separation / objective.maximum_separation) ** objective.shape_exponent)) * reception
+    reach = elementary.power(separation / objective.maximum_separation, objective.shape_exponent)
+    quality: Floats = elementary.exp(-reach) * reception
     return quality
 
 
@@ -69,7 +70,7 @@ def delivery_after_loss(links: Floats) -> Delivery | None:
 def _costs(links: Floats) -> Floats:
     """w = -ln q of each link [n, n]; infinite where there is no link."""
     with np.errstate(divide="ignore"):
-        return -np.log(links)
+        return -elementary.log(links)
 
 
 def _without_each(costs: Floats, robots: range) -> Iterator[tuple[int, Floats]]:
@@ -98,4 +99,5 @@ def _average(costs: Floats, present: Ints) -> Delivery:
     """Delivery between the robots `present`, at the least `costs` [n, n] of routes."""
     n = len(present)
     between = costs[np.ix_(present, present)][~np.eye(n, dtype=bool)]
-    return Delivery(float(np.exp(-between).mean()), math.exp(-float(between.mean())))
+    geometric = elementary.exp(np.array([-sums.mean(between)]))
+    return Delivery(sums.mean(elementary.exp(-between)), float(geometric[0]))

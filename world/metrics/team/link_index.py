@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from fes.arithmetic import sums
 from fes.arrays.types import Floats
 from fes.extension.context import WorldContext
 from fes.model import objective
@@ -53,7 +54,7 @@ class LinkIndex:
             return {"mean": None, "settled_at": None, "links": None}
         values, step = np.array(self._samples), self._context.dt * self._every
         window = max(1, math.ceil(self._parameters.window / step - 1e-9))
-        mean = float(values[-window:].mean())
+        mean = sums.mean(values[-window:])
         outside = np.flatnonzero(np.abs(values - mean) > self._parameters.tolerance * mean)
         first = int(outside[-1]) + 1 if len(outside) else 0
         is_settled = first == 0 or first <= len(values) - window
@@ -65,4 +66,4 @@ def _mean_index(tick: TickTruth, context: WorldContext) -> float:
     if not len(tick.separation):
         return 0.0
     reception: Floats = np.nan_to_num(link_reception(tick.state.radio, tick.telemetry.links))
-    return float(np.mean(objective.preference(tick.separation, context.objective) * reception))
+    return sums.mean(objective.preference(tick.separation, context.objective) * reception)

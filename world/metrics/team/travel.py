@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fes.arithmetic import sums
 from fes.arrays import geometry
 from fes.arrays.types import Floats
 from fes.extension.context import WorldContext
@@ -28,4 +29,4 @@ class Travel:
 
     def result(self) -> dict[str, float | None]:
         """The mean and the largest path length of a robot [m]."""
-        return {"mean": float(self._lengths.mean()), "largest": float(self._lengths.max())}
+        return {"mean": sums.mean(self._lengths), "largest": float(self._lengths.max())}
