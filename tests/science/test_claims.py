@@ -3,15 +3,13 @@
 import importlib
 import math
 import re
-from typing import Literal
 
 import numpy as np
 import pytest
 
 from agents.laws import oracle
-from agents.laws.perturbation import Index
 from console.analysis import claims
-from fes.model.config import ChannelConfig, ObjectiveConfig
+from fes.arrays.types import Floats
 from tests.support.loop import load
 from tests.support.paths import DOCS, ROOT
 
@@ -56,18 +54,22 @@ def test_weights_leave_nothing_for_the_robot_itself_and_are_not_symmetric() -> N
     assert numbers["a_ij of a robot with three neighbors"] != numbers["a_ji of its peer with two"]
 
 
-@pytest.fixture(scope="module", params=["this processor", "another one"])
+class OtherLastBit(oracle.FormulaIndex):
+    """The index with another last bit."""
+
+    def __call__(self, separation: Floats) -> Floats:
+        return np.nextafter(super().__call__(separation), 0.0)
+
+    def parabola(self, separation: Floats) -> tuple[Floats, Floats, Floats]:
+        value, slope, bend = super().parabola(separation)
+        return np.nextafter(value, 0.0), slope, bend
+
+
+@pytest.fixture(scope="module", params=[oracle.FormulaIndex, OtherLastBit])
 def disk(request: pytest.FixtureRequest) -> dict[str, float]:
-    """The end of the disk graph, also with an exp that differs in its last bit, as on another processor."""
-    own = oracle.index
-
-    def other(objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal["log", "none"]) -> Index:
-        index = own(objective, channel, transform)
-        return lambda separation: np.nextafter(index(separation), 0.0)
-
+    """The end of the disk graph, also with an index that differs in its last bit: the end does not hang on one."""
     with pytest.MonkeyPatch.context() as patch:
-        if request.param == "another one":
-            patch.setattr(oracle, "index", other)
+        patch.setattr(oracle, "FormulaIndex", request.param)
         return claims.disk_graph()
 
 

@@ -52,7 +52,7 @@ def test_the_index_lies_in_zero_to_one_and_rises_to_one_maximum_then_falls(
     objective: ObjectiveConfig, channel: ChannelConfig
 ) -> None:
     r = np.linspace(0.5, 400.0, 4000)
-    J = oracle.index(objective, channel, "none")(r)
+    J = oracle.FormulaIndex(objective, channel, "none")(r)
     assert ((J >= 0.0) & (J < 1.0)).all()
     steps = np.diff(J)
     steps = steps[np.abs(steps) > 1e-14]  # above rounding; J underflows to zero at large separations

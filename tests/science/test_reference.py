@@ -65,7 +65,7 @@ def test_the_reference_table_holds_over_twenty_seeds(rule: str) -> None:
 @pytest.mark.parametrize(("nearest", "optimal"), [(50.0, 68.113761), (100.0, 105.384321)])
 def test_one_gain_on_the_log_index_serves_every_start_and_objective(nearest: float, optimal: float) -> None:
     """< 0.1 m within 9.4 s from any start in [25, 145] m, for a link alone."""
-    index = oracle.index(ObjectiveConfig(minimum_separation=nearest), ChannelConfig(), "log")
+    index = oracle.FormulaIndex(ObjectiveConfig(minimum_separation=nearest), ChannelConfig(), "log")
     last = _last_time_beyond(Seeker(OracleConfig(), index, 0.02), np.arange(25.0, 146.0, 5.0), optimal)
     assert last.max() <= 9.4
 
@@ -75,7 +75,7 @@ def test_the_plain_index_needs_another_gain_for_another_objective() -> None:
     starts = np.arange(25.0, 146.0, 5.0)
     slowest = []
     for nearest, optimal in ((50.0, 68.113761), (100.0, 105.384321)):
-        index = oracle.index(ObjectiveConfig(minimum_separation=nearest), ChannelConfig(), "none")
+        index = oracle.FormulaIndex(ObjectiveConfig(minimum_separation=nearest), ChannelConfig(), "none")
         plain = OracleConfig(index_transform="none", index_gain=44460.0)
         slowest.append(_last_time_beyond(Seeker(plain, index, 0.02), starts, optimal).max())
     assert slowest == pytest.approx([13.46, 38.70], abs=0.02)

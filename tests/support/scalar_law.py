@@ -15,7 +15,7 @@ DT = 0.02
 
 def seeker(law: str = "consensus", gain: float = 44460.0, sub_step: float = 0.01, dt: float = DT) -> Seeker:
     config = OracleConfig.model_validate({"law": law, "index_gain": gain, "sub_step": sub_step})
-    return Seeker(config, oracle.index(ObjectiveConfig(), ChannelConfig(), "none"), dt)
+    return Seeker(config, oracle.FormulaIndex(ObjectiveConfig(), ChannelConfig(), "none"), dt)
 
 
 def equation_18(law: str, gain: float, heard: float) -> witness.Rate:

@@ -15,13 +15,18 @@ from tests.support.layouts import edges
 DRAWS = SeededDraws(11)
 
 
-def constant(separation: Floats) -> Floats:
+class Constant:
     """An index that is 0.5 everywhere."""
-    return np.full_like(separation, 0.5)
+
+    def __call__(self, separation: Floats) -> Floats:
+        return np.full_like(separation, 0.5)
+
+    def parabola(self, separation: Floats) -> tuple[Floats, Floats, Floats]:
+        return self(separation), np.zeros_like(separation), np.zeros_like(separation)
 
 
 CONFIG = OracleConfig(index_gain=10.0, initial_estimate=(50.0, 90.0))
-SEEKER = Seeker(CONFIG, constant, 0.02)
+SEEKER = Seeker(CONFIG, Constant(), 0.02)
 NO_STATE = np.zeros((3, 0))
 
 

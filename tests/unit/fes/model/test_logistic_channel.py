@@ -104,9 +104,11 @@ def test_no_separation_is_better_than_the_optimum(team_objective: ObjectiveConfi
 def test_the_oracles_index_is_preference_times_logistic_reception(team_objective: ObjectiveConfig) -> None:
     r = np.linspace(5.0, 250.0, 50)
     expected = objective.preference(r, team_objective) / (1.0 + np.exp((r - 100.0) / 12.0))
-    np.testing.assert_allclose(oracle.index(team_objective, LOGISTIC, "none")(r), expected, rtol=1e-12)  # roundings
     np.testing.assert_allclose(
-        oracle.index(team_objective, LOGISTIC, "log")(r), np.log(expected), rtol=1e-12, atol=1e-13
+        oracle.FormulaIndex(team_objective, LOGISTIC, "none")(r), expected, rtol=1e-12
+    )  # roundings
+    np.testing.assert_allclose(
+        oracle.FormulaIndex(team_objective, LOGISTIC, "log")(r), np.log(expected), rtol=1e-12, atol=1e-13
     )
 
 

@@ -60,7 +60,7 @@ def test_the_index_at_the_optimum_has_the_settled_value_slope_and_curvature(
     team_objective: ObjectiveConfig, value: float, curvature: float, skew: float
 ) -> None:
     best = optimum.optimal_separation(team_objective, PAPER)
-    index = oracle.index(team_objective, PAPER, "none")
+    index = oracle.FormulaIndex(team_objective, PAPER, "none")
     h = 0.05  # m; stencils of fourth order leave about J'''''' h^4 = 1e-13, roundings 1e-16/h^2, 1e-16/h^3
     back, far, near, middle, ahead, beyond, forth = index(best + h * np.arange(-3.0, 4.0))
     assert middle == pytest.approx(value, abs=5e-7)  # half a digit, as below
@@ -127,7 +127,7 @@ def test_the_oracles_index_is_preference_times_reception(
     team_objective: ObjectiveConfig, channel: ChannelConfig, separation: list[float]
 ) -> None:
     r = np.array(separation)
-    result = oracle.index(team_objective, channel, "none")(r)
+    result = oracle.FormulaIndex(team_objective, channel, "none")(r)
     expected = objective.preference(r, team_objective) * outage.reception_probability(r, channel)
     # one exponential of a sum against a product of two: roundings times the exponent, which 1e-300 bounds
     np.testing.assert_allclose(result, expected, rtol=1e-12, atol=1e-290)
@@ -137,11 +137,11 @@ def test_the_oracles_index_is_preference_times_reception(
 def test_the_oracles_index_is_equation_33() -> None:
     r = np.linspace(5.0, 200.0, 40)
     expected = [witness.paper_index(value) for value in r.tolist()]
-    np.testing.assert_allclose(oracle.index(NEAR, PAPER, "none")(r), expected, rtol=1e-13)  # roundings
+    np.testing.assert_allclose(oracle.FormulaIndex(NEAR, PAPER, "none")(r), expected, rtol=1e-13)  # roundings
 
 
 def test_an_estimate_thrown_below_zero_has_a_finite_and_vanishing_index() -> None:
-    result = oracle.index(NEAR, PAPER, "none")(np.array([-30.0, 0.0]))
+    result = oracle.FormulaIndex(NEAR, PAPER, "none")(np.array([-30.0, 0.0]))
     assert (result >= 0.0).all()
     assert (result < 1e-40).all()  # (1e-9/50)^4 = 1.6e-43
 
@@ -149,8 +149,10 @@ def test_an_estimate_thrown_below_zero_has_a_finite_and_vanishing_index() -> Non
 def test_the_log_index_is_the_logarithm_of_the_index() -> None:
     r = np.linspace(5.0, 200.0, 400)
     for team_objective in (NEAR, ObjectiveConfig(minimum_separation=100.0, shape_exponent=3.0)):
-        expected = np.log(oracle.index(team_objective, PAPER, "none")(r))
-        np.testing.assert_allclose(oracle.index(team_objective, PAPER, "log")(r), expected, rtol=1e-12)  # roundings
+        expected = np.log(oracle.FormulaIndex(team_objective, PAPER, "none")(r))
+        np.testing.assert_allclose(
+            oracle.FormulaIndex(team_objective, PAPER, "log")(r), expected, rtol=1e-12
+        )  # roundings
 
 
 def test_the_curvature_of_the_log_index_hardly_depends_on_the_objective() -> None:
@@ -158,5 +160,5 @@ def test_the_curvature_of_the_log_index_hardly_depends_on_the_objective() -> Non
     h = 0.01  # m; central differences of ln J are then exact to 1e-8
     for team_objective, curvature in ((NEAR, -1.3327e-3), (ObjectiveConfig(minimum_separation=100.0), -1.1763e-3)):
         points = optimum.optimal_separation(team_objective, PAPER) + h * np.array([-1.0, 0.0, 1.0])
-        below, middle, above = oracle.index(team_objective, PAPER, "log")(points)
+        below, middle, above = oracle.FormulaIndex(team_objective, PAPER, "log")(points)
         assert (below - 2.0 * middle + above) / h**2 == pytest.approx(curvature, rel=1e-4)
