@@ -4,6 +4,8 @@ x = 2^k (1 + f) with 1 + f from sqrt(1/2) to sqrt(2), and log(1 + f) = 2 atanh(s
 R has 7 coefficients, by Remez' exchange for the least relative error of the whole: 2^-59.
 """
 
+import math
+
 import numpy as np
 
 from fes.arithmetic import exact
@@ -20,11 +22,11 @@ SERIES = (
     0.6666666666666734,
 )
 
-SMALLEST = 2.0**-1022
+SMALLEST = math.ldexp(1.0, -1022)
 """Smallest normal number."""
 
 _ROOT_HALF_BITS = 0x3FE6A09E667F3BCD  # of sqrt(1/2)
-_TO_NORMAL, _NORMAL_SHIFT = 2.0**54, -54
+_TO_NORMAL, _NORMAL_SHIFT = math.ldexp(1.0, 54), -54
 
 
 def log(x: Floats) -> Floats:

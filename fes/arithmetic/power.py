@@ -90,5 +90,4 @@ def _exp(x: Floats, low: Floats) -> Floats:
     tail = exponential.tail(r)
     tail += r_low + r_low * (r + tail)
     whole = 1.0 + r
-    result: Floats = (whole + ((r - (whole - 1.0)) + tail)) * exact.power_of_two(n - 1)
-    return result * 2.0
+    return exact.scaled(whole + ((r - (whole - 1.0)) + tail), n)

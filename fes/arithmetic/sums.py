@@ -19,10 +19,17 @@ def mean(values: Floats) -> float:
     return total(values) / len(values) if len(values) else float("nan")
 
 
+def of_columns(values: Floats) -> Floats:
+    """The sum of each column of values [n, m], term by term [m]."""
+    if values.shape[1] == 1:  # numpy would add a single column in pairs
+        return np.array([total(values[:, 0])])
+    result: Floats = np.add.reduce(np.ascontiguousarray(values), axis=0)
+    return result
+
+
 def of_rows(values: Floats) -> Floats:
     """The sum of each row of values [n, m], term by term [n]."""
-    result: Floats = np.add.reduce(np.ascontiguousarray(values.T), axis=0)
-    return result
+    return of_columns(values.T)
 
 
 def product(first: Floats, second: Floats) -> Floats:
