@@ -61,9 +61,7 @@ def _whole(n: Ints, p: Floats) -> Floats:
 
 def _complement(n: Ints, p: Floats) -> Floats:
     """1 - 2^n (1 + p)."""
-    whole = exact.power_of_two(n)
-    p *= whole
-    result: Floats = (1.0 - whole) - p
+    result: Floats = (1.0 - exact.scaled(1.0, n)) - exact.scaled(p, n)
     return result
 
 
