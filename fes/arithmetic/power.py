@@ -33,8 +33,8 @@ MOST_REST = 1e-9
 def power(x: Floats, y: float) -> Floats:
     """x^y for x >= 0 of any shape and one exponent.
 
-    A multiple of 1/2 from 0 to MOST_PRODUCTS is a product. Others take x as between the smallest normal number and the
-    largest float; NaN for NaN.
+    A multiple of 1/2 from 0 to MOST_PRODUCTS is a product. Others take x as between the smallest normal number
+    and the largest float; NaN for NaN.
     """
     if 0.0 <= y <= MOST_PRODUCTS and (2.0 * y) % 1.0 == 0.0:
         whole = product(x, int(y))
