@@ -1,5 +1,6 @@
 """Errors of floats in units in the last place (ulp), against mpmath with 120 bits."""
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -13,12 +14,12 @@ PRECISION = 120
 
 
 class Exact(NamedTuple):
-    """Real numbers as sums of two floats [n]."""
+    """Real numbers [n], each as a float and a fraction of its last place."""
 
     high: Floats
     """The nearest floats."""
     low: Floats
-    """What they lack."""
+    """What they lack [ulp]."""
 
 
 def exact(function: Callable[..., Any], *arguments: Floats) -> Exact:
@@ -26,11 +27,11 @@ def exact(function: Callable[..., Any], *arguments: Floats) -> Exact:
     with mpmath.workprec(PRECISION):
         values = [function(*map(mpmath.mpf, point)) for point in zip(*(a.tolist() for a in arguments), strict=True)]
         high = [float(value) for value in values]
-        low = [float(value - nearest) for value, nearest in zip(values, high, strict=True)]
+        low = [float((value - nearest) / math.ulp(nearest)) for value, nearest in zip(values, high, strict=True)]
     return Exact(np.array(high), np.array(low))
 
 
 def errors(values: Floats, truth: Exact) -> Floats:
     """|value - truth| in units in the last place of the float nearest to the truth [n]."""
-    result: Floats = np.abs((values - truth.high) - truth.low) / np.spacing(np.abs(truth.high))
+    result: Floats = np.abs((values - truth.high) / np.spacing(np.abs(truth.high)) - truth.low)
     return result
