@@ -33,6 +33,13 @@ def power_of_two(exponent: Ints) -> Floats:
     return from_bits((exponent + BIAS) << MANTISSA)
 
 
+def scaled(values: Floats, exponent: Ints) -> Floats:
+    """values 2^exponent for exponents from -2044 to 2046, any shape; rounded once where the result is subnormal."""
+    first = exponent >> 1
+    result: Floats = values * power_of_two(first) * power_of_two(exponent - first)
+    return result
+
+
 def product_error(a: Floats, b: Floats, product: Floats) -> Floats:
     """a b - product, where `product` is a b rounded (Dekker 1971); exact while nothing over- or underflows."""
     t = a * _SPLIT

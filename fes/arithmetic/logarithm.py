@@ -4,6 +4,8 @@ x = 2^k (1 + f) with 1 + f from sqrt(1/2) to sqrt(2), and log(1 + f) = 2 atanh(s
 R has 7 coefficients, by Remez' exchange for the least relative error of the whole: 2^-59.
 """
 
+import math
+
 import numpy as np
 
 from fes.arithmetic import exact
@@ -20,11 +22,11 @@ SERIES = (
     0.6666666666666734,
 )
 
-SMALLEST = 2.0**-1022
+SMALLEST = math.ldexp(1.0, -1022)
 """Smallest normal number."""
 
 _ROOT_HALF_BITS = 0x3FE6A09E667F3BCD  # of sqrt(1/2)
-_TO_NORMAL, _NORMAL_SHIFT = 2.0**54, -54
+_TO_NORMAL, _NORMAL_SHIFT = math.ldexp(1.0, 54), -54
 
 
 def log(x: Floats) -> Floats:
@@ -56,7 +58,7 @@ def _log1p(x: Floats, whole: Floats) -> Floats:
 
 
 def log_sum_exp(z: Floats) -> Floats:
-    """log(1 + e^z), any shape, without overflow; at least 3e-308, and NaN for NaN."""
+    """log(1 + e^z), any shape, without overflow; NaN for NaN."""
     decay = exp(-np.abs(z))
     result: Floats = np.maximum(z, 0.0) + _log1p(decay, decay + 1.0)
     return result

@@ -27,7 +27,7 @@ LARGEST = 1.7976931348623157e308
 """Largest float."""
 
 MOST_REST = 1e-9
-"""Bound of the second part of y log x: it is below 1e-12 where x^y is neither clamped nor infinite."""
+"""Bound of the second part of y log x: it is below 1e-12 where x^y is neither 0 nor infinite."""
 
 
 def power(x: Floats, y: float) -> Floats:
@@ -57,7 +57,7 @@ def product(x: Floats, n: int) -> Floats:
 def real_power(x: Floats, y: Floats | float) -> Floats:
     """x^y for normal positive x and |y| up to 1e300, any shapes that broadcast; NaN for NaN.
 
-    At least 3e-308, as `exponential.exp`; infinite above the largest float, with numpy's warning of an overflow.
+    Infinite above the largest float, with numpy's warning of an overflow.
     """
     k, f = logarithm.split(x)
     e = k + 0.0 * x  # NaN for NaN, which has an exponent too
@@ -101,5 +101,4 @@ def _exp(x: Floats, low: Floats) -> Floats:
     tail = exponential.tail(r)
     tail += r_low + r_low * (r + tail)
     whole = 1.0 + r
-    result: Floats = (whole + ((r - (whole - 1.0)) + tail)) * exact.power_of_two(n - 1)
-    return result * 2.0
+    return exact.scaled(whole + ((r - (whole - 1.0)) + tail), n)

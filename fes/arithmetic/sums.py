@@ -20,8 +20,8 @@ def mean(values: Floats) -> float:
 
 
 def of_columns(values: Floats) -> Floats:
-    """The sum of each column of values [m, n], term by term [n]."""
-    if values.shape[1] == 1:  # numpy takes a single column for a flat array
+    """The sum of each column of values [n, m], term by term [m]."""
+    if values.shape[1] == 1:  # numpy would add a single column in pairs
         return np.array([total(values[:, 0])])
     result: Floats = np.add.reduce(np.ascontiguousarray(values), axis=0)
     return result

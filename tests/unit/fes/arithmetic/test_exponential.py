@@ -10,6 +10,9 @@ from tests.support import ulps
 LARGEST = 709.782712893384
 """The largest float whose exponential is a float."""
 
+SMALLEST = -745.1332191019411
+"""The smallest float whose exponential is nearer to the smallest float than to 0."""
+
 
 def test_exp_of_zero_is_one() -> None:
     assert elementary.exp(np.array([0.0, -0.0, 5e-324, -5e-324])).tolist() == [1.0] * 4
@@ -26,11 +29,16 @@ def test_exp_of_more_is_infinite_and_numpy_warns(x: float) -> None:
         assert elementary.exp(np.array([x])).tolist() == [np.inf]
 
 
-@pytest.mark.parametrize("x", [-708.0, -708.1, -745.0, -1e300, -np.inf])
-def test_exp_is_never_below_that_of_the_least_argument(x: float) -> None:
-    least = elementary.exp(np.array([x]))
-    assert least.tolist() == [3.3075530036384083e-308]
-    assert ulps.errors(least, ulps.exact(mpmath.exp, np.array([-708.0])))[0] < 1.0
+def test_exp_underflows_gradually() -> None:
+    x = np.array([-708.0, -708.4, -709.0, -730.0, -744.0, -745.0, SMALLEST])
+    result = elementary.exp(x)
+    assert np.all(ulps.errors(result, ulps.exact(mpmath.exp, x)) < 1.0)
+    assert result[-1] == 5e-324
+
+
+@pytest.mark.parametrize("x", [np.nextafter(SMALLEST, -np.inf), -746.0, -747.0, -1e300, -np.inf])
+def test_exp_of_less_is_zero(x: float) -> None:
+    assert elementary.exp(np.array([x])).tolist() == [0.0]
 
 
 def test_one_minus_exp_of_a_tiny_number_is_the_number() -> None:
