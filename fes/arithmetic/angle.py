@@ -39,7 +39,10 @@ _SMALLEST, _TO_NORMAL = math.ldexp(1.0, -1022), math.ldexp(1.0, 60)
 
 
 def atan2(y: Floats, x: Floats) -> Floats:
-    """The angle of (x, y), shapes that broadcast, from -pi to pi [rad]; 0 at the origin, with the sign of y."""
+    """The angle of finite (x, y), shapes that broadcast, from -pi to pi [rad]; NaN for NaN.
+
+    0 at the origin, with the sign of y: the sign of a zero x does not count.
+    """
     across, along = np.abs(y), np.abs(x)
     num, den = _scaled(np.minimum(across, along), np.maximum(across, along))
     is_steep, is_bent = across > along, num > BEND * den

@@ -35,7 +35,7 @@ FARTHEST = 40.0
 
 
 def exp(x: Floats) -> Floats:
-    """e^x, any shape; NaN for NaN."""
+    """e^x, any shape; infinite above 709.78, with numpy's warning of an overflow, and NaN for NaN."""
     return _whole(*reduced(np.minimum(np.maximum(x, LEAST), MOST)))
 
 
@@ -47,8 +47,8 @@ def one_minus_exp(a: Floats) -> Floats:
 def exp_and_rise(x: Floats, a: Floats) -> tuple[Floats, Floats]:
     """e^x and 1 - e^-a of equal shapes, to the same bits as one by one, in the time of one."""
     both = np.empty((2, *x.shape))
-    np.minimum(np.maximum(x, LEAST), MOST, out=both[0])
-    np.maximum(np.negative(a), -FARTHEST, out=both[1])
+    np.minimum(np.maximum(x, LEAST), MOST, out=both[0, ...])
+    np.maximum(np.negative(a), -FARTHEST, out=both[1, ...])
     n, p = reduced(both)
     return _whole(n[0], p[0]), _complement(n[1], p[1])
 

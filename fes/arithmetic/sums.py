@@ -33,7 +33,7 @@ def of_rows(values: Floats) -> Floats:
 
 
 def product(first: Floats, second: Floats) -> Floats:
-    """The matrix product of [..., i, k] and [..., k, j], its terms added in the order of k."""
+    """The matrix product of [..., i, k] and [..., k, j], k >= 1, its terms added in the order of k."""
     result = first[..., :, 0, None] * second[..., None, 0, :]
     for k in range(1, first.shape[-1]):
         result = result + first[..., :, k, None] * second[..., None, k, :]
