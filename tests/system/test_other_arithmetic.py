@@ -27,7 +27,7 @@ RECORD = ["run", PAPER, "--duration", "1", "--backend", "inprocess", "--out", "l
 
 
 @pytest.mark.parametrize("environment", arithmetics.SWITCHES, ids=str)
-def test_the_fingerprint_is_the_same_with_every_code_path_of_numpy_and_the_c_library(environment: dict[str, str]) -> None:
+def test_the_fingerprint_is_the_same_with_all_code_paths_of_numpy_and_libm(environment: dict[str, str]) -> None:
     can_be_impossible = "NPY_DISABLE_CPU_FEATURES" in environment  # numpy rejects names that it does not know
     assert arithmetics.of(environment) in {fingerprint.EXPECTED, *([None] if can_be_impossible else [])}
 
