@@ -4,6 +4,8 @@ The angle of (x, y) is j pi/4 + s atan(q) with s = 1 or -1, j from 0 to 4, and 0
 is corrected by its own rounding error.
 """
 
+import math
+
 import numpy as np
 
 from fes.arithmetic import exact
@@ -30,14 +32,17 @@ SERIES = (
     -0.33333333333333326,
 )
 
-SMALLEST_CORRECTED = 2.0**-400
+SMALLEST_CORRECTED = math.ldexp(1.0, -400)
 """Smallest quotient of which the rounding error is a float."""
 
-_SMALLEST, _TO_NORMAL = 2.0**-1022, 2.0**60
+_SMALLEST, _TO_NORMAL = math.ldexp(1.0, -1022), math.ldexp(1.0, 60)
 
 
 def atan2(y: Floats, x: Floats) -> Floats:
-    """The angle of (x, y), shapes that broadcast, from -pi to pi [rad]; 0 at the origin, with the sign of y."""
+    """The angle of finite (x, y), shapes that broadcast, from -pi to pi [rad]; NaN for NaN.
+
+    0 at the origin, with the sign of y: the sign of a zero x does not count.
+    """
     across, along = np.abs(y), np.abs(x)
     num, den = _scaled(np.minimum(across, along), np.maximum(across, along))
     is_steep, is_bent = across > along, num > BEND * den

@@ -36,7 +36,7 @@ MOST = 1e6
 
 
 def sin_cos(x: Floats) -> tuple[Floats, Floats]:
-    """sin(x) and cos(x), any shape [rad]."""
+    """sin(x) and cos(x), any shape [rad]; sin is 0.0 at both zeros, and NaN comes from NaN and the infinities."""
     if np.logical_or.reduce(np.abs(x) > MOST, axis=None):
         x = np.where(np.abs(x) > MOST, np.remainder(x, TURN), x)
     t = x * PER_QUARTER
