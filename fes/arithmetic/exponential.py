@@ -61,9 +61,7 @@ def _power(n: Ints, p: Floats) -> Floats:
 
 def _complement(n: Ints, p: Floats) -> Floats:
     """1 - 2^n (1 + p)."""
-    power = exact.power_of_two(n)
-    p *= power
-    result: Floats = (1.0 - power) - p
+    result: Floats = (1.0 - exact.scaled(1.0, n)) - exact.scaled(p, n)
     return result
 
 

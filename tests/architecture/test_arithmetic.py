@@ -36,7 +36,7 @@ ARRAYS = words(
 """Functions of numpy that move values, compare them or count."""
 
 ROUNDED_ONCE = words(
-    """abs add bincount clip copysign count_nonzero cumsum equal floor fmax fmin isfinite isinf isnan less
+    """abs add bincount clip copysign count_nonzero cumsum equal floor fmax fmin frexp isfinite isinf isnan ldexp less
     linspace logical_and logical_or maximum minimum mod multiply negative remainder sign sqrt square
     ufunc"""
 )

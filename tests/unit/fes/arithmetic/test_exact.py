@@ -15,11 +15,17 @@ def test_adding_the_rounding_number_leaves_the_nearest_integer_and_ties_go_to_ev
     assert (exact.bits(shifted) - exact.ROUND_BITS).tolist() == expected
 
 
-def test_powers_of_two_are_exact_over_all_normal_exponents() -> None:
-    exponents = np.arange(-1022, 1024)
-    assert [Fraction(value) for value in exact.power_of_two(exponents).tolist()] == [
-        Fraction(2) ** n for n in exponents.tolist()
+def test_scaling_by_a_power_of_two_is_exact_over_all_normal_exponents() -> None:
+    exponents = np.arange(-1022, 1023)
+    assert [Fraction(value) for value in exact.scaled(1.75, exponents).tolist()] == [
+        Fraction(7, 4) * Fraction(2) ** n for n in exponents.tolist()
     ]
+
+
+def test_scaling_to_a_subnormal_number_rounds_once_to_the_nearest() -> None:
+    values = np.random.default_rng(20).uniform(1.0, 2.0, 1000)
+    expected = [float(Fraction(value) * Fraction(1, 2**1060)) for value in values.tolist()]
+    assert exact.scaled(values, np.full(1000, -1060)).tolist() == expected
 
 
 def test_bits_and_floats_are_inverse() -> None:
