@@ -6,6 +6,7 @@ logarithm     log(x) and log(1 + x)
 power         x to a real power
 trigonometry  sin and cos
 angle         atan2
+polynomial    polynomials
 sums          sums and matrix products in a fixed order
 exact         rounding to an integer, bits, and errors of products
 """

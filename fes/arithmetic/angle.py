@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from fes.arithmetic import exact
+from fes.arithmetic.polynomial import horner
 from fes.arrays.types import Bools, Floats
 
 EIGHTH_HIGH, EIGHTH_LOW = 0.7853981633974483, 3.061616997868383e-17
@@ -46,14 +47,7 @@ def atan2(y: Floats, x: Floats) -> Floats:
     is_steep, is_bent = across > along, num > BEND * den
     q, error = _quotient(num, den, is_bent)
     z = q * q
-    tail = z * SERIES[0]
-    tail += SERIES[1]
-    for coefficient in SERIES[2:]:
-        tail *= z
-        tail += coefficient
-    tail *= z
-    tail *= q
-    tail += error - z * error
+    tail = horner(SERIES, z) * z * q + (error - z * error)
     is_back = x < 0.0
     eighths = np.where(is_bent, 1.0, np.where(is_steep, 2.0, 0.0))
     eighths = np.where(is_back, 4.0 - eighths, eighths)

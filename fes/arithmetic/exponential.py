@@ -7,6 +7,7 @@ the first is exact. Worst errors over a million points each: docs/explanation/di
 import numpy as np
 
 from fes.arithmetic import exact
+from fes.arithmetic.polynomial import horner
 from fes.arrays.types import Floats, Ints
 
 PER_LN2 = 1.4426950408889634
@@ -55,8 +56,7 @@ def exp_and_rise(x: Floats, a: Floats) -> tuple[Floats, Floats]:
 
 def _power(n: Ints, p: Floats) -> Floats:
     """2^n (1 + p)."""
-    p += 1.0
-    return exact.scaled(p, n)
+    return exact.scaled(p + 1.0, n)
 
 
 def _complement(n: Ints, p: Floats) -> Floats:
@@ -67,24 +67,13 @@ def _complement(n: Ints, p: Floats) -> Floats:
 
 def reduced(x: Floats) -> tuple[Ints, Floats]:
     """n and p of e^x = 2^n (1 + p), any shape."""
-    t = x * PER_LN2
-    t += exact.ROUND
+    t = x * PER_LN2 + exact.ROUND
     n = exact.bits(t) - exact.ROUND_BITS
-    t -= exact.ROUND
-    r = x - t * LN2_HIGH
-    t *= LN2_LOW
-    r -= t
-    p = tail(r)
-    p += r
-    return n, p
+    t = t - exact.ROUND
+    r = (x - t * LN2_HIGH) - t * LN2_LOW
+    return n, tail(r) + r
 
 
 def tail(r: Floats) -> Floats:
     """e^r - 1 - r for |r| <= 0.35, any shape."""
-    q = r * SERIES[0]
-    q += SERIES[1]
-    for coefficient in SERIES[2:]:
-        q *= r
-        q += coefficient
-    q *= r * r
-    return q
+    return horner(SERIES, r) * (r * r)

@@ -10,6 +10,7 @@ import numpy as np
 
 from fes.arithmetic import exact
 from fes.arithmetic.exponential import LN2_HIGH, LN2_LOW, exp
+from fes.arithmetic.polynomial import horner
 from fes.arrays.types import Bools, Floats, Ints
 
 SERIES = (
@@ -75,18 +76,8 @@ def combined(k: Ints | Floats, f: Floats, rest: Floats | float = 0.0) -> Floats:
     """k log 2 + log(1 + f) + a small rest, for 1 + f from sqrt(1/2) to sqrt(2), any shape."""
     s = f / (f + 2.0)
     z = s * s
-    q = z * SERIES[0]
-    q += SERIES[1]
-    for coefficient in SERIES[2:]:
-        q *= z
-        q += coefficient
-    q *= z
-    q = f - q
-    q *= s
-    q -= k * LN2_LOW + rest
-    q = f - q
-    q += k * LN2_HIGH
-    return q
+    q = (f - horner(SERIES, z) * z) * s
+    return (f - (q - (k * LN2_LOW + rest))) + k * LN2_HIGH
 
 
 def _of_any(x: Floats, normal: Bools) -> Floats:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from fes.arithmetic import exact, exponential, logarithm
+from fes.arithmetic.polynomial import horner
 from fes.arrays.types import Floats
 
 SERIES = (
@@ -66,15 +67,7 @@ def real_power(x: Floats, y: Floats | float) -> Floats:
     product = s * t
     s_low = (((f - product) - exact.product_error(s, t, product)) - s * (f - (t - 2.0))) / t
     z = s * s
-    q = z * SERIES[0]
-    q += SERIES[1]
-    for coefficient in SERIES[2:]:
-        q *= z
-        q += coefficient
-    q *= z
-    q *= s
-    q += 2.0 * s_low
-    q += e * LN2_LOW
+    q = (horner(SERIES, z) * z * s + 2.0 * s_low) + e * LN2_LOW
     # log x = high + low
     whole, part = e * LN2_HIGH, 2.0 * s
     total = whole + part
@@ -99,6 +92,6 @@ def _exp(x: Floats, low: Floats) -> Floats:
     r = w - v
     r_low = ((w - r) - v) + low
     tail = exponential.tail(r)
-    tail += r_low + r_low * (r + tail)
+    tail = tail + (r_low + r_low * (r + tail))
     first = 1.0 + r
     return exact.scaled(first + ((r - (first - 1.0)) + tail), n)

@@ -6,6 +6,7 @@ x = n pi/2 + r + e with |r| <= pi/4: pi/2 is in three parts, so that n times eac
 import numpy as np
 
 from fes.arithmetic import exact
+from fes.arithmetic.polynomial import horner
 from fes.arrays.types import Floats
 
 PER_QUARTER = 0.6366197723675814
@@ -54,26 +55,9 @@ def sin_cos(x: Floats) -> tuple[Floats, Floats]:
     e = (high - r) + low
     z = r * r
     half = 0.5 * z
-    s = _polynomial(SINES, z)
-    s *= z
-    s *= r
-    s += e - half * e
-    s += r
-    c = _polynomial(COSINES, z)
-    c *= z * z
-    c -= r * e
+    s = (horner(SINES, z) * z * r + (e - half * e)) + r
     w = 1.0 - half
-    c += (1.0 - w) - half
-    c += w
+    c = ((horner(COSINES, z) * (z * z) - r * e) + ((1.0 - w) - half)) + w
     quarter = n & 3
     is_odd = (n & 1) == 1
     return np.where(is_odd, c, s) * _SINE_SIGN.take(quarter), np.where(is_odd, s, c) * _COSINE_SIGN.take(quarter)
-
-
-def _polynomial(coefficients: tuple[float, ...], z: Floats) -> Floats:
-    q = z * coefficients[0]
-    q += coefficients[1]
-    for coefficient in coefficients[2:]:
-        q *= z
-        q += coefficient
-    return q
