@@ -12,13 +12,13 @@ from fes.arithmetic import exact
 from fes.arithmetic.polynomial import horner
 from fes.arrays.types import Bools, Floats
 
-EIGHTH_HIGH, EIGHTH_LOW = 0.7853981633974483, 3.061616997868383e-17
+EIGHTH_HIGH, EIGHTH_LOW = exact.constants(0.7853981633974483, 3.061616997868383e-17)
 """pi/4; four times the first part is exact."""
 
-BEND = 0.41421356237309503
+(BEND,) = exact.constants(0.41421356237309503)
 """tan(pi/8)"""
 
-SERIES = (
+SERIES = exact.constants(
     0.015180712401285002,
     -0.0334596562200217,
     0.04502886246280583,
@@ -33,7 +33,7 @@ SERIES = (
     -0.33333333333333326,
 )
 
-SMALLEST_CORRECTED = math.ldexp(1.0, -400)
+(SMALLEST_CORRECTED,) = exact.constants(math.ldexp(1.0, -400))
 """Smallest quotient of which the rounding error is a float."""
 
 

@@ -2,9 +2,17 @@
 
 import numpy as np
 
-from fes.arrays.types import Floats, Ints
+from fes.arrays.types import Floats, Ints, read_only
 
-ROUND = 6755399441055744.0  # 1.5 * 2**52
+
+def constants(*values: float) -> tuple[Floats, ...]:
+    """Floats as arrays without an axis: numpy adds these in half the time of Python's own."""
+    return tuple(read_only(np.array(value)) for value in values)
+
+
+HALF, ONE, TWO = constants(0.5, 1.0, 2.0)
+
+(ROUND,) = constants(6755399441055744.0)  # 1.5 * 2**52
 """Added to a number below 2**51 in magnitude, it leaves the nearest integer in the last bits; ties go to even."""
 
 ROUND_BITS = 0x4338000000000000
@@ -13,7 +21,7 @@ ROUND_BITS = 0x4338000000000000
 BIAS, MANTISSA = 1023, 52
 """Bias of the exponent of a float, and number of its mantissa's bits."""
 
-_SPLIT = 134217729.0  # 2**27 + 1
+(_SPLIT,) = constants(134217729.0)  # 2**27 + 1
 
 
 def bits(values: Floats) -> Ints:

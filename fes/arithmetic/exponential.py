@@ -10,9 +10,9 @@ from fes.arithmetic import exact
 from fes.arithmetic.polynomial import horner
 from fes.arrays.types import Floats, Ints
 
-PER_LN2 = 1.4426950408889634
-LN2_HIGH, LN2_LOW = 0.693147180369123816490, 1.90821492927058770002e-10
-SERIES = (
+(PER_LN2,) = exact.constants(1.4426950408889634)
+LN2_HIGH, LN2_LOW = exact.constants(0.693147180369123816490, 1.90821492927058770002e-10)
+SERIES = exact.constants(
     1.6059043836821613e-10,
     2.08767569878681e-09,
     2.505210838544172e-08,
@@ -28,10 +28,10 @@ SERIES = (
 )
 """1/13! to 1/2!."""
 
-LEAST, MOST = -746.0, 710.0
+LEAST, MOST = exact.constants(-746.0, 710.0)
 """Arguments of exp are clamped to these: exp(LEAST) is 0, and exp(MOST) is infinite."""
 
-FARTHEST = 40.0
+FARTHEST, _NEAREST = exact.constants(40.0, -40.0)
 """Arguments of 1 - exp(-a) are clamped to this: beyond it the result is 1."""
 
 
@@ -42,26 +42,26 @@ def exp(x: Floats) -> Floats:
 
 def one_minus_exp(a: Floats) -> Floats:
     """1 - e^-a for a >= 0, any shape, to relative precision also where a is small; NaN for NaN."""
-    return _complement(*reduced(np.maximum(np.negative(a), -FARTHEST)))
+    return _complement(*reduced(np.maximum(np.negative(a), _NEAREST)))
 
 
 def exp_and_rise(x: Floats, a: Floats) -> tuple[Floats, Floats]:
     """e^x and 1 - e^-a of equal shapes, to the same bits as one by one, in the time of one."""
     both = np.empty((2, *x.shape))
     np.minimum(np.maximum(x, LEAST), MOST, out=both[0, ...])
-    np.maximum(np.negative(a), -FARTHEST, out=both[1, ...])
+    np.maximum(np.negative(a), _NEAREST, out=both[1, ...])
     n, p = reduced(both)
     return _power(n[0], p[0]), _complement(n[1], p[1])
 
 
 def _power(n: Ints, p: Floats) -> Floats:
     """2^n (1 + p)."""
-    return exact.scaled(p + 1.0, n)
+    return exact.scaled(p + exact.ONE, n)
 
 
 def _complement(n: Ints, p: Floats) -> Floats:
     """1 - 2^n (1 + p)."""
-    result: Floats = (1.0 - exact.scaled(1.0, n)) - exact.scaled(p, n)
+    result: Floats = (exact.ONE - exact.scaled(exact.ONE, n)) - exact.scaled(p, n)
     return result
 
 

@@ -13,7 +13,7 @@ from fes.arithmetic.exponential import LN2_HIGH, LN2_LOW, exp
 from fes.arithmetic.polynomial import horner
 from fes.arrays.types import Bools, Floats, Ints
 
-SERIES = (
+SERIES = exact.constants(
     0.1479610463708204,
     0.15314035926270983,
     0.18183564862737678,
@@ -23,7 +23,7 @@ SERIES = (
     0.6666666666666734,
 )
 
-SMALLEST = math.ldexp(1.0, -1022)
+(SMALLEST,) = exact.constants(math.ldexp(1.0, -1022))
 """Smallest normal number."""
 
 _ROOT_HALF_BITS = 0x3FE6A09E667F3BCD  # of sqrt(1/2)
@@ -43,7 +43,7 @@ def log1p(x: Floats) -> Floats:
 
     -inf for -1, and NaN for a number below -1 and for NaN.
     """
-    shifted = x + 1.0
+    shifted = x + exact.ONE
     normal = (shifted > 0.0) & (shifted < np.inf)
     if np.logical_and.reduce(normal, axis=None):
         return _log1p(x, shifted)
@@ -54,14 +54,14 @@ def _log1p(x: Floats, shifted: Floats) -> Floats:
     """log(1 + x), where `shifted` is 1 + x rounded, positive and finite."""
     k, f = split(shifted)
     is_exact = k == 0
-    rest = np.where(is_exact, 0.0, (x - (shifted - 1.0)) / shifted)
+    rest = np.where(is_exact, 0.0, (x - (shifted - exact.ONE)) / shifted)
     return combined(k, np.where(is_exact, x, f), rest)
 
 
 def log_sum_exp(z: Floats) -> Floats:
     """log(1 + e^z), any shape, without overflow; NaN for NaN."""
     decay = exp(-np.abs(z))
-    result: Floats = np.maximum(z, 0.0) + _log1p(decay, decay + 1.0)
+    result: Floats = np.maximum(z, 0.0) + _log1p(decay, decay + exact.ONE)
     return result
 
 
@@ -69,12 +69,12 @@ def split(x: Floats) -> tuple[Ints, Floats]:
     """k and f of x = 2^k (1 + f), for normal positive x of any shape."""
     bits = exact.bits(x)
     k = (bits - _ROOT_HALF_BITS) >> exact.MANTISSA
-    return k, exact.from_bits(bits - (k << exact.MANTISSA)) - 1.0
+    return k, exact.from_bits(bits - (k << exact.MANTISSA)) - exact.ONE
 
 
 def combined(k: Ints | Floats, f: Floats, rest: Floats | float = 0.0) -> Floats:
     """k log 2 + log(1 + f) + a small rest, for 1 + f from sqrt(1/2) to sqrt(2), any shape."""
-    s = f / (f + 2.0)
+    s = f / (f + exact.TWO)
     z = s * s
     q = (f - horner(SERIES, z) * z) * s
     return (f - (q - (k * LN2_LOW + rest))) + k * LN2_HIGH

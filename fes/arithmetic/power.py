@@ -6,7 +6,7 @@ from fes.arithmetic import exact, exponential, logarithm
 from fes.arithmetic.polynomial import horner
 from fes.arrays.types import Floats
 
-SERIES = (
+SERIES = exact.constants(
     0.13251319912287723,
     0.13250119072859887,
     0.1538709071966058,
@@ -18,16 +18,16 @@ SERIES = (
 )
 """As `logarithm.SERIES`, with an error of 2^-66."""
 
-LN2_HIGH, LN2_LOW = 0.6931471805592082, 7.371002565167799e-13
+LN2_HIGH, LN2_LOW = exact.constants(0.6931471805592082, 7.371002565167799e-13)
 """log 2 in two parts; the first has 40 bits."""
 
 MOST_PRODUCTS = 16
 """Largest exponent that is a product."""
 
-LARGEST = 1.7976931348623157e308
+(LARGEST,) = exact.constants(1.7976931348623157e308)
 """Largest float."""
 
-MOST_REST = 1e-9
+(MOST_REST,) = exact.constants(1e-9)
 """Bound of the second part of y log x: it is below 1e-12 where x^y is neither 0 nor infinite."""
 
 
@@ -62,14 +62,14 @@ def real_power(x: Floats, y: Floats | float) -> Floats:
     """
     k, f = logarithm.split(x)
     e = k + 0.0 * x  # NaN for NaN, which has an exponent too
-    t = f + 2.0
+    t = f + exact.TWO
     s = f / t
     product = s * t
-    s_low = (((f - product) - exact.product_error(s, t, product)) - s * (f - (t - 2.0))) / t
+    s_low = (((f - product) - exact.product_error(s, t, product)) - s * (f - (t - exact.TWO))) / t
     z = s * s
-    q = (horner(SERIES, z) * z * s + 2.0 * s_low) + e * LN2_LOW
+    q = (horner(SERIES, z) * z * s + exact.TWO * s_low) + e * LN2_LOW
     # log x = high + low
-    whole, part = e * LN2_HIGH, 2.0 * s
+    whole, part = e * LN2_HIGH, exact.TWO * s
     total = whole + part
     low = ((whole - total) + part) + q
     high = total + low
@@ -93,5 +93,5 @@ def _exp(x: Floats, low: Floats) -> Floats:
     r_low = ((w - r) - v) + low
     tail = exponential.tail(r)
     tail = tail + (r_low + r_low * (r + tail))
-    first = 1.0 + r
-    return exact.scaled(first + ((r - (first - 1.0)) + tail), n)
+    first = exact.ONE + r
+    return exact.scaled(first + ((r - (first - exact.ONE)) + tail), n)

@@ -9,11 +9,13 @@ from fes.arithmetic import exact
 from fes.arithmetic.polynomial import horner
 from fes.arrays.types import Floats
 
-PER_QUARTER = 0.6366197723675814
-QUARTER_HIGH, QUARTER_MIDDLE, QUARTER_LOW = 1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21
+(PER_QUARTER,) = exact.constants(0.6366197723675814)
+QUARTER_HIGH, QUARTER_MIDDLE, QUARTER_LOW = exact.constants(
+    1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21
+)
 """pi/2; the first two parts have 33 bits each."""
 
-SINES = (
+SINES = exact.constants(
     1.5896066701344328e-10,
     -2.5050745023009887e-08,
     2.755731360442391e-06,
@@ -21,7 +23,7 @@ SINES = (
     0.008333333333322061,
     -0.1666666666666663,
 )
-COSINES = (
+COSINES = exact.constants(
     -1.1358423270163104e-11,
     2.0875698703482154e-09,
     -2.75573141639367e-07,
@@ -33,9 +35,9 @@ COSINES = (
 _SINE_SIGN, _COSINE_SIGN = np.array([1.0, 1.0, -1.0, -1.0]), np.array([1.0, -1.0, -1.0, 1.0])
 """By the number of quarter turns modulo 4."""
 
-TURN = 6.283185307179586
+(TURN,) = exact.constants(6.283185307179586)
 
-MOST = 1e6
+(MOST,) = exact.constants(1e6)
 """Largest magnitude [rad] with full precision; larger angles are wrapped first, by the float nearest to 2 pi."""
 
 
@@ -54,10 +56,10 @@ def sin_cos(x: Floats) -> tuple[Floats, Floats]:
     r = high + low
     e = (high - r) + low
     z = r * r
-    half = 0.5 * z
+    half = exact.HALF * z
     s = (horner(SINES, z) * z * r + (e - half * e)) + r
-    w = 1.0 - half
-    c = ((horner(COSINES, z) * (z * z) - r * e) + ((1.0 - w) - half)) + w
+    w = exact.ONE - half
+    c = ((horner(COSINES, z) * (z * z) - r * e) + ((exact.ONE - w) - half)) + w
     quarter = n & 3
     is_odd = (n & 1) == 1
     return np.where(is_odd, c, s) * _SINE_SIGN.take(quarter), np.where(is_odd, s, c) * _COSINE_SIGN.take(quarter)
