@@ -26,6 +26,16 @@ def test_multiples_of_a_quarter_turn_are_within_an_ulp_next_to_the_zeros() -> No
     assert float(elementary.sin_cos(np.array(math.pi))[0]) == 1.2246467991473532e-16  # pi less the float
 
 
+def test_the_angles_nearest_to_zeros_err_by_little_more_than_an_ulp() -> None:
+    # Of the floats up to a million, each the nearest to a multiple of pi/2, these seven have the largest errors.
+    cosines = np.array([413441.44719405076, 229174.47169039503, 321307.9594422229])
+    sines = np.array([826882.8943881015, 458348.94338079006, 916697.8867615801, 642615.9188844458])
+    errors_of_cosines = ulps.errors(elementary.sin_cos(cosines)[1], ulps.exact(mpmath.cos, cosines))
+    errors_of_sines = ulps.errors(elementary.sin_cos(sines)[0], ulps.exact(mpmath.sin, sines))
+    assert max(errors_of_cosines[0], errors_of_sines[0]) < 1.07
+    assert max(errors_of_cosines[1:].max(), errors_of_sines[1:].max()) < 0.8
+
+
 def test_odd_multiples_of_an_eighth_turn_are_within_an_ulp() -> None:
     x = np.concatenate(
         [np.nextafter((2.0 * np.arange(-500.0, 500.0) + 1.0) * (math.pi / 4), end) for end in (-9e9, 9e9)]
