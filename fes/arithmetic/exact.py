@@ -10,7 +10,7 @@ def constants(*values: float) -> tuple[Floats, ...]:
     return tuple(read_only(np.array(value)) for value in values)
 
 
-HALF, ONE, TWO = constants(0.5, 1.0, 2.0)
+HALF, UNIT, TWO = constants(0.5, 1.0, 2.0)
 
 (ROUND,) = constants(6755399441055744.0)  # 1.5 * 2**52
 """Added to a number below 2**51 in magnitude, it leaves the nearest integer in the last bits; ties go to even."""

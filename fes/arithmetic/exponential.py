@@ -56,12 +56,12 @@ def exp_and_rise(x: Floats, a: Floats) -> tuple[Floats, Floats]:
 
 def _power(n: Ints, p: Floats) -> Floats:
     """2^n (1 + p)."""
-    return exact.scaled(p + exact.ONE, n)
+    return exact.scaled(p + exact.UNIT, n)
 
 
 def _complement(n: Ints, p: Floats) -> Floats:
     """1 - 2^n (1 + p)."""
-    result: Floats = (exact.ONE - exact.scaled(exact.ONE, n)) - exact.scaled(p, n)
+    result: Floats = (exact.UNIT - exact.scaled(exact.UNIT, n)) - exact.scaled(p, n)
     return result
 
 

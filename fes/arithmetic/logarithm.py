@@ -43,7 +43,7 @@ def log1p(x: Floats) -> Floats:
 
     -inf for -1, and NaN for a number below -1 and for NaN.
     """
-    shifted = x + exact.ONE
+    shifted = x + exact.UNIT
     normal = (shifted > 0.0) & (shifted < np.inf)
     if np.logical_and.reduce(normal, axis=None):
         return _log1p(x, shifted)
@@ -54,14 +54,14 @@ def _log1p(x: Floats, shifted: Floats) -> Floats:
     """log(1 + x), where `shifted` is 1 + x rounded, positive and finite."""
     k, f = split(shifted)
     is_exact = k == 0
-    rest = np.where(is_exact, 0.0, (x - (shifted - exact.ONE)) / shifted)
+    rest = np.where(is_exact, 0.0, (x - (shifted - exact.UNIT)) / shifted)
     return combined(k, np.where(is_exact, x, f), rest)
 
 
 def log_sum_exp(z: Floats) -> Floats:
     """log(1 + e^z), any shape, without overflow; NaN for NaN."""
     decay = exp(-np.abs(z))
-    result: Floats = np.maximum(z, 0.0) + _log1p(decay, decay + exact.ONE)
+    result: Floats = np.maximum(z, 0.0) + _log1p(decay, decay + exact.UNIT)
     return result
 
 
@@ -69,7 +69,7 @@ def split(x: Floats) -> tuple[Ints, Floats]:
     """k and f of x = 2^k (1 + f), for normal positive x of any shape."""
     bits = exact.bits(x)
     k = (bits - _ROOT_HALF_BITS) >> exact.MANTISSA
-    return k, exact.from_bits(bits - (k << exact.MANTISSA)) - exact.ONE
+    return k, exact.from_bits(bits - (k << exact.MANTISSA)) - exact.UNIT
 
 
 def combined(k: Ints | Floats, f: Floats, rest: Floats | float = 0.0) -> Floats:

@@ -93,5 +93,5 @@ def _exp(x: Floats, low: Floats) -> Floats:
     r_low = ((w - r) - v) + low
     tail = exponential.tail(r)
     tail = tail + (r_low + r_low * (r + tail))
-    first = exact.ONE + r
-    return exact.scaled(first + ((r - (first - exact.ONE)) + tail), n)
+    first = exact.UNIT + r
+    return exact.scaled(first + ((r - (first - exact.UNIT)) + tail), n)

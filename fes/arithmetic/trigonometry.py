@@ -58,8 +58,8 @@ def sin_cos(x: Floats) -> tuple[Floats, Floats]:
     z = r * r
     half = exact.HALF * z
     s = (horner(SINES, z) * z * r + (e - half * e)) + r
-    w = exact.ONE - half
-    c = ((horner(COSINES, z) * (z * z) - r * e) + ((exact.ONE - w) - half)) + w
+    w = exact.UNIT - half
+    c = ((horner(COSINES, z) * (z * z) - r * e) + ((exact.UNIT - w) - half)) + w
     quarter = n & 3
     is_odd = (n & 1) == 1
     return np.where(is_odd, c, s) * _SINE_SIGN.take(quarter), np.where(is_odd, s, c) * _COSINE_SIGN.take(quarter)
