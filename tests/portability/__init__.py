@@ -1,0 +1,1 @@
+"""One digest under every processor and library."""
