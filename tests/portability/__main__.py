@@ -80,10 +80,11 @@ class Comparison:
             for interpreter, word in ((first, "record"), (second, "execute")):
                 words = ("-m", "tests.portability.logs", word, str(folder), "--seconds", SHORT)
                 if code := interpreter.run(path, *words):
-                    self.fail(f"logs of {first.name}, {word} by {interpreter.name}: exit code {code}\n{path.read_text()}")
+                    self.fail(f"logs of {first.name}, {word} by {interpreter.name}: code {code}\n{path.read_text()}")
                     return
             self.equal += 1
-            say(f"{len(path.read_text().splitlines())} logs of {first.name} are executed by {second.name}, bit for bit")
+            number = len(path.read_text().splitlines())
+            say(f"{number} logs of {first.name} are executed by {second.name}, bit for bit")
 
     def attempt(self, name: str, what: Callable[[], None]) -> None:
         """Do something that needs a download; say if that is not possible."""
@@ -139,7 +140,7 @@ class Comparison:
         changed, remarks = settings.loops(own)
         for remark in remarks:
             say(remark)
-        changed += settings.of_libraries(own)
+        changed += settings.of_libraries(own, settings.FEW_CORES if self.is_short else settings.CORES)
         changed.append(settings.together(changed))
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
             done = [pool.submit(self.emulated, base, own)]  # the longest first

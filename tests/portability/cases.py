@@ -1,5 +1,6 @@
 """The cases: all built-in scenarios, and variants that bring what these have late or not at all into seconds."""
 
+import re
 from typing import Any, NamedTuple
 
 from world.config import builtin, scenario
@@ -38,6 +39,7 @@ SAMPLED: Overrides = {"seeking.index": "sampled", "seeking.index_transform": "no
 SHAPED: Overrides = {"channel.path_loss_exponent": 2.7, "objective.shape_exponent": 3.3}
 """Exponents that are not whole: no product replaces the power."""
 
+TABLE: Overrides = {"channel.model": "table", "channel.rows": [[10, 1.0], [90, 0.53], [170, 0.01]]}
 METRICS = [
     {"use": "covered_area"},
     {"use": "delivery"},
@@ -79,8 +81,8 @@ _VARIANTS = {
     "measured-alone": Case("measured", {"seeking.pooling": "none", **SHAPED}),
     "measured-shadowing": Case("measured", ROUGH),
     "measured-logistic": Case("measured", {"channel.model": "logistic", **ROUGH}),
-    "measured-table": Case("measured", {"channel.model": "table", "channel.rows": [[10, 1.0], [90, 0.53], [170, 0.01]]}),
-    **{f"challenge-{name.replace(', ', '-').replace(' ', '-')}": Case("challenge", {"scheme": name}) for name in SCHEMES},
+    "measured-table": Case("measured", TABLE),
+    **{f"challenge-{'-'.join(re.findall('[a-z_]+', name))}": Case("challenge", {"scheme": name}) for name in SCHEMES},
 }
 VARIANTS = {f"variants/{name}": case for name, case in _VARIANTS.items()}
 """Cases beside the built-in scenarios, by name."""

@@ -1,6 +1,6 @@
 """Digests of all cases in one loop, one line each, for comparison with those of another arithmetic.
 
-`python -m tests.portability.digests [--seconds S | --whole] [CASE ...]` needs the project's dependencies only, not pytest.
+`python -m tests.portability.digests [--seconds S | --whole] [CASE ...]` needs no more than the dependencies of a run.
 A line is `name digest messages=... reports=... summary=...`: SHA-256 of what must be equal to the bit. Lines that
 begin with `#` describe this process.
 """
@@ -46,7 +46,7 @@ def line(name: str, scenario: Scenario) -> str:
 def main() -> int:
     """Print the lines; returns 0."""
     parser = argparse.ArgumentParser(prog="python -m tests.portability.digests", description=__doc__)
-    parser.add_argument("case", nargs="*", help="a built-in scenario, or a variant of tests.portability.cases; by default all")
+    parser.add_argument("case", nargs="*", help="a built-in scenario, or a variant; by default all")
     parser.add_argument("--seconds", type=float, default=cases.SECONDS, help="simulated time of each case")
     parser.add_argument("--whole", action="store_true", help="the whole length of each case")
     parser.add_argument("--emulated", action="store_true", help="the cases for an emulated processor")

@@ -38,7 +38,7 @@ class Interpreter:
             ).returncode  # fmt: skip
 
     def says(self, code: str) -> str:
-        """What a program of one line prints."""
+        """Output of a program of one line."""
         return downloads.run(*self.words, "-c", code, **dict(self.environment)).strip()
 
 

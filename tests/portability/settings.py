@@ -3,6 +3,7 @@
 Each takes a part of the processor away, as an older one lacks it. Whether it has an effect here is seen afterwards.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from tests.portability.interpreters import Interpreter
@@ -10,12 +11,14 @@ from tests.portability.interpreters import Interpreter
 NUMPY, GLIBC, OPENBLAS = "NPY_DISABLE_CPU_FEATURES", "GLIBC_TUNABLES", "OPENBLAS_CORETYPE"
 
 AVX2 = ("X86_V3", "AVX2", "FMA3")
-"""How versions of numpy name loops for AVX2: 2.4 has levels, the older ones have features."""
+"""Names of loops for AVX2: numpy 2.4 has levels, older ones have features."""
 
 WITHOUT_FMA = "glibc.cpu.hwcaps=-FMA,-AVX2,-FMA4,-AVX2_Usable,-FMA_Usable,-FMA4_Usable"
 """Names of the C library since 2.33, and those before: unknown ones are ignored."""
 
-CORES = ("Haswell", "Zen", "Prescott", "Nehalem")
+CORES = ("Haswell", "Zen", "Nehalem", "Prescott")
+FEW_CORES = ("Haswell", "Prescott")
+"""Code of the linear algebra, by its names of processors."""
 
 DISPATCHED = (
     "from numpy._core._multiarray_umath import __cpu_dispatch__ as all, __cpu_features__ as used; "
@@ -53,11 +56,11 @@ def loops(interpreter: Interpreter) -> tuple[list[Setting], list[str]]:
     return settings, remarks
 
 
-def of_libraries(interpreter: Interpreter) -> list[Setting]:
+def of_libraries(interpreter: Interpreter, cores: Sequence[str]) -> list[Setting]:
     """Settings of the C library and of the linear algebra."""
     return [
         _setting(interpreter, "C library without FMA", {GLIBC: WITHOUT_FMA}),
-        *(_setting(interpreter, f"OpenBLAS {core}", {OPENBLAS: core}) for core in CORES),
+        *(_setting(interpreter, f"OpenBLAS {core}", {OPENBLAS: core}) for core in cores),
     ]
 
 

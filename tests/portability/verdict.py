@@ -9,7 +9,7 @@ CONTROLS = ("loops", "libm", "blas")
 
 @dataclass(frozen=True)
 class Output:
-    """What a process printed."""
+    """The lines of a process."""
 
     about: dict[str, str]
     """Name -> value of its lines about itself."""
@@ -31,13 +31,15 @@ class Output:
         return Output(about, lines)
 
     def effect(self, base: "Output") -> str:
-        """What differs here in results that no run uses: the proof that a setting does something."""
-        changed = [name for name in CONTROLS if self.about.get(name) != base.about.get(name)]
-        return f"changes the bits of {', '.join(changed)}" if changed else "changes no bits of the controls here"
+        """Lost features, and controls with other bits: the proof that a setting does something."""
+        lost = [word for word in base.about["features"].split() if word not in self.about["features"].split()]
+        changed = [name for name in CONTROLS if self.about[name] != base.about[name]]
+        took = f"takes away {' '.join(lost)}, " if lost else ""
+        return took + (f"changes the bits of {', '.join(changed)}" if changed else "changes no bits of the controls")
 
     def differences(self, base: "Output") -> list[str]:
         """Cases of this output that are not in `base` or differ there, with the parts that differ."""
-        found = []
+        found = [] if self.lines else ["no case at all"]
         for name, parts in self.lines.items():
             if (others := base.lines.get(name)) is None:
                 found.append(f"{name} (not in the first setting)")
