@@ -86,6 +86,8 @@ def packages(folder: Path, suite: str, machine: str, *names: str, alone: bool = 
         if not package.name.startswith(UNUSED):
             run("dpkg-deb", "-x", package, folder)
             package.unlink()
+    if not (folder / "lib").exists():  # the package that would make this link is not unpacked
+        (folder / "lib").symlink_to("usr/lib")
     (folder / "whole").touch()
     return folder
 
