@@ -36,7 +36,7 @@ class Witnesses:
         self.edges = edges
         self.all: tuple[Ints, Ints] | None = None
         self.last: Ints = np.full(len(edges), -1, dtype=np.int64)
-        if int(np.square(edges.counts).sum()) <= FEW:
+        if int(np.add.reduce(np.square(edges.counts))) <= FEW:
             self.all = self.of(np.arange(len(edges)), self.counts(np.arange(len(edges))))
         elif before is not None and len(before.edges):
             self._carry(before)

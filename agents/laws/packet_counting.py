@@ -12,6 +12,7 @@ a link that ends loses nothing.
 """
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -105,11 +106,17 @@ def forget(reception: ReceptionFit, restarted: Bools) -> ReceptionFit:
 def fade(reception: ReceptionFit, dt: float) -> ReceptionFit:
     """The learners, with their statistics faded by a tick of `dt` [s]."""
     statistics = reception.statistics.copy()
-    memories = np.array([reception.method.short_memory, reception.method.long_memory])
-    kept = elementary.exp(-dt / memories)
-    statistics[:, :3] *= kept[0]
-    statistics[:, 3:] *= kept[1]
+    short, long = _kept(reception.method, dt)
+    statistics[:, :3] *= short
+    statistics[:, 3:] *= long
     return replace(reception, statistics=statistics)
+
+
+@cache
+def _kept(method: Method, dt: float) -> tuple[float, float]:
+    """Shares of the statistics that remain after a tick of `dt` [s]: short memory, long memory."""
+    short, long = elementary.exp(-dt / np.array([method.short_memory, method.long_memory])).tolist()
+    return short, long
 
 
 def mix(reception: ReceptionFit, edges: Edges, heard: Bools, received: Floats) -> ReceptionFit:
@@ -134,9 +141,10 @@ def learn(reception: ReceptionFit, rows: Ints, separation: Floats, decoded: Bool
     u = elementary.log(np.maximum(separation / scale, NEAREST))
     predictor = np.clip(reception.level[rows] + reception.exponent[rows] * u, LOW, HIGH)
     rate = elementary.exp(predictor)  # -ln p
-    p = elementary.exp(-rate)
-    weight = rate * rate * p / (1.0 - p)
-    response = weight * predictor + np.where(decoded, -rate, rate * p / (1.0 - p))
+    p, lost = elementary.exp_and_rise(-rate, rate)
+    odds = p / lost
+    weight = rate * rate * odds
+    response = weight * predictor + np.where(decoded, -rate, rate * odds)
     before = reception.statistics
     known = before[:, 0] > LEAST_WEIGHT
     safe = np.where(known, before[:, 0], 1.0)

@@ -73,7 +73,7 @@ class AlphaLattice:
         """The pull of the velocity after one tick of force, consensus and friction."""
         contacts, parameters = around.contacts, self._parameters
         edges, rows = contacts.edges, contacts.edges.rows
-        gradient = contacts.separation / np.sqrt(1.0 + EPSILON * contacts.separation**2)
+        gradient = contacts.separation / np.sqrt(1.0 + EPSILON * np.square(contacts.separation))
         size = np.where(contacts.separation > 0.0, contacts.separation, 1.0)
         force = (
             np.where(contacts.known, parameters.force_gain * self.force(contacts.separation), 0.0) * gradient / size
@@ -93,7 +93,7 @@ class AlphaLattice:
     def force(self, separation: Floats) -> Floats:
         """phi_alpha at `separation` [m], any shape: negative where robots are nearer than the spacing."""
         excess = sigma(separation) - sigma(np.array(self._spacing))
-        return self._adjacency(separation) * FORCE * excess / np.sqrt(1.0 + excess**2)
+        return self._adjacency(separation) * FORCE * excess / np.sqrt(1.0 + excess * excess)
 
     def _adjacency(self, separation: Floats) -> Floats:
         """a_ij at `separation` [m], any shape: 1 when near, and smoothly 0 at the range."""
@@ -104,7 +104,7 @@ class AlphaLattice:
 
 def sigma(separation: Floats) -> Floats:
     """The sigma-norm of a line of sight of length `separation` [m], any shape."""
-    norm: Floats = (np.sqrt(1.0 + EPSILON * separation**2) - 1.0) / EPSILON
+    norm: Floats = (np.sqrt(1.0 + EPSILON * separation * separation) - 1.0) / EPSILON
     return norm
 
 

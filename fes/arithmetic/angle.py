@@ -4,6 +4,8 @@ The angle of (x, y) is j pi/4 + s atan(q) with s = 1 or -1, j from 0 to 4, and 0
 is corrected by its own rounding error.
 """
 
+import math
+
 import numpy as np
 
 from fes.arithmetic import exact
@@ -30,14 +32,15 @@ SERIES = (
     -0.33333333333333326,
 )
 
-SMALLEST_CORRECTED = 2.0**-400
+SMALLEST_CORRECTED = math.ldexp(1.0, -400)
 """Smallest quotient of which the rounding error is a float."""
-
-_SMALLEST, _TO_NORMAL = 2.0**-1022, 2.0**60
 
 
 def atan2(y: Floats, x: Floats) -> Floats:
-    """The angle of (x, y), shapes that broadcast, from -pi to pi [rad]; 0 at the origin, with the sign of y."""
+    """The angle of finite (x, y), shapes that broadcast, from -pi to pi [rad]; NaN for NaN.
+
+    0 at the origin, with the sign of y: the sign of a zero x does not count.
+    """
     across, along = np.abs(y), np.abs(x)
     num, den = _scaled(np.minimum(across, along), np.maximum(across, along))
     is_steep, is_bent = across > along, num > BEND * den
@@ -64,23 +67,15 @@ def atan2(y: Floats, x: Floats) -> Floats:
 
 def _scaled(num: Floats, den: Floats) -> tuple[Floats, Floats]:
     """The same quotient with a denominator in [1, 2): nothing over- or underflows. 0/0 becomes 0/1."""
-    is_tiny = den < _SMALLEST
-    if np.logical_or.reduce(is_tiny, axis=None):
-        up = np.where(is_tiny, _TO_NORMAL, 1.0)
-        num, den = num * up, den * up
-        den = np.where(den == 0.0, 1.0, den)
-    exponent = exact.bits(den) >> exact.MANTISSA
-    down = exact.from_bits(np.maximum(2 * exact.BIAS - exponent, 1) << exact.MANTISSA)
-    down = np.where(exponent >= 2 * exact.BIAS, 0.5 * _SMALLEST, down)
-    return num * down, den * down
+    share, exponent = np.frexp(den)
+    return exact.scaled(num, 1 - exponent), np.where(den == 0.0, 1.0, share + share)
 
 
 def _quotient(num: Floats, den: Floats, is_bent: Bools) -> tuple[Floats, Floats]:
     """q of num/den, or of (num - den)/(num + den) where that `is_bent`, and its rounding error."""
-    n = np.where(is_bent, num - den, num)
-    d = np.where(is_bent, num + den, den)
-    n_low = np.where(is_bent, num - (n + den), 0.0)
-    d_low = np.where(is_bent, num - (d - den), 0.0)
+    less, more = den * is_bent, num * is_bent
+    n, d = num - less, den + more
+    n_low, d_low = num - (n + less), more - (d - den)
     q = n / d
     product = q * d
     error = ((((n - product) - exact.product_error(q, d, product)) + n_low) - q * d_low) / d

@@ -28,9 +28,10 @@ def from_bits(values: Ints) -> Floats:
     return result
 
 
-def power_of_two(exponent: Ints) -> Floats:
-    """2^exponent for exponents from -1022 to 1023, any shape."""
-    return from_bits((exponent + BIAS) << MANTISSA)
+def scaled(values: Floats | float, exponent: Ints) -> Floats:
+    """values 2^exponent, shapes that broadcast: exact, and rounded once where the result is subnormal."""
+    result: Floats = np.ldexp(values, exponent)
+    return result
 
 
 def product_error(a: Floats, b: Floats, product: Floats) -> Floats:

@@ -27,15 +27,15 @@ SERIES = (
 )
 """1/13! to 1/2!."""
 
-LEAST, MOST = -708.0, 710.0
-"""Arguments of exp are clamped to these: exp(LEAST) is the smallest result, and exp(MOST) is infinite."""
+LEAST, MOST = -746.0, 710.0
+"""Arguments of exp are clamped to these: exp(LEAST) is 0, and exp(MOST) is infinite."""
 
 FARTHEST = 40.0
 """Arguments of 1 - exp(-a) are clamped to this: beyond it the result is 1."""
 
 
 def exp(x: Floats) -> Floats:
-    """e^x, any shape; 3e-308 for every x below -708, and NaN for NaN."""
+    """e^x, any shape; infinite above 709.78, with numpy's warning of an overflow, and NaN for NaN."""
     return _whole(*reduced(np.minimum(np.maximum(x, LEAST), MOST)))
 
 
@@ -47,26 +47,21 @@ def one_minus_exp(a: Floats) -> Floats:
 def exp_and_rise(x: Floats, a: Floats) -> tuple[Floats, Floats]:
     """e^x and 1 - e^-a of equal shapes, to the same bits as one by one, in the time of one."""
     both = np.empty((2, *x.shape))
-    np.minimum(np.maximum(x, LEAST), MOST, out=both[0])
-    np.maximum(np.negative(a), -FARTHEST, out=both[1])
+    np.minimum(np.maximum(x, LEAST), MOST, out=both[0, ...])
+    np.maximum(np.negative(a), -FARTHEST, out=both[1, ...])
     n, p = reduced(both)
     return _whole(n[0], p[0]), _complement(n[1], p[1])
 
 
 def _whole(n: Ints, p: Floats) -> Floats:
     """2^n (1 + p)."""
-    half = exact.power_of_two(n - 1)  # 2^1024 is not a float
-    p *= half
-    p += half
-    p *= 2.0
-    return p
+    p += 1.0
+    return exact.scaled(p, n)
 
 
 def _complement(n: Ints, p: Floats) -> Floats:
     """1 - 2^n (1 + p)."""
-    whole = exact.power_of_two(n)
-    p *= whole
-    result: Floats = (1.0 - whole) - p
+    result: Floats = (1.0 - exact.scaled(1.0, n)) - exact.scaled(p, n)
     return result
 
 

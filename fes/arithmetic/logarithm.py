@@ -4,6 +4,8 @@ x = 2^k (1 + f) with 1 + f from sqrt(1/2) to sqrt(2), and log(1 + f) = 2 atanh(s
 R has 7 coefficients, by Remez' exchange for the least relative error of the whole: 2^-59.
 """
 
+import math
+
 import numpy as np
 
 from fes.arithmetic import exact
@@ -20,11 +22,11 @@ SERIES = (
     0.6666666666666734,
 )
 
-SMALLEST = 2.0**-1022
+SMALLEST = math.ldexp(1.0, -1022)
 """Smallest normal number."""
 
 _ROOT_HALF_BITS = 0x3FE6A09E667F3BCD  # of sqrt(1/2)
-_TO_NORMAL, _NORMAL_SHIFT = 2.0**54, -54
+_TO_NORMAL, _NORMAL_SHIFT = math.ldexp(1.0, 54), -54
 
 
 def log(x: Floats) -> Floats:
@@ -36,8 +38,19 @@ def log(x: Floats) -> Floats:
 
 
 def log1p(x: Floats) -> Floats:
-    """log(1 + x) for x > -1, any shape, to relative precision also where x is small."""
+    """log(1 + x), any shape, to relative precision also where x is small; 0.0 at both zeros.
+
+    -inf for -1, and NaN for a number below -1 and for NaN.
+    """
     whole = x + 1.0
+    normal = (whole > 0.0) & (whole < np.inf)
+    if np.logical_and.reduce(normal, axis=None):
+        return _log1p(x, whole)
+    return np.where(normal, _log1p(np.where(normal, x, 0.0), np.where(normal, whole, 1.0)), log(whole))
+
+
+def _log1p(x: Floats, whole: Floats) -> Floats:
+    """log(1 + x), where `whole` is 1 + x rounded, positive and finite."""
     k, f = split(whole)
     is_exact = k == 0
     rest = np.where(is_exact, 0.0, (x - (whole - 1.0)) / whole)
@@ -45,8 +58,9 @@ def log1p(x: Floats) -> Floats:
 
 
 def log_sum_exp(z: Floats) -> Floats:
-    """log(1 + e^z), any shape; without overflow."""
-    result: Floats = np.maximum(z, 0.0) + log1p(exp(-np.abs(z)))
+    """log(1 + e^z), any shape, without overflow; NaN for NaN."""
+    decay = exp(-np.abs(z))
+    result: Floats = np.maximum(z, 0.0) + _log1p(decay, decay + 1.0)
     return result
 
 

@@ -23,16 +23,23 @@ LN2_HIGH, LN2_LOW = 0.6931471805592082, 7.371002565167799e-13
 MOST_PRODUCTS = 16
 """Largest exponent that is a product."""
 
+LARGEST = 1.7976931348623157e308
+"""Largest float."""
+
+MOST_REST = 1e-9
+"""Bound of the second part of y log x: it is below 1e-12 where x^y is neither 0 nor infinite."""
+
 
 def power(x: Floats, y: float) -> Floats:
     """x^y for x >= 0 of any shape and one exponent.
 
-    A multiple of 1/2 from 0 to MOST_PRODUCTS is a product; others take x as at least the smallest normal number.
+    A multiple of 1/2 from 0 to MOST_PRODUCTS is a product. Others take x as between the smallest normal number
+    and the largest float; NaN for NaN.
     """
     if 0.0 <= y <= MOST_PRODUCTS and (2.0 * y) % 1.0 == 0.0:
         whole = product(x, int(y))
         return whole if y % 1.0 == 0.0 else whole * np.sqrt(x)
-    return real_power(np.maximum(x, logarithm.SMALLEST), y)
+    return real_power(np.minimum(np.maximum(x, logarithm.SMALLEST), LARGEST), y)
 
 
 def product(x: Floats, n: int) -> Floats:
@@ -48,9 +55,12 @@ def product(x: Floats, n: int) -> Floats:
 
 
 def real_power(x: Floats, y: Floats | float) -> Floats:
-    """x^y for normal positive x, any shapes that broadcast."""
+    """x^y for normal positive x and |y| up to 1e300, any shapes that broadcast; NaN for NaN.
+
+    Infinite above the largest float, with numpy's warning of an overflow.
+    """
     k, f = logarithm.split(x)
-    e = k.astype(np.float64)
+    e = k + 0.0 * x  # NaN for NaN, which has an exponent too
     t = f + 2.0
     s = f / t
     product = s * t
@@ -75,6 +85,7 @@ def real_power(x: Floats, y: Floats | float) -> Floats:
     exponents = np.asarray(y, dtype=np.float64)
     product = exponents * high
     low = exact.product_error(exponents, high, product) + exponents * low
+    low = np.minimum(np.maximum(low, -MOST_REST), MOST_REST)
     return _exp(np.minimum(np.maximum(product, exponential.LEAST), exponential.MOST), low)
 
 
@@ -90,5 +101,4 @@ def _exp(x: Floats, low: Floats) -> Floats:
     tail = exponential.tail(r)
     tail += r_low + r_low * (r + tail)
     whole = 1.0 + r
-    result: Floats = (whole + ((r - (whole - 1.0)) + tail)) * exact.power_of_two(n - 1)
-    return result * 2.0
+    return exact.scaled(whole + ((r - (whole - 1.0)) + tail), n)

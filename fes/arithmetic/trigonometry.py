@@ -29,6 +29,9 @@ COSINES = (
     0.041666666666666595,
 )
 
+_SINE_SIGN, _COSINE_SIGN = np.array([1.0, 1.0, -1.0, -1.0]), np.array([1.0, -1.0, -1.0, 1.0])
+"""By the number of quarter turns modulo 4."""
+
 TURN = 6.283185307179586
 
 MOST = 1e6
@@ -36,7 +39,7 @@ MOST = 1e6
 
 
 def sin_cos(x: Floats) -> tuple[Floats, Floats]:
-    """sin(x) and cos(x), any shape [rad]."""
+    """sin(x) and cos(x), any shape [rad]; sin is 0.0 at both zeros, and NaN comes from NaN and the infinities."""
     if np.logical_or.reduce(np.abs(x) > MOST, axis=None):
         x = np.where(np.abs(x) > MOST, np.remainder(x, TURN), x)
     t = x * PER_QUARTER
@@ -62,9 +65,9 @@ def sin_cos(x: Floats) -> tuple[Floats, Floats]:
     w = 1.0 - half
     c += (1.0 - w) - half
     c += w
+    quarter = n & 3
     is_odd = (n & 1) == 1
-    sine, cosine = np.where(is_odd, c, s), np.where(is_odd, s, c)
-    return np.where((n & 2) == 2, -sine, sine), np.where(((n + 1) & 2) == 2, -cosine, cosine)
+    return np.where(is_odd, c, s) * _SINE_SIGN.take(quarter), np.where(is_odd, s, c) * _COSINE_SIGN.take(quarter)
 
 
 def _polynomial(coefficients: tuple[float, ...], z: Floats) -> Floats:

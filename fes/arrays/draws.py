@@ -6,6 +6,7 @@ the others, and another controller changes no draw of the channel.
 """
 
 import hashlib
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy as np
 from fes.arrays.types import Floats, Ints
 
 _PER_COUNTER = 4  # Philox 4x64 gives four words at each counter value
-_TO_UNIT = 2.0**-53
+_TO_UNIT = math.ldexp(1.0, -53)
 _AT_ONCE = 2**16
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from fes.arithmetic import elementary
 from fes.arrays import geometry
 from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Bools, Floats
@@ -108,7 +109,7 @@ class ControllerFormation:
         contacts = around.contacts
         edges = contacts.edges
         headings = around.poses[:, geometry.HEADING].take(edges.rows)
-        bearing = geometry.wrap(np.arctan2(contacts.dy, contacts.dx) - headings)
+        bearing = geometry.wrap(elementary.atan2(contacts.dy, contacts.dx) - headings)
         age = around.dt * (around.tick - contacts.heard).astype(np.float64)
         columns = (
             self._context.draws.own_ids(edges.peers),

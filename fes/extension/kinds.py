@@ -59,7 +59,7 @@ def infer(loaded: Any) -> list[Kind]:
 def nearest(loaded: Any) -> Kind | None:
     """The kind of which a class lacks the fewest of several members; None if it has none of any kind."""
     counts = [
-        (len(names) - sum(_has(loaded, name) for name in names), kind)
+        (len([name for name in names if not _has(loaded, name)]), kind)
         for kind in KINDS
         for names in kind.members
         if any(_has(loaded, name) for name in names)

@@ -5,7 +5,7 @@ A ratio of two floats may be infinite, so each is bounded before it becomes an i
 
 import math
 
-LARGEST = 2.0**53
+LARGEST = math.ldexp(1.0, 53)
 """Largest count: beyond it a float does not hold every whole number."""
 
 

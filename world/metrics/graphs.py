@@ -39,7 +39,7 @@ def laplacian(n: int, a: Ints, b: Ints) -> Floats:
     """Laplacian L = D - A [n, n] of the unweighted graph."""
     result = np.zeros((n, n))
     result[a, b] = result[b, a] = -1.0
-    result[np.diag_indices(n)] = -result.sum(axis=1)
+    result[np.diag_indices(n)] = -np.add.reduce(result, axis=0)
     return result
 
 
@@ -70,7 +70,7 @@ def _tridiagonal(matrix: Floats) -> tuple[Floats, Floats]:
         normal = column.copy()
         normal[0] -= beside[row]
         scale = 2.0 / sums.total(normal * normal)
-        product = scale * np.add.reduce(rest * normal[:, None], axis=0)  # the matrix is symmetric
+        product = scale * sums.of_columns(rest * normal[:, None])  # the matrix is symmetric
         product -= (0.5 * scale * sums.total(normal * product)) * normal
         rest = rest - normal[:, None] * product - product[:, None] * normal
     diagonal[n - 2 :] = rest[0, 0], rest[1, 1]

@@ -8,6 +8,7 @@ from collections import deque
 
 import numpy as np
 
+from fes.arithmetic import sums
 from fes.arrays.edges import Edges, Transition, no_edges
 from fes.arrays.types import Floats, Ints
 
@@ -44,7 +45,7 @@ class PeriodAverage:
             self._blocks.append(self._now)
             self._now, self._ticks = np.zeros(len(separation)), 0
             if len(self._blocks) == self._blocks.maxlen:
-                self.mean = np.add.reduce(list(self._blocks), axis=0) / self._period
+                self.mean = sums.of_columns(np.array(self._blocks)) / self._period
 
     def _carry(self, links: Edges) -> None:
         """Carry the sums of links that stay; those of new links are NaN until a period has passed."""

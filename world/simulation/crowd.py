@@ -13,7 +13,7 @@ PER_CONTACT = 1_000
 
 def check(scenario: Scenario) -> None:
     """Raise ScenarioError if the contacts at the start need too much memory at the largest scheduled range."""
-    if scenario.robots.number**2 > memory.available() // PER_CONTACT:
+    if scenario.robots.number * scenario.robots.number > memory.available() // PER_CONTACT:
         fields = [settings.get("channel.communication_range") for settings in scenario.changes.values()]
         ranges = [scenario.channel.communication_range, *(field for field in fields if field is not None)]
         check_contacts(initial_poses(scenario), max(ranges))

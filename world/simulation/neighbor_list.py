@@ -5,6 +5,7 @@ only the candidates' separations are measured. The search sorts robots into squa
 number of pairs at once, so memory grows only with the pairs in range.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -23,7 +24,7 @@ MARGIN = 0.2
 BLOCK = 2**16
 """Approximate number of pairs that are examined at once."""
 
-_FARTHEST_CELL = 2.0**61
+_FARTHEST_CELL = math.ldexp(1.0, 61)
 """Largest number of a cell. There a double's spacing is hundreds of cells: only coinciding robots are in range."""
 
 _NEAR_CELLS = ((0, 0), (1, 0), (-1, 1), (0, 1), (1, 1))
@@ -124,7 +125,7 @@ def _blocks(poses: Floats, side: float) -> Iterator[tuple[Ints, Ints, int]]:
     for dx, dy in _NEAR_CELLS:
         cell = code + dy * width + dx
         spans.append((np.searchsorted(ordered, cell, "left"), np.searchsorted(ordered, cell, "right")))
-    ends = np.cumsum(sum(last - first for first, last in spans))
+    ends = np.cumsum(np.add.reduce([last - first for first, last in spans]))
     for rows in np.split(np.arange(n), np.searchsorted(ends, np.arange(BLOCK, ends[-1], BLOCK))):
         parts = [
             _between(order, rows, first[rows], last[rows], own=step == (0, 0))

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fes.arithmetic import elementary
+from fes.arithmetic import elementary, sums
 from fes.arrays import draws, geometry
 from fes.arrays.types import Floats, Ints
 from world.config.radio import ShadowingConfig
@@ -62,8 +62,8 @@ def gain(waves: Modes, config: ShadowingConfig, poses: Floats, a: Ints, b: Ints,
     for first in range(0, len(a), _CHUNK):
         part = slice(first, first + _CHUNK)
         i, j = a[part], b[part]
-        total[part] = np.add.reduce(first_end.take(i, axis=1) * second_end.take(j, axis=1), axis=0)
-        total[part] += np.add.reduce(first_end.take(j, axis=1) * second_end.take(i, axis=1), axis=0)
+        total[part] = sums.of_columns(first_end.take(i, axis=1) * second_end.take(j, axis=1))
+        total[part] += sums.of_columns(first_end.take(j, axis=1) * second_end.take(i, axis=1))
     scale = np.sqrt(MODES * (1.0 + elementary.exp(-2.0 / distance * separation)))
     gains: Floats = config.deviation * total / scale
     return gains

@@ -17,5 +17,11 @@ class TableChannel:
 
     def probability(self, separation: Floats) -> Floats:
         """Probability that a beacon decodes at `separation` [m], of the same shape."""
-        probability: Floats = np.interp(separation, self._separation, self._probability)
+        row = np.searchsorted(self._separation, separation, "right")
+        left, right = np.maximum(row - 1, 0), np.minimum(row, len(self._separation) - 1)
+        length = self._separation[right] - self._separation[left]
+        is_between = length > 0.0
+        share = np.where(is_between, separation - self._separation[left], 0.0) / np.where(is_between, length, 1.0)
+        climb = self._probability[right] - self._probability[left]
+        probability: Floats = self._probability[left] + share * climb
         return probability

@@ -39,7 +39,7 @@ class CoveredArea:
             return {"area": None, "share": None}
         positions = self._last.poses[self._last.present, :2]
         area = coverage.covered_area(positions, self._radius)
-        return {"area": area, "share": area / (len(positions) * np.pi * self._radius**2)}
+        return {"area": area, "share": area / (len(positions) * np.pi * (self._radius * self._radius))}
 
 
 class TeamDelivery:
