@@ -35,8 +35,8 @@ class Comparison:
     def __init__(self, form: str, folder: Path, outputs: Path) -> None:
         self.workshop = Workshop(folder)
         self.outputs = outputs
-        self.is_short = form == "short"
-        self.words = ["--whole"] if form == "whole" else ["--seconds", SHORT if self.is_short else form]
+        self.is_short, self.is_whole = form == "short", form == "whole"
+        self.words = ["--whole"] if self.is_whole else ["--seconds", SHORT if self.is_short else form]
         self.failed: list[str] = []
         self.missing: list[str] = []
         self.equal = 0
@@ -95,11 +95,11 @@ class Comparison:
 
     def emulated(self, base: Output, own: Interpreter) -> None:
         """Another kind of processor."""
-        for suite, minor in (("bookworm", "3.11"), ("trixie", "3.13"))[: 1 if self.is_short else 2]:
+        for suite, minor in (("bookworm", "3.11"), ("trixie", "3.13"))[: 2 if self.is_whole else 1]:
 
             def both(suite: str = suite, minor: str = minor) -> None:
                 other = self.workshop.emulated(suite, minor)
-                self.compare(base, settings.plain(other), *(["--emulated"] if self.is_short else []))
+                self.compare(base, settings.plain(other), *([] if self.is_whole else ["--emulated"]))
                 self.logs(own, other)
 
             self.attempt(f"aarch64, {suite}", both)
