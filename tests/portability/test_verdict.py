@@ -4,7 +4,7 @@ from pathlib import Path
 
 from tests.portability.verdict import Output
 
-ABOUT = "# features: AVX2 FMA3\n# loops: 1\n# libm: 2\n# blas: 3\n"
+ABOUT = "# machine: x\n# numpy: 2\n# features: AVX2 FMA3\n# loops: 1\n# libm: 2\n# blas: 3\n"
 PAPER = "paper 0a messages=0b reports=0c summary=0d\n"
 PAIR = "pair 1a messages=1b reports=1c summary=1d\n"
 
@@ -30,3 +30,5 @@ def test_the_effect_of_a_setting_is_what_it_takes_away_and_the_controls_that_it_
     assert base.effect(base) == "changes no bits of the controls"
     other = output(tmp_path, ABOUT.replace("AVX2 ", "").replace("loops: 1", "loops: 9"))
     assert other.effect(base) == "takes away AVX2, changes the bits of loops"
+    older = output(tmp_path, ABOUT.replace("numpy: 2", "numpy: 1").replace("AVX2 ", "").replace("blas: 3", "blas: 9"))
+    assert older.effect(base) == "changes the bits of blas"

@@ -33,6 +33,8 @@ class Output:
     def effect(self, base: "Output") -> str:
         """Lost features, and controls with other bits: the proof that a setting does something."""
         lost = [word for word in base.about["features"].split() if word not in self.about["features"].split()]
+        if self.about["numpy"] != base.about["numpy"] or self.about["machine"] != base.about["machine"]:
+            lost = []  # their names differ
         changed = [name for name in CONTROLS if self.about[name] != base.about[name]]
         took = f"takes away {' '.join(lost)}, " if lost else ""
         return took + (f"changes the bits of {', '.join(changed)}" if changed else "changes no bits of the controls")
