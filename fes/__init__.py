@@ -1,6 +1,7 @@
 """The base that world, agents and observers share, and the Python interface: load, run, read, sweep and Run.
 
 arrays        arrays, edges, geometry, keyed random draws
+arithmetic    elementary functions and sums, with the same bits on every processor
 model         settings, sensing, contacts, the objective and the outage formula
 extension     the public interface for extensions: laws, channels, dynamics, metrics
 protocol      key expressions, messages and their encoding

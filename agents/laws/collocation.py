@@ -106,16 +106,15 @@ def _lagrange(times: Floats) -> Floats:
     columns = []
     for j, node in enumerate(POINTS.tolist()):
         column = np.ones_like(times)
-        for k, other in enumerate(POINTS.tolist()):
-            if k != j:
-                column = column * ((times - other) / (node - other))
+        for zero in np.delete(POINTS, j).tolist():
+            column = column * ((times - zero) / (node - zero))
         columns.append(column)
     return np.stack(columns, axis=-1)
 
 
 def _exponential(matrices: Floats) -> Floats:
     """exp of small matrices [..., k, k] of norms below about 10, by halving and Taylor's series."""
-    largest = float(np.abs(matrices).max(initial=0.0)) * len(matrices[0])
+    largest = float(np.abs(matrices).max(initial=0.0)) * matrices.shape[-1]
     halvings = max(0, math.frexp(largest)[1] + 1)
     scaled = matrices * math.ldexp(1.0, -halvings)
     term = result = np.broadcast_to(np.eye(matrices.shape[-1]), matrices.shape)

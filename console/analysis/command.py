@@ -12,6 +12,7 @@ from console.analysis.history import History
 from console.backends import processes
 from console.connect.options import Use
 from console.replay import log as logs
+from console.replay import recorded
 from console.replay.log import Log
 from console.terminal import printing, progress
 from fes import process
@@ -113,6 +114,8 @@ def _recorded(log: Log) -> History:
     complaint = log.complaint
     if complaint is not None:
         process.complain("fes", complaint)
+    if (note := recorded.other_digits(log)) is not None:
+        process.warn("fes", note)
     return history.recorded(log)
 
 
@@ -128,10 +131,10 @@ def _executed_again(directory: Path) -> History:
     run = loaded.run.model_copy(update={"duration": ticks * loaded.run.dt})
     run_history = history.follow(loaded.model_copy(update={"run": run}))
     if run_history.digest != summary["digest"]:
-        current = f"this is {fingerprint.text()}"
+        current = f"this is {recorded.own_origin()}"
         try:
-            recorded = f"it was made with {fingerprint.text(summary['arithmetic'])}"
-        except (KeyError, TypeError):
-            recorded = "its summary does not name the arithmetic"
-        raise FesError(f"{directory} cannot be executed again bit for bit here: {recorded}; {current}")
+            origin = f"it was made with {fingerprint.text(summary['arithmetic'])}"
+        except (KeyError, TypeError, ValueError):
+            origin = "its summary does not name the arithmetic"
+        raise FesError(f"{directory} cannot be executed again bit for bit here: {origin}; {current}")
     return run_history

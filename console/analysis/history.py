@@ -70,8 +70,8 @@ def follow(scenario: Scenario) -> History:
 
 
 def recorded(log: Log) -> History:
-    """The history of a recorded run; Reports and summary are compared, the digest included."""
-    return gather(log.scenario, reexecution.accounted(log))
+    """The history of a recorded run; Reports and summary are compared where `viewed` does, the digest included."""
+    return gather(log.scenario, reexecution.viewed(log))
 
 
 def gather(scenario: Scenario, moments: Iterable[tuple[Moment, MetricsCollector]]) -> History:

@@ -23,7 +23,7 @@ from console.backends.inprocess import Tick
 from console.backends.processes import Launch
 from console.connect import run_directory
 from console.connect.run_directory import RunDirectory
-from console.replay import log, reexecution
+from console.replay import log, recorded, reexecution
 from console.replay.log import Log
 from fes.command_line import SLOWEST
 from fes.errors import FesError, ScenarioError, Stopped
@@ -93,7 +93,8 @@ def read(run_dir_or_log: str | os.PathLike[str], *, progress: Progress = None, u
 
     The run is executed again from its messages and compared with the log. So the arrays are those of the run, to the
     bit. If the run was killed, its log has no end: its complete ticks are returned, with a warning. `progress` and
-    `use` are those of `fes.run`. An extension whose source has changed is an error.
+    `use` are those of `fes.run`. An extension whose source has changed is an error. The log of an earlier fes with
+    other elementary functions is not compared. A warning names both versions, since the last digits may differ.
 
     Raises FesError, one line, if the log is missing or damaged, or if the second execution differs from it.
     """
@@ -109,6 +110,8 @@ def read(run_dir_or_log: str | os.PathLike[str], *, progress: Progress = None, u
 
         with display.shown(progress, str(target), work.total) as show:
             logged, finished = background.call(work, gather, show)
+        if (note := recorded.other_digits(logged)) is not None:
+            warnings.warn(note, stacklevel=2)
         if logged.ended is None:
             ticks = f"{len(finished.time)} of {logged.scenario.ticks} ticks are there"
             warnings.warn(f"{logged.path} has no end, its run was killed or the file was cut: {ticks}", stacklevel=2)
@@ -197,7 +200,7 @@ def _stored(name: str, out: Path | None) -> Iterator[RunDirectory]:
 def _gather(logged: Log, reach: Callable[[int], None]) -> Run:
     """The run of a log; `reach` is called with the completed ticks after each tick."""
     collector, last = TickCollector(logged.scenario.robots.number), MetricsCollector(logged.scenario)
-    for moment, metrics in reexecution.accounted(logged):
+    for moment, metrics in reexecution.viewed(logged):
         last = metrics
         collector.add(moment.state, moment.twists, moment.telemetry)
         reach(moment.state.tick + 1)

@@ -3,6 +3,6 @@
 command       the command fes doctor, and its table
 finding       the result of one check
 installation  our packages: conflicts with other projects
-machine       Python, packages, files, clock, the loopback interface
+machine       Python, packages, arithmetic, files, clock, the loopback interface
 network       ports, liveliness tokens, and the world's description of itself
 """

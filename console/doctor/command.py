@@ -85,7 +85,7 @@ async def examine(target: Endpoints | Finding, run: str, is_requested: bool) -> 
 
 def _local() -> list[Finding]:
     """The slower checks, of the installation and of the clock."""
-    return [machine.python(), *installation.own(), *machine.packages(), machine.clock()]
+    return [machine.python(), *installation.own(), *machine.packages(), machine.arithmetic(), machine.clock()]
 
 
 def with_announcement(finding: Finding, path: Path, address: Address) -> Finding:

@@ -1,4 +1,4 @@
-"""Checks of this machine: Python, packages, open files, clock, loopback interface, disk."""
+"""Checks of this machine: Python, packages, arithmetic, open files, clock, loopback interface, disk."""
 
 import contextlib
 import re
@@ -16,7 +16,7 @@ from console.doctor.finding import Finding, failed, ok, warning
 from console.keys import stale_keys
 from fes.errors import reason
 from fes.protocol.world_info import installed
-from fes.system import distribution
+from fes.system import distribution, fingerprint
 
 OLDEST_PYTHON = (3, 11)
 
@@ -93,6 +93,18 @@ def lacks(name: str, rule: str) -> str:
         if _numbers(version) < _numbers(least):
             return f"{name} {version} is older than {least}"
     return ""
+
+
+def arithmetic() -> Finding:
+    """The fingerprint of the arithmetic, compared with that of every other machine."""
+    own = fingerprint.table()
+    seen = f"fingerprint {own['fingerprint']}, with numpy {own['numpy']}"
+    if own["fingerprint"] == fingerprint.EXPECTED:
+        return ok("arithmetic", f"{seen}: the same digits as on every other machine")
+    problem = f"{seen}: this machine's digits differ from every other's, whose fingerprint is {fingerprint.EXPECTED}"
+    return warning(
+        "arithmetic", problem, "use a 64-bit Python, and load no library that was compiled with -ffast-math"
+    )
 
 
 def loopback() -> Finding:

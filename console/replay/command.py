@@ -10,7 +10,7 @@ import typer
 from console.connect.options import VERBOSE, Use
 from console.dashboard import summary
 from console.replay import log as logs
-from console.replay import player, reexecution
+from console.replay import player, recorded, reexecution
 from console.replay.log import Log
 from console.replay.robots import ReplayedRobots
 from console.terminal import printing, progress
@@ -52,6 +52,8 @@ def replay(
             printing.show(screen, summary.render(result, verbose))
         _print(json_, result, title, result["ticks"])
     else:
+        if (note := recorded.other_digits(log)) is not None:
+            process.warn("fes", note)
         player.play(log, screen, speed)
     if log.ended not in (None, AT_ITS_END):
         write = process.tell if json_ else printing.line

@@ -16,7 +16,7 @@ from fes import process
 from fes.errors import FesError
 from fes.protocol import keys
 from fes.recording.ticks import LoggedTick
-from fes.system import fingerprint, strict_json
+from fes.system import strict_json
 
 MISSING = "nothing"
 
@@ -55,8 +55,7 @@ def compare(
         same = f"every message{scope} of every tick is the same to the bit"
         printing.line(difference.describe("in A", "in B") if difference else same)
         if difference:
-            a, b = (fingerprint.text(log.arithmetic) for log in (first_log, second_log))
-            printing.line(f"A was recorded with {a}; B was recorded with {b}")
+            printing.line(f"A was recorded by {first_log.origin}; B was recorded by {second_log.origin}")
     return process.FAILURE if settings or difference else process.SUCCESS
 
 

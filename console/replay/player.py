@@ -142,9 +142,9 @@ def frame(player: Player, width: int, height: int) -> RenderableType:
 
 
 def _reports(log: Log) -> Iterator[Report]:
-    """The Report of each tick; recorded Reports, and the summary at the end, are compared."""
+    """The Report of each tick; recorded Reports, and the summary at the end, are compared where `viewed` does."""
     latest = None
-    for moment, metrics in reexecution.accounted(log):
+    for moment, metrics in reexecution.viewed(log):
         latest = moment.recorded.report or latest
         if latest is not None:
             yield reexecution.report(metrics, latest)

@@ -1,4 +1,4 @@
-"""Messages of a log, decoded and checked, and a second execution that differs from them."""
+"""Messages of a log, decoded and checked, and second executions that differ from them."""
 
 from collections.abc import Callable, Iterable
 from typing import TypeVar
@@ -6,6 +6,7 @@ from typing import TypeVar
 from console.replay.difference import Difference
 from console.replay.log import Log
 from fes.errors import FesError, MessageError
+from fes.protocol import world_info
 from fes.protocol.messages import Beacon, Command, Observation
 from fes.recording.ticks import LoggedTick
 from fes.system import fingerprint
@@ -14,13 +15,30 @@ T = TypeVar("T", Observation, Beacon, Command)
 
 
 class Mismatch(FesError):
-    """A second execution differs from the log. A note shows whether another processor may be the cause."""
+    """A second execution differs from the log. A note shows whether another version of fes may be the cause."""
 
     def __init__(self, log: Log, difference: Difference | str) -> None:
         super().__init__(
             difference if isinstance(difference, str) else difference.describe("in the log", "executed again")
         )
-        self.add_note(f"recorded with {fingerprint.text(log.arithmetic)}; executed with {fingerprint.text()}")
+        self.add_note(f"recorded by {log.origin}; executed by {own_origin()}")
+
+
+def own_origin() -> str:
+    """Version of fes and arithmetic of this process."""
+    return fingerprint.origin(world_info.version())
+
+
+def has_own_digits(log: Log) -> bool:
+    """True if the arithmetic of a log is that of this process: a second execution of an unedited log is equal."""
+    return fingerprint.text(log.arithmetic) == fingerprint.text()
+
+
+def other_digits(log: Log) -> str | None:
+    """Note on a log whose second execution is shown without a comparison; None if the digits are this process's."""
+    if has_own_digits(log):
+        return None
+    return f"{log.path} was recorded by {log.origin}; this is {own_origin()}: the last digits shown may differ"
 
 
 def decoded(

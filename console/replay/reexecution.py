@@ -1,6 +1,6 @@
 """A second execution of a recorded run: the world from recorded Commands, robots from Observations and Beacons.
 
-Every result is compared with the log, to the bit.
+Every result is compared with the log, to the bit; only views of logs with another arithmetic do without.
 """
 
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ import numpy as np
 
 from console.replay.difference import Difference, between, of_reports
 from console.replay.log import Log
-from console.replay.recorded import Mismatch, decoded
+from console.replay.recorded import Mismatch, decoded, has_own_digits
 from fes.arrays.types import Floats, Ints
 from fes.errors import FesError
 from fes.model.sensing import Telemetry
@@ -50,10 +50,10 @@ class ReplayedTick:
     """Tick of the command that each robot follows [n], -1 for none."""
 
 
-def world(log: Log) -> Iterator[ReplayedTick]:
+def world(log: Log, is_compared: bool = True) -> Iterator[ReplayedTick]:
     """Every tick of a log, the world moved by the recorded Commands.
 
-    Raises Mismatch where an Observation differs, and FesError where the log is damaged.
+    Raises Mismatch where an Observation differs, if it `is_compared`, and FesError where the log is damaged.
     """
     simulation = truth.create(log.scenario)
     state, batch = truth.start(simulation), CommandBatch(simulation.ids)
@@ -70,8 +70,9 @@ def world(log: Log) -> Iterator[ReplayedTick]:
             state = replace(state, channel=channel)
         for robots in tick.attended:
             state = truth.attend(state, np.isin(simulation.ids, robots))
-        sensed = world_marshalling.observations(truth.observe(state), state.present, state.since)
-        _compare(log, tick, tick.payloads._replace(observations=sensed))
+        if is_compared:
+            sensed = world_marshalling.observations(truth.observe(state), state.present, state.since)
+            _compare(log, tick, tick.payloads._replace(observations=sensed))
         commands: list[Command | None] = [None] * len(simulation.ids)
         participating = np.flatnonzero(state.present).tolist()
         if live:  # a robot without a command stops
@@ -85,22 +86,30 @@ def world(log: Log) -> Iterator[ReplayedTick]:
         yield previous
 
 
-def accounted(log: Log) -> Iterator[tuple[ReplayedTick, MetricsCollector]]:
+def accounted(log: Log, is_compared: bool = True) -> Iterator[tuple[ReplayedTick, MetricsCollector]]:
     """Every tick of `world`, with the metrics up to it.
 
     Raises Mismatch if a Report or, after the last tick, the summary differs, and FesError if a Report is missing.
+    Without a comparison it raises no Mismatch.
     """
     metrics, elapsed, period = MetricsCollector(log.scenario), 0.0, report_period(log.scenario)
-    for moment in world(log):
+    for moment in world(log, is_compared):
         metrics.add(moment.state, moment.twists, moment.telemetry, moment.command_ticks)
         number, recorded = moment.recorded.number, moment.recorded.report
         if recorded is not None:
             elapsed = recorded.elapsed
-            _check_report(log, metrics, recorded)
+            if is_compared:
+                _check_report(log, metrics, recorded)
         elif number % period == 0 or number == log.scenario.ticks - 1:
             raise FesError(f"tick {number}: the Report that is due is not in the log")
         yield moment, metrics
-    _check_summary(log, summary(log, metrics, elapsed))
+    if is_compared:
+        _check_summary(log, summary(log, metrics, elapsed))
+
+
+def viewed(log: Log) -> Iterator[tuple[ReplayedTick, MetricsCollector]]:
+    """As `accounted`, for a view: compared only if the log has the arithmetic of this process (`other_digits`)."""
+    return accounted(log, is_compared=has_own_digits(log))
 
 
 def summary(log: Log, metrics: MetricsCollector, elapsed: float = 0.0) -> dict[str, Any]:

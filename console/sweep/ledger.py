@@ -93,7 +93,7 @@ def _identity(design: Design) -> dict[str, Any]:
         "axes": axes,
         "cells": hashlib.sha256(cells.encode()).hexdigest(),
         "fes": version(),
-        "arithmetic": fingerprint.text(),
+        "arithmetic": fingerprint.table()["fingerprint"],
         "extensions": [entry.table for entry in evidence],
         "format": FORMAT,
     }
@@ -118,8 +118,8 @@ def _check_header(directory: Path, design: Design) -> None:
     for name, difference in _DIFFERS.items():
         if header.get(name) != identity[name]:
             recorded = f"{strict_json.dumps(header.get(name)):.200}"
-            if name == "arithmetic":
-                recorded += f", and this is {identity[name]}"
+            if name in ("fes", "arithmetic"):
+                recorded += f", and this is {strict_json.dumps(identity[name])}"
             raise FesError(f"--out {directory}: it holds a sweep of {difference}; {HEADER} has {name} = {recorded}")
 
 

@@ -19,8 +19,8 @@ formation with a physical dither are averaged over a period of the dither.
 
 **The digest** is the SHA-256 over all ticks in order. Each tick contributes its number as int64. Then each robot,
 in id order, contributes x, y, heading, linear and angular as float64: the pose at the tick, and the twist held
-after it. All numbers are little-endian. On one machine with the same library versions, the digest is the same for
-the same scenario and seed: in every backend and placement, in any start order, under any load."""
+after it. All numbers are little-endian. The digest is the same for the same scenario, seed and version of fes: on
+every processor, with every numpy, in every backend and placement, in any start order, under any load."""
 
 
 def page() -> list[str]:

@@ -36,7 +36,7 @@ FARTHEST = 40.0
 
 def exp(x: Floats) -> Floats:
     """e^x, any shape; infinite above 709.78, with numpy's warning of an overflow, and NaN for NaN."""
-    return _whole(*reduced(np.minimum(np.maximum(x, LEAST), MOST)))
+    return _power(*reduced(np.minimum(np.maximum(x, LEAST), MOST)))
 
 
 def one_minus_exp(a: Floats) -> Floats:
@@ -50,10 +50,10 @@ def exp_and_rise(x: Floats, a: Floats) -> tuple[Floats, Floats]:
     np.minimum(np.maximum(x, LEAST), MOST, out=both[0, ...])
     np.maximum(np.negative(a), -FARTHEST, out=both[1, ...])
     n, p = reduced(both)
-    return _whole(n[0], p[0]), _complement(n[1], p[1])
+    return _power(n[0], p[0]), _complement(n[1], p[1])
 
 
-def _whole(n: Ints, p: Floats) -> Floats:
+def _power(n: Ints, p: Floats) -> Floats:
     """2^n (1 + p)."""
     p += 1.0
     return exact.scaled(p, n)

@@ -42,18 +42,18 @@ def log1p(x: Floats) -> Floats:
 
     -inf for -1, and NaN for a number below -1 and for NaN.
     """
-    whole = x + 1.0
-    normal = (whole > 0.0) & (whole < np.inf)
+    shifted = x + 1.0
+    normal = (shifted > 0.0) & (shifted < np.inf)
     if np.logical_and.reduce(normal, axis=None):
-        return _log1p(x, whole)
-    return np.where(normal, _log1p(np.where(normal, x, 0.0), np.where(normal, whole, 1.0)), log(whole))
+        return _log1p(x, shifted)
+    return np.where(normal, _log1p(np.where(normal, x, 0.0), np.where(normal, shifted, 1.0)), log(shifted))
 
 
-def _log1p(x: Floats, whole: Floats) -> Floats:
-    """log(1 + x), where `whole` is 1 + x rounded, positive and finite."""
-    k, f = split(whole)
+def _log1p(x: Floats, shifted: Floats) -> Floats:
+    """log(1 + x), where `shifted` is 1 + x rounded, positive and finite."""
+    k, f = split(shifted)
     is_exact = k == 0
-    rest = np.where(is_exact, 0.0, (x - (whole - 1.0)) / whole)
+    rest = np.where(is_exact, 0.0, (x - (shifted - 1.0)) / shifted)
     return combined(k, np.where(is_exact, x, f), rest)
 
 

@@ -37,8 +37,8 @@ def power(x: Floats, y: float) -> Floats:
     and the largest float; NaN for NaN.
     """
     if 0.0 <= y <= MOST_PRODUCTS and (2.0 * y) % 1.0 == 0.0:
-        whole = product(x, int(y))
-        return whole if y % 1.0 == 0.0 else whole * np.sqrt(x)
+        result = product(x, int(y))
+        return result if y % 1.0 == 0.0 else result * np.sqrt(x)
     return real_power(np.minimum(np.maximum(x, logarithm.SMALLEST), LARGEST), y)
 
 
@@ -100,5 +100,5 @@ def _exp(x: Floats, low: Floats) -> Floats:
     r_low = ((w - r) - v) + low
     tail = exponential.tail(r)
     tail += r_low + r_low * (r + tail)
-    whole = 1.0 + r
-    return exact.scaled(whole + ((r - (whole - 1.0)) + tail), n)
+    first = 1.0 + r
+    return exact.scaled(first + ((r - (first - 1.0)) + tail), n)

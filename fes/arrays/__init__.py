@@ -1,4 +1,4 @@
-"""Arrays and the arithmetic that both sides share.
+"""Arrays, geometry and random draws that both sides share.
 
 types     type aliases for the arrays in signatures
 edges     directed pairs (robot, peer) of a crew, and sums over them in a fixed order

@@ -60,6 +60,8 @@ class Log(Generic[S]):
     """Arithmetic of the process that recorded it."""
     extensions: list[Any] = field(default_factory=list)
     """Evidence of each extension (`fes.extension.evidence`)."""
+    fes_version: str | None = None
+    """Version of fes that recorded it, if it is known."""
 
     def ticks(self) -> Iterator[LoggedTick]:
         """Its ticks, in order; of a log without an end the complete ones. Raises FesError."""
@@ -80,6 +82,11 @@ class Log(Generic[S]):
             raise FesError(f"{self.path}: {count} ticks are there, and its summary is of {self.summary.get('ticks')}")
         if self.ended == AT_ITS_END and count != self.scenario.ticks:
             raise FesError(f"{self.path}: {count} of {self.scenario.ticks} ticks are there, and it gives no reason")
+
+    @property
+    def origin(self) -> str:
+        """Version of fes and arithmetic of the process that recorded it."""
+        return fingerprint.origin(self.fes_version, self.arithmetic)
 
     @property
     def complaint(self) -> str | None:
@@ -121,7 +128,8 @@ def load(target: Path, parse: Callable[[dict[str, Any], str], S]) -> Log[S]:
             raise TypeError("its name and backend are texts")
         how = ended["ended"] if ended else None
         names = header["name"], header["backend"]
-        log = Log(path, *names, scenario, summary, how, header["arithmetic"], header["extensions"])
+        version = header.get("versions", {}).get("fes")
+        log = Log(path, *names, scenario, summary, how, header["arithmetic"], header["extensions"], version)
     except ticks.UNREADABLE as error:
         raise FesError(f"{path}: what it says of its run cannot be read: {ticks.one_line(error)}") from None
     if next(log.ticks(), None) is None:

@@ -19,7 +19,7 @@ SCENARIO = {
             "description": "fingerprint of the elementary functions, version of numpy, and the core in use",
         },
         "extensions": {"type": "array", "description": "kind, name and source of each extension, by its SHA-256"},
-        "versions": {"type": "object", "description": "of fes and of the libraries that its digits depend on"},
+        "versions": {"type": "object", "description": "of fes, its libraries, Python and the machine"},
     },
 }
 

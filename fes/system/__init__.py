@@ -8,5 +8,5 @@ strict_json     JSON without NaN and Infinity
 signals         stop signals during imports, and cleanups before a second signal ends a process
 memory          available memory
 distribution    name and version of the installed distribution
-fingerprint     fingerprint of the arithmetic, which processors and libraries round differently
+fingerprint     hash of the elementary functions: equal on every processor
 """

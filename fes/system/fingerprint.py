@@ -1,25 +1,31 @@
-"""Fingerprint of the arithmetic: other processors and libraries round some results differently.
+"""Fingerprint of the arithmetic: a hash of the results of the elementary functions.
 
-numpy, the C library and the linear algebra pick their code by the processor. Two machines with the same
-fingerprint and the same version of numpy give the same digits, as far as a sample can show.
+Every digit of a run comes from these functions and from operations that IEEE 754 rounds in one way. So the
+fingerprint is the same on every processor and with every numpy. It changes only with a version of fes that has
+other elementary functions. The version of numpy is recorded, and never compared.
 """
 
 import hashlib
-import math
 from collections.abc import Iterator, Mapping
 from functools import cache
 
 import numpy as np
 
+from fes.arithmetic import elementary, logarithm
 from fes.arrays.types import Floats
 
+EXPECTED = "1318a56159cb"
+"""The fingerprint of every machine. It changes only with an elementary function, and so with all digests."""
+
 CORE = "numpy"
-"""The implementation that computes a run."""
+"""The implementation that computes a run; every implementation gives the same bits."""
 
-_SAMPLES = 16_411
-"""A prime, so that vectorized loops leave a remainder. Fewer samples do not tell the C library's variants apart."""
+_EVENLY = 1_500
+"""Number of samples over the usual range; the others are at the ends of the ranges and near 0 and 1."""
 
-_SCALARS = 1_000
+_EXPONENTS = (0.5, 2.0, 3.0, 3.5, 8.0, 15.5, 1.7, -0.5, -3.3)
+"""Products, products with a root, and real powers."""
+
 _LONGEST = 40  # characters
 
 Arithmetic = Mapping[str, str]
@@ -28,53 +34,82 @@ Arithmetic = Mapping[str, str]
 
 def table() -> dict[str, str]:
     """The arithmetic of this process."""
-    return {"fingerprint": _fingerprint(), "numpy": np.__version__, "core": CORE}
+    return {"fingerprint": _own(), "numpy": np.__version__, "core": CORE}
 
 
 def text(arithmetic: Arithmetic | None = None) -> str:
-    """An arithmetic in a few words, by default that of this process; equal texts mean equal digits.
+    """The part of an arithmetic that is compared, by default that of this process; equal texts mean equal digits.
 
     Raises KeyError, TypeError or ValueError for anything that is not an arithmetic.
 
     >>> text({"fingerprint": "5c62e091b8c0", "numpy": "2.4.6", "core": "numpy"})
-    'numpy 2.4.6, arithmetic 5c62e091b8c0'
+    'arithmetic 5c62e091b8c0'
     """
     parts = table() if arithmetic is None else arithmetic
-    numpy, result, core = (parts[key] for key in ("numpy", "fingerprint", "core"))
-    if not all(
-        isinstance(part, str) and len(part) <= _LONGEST and part.isprintable() for part in (numpy, result, core)
-    ):
+    if not all(_is_short(parts[key]) for key in ("fingerprint", "numpy", "core")):
         raise ValueError("an arithmetic is a fingerprint, a version of numpy and a core")
-    return f"numpy {numpy}, arithmetic {result}" + ("" if core == "numpy" else f" ({core})")
+    return f"arithmetic {parts['fingerprint']}"
 
 
-@cache
-def _fingerprint() -> str:
+def origin(version: object, arithmetic: Arithmetic | None = None) -> str:
+    """The version of fes, if it is known, and the arithmetic: by default that of this process.
+
+    Raises as `text` does.
+
+    >>> origin("0.4.0", {"fingerprint": "5c62e091b8c0", "numpy": "2.4.6", "core": "numpy"})
+    'fes 0.4.0 with arithmetic 5c62e091b8c0'
+    """
+    return (f"fes {version} with " if _is_short(version) else "") + text(arithmetic)
+
+
+def compute() -> str:
+    """The fingerprint, computed anew."""
     digest = hashlib.sha256()
-    for result in _results():
-        digest.update(result.astype("<f8", order="C").tobytes())
+    with np.errstate(all="ignore"):  # some samples overflow
+        for result in _results():
+            digest.update(result.astype("<f8", order="C", copy=False).tobytes())
     return digest.hexdigest()[:12]
 
 
+@cache
+def _own() -> str:
+    return compute()
+
+
+def _is_short(part: object) -> bool:
+    return isinstance(part, str) and len(part) <= _LONGEST and part.isprintable()
+
+
 def _results() -> Iterator[Floats]:
-    """Results that are rounded, over samples that are exact: one array for each function that a run uses."""
-    numbers = np.arange(1, _SAMPLES + 1)
-    fraction = (numbers * 2_654_435_761 % 2**32 + 0.5) / 2**32  # in (0, 1), as evenly as the golden ratio can
-    x = np.ldexp(fraction, numbers % 37 - 30)  # from 1e-9 to 64
-    y = x[::-1].copy()
-    for function in (np.sqrt, np.log, np.log1p, np.sin, np.cos, np.tan, np.arctan):
-        yield function(x)
-    yield from (np.exp(-x), np.expm1(-x), np.logaddexp(0.0, -x))
-    yield np.arctan2(y - 1.0, x - 1.0)
-    yield from (np.power(x, 3.0 * fraction), np.power(10.0, -fraction))
-    few = x[:_SCALARS].tolist()  # plain numbers go to the C library
-    for scalar in (math.exp, math.log, math.log1p, math.exp2):
-        yield np.array([scalar(value) for value in few])
-    yield np.array([value**1.5 for value in few])
-    # Sums: the order of additions, and whether a product is rounded before it is added.
-    yield from (np.add.reduce(x, keepdims=True), np.asarray(np.bincount(numbers % 7, x), dtype=np.float64))
-    rows, columns = x[: 33 * 37].reshape(33, 37), y[: 37 * 29].reshape(37, 29)
-    yield from (np.add.reduce(rows, axis=1), np.einsum("ij,ij->i", rows, rows))
-    yield from (rows @ columns, rows @ columns[:, 0])  # too small for threads, whose number would matter
-    square = rows[:12, :12]
-    yield np.linalg.eigvalsh(square + square.T)
+    """Results of every elementary function over samples that are exact."""
+    positive, fraction = _samples()
+    signed = np.concatenate([positive, -positive])
+    turned = positive[::-1]
+    yield elementary.exp(signed)
+    yield elementary.one_minus_exp(positive)
+    yield from elementary.exp_and_rise(-positive, turned)
+    yield elementary.log(positive)
+    yield from (elementary.log1p(positive), elementary.log1p(-fraction))
+    yield elementary.log_sum_exp(signed)
+    yield elementary.atan2(signed, np.concatenate([turned, turned]))
+    yield elementary.atan2(positive, -turned)
+    yield from elementary.sin_cos(signed)
+    for exponent in _EXPONENTS:
+        yield elementary.power(positive, exponent)
+    yield elementary.product(positive, 6)
+    yield elementary.real_power(np.maximum(fraction, logarithm.SMALLEST), 16.0 * fraction[::-1] - 8.0)
+
+
+def _samples() -> tuple[Floats, Floats]:
+    """Numbers >= 0, and as many from 0 to below 1; all are exact."""
+    numbers = np.arange(_EVENLY)
+    fraction = (numbers * 2_654_435_761 % 2**32 + 0.5) / 2**32  # as evenly as the golden ratio can
+    usual = np.ldexp(fraction, numbers % 41 - 30)  # from 1e-19 to 1024
+    steps = np.arange(64)
+    near_one = np.concatenate([1.0 - np.ldexp(1.0, -1 - steps[:53]), 1.0 + np.ldexp(1.0, -steps[:53])])
+    subnormal = np.ldexp(1.0 + steps, -1074 + steps % 40)
+    scales = np.ldexp(1.0 + steps / 64.0, 32 * steps - 1010)  # from 1e-304 to 1e303
+    extremes = 680.0 + 1.25 * steps  # e^x overflows, and e^-x underflows
+    positive = np.concatenate([[0.0], usual, near_one, subnormal, scales, extremes])
+    count = np.arange(len(positive))
+    return positive, (count * 2_654_435_761 % 2**32) / 2**32

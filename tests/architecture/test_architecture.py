@@ -26,6 +26,7 @@ outage."""
 MAPPED = [str(path.parent.relative_to(ROOT)) for top in PACKAGES for path in (ROOT / top).rglob("__init__.py")]
 LAYERS = (
     {"fes.errors", "fes.arrays"},
+    {"fes.arithmetic"},
     {"fes.model", "fes.system"},
     {"fes.protocol", "fes.extension"},
     {"fes.transport", "fes.recording"},
@@ -50,7 +51,7 @@ LAYERS = (
 """Sub-packages from the bottom up: each imports only from lower layers, never from its own.
 In addition, agents and world do not import each other. `fes.extension.registry` loads a built-in extension of the
 layers above by its dotted path, only where it is used."""
-LAWS = {"fes.arrays", "fes.extension", "fes.model"}
+LAWS = {"fes.arithmetic", "fes.arrays", "fes.extension", "fes.model"}
 """Packages of the project that the laws import."""
 SHELLS = ("agents.runtime", "agents.process", "world.server", "world.process")
 """The only packages of an agent or a world that import asyncio, or the transport."""
@@ -80,7 +81,7 @@ def test_agents_and_world_do_not_import_each_other_and_no_package_imports_tests(
     assert not importers("tests")
 
 
-def test_the_laws_import_only_arrays_the_model_and_the_interface_of_extensions() -> None:
+def test_the_laws_import_only_arrays_arithmetic_the_model_and_the_interface_of_extensions() -> None:
     assert arrows()["agents.laws"] == LAWS
 
 

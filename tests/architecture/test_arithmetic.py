@@ -45,7 +45,7 @@ ROUNDED_ONCE = words(
 NAMES = words("""bool_ dtype errstate float64 generic iinfo inf int64 nan pi uint64 uint8""")
 RANDOM = frozenset({"Philox"})
 EXACT = words("ceil copysign frexp inf isfinite isnan ldexp nan pi sqrt")
-"""What these folders use of `math`; the rest calls the C library."""
+"""Functions and numbers of `math` that are exact; the rest calls the C library."""
 
 FACTORIES = frozenset({"add", "logical_and", "logical_or", "maximum", "minimum", "multiply"})
 """ufuncs whose methods (reduce, accumulate, outer) are used."""
@@ -54,10 +54,10 @@ UNORDERED = frozenset({"dot", "mean", "prod", "std", "trapezoid", "var"})
 """Methods whose order of additions depends on the version of numpy, or which call linear algebra."""
 
 ADDED = frozenset({"counts", "due", "edges", "links", "missed", "old"})
-"""What may be summed by a method: `Edges`, whose sum is ordered, and arrays of whole numbers or truth values."""
+"""Objects with a method `sum` that is allowed: `Edges` (an ordered sum), arrays of whole numbers or truth values."""
 
 OWN_MEANS = frozenset({"self", "sums", "_period_average"})
-"""What has a mean of its own."""
+"""Objects with a method `mean` of the project."""
 
 GENERATOR = words(
     """binomial bytes exponential geometric integers normal permutation permuted poisson rayleigh shuffle
@@ -176,7 +176,7 @@ def is_offence(node: ast.AST) -> bool:
 
 
 def is_renamed(module: ast.alias) -> bool:
-    """Whether numpy or math has another name than the one that is looked for."""
+    """True for numpy or math under another name than the one that is looked for."""
     return {"numpy": "np", "math": None}.get(module.name, module.asname) != module.asname
 
 

@@ -81,7 +81,7 @@ def test_prose_that_is_hard_to_read_is_found(text: str) -> None:
 
 PLAIN = [
     "Robot 3 can publish only on its own keys; an observer cannot publish.",
-    "Results are bit-identical on one machine with the same library versions.",
+    "Results are bit-identical on every machine with the same version.",
     "Pass criteria: no process exits unless the test killed it.",
     "Excludes processes suspended by schedule, whose queues must stay empty.",
     "otherwise it has joined but does not take part yet",

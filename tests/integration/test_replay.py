@@ -20,7 +20,7 @@ from console.replay import command as replay_command
 from console.replay import compare, log
 from console.replay.recorded import Mismatch
 from fes.errors import FesError
-from fes.protocol import messages
+from fes.protocol import messages, world_info
 from fes.system import fingerprint
 from tests.support import recordings
 from tests.support.loop import load
@@ -149,12 +149,12 @@ def test_compare_and_replay_return_1_if_anything_differs(recorded: Recorded, tam
     unlike = subprocess.run(fes("compare", first, second), capture_output=True, text=True, timeout=PATIENCE)
     assert unlike.returncode == 1
     assert unlike.stdout.startswith("tick 40, Command of robot 3: twist.angular is ")
-    own = fingerprint.text()
-    assert unlike.stdout.splitlines()[1:] == [f"A was recorded with {own}; B was recorded with {own}"]
+    own = fingerprint.origin(world_info.version())
+    assert unlike.stdout.splitlines()[1:] == [f"A was recorded by {own}; B was recorded by {own}"]
     again = subprocess.run(fes("replay", second, "--all", "--json"), capture_output=True, text=True, timeout=PATIENCE)
     assert (again.returncode, again.stdout) == (1, "")
     assert again.stderr.startswith("fes: error: tick 40, Command of robot 3: twist.angular is ")
-    assert again.stderr.splitlines()[1:] == [f"fes: recorded with {own}; executed with {own}"]
+    assert again.stderr.splitlines()[1:] == [f"fes: recorded by {own}; executed by {own}"]
     complete = subprocess.run(fes("replay", first, "--json"), capture_output=True, text=True, timeout=PATIENCE)
     assert (complete.returncode, json.loads(complete.stdout), complete.stderr) == (0, as_json(recorded[1]), "")
 

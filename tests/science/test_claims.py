@@ -105,7 +105,7 @@ def test_the_document_names_every_claim_and_only_tests_and_code_that_exist() -> 
     assert set(re.findall(r"`fes claims ([a-z0-9-]+)`", PAPER)) == set(claims.CLAIMS)
     tests = {path.stem for path in (ROOT / "tests").rglob("test_*.py")}
     assert set(re.findall(r"`(test_[a-z_]+)`", PAPER)) <= tests
-    for module, functions in set(re.findall(r"`((?:fes|agents|world)\.[a-z_.]+)(?::([a-z_]+))?`", PAPER)):
+    for module, functions in set(re.findall(r"`((?:fes|agents|world)\.[a-z_.]+)(?::([A-Za-z_]+))?`", PAPER)):
         imported = importlib.import_module(module)
         assert not functions or hasattr(imported, functions), f"{module}:{functions}"
 

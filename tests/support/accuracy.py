@@ -1,8 +1,8 @@
 """Worst errors of the elementary functions against mpmath: python -m tests.support.accuracy [--points 1000000].
 
-A Markdown table: each function over each range, its worst error in units in the last place (ulp) and the argument
-there, the share of results that are not the nearest float, and the worst error of numpy's own function here.
-A million points take about 20 minutes on two cores. The exit code is 1 if an error exceeds its bound.
+Prints a Markdown table with each function over each range: its worst error in units in the last place (ulp) and the
+argument there, and the share of results that are not the nearest float. Beside it stands that of numpy's own
+function. A million points take about 20 minutes on two cores. The exit code is 1 if an error exceeds its bound.
 """
 
 import argparse

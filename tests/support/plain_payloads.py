@@ -23,7 +23,7 @@ PLAIN: dict[str, list[Any]] = {
         *(PROTOCOL, 7, 4, 1.5, -0.5, int32(2, 9), float64(60.0, 70.0)),
         *(float64(-2.0, -2.1, 3.0, 3.1), float64(0.25), True),
     ],
-    "Join": [PROTOCOL, [4, 5], 12345, "numpy 2.4.6, arithmetic 5c62e091b8c0"],
+    "Join": [PROTOCOL, [4, 5], 12345, "arithmetic 5c62e091b8c0"],
     "Recall": [PROTOCOL, 7],
     "Change": [PROTOCOL, "channel.reference_snr", "5000000.0"],
     "Effect": [PROTOCOL, "channel.reference_snr", "5000000.0", 7, 68.0, False],

@@ -19,7 +19,7 @@ class Exact(NamedTuple):
     high: Floats
     """The nearest floats."""
     low: Floats
-    """What they lack [ulp]."""
+    """The rest [ulp]."""
 
 
 def exact(function: Callable[..., Any], *arguments: Floats) -> Exact:

@@ -1,8 +1,11 @@
 """Files of older formats: each is rejected in one line that names both formats, and stays unchanged.
 
+Files of the present formats by an earlier version of fes are read.
+
 `python -m tests.system.test_older_formats` records the tables of a checkpoint of the present format.
 """
 
+import re
 import shutil
 from collections import deque
 from collections.abc import Iterator
@@ -11,12 +14,18 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
-from console.replay import log
+import fes
+from console.replay import compare, log
+from console.replay.player import Player
 from console.sweep import design, ledger
+from console.terminal.keyboard import RIGHT
 from fes.errors import FesError
+from fes.protocol import messages
 from fes.protocol.messages import Join
+from fes.protocol.world_info import version
 from fes.recording import schemas
 from fes.recording.layout import NAME
+from fes.system import fingerprint
 from tests.support.commands import call, complaint
 from tests.support.loop import load
 from tests.support.paths import FORMATS, PAIR
@@ -57,6 +66,43 @@ def test_a_log_of_an_older_version_is_rejected_in_one_line(formats: Path, run: s
         log.load(formats / run)
     assert str(caught.value) == f"{formats / run / NAME} is a log of version {older}; this fes reads version 3"
     assert schemas.VERSION == 3
+
+
+EARLIER = "fes 0.4.0 with arithmetic ec71240d0bea"
+NOTE = f"recorded by {EARLIER}; this is {fingerprint.origin(version())}: the last digits shown may differ"
+
+
+def test_a_log_that_release_0_4_wrote_is_read_shown_and_compared(
+    formats: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # That release had other elementary functions: a second execution has other last digits.
+    recorded = log.load(formats / "log-3")
+    assert recorded.origin == EARLIER
+    with pytest.warns(UserWarning, match=f"{NAME} was {NOTE}"):
+        result = fes.read(formats / "log-3", progress=False)
+    assert recorded.summary is not None
+    assert result.summary == recorded.summary
+    *_, last = recorded.ticks()
+    pose = messages.decode_observation(last.payloads.observations[1]).pose
+    assert result.poses[-1, 1] == pytest.approx(pose, rel=1e-12)  # a few thousand roundings of 1e-16
+    shown = Player(recorded, 1.0)
+    shown.press(RIGHT)
+    while shown.tick < 49:
+        shown.advance(0.0)
+    assert compare.compare(formats / "log-3", formats / "log-3") == 0
+    assert capsys.readouterr().out == "every message of every tick is the same to the bit\n"
+
+
+def test_the_programs_name_both_versions_where_a_log_of_release_0_4_is_executed_again(formats: Path) -> None:
+    drawn = call(formats, "fes", "plot", "log-3")
+    assert (drawn.returncode, drawn.stderr) == (0, f"fes: warning: log-3/{NAME} was {NOTE}\n")
+    own = fingerprint.origin(version())
+    for flag in ("--all", "--robot=1", "--headless"):
+        again = call(formats, "fes", "replay", "log-3", flag)
+        assert (again.returncode, again.stdout) == (1, "")
+        error, note = again.stderr.splitlines()
+        assert re.match(r"fes: error: tick \d+, .* in the log and .* executed again$", error)
+        assert note == f"fes: recorded by {EARLIER}; executed by {own}"
 
 
 def test_a_scenario_that_release_0_3_wrote_is_read(formats: Path) -> None:
@@ -128,6 +174,7 @@ def test_the_stored_files_of_older_formats_are_small_and_complete() -> None:
         LAYOUT.name,
         "log-1",
         "log-2",
+        "log-3",
         "scenario-0.3.toml",
         "sweep-1",
     ]

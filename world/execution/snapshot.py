@@ -2,7 +2,7 @@
 
     fes checkpoint 5
     SHA-256 of the rest of the file
-    {"fes": "0.4.0", "arithmetic": {"fingerprint": ..., "numpy": ..., "core": ...}, "extensions": [...]}
+    {"fes": "0.5.0", "arithmetic": {"fingerprint": ..., "numpy": ..., "core": ...}, "extensions": [...]}
 
 A state is read only if the whole head matches. Loading it cannot execute code.
 """
@@ -163,11 +163,15 @@ def read(path: Path) -> Snapshot:
 def _check_arithmetic(path: Path, head: bytes) -> None:
     """Raise FesError unless the run was computed with this process's arithmetic."""
     try:
-        recorded = fingerprint.text(strict_json.loads(head)["arithmetic"])
+        table = strict_json.loads(head)
+        arithmetic = table["arithmetic"]
+        is_same = fingerprint.text(arithmetic) == fingerprint.text()
+        origin = fingerprint.origin(table.get("fes"), arithmetic)
     except (ValueError, KeyError, TypeError) as error:
         raise FesError(f"{path} is damaged: its head cannot be read: {type(error).__name__}") from None
-    if recorded != fingerprint.text():
-        raise FesError(f"{path} was written with {recorded}; this is {fingerprint.text()}: the digits would differ")
+    if not is_same:
+        own = fingerprint.origin(world_info.version())
+        raise FesError(f"{path} was written by {origin}; this is {own}: the digits would differ")
 
 
 class _Tables(pickle.Unpickler):

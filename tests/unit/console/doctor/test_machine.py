@@ -3,10 +3,13 @@
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from console.doctor import machine
 from console.doctor.finding import Status
+from fes.system import fingerprint
+from tests.support.arithmetics import OTHER
 
 EXTRAS = [(1, "plot"), (2, "security"), (3, "security"), (4, "dev"), (1, "dev")]
 
@@ -52,3 +55,18 @@ def test_a_clock_that_is_set_while_it_is_watched_is_a_warning(monkeypatch: pytes
     times = iter([2e9, 2e9 + 60.0])
     monkeypatch.setattr("time.time", lambda: next(times))
     assert machine.clock(0.01).status == Status.WARNING
+
+
+def test_the_arithmetic_is_that_of_every_other_machine_or_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
+    result = machine.arithmetic()
+    assert (result.status, result.remedy) == (Status.OK, "")
+    assert result.seen == (
+        f"fingerprint {fingerprint.EXPECTED}, with numpy {np.__version__}: the same digits as on every other machine"
+    )
+    monkeypatch.setattr(fingerprint, "table", lambda: dict(OTHER))
+    result = machine.arithmetic()
+    assert (result.status, result.remedy != "") == (Status.WARNING, True)
+    assert result.seen == (
+        "fingerprint 0123456789ab, with numpy 1.0.0: this machine's digits differ from every other's, "
+        f"whose fingerprint is {fingerprint.EXPECTED}"
+    )

@@ -173,10 +173,3 @@ def test_a_log_is_read_back_with_its_run(recorded: Recorded) -> None:
     assert loaded.scenario == scenario(summary["scenario"])
     assert loaded.complaint is None
     assert loaded.summary == json.loads(json.dumps(summary))
-
-
-def test_a_run_has_the_digest_that_release_0_2_recorded() -> None:
-    # the log itself, tests/formats/log-2, is of an older version, and is rejected
-    pair = load("pair.toml", run__duration=0.5)
-    digest = inprocess.run(pair, "pair")["digest"]
-    assert digest == "7e83a2babcafc094a1c4c0049df5408d2e538fb257dd350402d3037a41fc2ce5"

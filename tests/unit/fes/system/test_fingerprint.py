@@ -12,6 +12,7 @@ from console.replay import command as replay_command
 from console.replay import compare, log
 from console.replay.recorded import Mismatch
 from console.sweep import cluster, design, ledger, work
+from fes.arithmetic import elementary
 from fes.errors import FesError
 from fes.protocol import messages, world_info
 from fes.system import fingerprint
@@ -24,6 +25,7 @@ from tests.support.teams import begun
 from world.execution import resume
 
 HERE, THERE = fingerprint.text(), fingerprint.text(OTHER)
+VERSION = world_info.version()
 
 
 @pytest.fixture
@@ -32,27 +34,38 @@ def elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fingerprint, "table", lambda: dict(OTHER))
 
 
-USED = ["exp", "expm1", "log", "log1p", "logaddexp", "sin", "cos", "tan", "arctan", "arctan2", "power", "sqrt"]
-USED += ["einsum", "bincount", "linalg.eigvalsh"]
+def test_every_machine_has_the_expected_fingerprint() -> None:
+    assert fingerprint.table() == {"fingerprint": fingerprint.EXPECTED, "numpy": np.__version__, "core": "numpy"}
 
 
-@pytest.mark.parametrize("name", USED)
+@pytest.mark.parametrize("name", elementary.__all__)
 def test_one_bit_of_one_result_of_one_function_changes_the_fingerprint(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    *path, last = name.split(".")
-    module: Any = getattr(np, path[0]) if path else np
-    function = getattr(module, last)
+    function = getattr(elementary, name)
 
     def rounded_otherwise(*words: Any) -> Any:
-        result = np.array(function(*words))
-        result[-1] = np.nextafter(result[-1], np.inf)
-        return result
+        results = function(*words)
+        *others, last = (np.array(result) for result in (results if isinstance(results, tuple) else (results,)))
+        last[700] = np.nextafter(last[700], np.inf)
+        return (*others, last) if others else last
 
-    compute = fingerprint._fingerprint.__wrapped__  # without what it remembers
-    before = compute()
-    monkeypatch.setattr(module, last, rounded_otherwise)
-    assert compute() != before == fingerprint.table()["fingerprint"]
+    assert fingerprint.compute() == fingerprint.EXPECTED
+    monkeypatch.setattr(elementary, name, rounded_otherwise)
+    assert fingerprint.compute() != fingerprint.EXPECTED
+
+
+def test_a_processor_that_flushes_subnormal_numbers_to_zero_has_another_fingerprint(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    function, smallest = elementary.log1p, np.finfo(np.float64).smallest_normal
+
+    def flushed(x: Any) -> Any:
+        result = function(x)
+        return np.where(np.abs(result) < smallest, 0.0, result)
+
+    monkeypatch.setattr(elementary, "log1p", flushed)
+    assert fingerprint.compute() != fingerprint.EXPECTED
 
 
 def test_an_invalid_arithmetic_is_rejected() -> None:
@@ -60,7 +73,13 @@ def test_an_invalid_arithmetic_is_rejected() -> None:
     for arithmetic in [*wrong, {**OTHER, "fingerprint": "\033[31m"}]:
         with pytest.raises((KeyError, TypeError, ValueError)):
             fingerprint.text(arithmetic if arithmetic is not None else 0)  # type: ignore[arg-type]
-    assert fingerprint.text({**OTHER, "core": "compiled"}) == "numpy 1.0.0, arithmetic 0123456789ab (compiled)"
+
+
+def test_the_text_and_the_origin_of_an_arithmetic_name_only_what_is_compared() -> None:
+    assert fingerprint.text({**OTHER, "core": "compiled"}) == fingerprint.text(OTHER) == "arithmetic 0123456789ab"
+    assert fingerprint.origin("0.4.0", OTHER) == "fes 0.4.0 with arithmetic 0123456789ab"
+    for unknown in (None, 4, "\033[31m"):
+        assert fingerprint.origin(unknown, OTHER) == "arithmetic 0123456789ab"
 
 
 def test_a_summary_has_the_arithmetic_and_an_expectation_can_name_it(tmp_path: Path) -> None:
@@ -80,9 +99,26 @@ def test_a_checkpoint_is_not_resumed_with_another_arithmetic(tmp_path: Path, els
         with pytest.raises(FesError) as caught:
             resume.load(tmp_path / "run")
     assert str(caught.value) == (
-        f"{state} was written with {THERE}; this is numpy 1.0.0, arithmetic ba9876543210: the digits would differ"
+        f"{state} was written by fes {VERSION} with {THERE}; "
+        f"this is fes {VERSION} with arithmetic ba9876543210: the digits would differ"
     )
     assert state.read_bytes() == kept
+
+
+def test_a_run_is_resumed_and_a_sweep_continued_with_another_numpy(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun(tmp_path / "run")
+    planned = design.plan(Path(PAIR), [], "0:1", ["run.duration=0.1"])
+    [batch] = work.batches("pair", planned.runs, 1)
+    with ledger.opened(tmp_path / "sweep", planned):
+        pass
+    newer = {**fingerprint.table(), "numpy": "99.0"}
+    monkeypatch.setattr(fingerprint, "table", lambda: dict(newer))
+    resume.load(tmp_path / "run")
+    with ledger.opened(tmp_path / "sweep", planned):
+        pass
+    assert len(cluster._at_worker((VERSION, HERE), batch)) == 1
 
 
 def test_a_sweep_is_not_continued_with_another_arithmetic(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -94,7 +130,7 @@ def test_a_sweep_is_not_continued_with_another_arithmetic(tmp_path: Path, monkey
         pass
     assert str(caught.value) == (
         f"--out {tmp_path}: it holds a sweep of another arithmetic; "
-        f'sweep.json has arithmetic = "{HERE}", and this is {THERE}'
+        f'sweep.json has arithmetic = "{fingerprint.EXPECTED}", and this is "0123456789ab"'
     )
 
 
@@ -113,7 +149,7 @@ def test_a_constant_arithmetic_is_not_a_column_of_a_table() -> None:
     assert not [name for name in work.scalars({"ticks": 1, "arithmetic": dict(OTHER)}) if name != "ticks"]
 
 
-def test_replay_and_compare_distinguish_another_processor_from_an_edited_log(
+def test_replay_and_compare_distinguish_another_arithmetic_from_an_edited_log(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     own, foreign, edited = (tmp_path / name for name in ("here.mcap", "there.mcap", "edited.mcap"))
@@ -137,11 +173,15 @@ def test_replay_and_compare_distinguish_another_processor_from_an_edited_log(
     recordings.rewrite(foreign, edited, recordings.edited("/commands", 6, 1, farther))
     with pytest.raises(Mismatch, match=r"^tick 6, Command of robot 1: estimates") as caught:
         replay_command.rerun(log.load(edited), all_robots=True)
-    assert caught.value.__notes__ == [f"recorded with {THERE}; executed with {HERE}"]
+    assert caught.value.__notes__ == [
+        f"recorded by fes {VERSION} with {THERE}; executed by fes {VERSION} with {HERE}"
+    ]
     assert "\n" not in str(caught.value)
     assert compare.compare(own, edited) == 1
     output = capsys.readouterr().out.splitlines()
-    assert output[1:] == [f"A was recorded with {HERE}; B was recorded with {THERE}"]
+    assert output[1:] == [
+        f"A was recorded by fes {VERSION} with {HERE}; B was recorded by fes {VERSION} with {THERE}"
+    ]
     assert compare.compare(own, edited, json_=True) == 1
     assert json.loads(capsys.readouterr().out)["arithmetic"] == [fingerprint.table(), OTHER]
 
