@@ -1,6 +1,6 @@
 """sin and cos together, by a reduction to a quarter turn and two polynomials without a table.
 
-x = n pi/2 + r + e with |r| <= pi/4: pi/2 is in three parts, so that n times each of the first two is exact.
+x = n pi/2 + r + e with |r| <= pi/4: pi/2 is in four parts, so that n times each of the first three is exact.
 """
 
 import numpy as np
@@ -10,10 +10,10 @@ from fes.arithmetic.polynomial import horner
 from fes.arrays.types import Floats
 
 (PER_QUARTER,) = exact.constants(0.6366197723675814)
-QUARTER_HIGH, QUARTER_MIDDLE, QUARTER_LOW = exact.constants(
-    1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21
+QUARTER_HIGH, QUARTER_MIDDLE, QUARTER_LOW, QUARTER_LEAST = exact.constants(
+    1.5707963267341256, 6.077100506303966e-11, 2.0222662487111665e-21, 8.4784276603689e-32
 )
-"""pi/2; the first two parts have 33 bits each."""
+"""pi/2; the first three parts have 33 bits each."""
 
 SINES = exact.constants(
     1.5896066701344328e-10,
@@ -54,7 +54,7 @@ def sin_cos(x: Floats) -> tuple[Floats, Floats]:
     v = high - y
     low = ((y - (high - v)) - (w + v)) - t * QUARTER_LOW
     r = high + low
-    e = (high - r) + low
+    e = ((high - r) + low) - t * QUARTER_LEAST
     z = r * r
     half = exact.HALF * z
     s = (horner(SINES, z) * z * r + (e - half * e)) + r
