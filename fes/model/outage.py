@@ -33,7 +33,7 @@ def exponent_scale(channel: ChannelConfig) -> float:
     else:
         threshold = elementary.exp(_LN2 * efficiency) * elementary.one_minus_exp(_LN2 * efficiency)
     distance = elementary.power(np.array(channel.reference_distance), channel.path_loss_exponent)
-    scale = float(threshold / channel.reference_snr / distance)
+    scale = float(threshold) / channel.reference_snr / float(distance)
     return scale if scale < math.inf else sys.float_info.max
 
 
