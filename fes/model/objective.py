@@ -5,6 +5,8 @@ is the reception probability, a property of the channel. The paper writes one nu
 loss inside p. Only two exponents, 4 and 3, give its Fig. 3, so they are kept apart.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from fes.arithmetic import elementary
@@ -23,8 +25,12 @@ def preference(separation: Floats, objective: ObjectiveConfig) -> Floats:
 
 def share_of_reach(objective: ObjectiveConfig) -> float:
     """(r_min/r_x)^s, by which the exponent of the second factor of (16) follows from that of the first."""
-    ratio = np.array(objective.minimum_separation / objective.maximum_separation)
-    return float(elementary.power(ratio, objective.shape_exponent))
+    return _power(objective.minimum_separation / objective.maximum_separation, objective.shape_exponent)
+
+
+@lru_cache(maxsize=128)
+def _power(ratio: float, exponent: float) -> float:
+    return float(elementary.power(np.array(ratio), exponent))
 
 
 def log_preference_slope(separation: Floats, objective: ObjectiveConfig) -> Floats:

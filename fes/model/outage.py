@@ -6,6 +6,7 @@ According to the paper, its robots do not know this formula. The world may use i
 
 import math
 import sys
+from functools import lru_cache
 
 import numpy as np
 
@@ -26,14 +27,8 @@ def exponent_scale(channel: ChannelConfig) -> float:
         raise ValueError("a logistic channel is not of the form exp(-c r^nu)")
     if channel.model == "perfect":
         return 0.0
-    efficiency = channel.spectral_efficiency
-    # where it is small, 2^delta - 1 would lose digits
-    if efficiency >= 1.0:
-        threshold = elementary.power(np.array(2.0), efficiency) - 1.0
-    else:
-        threshold = elementary.exp(_LN2 * efficiency) * elementary.one_minus_exp(_LN2 * efficiency)
-    distance = elementary.power(np.array(channel.reference_distance), channel.path_loss_exponent)
-    scale = float(threshold) / channel.reference_snr / float(distance)
+    threshold = _snr_threshold(channel.spectral_efficiency)
+    scale = threshold / channel.reference_snr / _loss(channel.reference_distance, channel.path_loss_exponent)
     return scale if scale < math.inf else sys.float_info.max
 
 
@@ -87,6 +82,20 @@ def range_at_outage(outage: float, channel: ChannelConfig) -> float:
         raise ValueError("a perfect channel reaches no outage at any separation")
     exponent = -elementary.log1p(np.array(-outage))
     return float(elementary.power(exponent / scale, 1.0 / channel.path_loss_exponent))
+
+
+@lru_cache(maxsize=128)
+def _snr_threshold(efficiency: float) -> float:
+    """2^delta - 1 of (3), with all its digits where delta is small."""
+    if efficiency >= 1.0:
+        return float(elementary.power(np.array(2.0), efficiency)) - 1.0
+    return float(elementary.exp(_LN2 * efficiency) * elementary.one_minus_exp(_LN2 * efficiency))
+
+
+@lru_cache(maxsize=128)
+def _loss(distance: float, exponent: float) -> float:
+    """r0^nu of (3)."""
+    return float(elementary.power(np.array(distance), exponent))
 
 
 def _log_reception(separation: Floats, channel: ChannelConfig) -> Floats:
