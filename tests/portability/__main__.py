@@ -4,6 +4,7 @@ Exit codes: 0 all are equal, 1 something differs or failed, 77 nothing could be 
 """
 
 import os
+import signal
 import sys
 import tempfile
 import time
@@ -13,7 +14,7 @@ from pathlib import Path
 
 from tests.portability import settings
 from tests.portability.downloads import Unavailable
-from tests.portability.interpreters import Interpreter, Workshop
+from tests.portability.interpreters import STOPPED, Interpreter, Workshop, is_stopped, stop
 from tests.portability.settings import Setting
 from tests.portability.verdict import Output
 
@@ -53,6 +54,8 @@ class Comparison:
 
     def fail(self, text: str) -> None:
         """Note a failure, and say it."""
+        if is_stopped():
+            return
         self.failed.append(text)
         say(f"FAILED: {text}")
 
@@ -164,13 +167,16 @@ def main() -> int:
     if len(sys.argv) > 2 or not (form in ("short", "whole") or form.replace(".", "", 1).isdigit()):
         print(f"expects short, whole or a number of simulated seconds, got {sys.argv[1:]}")
         return FAILED
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda *_: stop())
     with tempfile.TemporaryDirectory(prefix="fes-portability-") as work:
         folder = Path(os.environ.get("FES_PORTABILITY_CACHE", work)).absolute()
         outputs = Path(os.environ.get("FES_PORTABILITY_OUTPUTS", Path(work) / "outputs")).absolute()
         for place in (folder, outputs):
             place.mkdir(parents=True, exist_ok=True)
         try:
-            return Comparison(form, folder, outputs).all()
+            code = Comparison(form, folder, outputs).all()
+            return STOPPED if is_stopped() else code
         except Unavailable as reason:
             say(f"skipped, because {reason}")
             return SKIPPED

@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+import threading
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +18,24 @@ OLDEST = 11
 
 EMULATOR = "qemu-aarch64-static"
 BASE = ("python3-minimal", "libpython3-stdlib", "libstdc++6", "tzdata")
+
+STOPPED = 130
+"""Exit code of a program that was not started, because this one was told to stop."""
+
+_children: list["subprocess.Popen[bytes]"] = []
+_stopped = threading.Event()
+
+
+def is_stopped() -> bool:
+    """True after `stop`."""
+    return _stopped.is_set()
+
+
+def stop() -> None:
+    """End all programs, and start no more."""
+    _stopped.set()
+    for child in list(_children):
+        child.kill()
 
 
 @dataclass(frozen=True)
@@ -32,10 +51,16 @@ class Interpreter:
         """Run `python WORDS` to its end, in the clone; its output goes to a file. Returns its exit code."""
         names = {key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "VIRTUAL_ENV"))}
         with output.open("w") as file:
-            return subprocess.run(
+            if _stopped.is_set():
+                return STOPPED
+            child = subprocess.Popen(
                 [*self.words, *words], cwd=ROOT, env=names | dict(self.environment) | environment, stdout=file,
-                stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, check=False,
-            ).returncode  # fmt: skip
+                stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+            )  # fmt: skip
+        _children.append(child)
+        if _stopped.is_set():  # between the start and the line above
+            child.kill()
+        return child.wait()
 
     def says(self, code: str) -> str:
         """Output of a program of one line."""
