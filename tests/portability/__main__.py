@@ -151,6 +151,9 @@ class Comparison:
             done.append(pool.submit(self.others, base))
         for one in done:
             one.result()
+        if is_stopped():
+            say("stopped")
+            return STOPPED
         for text in self.missing:
             say(f"!! not tested: {text}")
         for text in self.failed:
@@ -175,8 +178,7 @@ def main() -> int:
         for place in (folder, outputs):
             place.mkdir(parents=True, exist_ok=True)
         try:
-            code = Comparison(form, folder, outputs).all()
-            return STOPPED if is_stopped() else code
+            return Comparison(form, folder, outputs).all()
         except Unavailable as reason:
             say(f"skipped, because {reason}")
             return SKIPPED
