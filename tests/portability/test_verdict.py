@@ -25,6 +25,12 @@ def test_every_case_and_part_that_differs_is_named(tmp_path: Path) -> None:
     assert output(tmp_path, ABOUT).differences(base) == ["no case at all"]
 
 
+def test_a_case_without_its_golden_digest_is_named(tmp_path: Path) -> None:
+    base = output(tmp_path, ABOUT + PAPER + PAIR)
+    assert base.unlike({"paper": "0a", "pair": "1a"}) == []
+    assert base.unlike({"paper": "9a", "pair": "1a", "hundred": "2a"}) == ["hundred", "paper"]
+
+
 def test_the_effect_of_a_setting_is_what_it_takes_away_and_the_controls_that_it_changes(tmp_path: Path) -> None:
     base = output(tmp_path, ABOUT)
     assert base.effect(base) == "changes no bits of the controls"

@@ -39,6 +39,11 @@ class Output:
         took = f"takes away {' '.join(lost)}, " if lost else ""
         return took + (f"changes the bits of {', '.join(changed)}" if changed else "changes no bits of the controls")
 
+    def unlike(self, digests: dict[str, str]) -> list[str]:
+        """Cases of which the digest is another one than the given one, and given ones that are not here."""
+        found = {name: parts["digest"] for name, parts in self.lines.items()}
+        return sorted(name for name in found | digests if found.get(name) != digests.get(name))
+
     def differences(self, base: "Output") -> list[str]:
         """Cases of this output that are not in `base` or differ there, with the parts that differ."""
         found = [] if self.lines else ["no case at all"]
