@@ -7,6 +7,7 @@ import textwrap
 from typing import Any
 
 from docs.generators.markdown import code, prose, table
+from fes.arithmetic import elementary, sums
 from fes.arrays import edges
 from fes.extension import context, controllers, kinds, neighborhood, protocols
 from fes.extension.kinds import Kind
@@ -62,6 +63,9 @@ SHOWN: dict[type, tuple[str, ...]] = {
 }  # fmt: skip
 """Members for extensions, of classes that have further ones."""
 
+FUNCTIONS = """`from fes.extension import elementary, sums` gives functions with the same bits on every machine.
+[Digits](../explanation/digits.md#in-an-extension) states when they are needed. Arguments are arrays of float64."""
+
 
 def page() -> list[str]:
     """The lines of the page, without its title."""
@@ -75,7 +79,20 @@ def page() -> list[str]:
     lines += ["## Values", ""]
     for value in VALUES:
         lines += [f"### `{value.__name__}`", "", *_described(value)]
-    return lines
+    return [*lines, "## Functions", "", FUNCTIONS, "", *_functions()]
+
+
+def _functions() -> list[str]:
+    """A table of the elementary functions and of the sums."""
+    named = [("elementary", getattr(elementary, name)) for name in elementary.__all__]
+    named += [("sums", function) for _, function in inspect.getmembers(sums, inspect.isfunction)]
+    rows = []
+    for module, function in named:
+        [definition] = ast.parse(inspect.getsource(function)).body
+        assert isinstance(definition, ast.FunctionDef)
+        meaning = (inspect.getdoc(function) or "").partition(">>>")[0].strip()
+        rows.append([code(f"{module}.{_signature(definition)}"), prose(meaning)])
+    return table(["function", "meaning"], rows)
 
 
 def _described(kind: type) -> list[str]:

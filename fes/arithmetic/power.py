@@ -34,7 +34,7 @@ MOST_PRODUCTS = 16
 def power(x: Floats, y: float) -> Floats:
     """x^y for x >= 0 of any shape and one exponent.
 
-    A multiple of 1/2 from 0 to MOST_PRODUCTS is a product. Others take x as between the smallest normal number
+    A multiple of 1/2 from 0 to 16 is a product. Others take x as between the smallest normal number
     and the largest float; NaN for NaN.
     """
     if 0.0 <= y <= MOST_PRODUCTS and (2.0 * y) % 1.0 == 0.0:
