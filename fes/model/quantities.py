@@ -118,9 +118,7 @@ SUMMARY = (
     Quantity("deadlines.late[]", "commands", "Per robot: commands that arrived after their deadline.", _LOCKSTEP),
     Quantity("deadlines.missed_share", "1", "Missed deadlines over all deadlines.", f"{_LOCKSTEP}, or none was due"),
     Quantity("deadlines.slipped_s", "s", "Total delay of the world's own ticks.", _LOCKSTEP),
-    Quantity(
-        "arithmetic.fingerprint", "", "Hash of the elementary functions: equal hashes, equal digits.", kind=TEXT
-    ),
+    Quantity("arithmetic.fingerprint", "", "Hash of the elementary functions, the same on every machine.", kind=TEXT),
     Quantity("arithmetic.numpy", "", "Version of numpy; it changes no digit.", kind=TEXT),
     Quantity("arithmetic.core", "", "Implementation that computed the run.", kind=TEXT),
     Quantity("links_gap_longest", "s", "Longest time in which the links did not connect all robots present."),

@@ -38,7 +38,9 @@ def table() -> dict[str, str]:
 
 
 def text(arithmetic: Arithmetic | None = None) -> str:
-    """The part of an arithmetic that is compared, by default that of this process; equal texts mean equal digits.
+    """The part of an arithmetic that is compared, by default that of this process.
+
+    Processes of one version of fes with equal texts give equal digits.
 
     Raises KeyError, TypeError or ValueError for anything that is not an arithmetic.
 
