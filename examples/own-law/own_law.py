@@ -38,7 +38,7 @@ class Saturated:
 
     def step(self, state: Any, around: Neighborhood, links: LinkGeometry) -> Formed:
         """The pull of each robot [n, 2] [m; world frame], from the errors of its links [l]."""
-        # `+ - * /` and square roots have the same digits on every machine. Take exp or sin from `fes.extension.elementary`.
+        # `+ - * /` and `np.sqrt` have the same digits on every machine. For exp or sin, import `elementary`.
         pull = self.gain * links.error / np.sqrt(1.0 + (links.error / self.longest) ** 2)
         # `sum` adds the links of each robot in a fixed order, whichever robots share the process.
         x, y = (around.links.sum(pull * component) for component in links.bearing)

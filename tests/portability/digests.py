@@ -1,4 +1,4 @@
-"""Digests of all cases in one loop, one line each, for comparison with those of another arithmetic.
+"""Digests of all cases in one loop, one line each, for comparison with those of another setting.
 
 `python -m tests.portability.digests [--seconds S | --whole] [CASE ...]` needs no more than the dependencies of a run.
 A line is `name digest messages=... reports=... summary=...`: SHA-256 of what must be equal to the bit. Lines that
