@@ -46,7 +46,9 @@ def render(summary: dict[str, Any], verbose: bool = False) -> RenderableType:
     facts.add_column(style="bold", no_wrap=True)
     facts.add_column(overflow="fold")
     expected = [] if verbose else _expected(summary)
-    for name, value in [*_conditions(summary), *expected, *_metrics(summary["metrics"]), *_headline(summary)]:
+    arithmetic = _arithmetic(summary["arithmetic"]) if verbose else []
+    rows = [*_conditions(summary), *expected, *_metrics(summary["metrics"]), *arithmetic, *_headline(summary)]
+    for name, value in rows:
         facts.add_row(cell(name), value if isinstance(value, Text) else cell(value))
     digest = Text.assemble(("digest", "bold"), cell(f"  {summary['digest']}"), no_wrap=True, overflow="ignore")
     return Group(*(_tables(summary) if verbose else []), facts, digest)
@@ -89,6 +91,11 @@ def _headline(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("r*", _meters(summary["optimal_separation"], 4)),
         ("time", f"{summary['simulated_s']:g} s simulated in {_number(summary['wall_s'], 1)} s ({rate})"),
     ]
+
+
+def _arithmetic(arithmetic: dict[str, str]) -> list[tuple[str, str]]:
+    """Row about the implementation of the elementary functions."""
+    return [("arithmetic", f"fingerprint {arithmetic['fingerprint']}, with numpy {arithmetic['numpy']}")]
 
 
 def _since(summary: dict[str, Any], what: str) -> str:

@@ -25,8 +25,8 @@ BIAS, MANTISSA = 1023, 52
 
 
 def bits(values: Floats) -> Ints:
-    """The bits of floats as integers, any shape."""
-    result: Ints = values.view(np.int64)
+    """The bits of numbers, as floats, in integers, any shape."""
+    result: Ints = np.asarray(values, dtype=np.float64).view(np.int64)
     return result
 
 

@@ -3,6 +3,7 @@
 Exit codes: 0 all are equal, 1 something differs or failed, 77 nothing could be compared.
 """
 
+import argparse
 import os
 import signal
 import sys
@@ -23,6 +24,9 @@ from world.config import builtin
 FAILED, SKIPPED = 1, 77
 SHORT = "2"
 """Simulated seconds of each case in the short form, and of each log in every form."""
+
+LONGEST = 1e4
+"""Most simulated seconds that can be asked for."""
 
 BEGUN = time.monotonic()
 
@@ -64,6 +68,8 @@ class Comparison:
 
     def miss(self, text: str) -> None:
         """Note what could not be run, and say it."""
+        if is_stopped():
+            return
         self.missing.append(text)
         say(f"!! SKIPPED: {text}")
 
@@ -114,9 +120,7 @@ class Comparison:
 
         def oldest() -> None:
             own = self.workshop.own(oldest=True)
-            changed, remarks = settings.loops(own)
-            for remark in remarks:
-                say(remark)
+            changed, _ = settings.loops(own)
             for setting in (settings.plain(own), *changed[-1:]):
                 self.compare(base, Setting(f"oldest numpy, {setting.name}", own, setting.environment))
 
@@ -168,12 +172,23 @@ class Comparison:
         return 0
 
 
+def _form(text: str) -> str:
+    """The form: a name, or a length from SHORT to LONGEST; raises ArgumentTypeError for another text."""
+    if text not in ("short", "whole"):
+        try:
+            is_length = float(SHORT) <= float(text) <= LONGEST
+        except ValueError:
+            is_length = False
+        if not is_length:
+            raise argparse.ArgumentTypeError(f"expects short, whole, or seconds from {SHORT} to {LONGEST:g}")
+    return text
+
+
 def main() -> int:
     """Check the arguments, and run."""
-    form = sys.argv[1] if len(sys.argv) > 1 else "short"
-    if len(sys.argv) > 2 or not (form in ("short", "whole") or form.replace(".", "", 1).isdigit()):
-        print(f"expects short, whole or a number of simulated seconds, got {sys.argv[1:]}")
-        return FAILED
+    parser = argparse.ArgumentParser(prog="tests/portability/run", description="one digest under every setting")
+    parser.add_argument("form", nargs="?", default="short", type=_form, help="short, whole, or simulated seconds")
+    form = parser.parse_args().form
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: stop())
     with tempfile.TemporaryDirectory(prefix="fes-portability-") as work:

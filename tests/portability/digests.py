@@ -52,6 +52,8 @@ def main() -> int:
     parser.add_argument("--emulated", action="store_true", help="the cases for an emulated processor")
     given = parser.parse_args()
     chosen = given.case or (list(cases.EMULATED) if given.emulated else cases.names())
+    if unknown := sorted(set(chosen) - set(cases.names())):
+        parser.error(f"no case {unknown[0]}; the cases are {', '.join(cases.names())}")
     for key, value in controls.table().items():
         print(f"# {key}: {value}", flush=True)
     for name in chosen:

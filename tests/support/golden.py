@@ -7,9 +7,8 @@ laws, the channel or a scenario; CHANGELOG says why.
 import sys
 import tomllib
 
-from console.backends import inprocess
 from tests.support.paths import ROOT
-from world.config import builtin, scenario
+from world.config import builtin
 
 GOLDEN = ROOT / "tests" / "golden" / "digests.toml"
 
@@ -21,6 +20,10 @@ def stored() -> dict[str, str]:
 
 def computed(name: str) -> str:
     """The digest of a scenario at its whole length, in one loop."""
+    # A program without numpy may read the file.
+    from console.backends import inprocess
+    from world.config import scenario
+
     digest = inprocess.run(scenario.load(builtin.file_of(name)), name)["digest"]
     assert isinstance(digest, str)
     return digest
@@ -28,6 +31,7 @@ def computed(name: str) -> str:
 
 def main() -> int:
     """Print the file anew."""
+    print("# Digests of the scenarios in configs, at their whole length: `python -m tests.support.golden`")
     for name in builtin.names():
         print(f'"{name}" = "{computed(name)}"', flush=True)
     return 0
