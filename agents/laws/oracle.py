@@ -16,7 +16,8 @@ from fes.model.config import ChannelConfig, ObjectiveConfig
 from fes.model.objective import share_of_reach
 from fes.model.seeking import OracleConfig
 
-LEAST_SPREAD = 1e-300
+LEAST_SPREAD, MOST_SPREAD = 1e-300, 1e100
+"""Bounds of A: between them A/(1 - e^-A) has all its digits, and the squares of slopes are finite."""
 
 NEARLY_ZERO = 1e-9
 """The smallest separation [m] at which the index is evaluated: an estimate may overshoot below zero."""
@@ -24,6 +25,13 @@ NEARLY_ZERO = 1e-9
 LEAST = -1e9
 """The smallest logarithm of an index; the index itself rounds to zero below exp(-745). Without this bound the slope
 would be infinite at an estimate that is far off, because of a peer's estimate of 1e12 m, say."""
+
+
+TRUSTED = 0.4
+"""Share of a separation, times the largest exponent of the index, over which its parabola counts."""
+
+TRUSTED_WIDTH = 0.1
+"""The same as a share of the width of a logistic channel."""
 
 
 class FormulaIndex:
@@ -37,6 +45,9 @@ class FormulaIndex:
     def __init__(self, objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal["log", "none"]) -> None:
         self._objective, self._channel, self._is_log = objective, channel, transform == "log"
         self._reach = share_of_reach(objective)
+        powers = (objective.shape_exponent, 0.0 if channel.model == "logistic" else channel.path_loss_exponent)
+        self._trusted_share = TRUSTED / max(4.0, *powers)
+        self._trusted_length = TRUSTED_WIDTH * channel.logistic_width if channel.model == "logistic" else np.inf
         self._loss = 0.0 if channel.model == "logistic" else outage.exponent_scale(channel)
 
     def __call__(self, separation: Floats) -> Floats:
@@ -47,12 +58,19 @@ class FormulaIndex:
         return self._value(decay, spread)[0]
 
     def parabola(self, separation: Floats) -> tuple[Floats, Floats, Floats]:
-        """The index at `separation` [m], any shape, its slope [1/m] and half its second derivative [1/m^2]."""
+        """The index at `separation` [m], any shape, its slope [1/m] and half its second derivative [1/m^2].
+
+        Where LEAST bounds the exponent, only 1 - e^-A has a slope.
+        """
         shape, r = self._objective.shape_exponent, np.maximum(separation, NEARLY_ZERO)
         spread = self._spread(r)
         reception, loss, bend = self._reception(r)
         reach = self._reach * spread
-        value, rise = self._value(reception - reach, spread)
+        decay = reception - reach
+        value, rise = self._value(decay, spread)
+        is_flat = decay <= LEAST
+        if np.logical_or.reduce(is_flat, axis=None):
+            reach, loss, bend = (np.where(is_flat, 0.0, part) for part in (reach, loss, bend))
         # r (ln S)' = s (f - q A) with f = A/(e^A - 1), and r f' = s f (1 - A/(1 - e^-A))
         turn = spread / rise
         fall = turn * (1.0 - rise)
@@ -63,10 +81,15 @@ class FormulaIndex:
             slope = value * slope
         return value, slope, 0.5 * second
 
+    def trusted(self, separation: Floats) -> Floats:
+        """Length [m] on both sides of `separation` [m] over which the parabola counts."""
+        far = self._trusted_share * separation
+        return np.minimum(far, self._trusted_length) if self._trusted_length < np.inf else far
+
     def _spread(self, r: Floats) -> Floats:
-        """A, between bounds at which A/(1 - e^-A) has all its digits."""
+        """A, between its bounds."""
         spread = elementary.power(r / self._objective.minimum_separation, self._objective.shape_exponent)
-        return np.minimum(np.maximum(spread, LEAST_SPREAD), -LEAST)
+        return np.minimum(np.maximum(spread, LEAST_SPREAD), MOST_SPREAD)
 
     def _value(self, decay: Floats, spread: Floats) -> tuple[Floats, Floats]:
         """The index, and 1 - e^-A."""
@@ -85,8 +108,8 @@ class FormulaIndex:
         return -self._loss * elementary.power(r, self._channel.path_loss_exponent)
 
     def _reception(self, r: Floats) -> tuple[Floats, Floats, Floats]:
-        """ln p, r (ln p)' and r^2 (ln p)''."""
-        log = self._log_reception(r)
+        """ln p, r (ln p)' and r^2 (ln p)''; ln p is bounded where the index is flat, so that all three are finite."""
+        log = np.maximum(self._log_reception(r), 2.0 * LEAST)
         if self._channel.model == "logistic":
             lost = outage.outage_probability(r, self._channel)
             per_width = r / self._channel.logistic_width

@@ -31,9 +31,6 @@ SWEEPS = 4
 the error stays below 1e-7 of the travel from a start in [50, 90] m. From 25 m, where ln J is steepest, it stays below
 1e-5. Three sweeps that evaluate the index anew leave ten times as much."""
 
-TRUSTED = 0.1
-"""Share of a separation over which the parabola counts; beyond it the index is evaluated anew."""
-
 MAX_EXTRAPOLATION = 0.1
 """Age [s] up to which a peer's estimate is extrapolated."""
 
@@ -46,6 +43,9 @@ class Index(Protocol):
 
     def parabola(self, separation: Floats) -> tuple[Floats, Floats, Floats]:
         """The index at `separation` [m], its slope [1/m] and half its second derivative [1/m^2]."""
+
+    def trusted(self, separation: Floats) -> Floats:
+        """Length [m] on both sides of `separation` [m] over which that parabola counts."""
 
 
 @dataclass(frozen=True)
@@ -148,10 +148,11 @@ def _integrate(seeker: Seeker, begin: Floats, state: Floats, peer: Floats, linea
         drift = np.add.reduce(linear.path_start * start, axis=1)
         path, center = drift, drift[:n] + wave
         value, slope, bend = index.parabola(center)
+        trusted = index.trusted(center)
         for _ in range(SWEEPS):
             ahead = path[:n] - drift[:n]
             sample = value + ahead * (slope + ahead * bend)
-            is_far = np.abs(ahead) > TRUSTED * center
+            is_far = np.abs(ahead) > trusted
             if np.logical_or.reduce(is_far, axis=None):
                 sample = np.where(is_far, index(center + ahead), sample)
             sample *= seeker.config.index_gain

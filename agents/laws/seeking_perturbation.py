@@ -94,6 +94,9 @@ class _Flat:
         flat = np.zeros_like(separation)
         return self(separation), flat, flat
 
+    def trusted(self, separation: Floats) -> Floats:
+        return np.full_like(separation, np.inf)
+
 
 @dataclass(frozen=True, eq=False)
 class _Constant(_Flat):

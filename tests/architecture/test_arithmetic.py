@@ -17,10 +17,12 @@ PORTABLE = (
     "agents/control",
     "agents/laws",
     "agents/rivals",
+    "agents/runtime",
     "fes/arithmetic",
     "fes/arrays",
     "fes/extension",
     "fes/model",
+    "fes/protocol",
     "world/config",
     "world/metrics",
     "world/simulation",
@@ -50,22 +52,28 @@ EXACT = words("ceil copysign frexp inf isfinite isnan ldexp nan pi sqrt")
 FACTORIES = frozenset({"add", "logical_and", "logical_or", "maximum", "minimum", "multiply"})
 """ufuncs whose methods (reduce, accumulate, outer) are used."""
 
-UNORDERED = frozenset({"dot", "mean", "prod", "std", "trapezoid", "var"})
+UNORDERED = frozenset({"cumprod", "dot", "mean", "prod", "std", "var"})
 """Methods whose order of additions depends on the version of numpy, or which call linear algebra."""
 
 ADDED = frozenset({"counts", "due", "edges", "links", "missed", "old"})
 """Objects with a method `sum` that is allowed: `Edges` (an ordered sum), arrays of whole numbers or truth values."""
 
-OWN_MEANS = frozenset({"self", "sums", "_period_average"})
+OWN_MEANS = frozenset({"_period_average", "after", "loss", "now", "self", "sums"})
 """Objects with a method `mean` of the project."""
 
 GENERATOR = words(
-    """binomial bytes exponential geometric integers normal permutation permuted poisson rayleigh shuffle
-    standard_normal uniform"""
+    """beta binomial bytes exponential gamma geometric integers jumped lognormal normal permutation permuted poisson
+    rayleigh shuffle standard_normal uniform"""
 )
 """Methods of numpy's Generator, whose stream may change with its version; raw words of Philox do not change."""
 
-LIBRARIES = frozenset({"cmath", "random", "scipy", "statistics"})
+LIBRARIES = frozenset({"builtins", "cmath", "ctypes", "random", "scipy", "statistics"})
+
+MODULES = frozenset({"math", "np"})
+"""Names that stand only before a dot: another name, or `getattr`, would hide an operation."""
+
+FROM = frozenset({"numpy.typing.NDArray", "operator.is_"})
+"""Names that may be imported from numpy and operator."""
 
 
 def test_the_path_of_the_digits_uses_portable_operations_only() -> None:
@@ -102,6 +110,18 @@ def test_the_path_of_the_digits_uses_portable_operations_only() -> None:
         "x **= 2",
         "pow(x, y)",
         "sum(x)",
+        "generator.jumped()",
+        "total = sum",
+        "map(sum, x)",
+        "mean = x.mean",
+        "x.cumprod()",
+        "module = np",
+        "getattr(np, 'exp')(x)",
+        "import numpy.linalg",
+        "from numpy.linalg import eigvalsh",
+        "import operator",
+        "from operator import matmul",
+        "from builtins import sum",
         "from math import exp",
         "from numpy import exp",
         "import numpy",
@@ -126,6 +146,7 @@ def test_an_operation_that_processors_round_differently_is_found(code: str) -> N
         "np.random.Philox(key=1)",
         "import math",
         "import numpy as np",
+        "from numpy.typing import NDArray",
     ],
 )
 def test_a_portable_operation_is_allowed(code: str) -> None:
@@ -143,8 +164,10 @@ def sources() -> Iterator[tuple[str, ast.Module]]:
 
 def offences(tree: ast.Module) -> Iterator[str]:
     """Line and text of each operation that is not portable."""
+    named = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
     for node in ast.walk(tree):
-        if is_offence(node):
+        is_bare = isinstance(node, ast.Name) and node.id in MODULES and id(node) not in named
+        if is_bare or is_offence(node):
             yield f"{getattr(node, 'lineno', 0)}: {ast.unparse(node)}"
 
 
@@ -154,7 +177,7 @@ def is_offence(node: ast.AST) -> bool:
             return True
         case ast.BinOp(left, ast.Pow(), right):
             return not all(isinstance(side, ast.Constant) and type(side.value) is int for side in (left, right))
-        case ast.Call(ast.Name("pow" | "sum")):
+        case ast.Name("pow" | "sum"):
             return True
         case ast.Attribute(ast.Name("np"), name):
             return name not in ARRAYS | ROUNDED_ONCE | NAMES | {"random"}
@@ -166,17 +189,24 @@ def is_offence(node: ast.AST) -> bool:
             return name not in EXACT
         case ast.Attribute(owner, "sum"):
             return name_of(owner) not in ADDED
-        case ast.Call(ast.Attribute(owner, name)):
-            return (name in UNORDERED and name_of(owner) not in OWN_MEANS) or name in GENERATOR
+        case ast.Attribute(owner, name) if name in UNORDERED:
+            return name_of(owner) not in OWN_MEANS
+        case ast.Call(ast.Attribute(_, name)):
+            return name in GENERATOR
         case ast.Import(names):
             return any(alias.name.split(".")[0] in LIBRARIES or is_renamed(alias) for alias in names)
-        case ast.ImportFrom(module=str(module)):
-            return module.split(".")[0] in LIBRARIES | {"math"} or module == "numpy"
+        case ast.ImportFrom(module=str(module), names=names):
+            library = module.split(".")[0]
+            if library in {"numpy", "operator"}:
+                return any(f"{module}.{alias.name}" not in FROM for alias in names)
+            return library in LIBRARIES | {"math"}
     return False
 
 
 def is_renamed(module: ast.alias) -> bool:
-    """True for numpy or math under another name than the one that is looked for."""
+    """True for operator, a part of numpy, and numpy or math under another name than the one that is looked for."""
+    if module.name == "operator" or module.name.startswith("numpy."):
+        return True
     return {"numpy": "np", "math": None}.get(module.name, module.asname) != module.asname
 
 
