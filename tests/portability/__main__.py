@@ -43,8 +43,11 @@ class Comparison:
         self.workshop = Workshop(folder)
         self.outputs = outputs
         self.is_short, self.is_whole = form == "short", form == "whole"
-        seconds = ["--seconds", SHORT if self.is_short else form]
-        self.words = ["--whole", *builtin.names()] if self.is_whole else seconds
+        self.words = ["--seconds", form]
+        if self.is_short:
+            self.words = ["--seconds", SHORT, "--emulated"]
+        elif self.is_whole:
+            self.words = ["--whole", *builtin.names()]
         self.failed: list[str] = []
         self.missing: list[str] = []
         self.equal = 0
@@ -110,7 +113,7 @@ class Comparison:
 
         def both() -> None:
             other = self.workshop.emulated()
-            self.compare(base, settings.plain(other), *([] if self.is_whole else ["--emulated"]))
+            self.compare(base, settings.plain(other), *([] if self.is_short or self.is_whole else ["--emulated"]))
             self.logs(own, other)
 
         self.attempt("aarch64", both)
@@ -121,7 +124,7 @@ class Comparison:
         def oldest() -> None:
             own = self.workshop.own(oldest=True)
             changed, _ = settings.loops(own)
-            for setting in (settings.plain(own), *changed[-1:]):
+            for setting in (settings.plain(own), *([] if self.is_short else changed[-1:])):
                 self.compare(base, Setting(f"oldest numpy, {setting.name}", own, setting.environment))
 
         def pythons() -> None:
@@ -152,7 +155,8 @@ class Comparison:
         for remark in remarks:
             say(remark)
         changed += settings.of_libraries(own, settings.FEW_CORES if self.is_short else settings.CORES)
-        changed.append(settings.together(changed))
+        if not self.is_short:
+            changed.append(settings.together(changed))
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
             done = [pool.submit(self.emulated, base, own)]  # the longest first
             done += [pool.submit(self.compare, base, setting) for setting in changed]

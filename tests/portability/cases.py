@@ -96,7 +96,7 @@ EMULATED = (
     "variants/challenge-gradient",
     "variants/challenge-connectivity",
 )
-"""All kinds of law, channel and fault, for a processor that is emulated and so slow."""
+"""All kinds of law, channel and fault, for the short form and for a processor that is emulated and so slow."""
 
 
 def names() -> list[str]:

@@ -49,7 +49,7 @@ def main() -> int:
     parser.add_argument("case", nargs="*", help="a built-in scenario, or a variant; by default all")
     parser.add_argument("--seconds", type=float, default=cases.SECONDS, help="simulated time of each case")
     parser.add_argument("--whole", action="store_true", help="the whole length of each case")
-    parser.add_argument("--emulated", action="store_true", help="the cases for an emulated processor")
+    parser.add_argument("--emulated", action="store_true", help="fewer cases, of every kind")
     given = parser.parse_args()
     chosen = given.case or (list(cases.EMULATED) if given.emulated else cases.names())
     if unknown := sorted(set(chosen) - set(cases.names())):

@@ -17,7 +17,7 @@ WITHOUT_FMA = "glibc.cpu.hwcaps=-FMA,-AVX2,-FMA4,-AVX2_Usable,-FMA_Usable,-FMA4_
 """Names of the C library since 2.33, and those before: unknown ones are ignored."""
 
 CORES = ("Haswell", "Zen", "Nehalem", "Prescott")
-FEW_CORES = ("Haswell", "Prescott")
+FEW_CORES = ("Prescott",)
 """Code of the linear algebra, by its names of processors."""
 
 DISPATCHED = (
