@@ -1,10 +1,11 @@
-"""Each scenario of configs/faults meets its expectations, and does not without its fault."""
+"""Each scenario of configs/faults meets its expectations with its golden digest, and does not without its fault."""
 
 from pathlib import Path
 
 import pytest
 
 from console.backends import inprocess
+from tests.support import golden
 from tests.support.paths import CONFIGS
 from world.config.scenario import load
 
@@ -15,8 +16,10 @@ FAULTS = sorted((CONFIGS / "faults").glob("*.toml"))
 def test_a_run_with_a_fault_meets_the_expectations_of_its_scenario(path: Path) -> None:
     scenario = load(path)
     assert scenario.expect
-    verdicts = inprocess.run(scenario, path.stem)["expectations"]
+    summary = inprocess.run(scenario, path.stem)
+    verdicts = summary["expectations"]
     assert all(verdict["holds"] for verdict in verdicts), verdicts
+    assert summary["digest"] == golden.stored()[f"faults/{path.stem}"]
 
 
 @pytest.mark.parametrize("path", [path for path in FAULTS if path.stem != "world"], ids=lambda path: path.stem)
