@@ -64,7 +64,7 @@ SHOWN: dict[type, tuple[str, ...]] = {
 """Members for extensions, of classes that have further ones."""
 
 FUNCTIONS = """`from fes.extension import elementary, sums` gives functions with the same bits on every machine.
-[Digits](../explanation/digits.md#in-an-extension) states when they are needed. Arguments are arrays of float64."""
+[Digits](../explanation/digits.md#in-an-extension) states when they are needed."""
 
 
 def page() -> list[str]:

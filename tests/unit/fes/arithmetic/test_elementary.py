@@ -1,6 +1,7 @@
 """All elementary functions: errors against mpmath, and the same bits in any array."""
 
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -96,3 +97,13 @@ def test_arguments_are_not_written(name: str) -> None:
     before = [value.copy() for value in values]
     function(*values)
     assert all(np.array_equal(value, copy) for value, copy in zip(values, before, strict=True))
+
+
+@pytest.mark.parametrize(
+    "function", [elementary.exp, elementary.one_minus_exp, elementary.log, elementary.log1p, elementary.sin_cos]
+)
+def test_whole_numbers_count_as_the_same_floats(function: Callable[[Any], Any]) -> None:
+    whole = np.array([1, 2, 3, 7])
+    assert np.array_equal(function(whole), function(whole.astype(np.float64)))
+    assert np.array_equal(elementary.real_power(whole, 2.5), elementary.real_power(whole.astype(np.float64), 2.5))
+    assert np.array_equal(elementary.atan2(whole, whole[::-1]), elementary.atan2(1.0 * whole, 1.0 * whole[::-1]))
