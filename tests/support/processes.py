@@ -14,7 +14,7 @@ from console.connect.run_directory import Address
 from fes.transport import bus
 from fes.transport.endpoints import Endpoints
 
-PATIENCE = 60.0  # s; longest wait for an expected event, on a machine of any speed
+PATIENCE = 120.0  # s; longest wait for an expected event, on a machine of any speed
 
 
 STARTING = "starting a world and {} robots ...\n"

@@ -19,6 +19,10 @@ from world.execution.checkpoint import FOLDER
 from world.execution.run import TICK
 
 
+DURATION = 20.0
+"""Simulated length of a run [s]."""
+
+
 class Run:
     """fes-world and its agents, started by hand."""
 
@@ -30,7 +34,7 @@ class Run:
         self.agents: dict[int, subprocess.Popen[str]] = {}
         self.world = self.start(str(CONFIGS / scenario), "--out", str(self.out), *words)
 
-    def start(self, *words: str, every: str = "0.5", rtf: str = "4") -> "subprocess.Popen[str]":
+    def start(self, *words: str, every: str = "0.5", rtf: str = "2") -> "subprocess.Popen[str]":
         """Start a world that executes the run from now on, with a checkpoint `every` [s]."""
         flags = ["-l", self.endpoint, "--checkpoint", every, "--rtf", rtf]
         self.world = start(command("world.process", *words, *flags), self.where)
@@ -83,7 +87,7 @@ class Run:
     def finish(self) -> dict[str, Any]:
         """The summary, when all have ended well."""
         for process in (self.world, *self.agents.values()):
-            _, err = process.communicate(timeout=PATIENCE)
+            _, err = process.communicate(timeout=4 * PATIENCE)
             assert process.returncode == 0, err
         assert not (self.out / FOLDER).exists()
         summary: dict[str, Any] = json.loads((self.out / "summary.json").read_text())
@@ -92,8 +96,8 @@ class Run:
 
 @contextmanager
 def under_way(where: Path, scenario: str) -> Iterator[Run]:
-    """40 s of a scenario, whose processes are killed at the end."""
-    going = Run(where, scenario, "--duration", "40")
+    """A run of DURATION, whose processes are killed at the end."""
+    going = Run(where, scenario, "--duration", str(DURATION))
     try:
         yield going
     finally:

@@ -13,14 +13,14 @@ from console.backends.process_group import free_port
 from tests.support.loop import load
 from tests.support.paths import CONFIGS
 from tests.support.processes import PATIENCE, STARTING, alive, children, command, fes, start, until
-from tests.support.worlds import Run, under_way
+from tests.support.worlds import DURATION, Run, under_way
 from world.execution.checkpoint import FOLDER
 from world.metrics.summary import write_scenario
 
 
 @pytest.fixture
 def pair(tmp_path: Path) -> Iterator[Run]:
-    """Two robots at four times the pace of the wall clock."""
+    """Two robots at twice the pace of the wall clock."""
     with under_way(tmp_path, "pair.toml") as going:
         for robot in (0, 1):
             going.join(robot)
@@ -28,7 +28,7 @@ def pair(tmp_path: Path) -> Iterator[Run]:
 
 
 def whole() -> str:
-    return str(inprocess.run(load("pair.toml", run__duration=40.0), "pair")["digest"])
+    return str(inprocess.run(load("pair.toml", run__duration=DURATION), "pair")["digest"])
 
 
 def test_a_closed_terminal_does_not_end_a_run_permanently(pair: Run) -> None:
