@@ -18,7 +18,6 @@ from world.execution import checkpoint, journal
 from world.execution.checkpoint import FOLDER
 from world.execution.run import TICK
 
-
 DURATION = 20.0
 """Simulated length of a run [s]."""
 
