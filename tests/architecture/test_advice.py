@@ -1,7 +1,6 @@
 """Installation advice: it names a clone or a wheel file, never a name that belongs to another project."""
 
 import re
-import subprocess
 import sys
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from console.sweep.table import Format
 from fes.errors import FesError
 from fes.system import distribution
 from fes.transport import identity
-from tests.support.paths import ROOT
+from tests.support.paths import ROOT, tracked
 
 INSTALLERS = re.compile(
     r"\b(?:pip3?|pipx|uvx?|conda|poetry)\b[^\n|&;`#]*?"
@@ -22,15 +21,6 @@ INSTALLERS = re.compile(
 )
 BY_NAME = re.compile(r"""(?<![\w./*-])(?:fes|fes[-_]robots)(?:\[[\w,-]*\])?(?=$|[\s'"`),:=<>~!])""")
 """A distribution name that an installer would look up in an index: not part of a path or a file."""
-
-
-def tracked() -> list[Path]:
-    """Every file of the repository."""
-    done = subprocess.run(
-        ["git", "ls-files", "-co", "--exclude-standard", "-z"], cwd=ROOT, capture_output=True, check=True, timeout=60
-    )
-    paths = [ROOT / name for name in done.stdout.decode().split("\0") if name]
-    return [path for path in paths if path.is_file()]
 
 
 def offences(text: str) -> list[str]:

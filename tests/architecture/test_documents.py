@@ -8,7 +8,7 @@ import pytest
 from docs import generate
 from docs.generators import messages
 from tests.support import fences
-from tests.support.paths import DOCS, ROOT
+from tests.support.paths import DOCS, ROOT, tracked
 
 LONGEST_README = 150
 LANGUAGES = {"sh", "console", "text", "toml", "python"}
@@ -26,6 +26,13 @@ def test_a_generated_page_is_current(page: Path) -> None:
 def test_the_page_of_the_messages_has_every_payload_of_the_table_of_keys() -> None:
     text = (DOCS / "reference" / "messages-and-keys.md").read_text(encoding="utf-8")
     assert messages.names() <= set(re.findall(r"^### (\w+)$", text, re.MULTILINE)) | {"Lease", "Recall"}
+
+
+def test_no_file_has_the_marks_of_an_unfinished_merge() -> None:
+    marks = re.compile(r"^(<{7}|>{7}) ", re.MULTILINE)
+    texts = {path: path.read_text(encoding="utf-8", errors="replace") for path in tracked()}
+    assert ROOT / "CHANGELOG.md" in texts
+    assert [path for path, text in texts.items() if marks.search(text)] == []
 
 
 def test_the_readme_is_short() -> None:
