@@ -1,6 +1,8 @@
 """The seeking laws that climb an index by perturbation (18): with the oracle's index, and with samples of J."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -12,7 +14,6 @@ from fes.extension.context import LawContext
 from fes.extension.neighborhood import Entry, Neighborhood
 from fes.extension.protocols import Formed, Published
 from fes.model import objective
-from fes.model.config import ObjectiveConfig
 from fes.model.seeking import PerturbationConfig, SampledConfig
 
 
@@ -71,7 +72,8 @@ class SampledSeeking(PerturbationSeeking):
     Parameters = SampledConfig
 
     def __init__(self, parameters: SampledConfig, context: LawContext) -> None:
-        super().__init__(parameters, context, _Preference(context.objective))
+        # The first baseline of a link is S(r).
+        super().__init__(parameters, context, _Flat(partial(objective.preference, objective=context.objective)))
 
     def desired(self, state: Floats, tick: int, links: Edges) -> Floats:
         """The estimates, with the dither of each robot's clock."""
@@ -80,42 +82,26 @@ class SampledSeeking(PerturbationSeeking):
         return desired
 
     def seek(self, state: Floats, around: Neighborhood) -> Floats:
-        """One tick of (18) with this tick's samples."""
-        return self.climb(state, around, _Constant(sample(around, self.context)))
+        """One tick of (18) with this tick's samples: each counts at every separation."""
+        drawn = sample(around, self.context)
+        return self.climb(state, around, _Flat(lambda separation: np.broadcast_to(drawn, separation.shape).copy()))
 
 
+@dataclass(frozen=True, eq=False)
 class _Flat:
     """An index whose slope is not known."""
 
+    value: Callable[[Floats], Floats]
+
     def __call__(self, separation: Floats) -> Floats:
-        raise NotImplementedError
+        return self.value(separation)
 
     def parabola(self, separation: Floats) -> tuple[Floats, Floats, Floats]:
         flat = np.zeros_like(separation)
-        return self(separation), flat, flat
+        return self.value(separation), flat, flat
 
     def trusted(self, separation: Floats) -> Floats:
         return np.full_like(separation, np.inf)
-
-
-@dataclass(frozen=True, eq=False)
-class _Constant(_Flat):
-    """An index that has the same sample at every separation: a tick gives only one."""
-
-    sample: Floats
-
-    def __call__(self, separation: Floats) -> Floats:
-        return np.broadcast_to(self.sample, separation.shape).copy()
-
-
-@dataclass(frozen=True, eq=False)
-class _Preference(_Flat):
-    """The index of the initial baseline of a link: S(r)."""
-
-    objective: ObjectiveConfig
-
-    def __call__(self, separation: Floats) -> Floats:
-        return objective.preference(separation, self.objective)
 
 
 def sample(around: Neighborhood, context: LawContext) -> Floats:
