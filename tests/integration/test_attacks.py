@@ -23,7 +23,8 @@ from tests.support.attackers import (
     ticks_go_by,
 )
 from tests.support.loop import load
-from tests.support.session import PATIENCE, RUN, client
+from tests.support.processes import PATIENCE
+from tests.support.session import RUN, client
 from world.execution.run import Run
 from world.server.server import Server
 
@@ -83,7 +84,7 @@ def test_repeated_late_and_early_ticks_are_rejected_and_change_no_digit() -> Non
 
 def test_a_second_command_for_a_tick_is_counted_and_the_first_one_applies(monkeypatch: pytest.MonkeyPatch) -> None:
     # An observation that is sent again allows a second answer.
-    monkeypatch.setattr("world.execution.barrier.RESEND_AFTER", session.PATIENCE)
+    monkeypatch.setattr("world.execution.barrier.RESEND_AFTER", PATIENCE)
     endless = load("pair.toml", run__duration=1000.0)
 
     async def main() -> None:

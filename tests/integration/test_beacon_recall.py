@@ -12,7 +12,8 @@ from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon
 from tests.support import session
 from tests.support.loop import load
-from tests.support.session import PATIENCE, RUN, client
+from tests.support.processes import PATIENCE
+from tests.support.session import RUN, client
 from world.execution.run import Run
 from world.server.server import Server
 

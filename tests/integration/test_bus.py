@@ -10,7 +10,8 @@ from fes.errors import FesError, Rejected, TransportError, Unavailable
 from fes.transport import bus
 from fes.transport.bus import Query
 from fes.transport.endpoints import Endpoints
-from tests.support.session import PATIENCE, client, router
+from tests.support.processes import PATIENCE
+from tests.support.session import client, router
 
 
 async def until(holds: Callable[[], bool]) -> None:

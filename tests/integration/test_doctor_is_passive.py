@@ -11,7 +11,8 @@ from fes.transport.bus import Query
 from fes.transport.endpoints import Endpoints
 from tests.support import session
 from tests.support.loop import load
-from tests.support.session import PATIENCE, RUN
+from tests.support.processes import PATIENCE
+from tests.support.session import RUN
 from world.execution.run import Run
 from world.server.server import Server
 

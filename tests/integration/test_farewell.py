@@ -8,8 +8,9 @@ import pytest
 from fes.errors import Unavailable
 from tests.support import session
 from tests.support.loop import load
+from tests.support.processes import PATIENCE
 from tests.support.proxy import Link, link
-from tests.support.session import PATIENCE, RUN
+from tests.support.session import RUN
 from world.execution.run import Run
 from world.server import farewell
 from world.server.server import Server

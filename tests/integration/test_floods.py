@@ -22,7 +22,8 @@ from tests.support.attackers import (
     reversioned,
     ticks_go_by,
 )
-from tests.support.session import PATIENCE, RUN, client
+from tests.support.processes import PATIENCE
+from tests.support.session import RUN, client
 
 
 def test_a_flood_of_junk_on_all_keys_at_once_changes_no_digit() -> None:

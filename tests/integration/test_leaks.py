@@ -9,7 +9,8 @@ from pathlib import Path
 from agents.runtime.beacon_subscriptions import BeaconSubscriptions
 from fes.protocol import keys
 from fes.transport.drop_log import DropLog
-from tests.support.session import PATIENCE, RUN, client, router
+from tests.support.processes import PATIENCE
+from tests.support.session import RUN, client, router
 
 TURNS = 10_000
 WARM_UP = 1_000

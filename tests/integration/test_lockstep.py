@@ -15,7 +15,8 @@ from fes.protocol.messages import Command, Join
 from tests.support import attackers, session
 from tests.support.attackers import arrived
 from tests.support.loop import load
-from tests.support.session import PATIENCE, RUN, client
+from tests.support.processes import PATIENCE
+from tests.support.session import RUN, client
 from world.config.scenario import Scenario
 from world.execution.run import Run
 from world.server.server import Server

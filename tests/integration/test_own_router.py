@@ -20,7 +20,7 @@ from fes.transport.endpoints import Endpoints
 from tests.support import team_keys
 from tests.support.commands import call
 from tests.support.loop import load
-from tests.support.session import PATIENCE
+from tests.support.processes import PATIENCE
 from world.execution.run import Run
 from world.server.server import Server
 

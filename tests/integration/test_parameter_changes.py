@@ -12,6 +12,7 @@ from fes.protocol import channel_change, keys, wire
 from fes.protocol.channel_change import ParameterChange
 from tests.support import session
 from tests.support.loop import load
+from tests.support.processes import PATIENCE
 from world.config import events
 from world.config.events import EventConfig
 from world.config.radio import RadioConfig
@@ -105,9 +106,7 @@ def test_a_run_changed_by_fes_set_can_be_repeated_from_its_recorded_changes() ->
 
             async def ask(path: str, value: Any) -> Any:
                 query = channel_change.encode_change(ParameterChange(path, value))
-                return channel_change.decode_result(
-                    await terminal.get(keys.change(session.RUN), query, session.PATIENCE)
-                )
+                return channel_change.decode_result(await terminal.get(keys.change(session.RUN), query, PATIENCE))
 
             answers.append(await ask("channel.reference_snr", 5e6))
             with pytest.raises(Rejected, match="must be greater than 0, got -5"):
@@ -117,7 +116,7 @@ def test_a_run_changed_by_fes_set_can_be_repeated_from_its_recorded_changes() ->
             jammers = [{"x": float(index), "y": 0.0, "radius": 1.0} for index in range(100)]
             answers.append(await ask("channel.jammers", jammers))
             with pytest.raises(Rejected, match="expects 2 fields"):
-                await terminal.get(keys.change(session.RUN), wire.pack("x"), session.PATIENCE)
+                await terminal.get(keys.change(session.RUN), wire.pack("x"), PATIENCE)
 
     summary, server, _ = asyncio.run(session.run(scenario, [[0], [1]], disturb))
     effect, [*jammers] = answers[0], answers[1].value
@@ -142,7 +141,7 @@ def test_a_change_that_would_invalidate_a_scheduled_event_is_rejected_and_the_ru
     async def disturb(endpoint: str, begin: asyncio.Event) -> None:
         async with session.client(endpoint) as terminal:
             with pytest.raises(Rejected, match=r"^channel\.bursts\.mean_length, with the scheduled events: event"):
-                await terminal.get(keys.change(session.RUN), channel_change.encode_change(short), session.PATIENCE)
+                await terminal.get(keys.change(session.RUN), channel_change.encode_change(short), PATIENCE)
 
     summary, server, _ = asyncio.run(session.run(scenario, [[0], [1]], disturb))
     assert summary["ticks"] == scenario.ticks

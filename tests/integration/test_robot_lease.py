@@ -16,6 +16,7 @@ from fes.protocol.messages import Join
 from fes.transport.drop_log import DropLog
 from tests.support import session
 from tests.support.loop import load
+from tests.support.processes import PATIENCE
 from tests.support.session import RUN, client
 from world.config.scenario import agent_config
 from world.execution.hosting import Membership
@@ -28,10 +29,10 @@ from world.server.server import Server
 @pytest.fixture
 def at_length(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let a query wait for its reply without a limit, so that an agent asks once."""
-    monkeypatch.setattr("agents.process.PATIENCE", session.PATIENCE)
+    monkeypatch.setattr("agents.process.PATIENCE", PATIENCE)
 
 
-async def any_robot(endpoint: str, timeout: float = session.PATIENCE) -> int:
+async def any_robot(endpoint: str, timeout: float = PATIENCE) -> int:
     async with client(endpoint) as opened:
         robot = await process.lease(opened, RUN, timeout)
         agent = process.Agent(opened, RUN, (robot,))
@@ -77,7 +78,7 @@ def test_a_robot_is_free_only_after_its_agent_has_left() -> None:
                 with pytest.raises(Rejected, match=r"^all 2 robots are hosted already$"):
                     await process.lease(third, RUN, 0.5)
                 first.cancel()
-                assert await process.lease(third, RUN, session.PATIENCE) == 0
+                assert await process.lease(third, RUN, PATIENCE) == 0
             second.cancel()
 
     asyncio.run(main())

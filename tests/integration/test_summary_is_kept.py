@@ -12,6 +12,7 @@ from fes.errors import FesError, TransportError
 from tests.support import session
 from tests.support.loop import load
 from tests.support.paths import CONFIGS
+from tests.support.processes import PATIENCE
 from world import process
 from world.server.server import Server
 
@@ -40,7 +41,7 @@ def test_a_failed_farewell_does_not_lose_the_summary(tmp_path: Path, monkeypatch
         world = asyncio.ensure_future(process.serve(flags, start))
         agents = [asyncio.ensure_future(session.live(endpoint, [robot])) for robot in (0, 1)]
         with pytest.raises(FesError, match="the bus broke"):
-            await asyncio.wait_for(world, session.PATIENCE)
+            await asyncio.wait_for(world, PATIENCE)
         for agent in agents:
             agent.cancel()
         await asyncio.gather(*agents, return_exceptions=True)

@@ -19,6 +19,7 @@ from fes.protocol.messages import Beacon, Command, Join, Observation
 from fes.transport.bus import Bus
 from tests.support import session
 from tests.support.loop import load
+from tests.support.processes import PATIENCE
 from tests.support.session import RUN
 from world.server.server import Server
 
@@ -78,10 +79,10 @@ async def ticks_go_by(opened: Bus, count: int, begin: asyncio.Event | None = Non
 
 async def arrived(opened: Bus) -> None:
     """Wait until earlier declarations and puts have reached world and robots: queries take the same route."""
-    await opened.get(keys.about(RUN), b"", session.PATIENCE)
+    await opened.get(keys.about(RUN), b"", PATIENCE)
     for robot in range(ROBOTS):
         with contextlib.suppress(Rejected):
-            await opened.get(keys.recall(RUN, robot), messages.encode_recall(10**9), session.PATIENCE)
+            await opened.get(keys.recall(RUN, robot), messages.encode_recall(10**9), PATIENCE)
 
 
 def everywhere(payload: bytes, run: str = RUN) -> list[tuple[str, bytes]]:

@@ -15,7 +15,8 @@ from fes.transport.bus import Bus
 from fes.transport.endpoints import Endpoints
 from tests.support import team_keys
 from tests.support.loop import load
-from tests.support.session import PATIENCE, RUN
+from tests.support.processes import PATIENCE
+from tests.support.session import RUN
 from world.config.scenario import Scenario
 from world.execution import journal
 from world.execution.checkpoint import FOLDER, CheckpointWriter

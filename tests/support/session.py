@@ -13,6 +13,7 @@ from fes.protocol.messages import Join
 from fes.transport import bus
 from fes.transport.bus import Bus
 from fes.transport.endpoints import Endpoints
+from tests.support.processes import PATIENCE
 from world.config.scenario import Scenario
 from world.execution.recorder import Recorder
 from world.execution.run import Run
@@ -20,9 +21,6 @@ from world.server.server import Server
 from world.simulation.truth import State
 
 RUN = "test"
-
-PATIENCE = 60.0
-"""Longest wait for an expected event [s], on a machine of any speed."""
 
 LAST = 10
 """Ticks that remain to a run after its disturbance."""
