@@ -2,6 +2,7 @@
 
 arrays        arrays, edges, geometry, keyed random draws
 arithmetic    elementary functions and sums, with the same bits on every processor
+shapes        shapes of a team, and routes over relays
 model         settings, sensing, contacts, the objective and the outage formula
 extension     the public interface for extensions: laws, channels, dynamics, metrics
 protocol      key expressions, messages and their encoding

@@ -71,6 +71,8 @@ class LawContext:
     """Skew of the clock of each link's robot at a tick [l] [s], or [1] if all clocks are exact."""
     channel: KnownChannel | None = None
     """The true channel, for a law with `knows_channel`; None for every other law."""
+    dither: tuple[float, float] | None = None
+    """Amplitude [m] and frequency [rad/s] of a physical dither that all links share; None without one."""
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,8 @@ class Neighborhood(NamedTuple):
     """The links: contacts that the neighbor rule of either end selected [l]."""
     link_contact: Ints
     """Position of each link among the contacts [l]."""
+    quality_weight: Floats | None = None
+    """beta of the formation law of this tick: weight of ln q against ln c [n] [1]; None: 1."""
 
     @property
     def is_heard(self) -> Bools:
@@ -69,6 +71,13 @@ class LinkGeometry(NamedTuple):
     """Separation that the seeking law asks for [l] [m]."""
     bearing: Floats
     """Unit vector of the line of sight [2, l; world frame]."""
+    without_dither: Floats | None = None
+    """The desired separation without a physical dither [l] [m]; None: there is no such dither."""
+
+    @property
+    def estimates(self) -> Floats:
+        """Estimate of the best separation of each link [l] [m]."""
+        return self.desired if self.without_dither is None else self.without_dither
 
     @property
     def error(self) -> Floats:

@@ -37,6 +37,8 @@ class Formed(NamedTuple):
     """Numbers for observers [n, j], named by `details` of the class; None without any."""
     twists: Floats | None = None
     """Twists [n, 2] [m/s, rad/s] that replace those that follow from the pull, where they are not NaN."""
+    quality_weight: Floats | None = None
+    """beta: weight of ln q against ln c in the index that each robot seeks [n] [1]; None: 1."""
 
 
 class Published(NamedTuple):

@@ -28,6 +28,9 @@ MAX_SKEW = 10.0
 """Largest skew of a clock [s]."""
 
 
+Configuration = Literal["none", "lattice", "line", "ring", "ladder", "offsets"]
+Coordinate = Annotated[float, Field(ge=-1e3, le=1e3)]
+
 FORMULAS = ("rayleigh", "logistic", "perfect")
 """Reception models that have a formula."""
 
@@ -87,6 +90,24 @@ class FormationConfig(Table):
     """Neighbor rule, which selects the links among the robots in range. `disk`: all of them. `two_nearest`: the two
     nearest. `relative_neighborhood`: those without a third robot nearer to both ends. An extension is named as for
     `law`."""
+    link_tolerance: Annotated[float, Field(ge=0, lt=1)] = 0.1
+    """Share by which a third robot must be nearer to both ends to exclude a link [1], for the rule
+    `tolerant_relative_neighborhood`."""
+    configuration: Configuration = "none"
+    """Final configuration that the whole team takes up, by marks and plans. `none`: the law above decides alone.
+    `lattice`: the best patch of the triangular lattice. `line`, `ring`, `ladder`: these shapes. `offsets`: as in
+    `offsets`. All but `none` replace the law."""
+    offsets: list[Annotated[tuple[Coordinate, Coordinate], Field(strict=False)]] = Field(default=[], max_length=200)
+    """Places of the configuration `offsets` [link lengths], in the order of their use: a team of n robots takes the
+    first n of them."""
+    plan_period: Positive = 2.0
+    """Period of the plans of a configuration [s]; each robot marks once in a period where it will be."""
+    marks_per_beacon: Annotated[int, Field(ge=1, le=16)] = 8
+    """Marks of other robots that a beacon relays."""
+    orientations: Annotated[int, Field(ge=1, le=360)] = 6
+    """Orientations of the shape that a plan compares."""
+    keep_range: Positive = 140.0
+    """Separation up to which a plan counts on a link [m]: below the radio's range by a margin for turns."""
     linear_gain: Positive = 1.0
     """Gain of the linear velocity [1/s] (mu)."""
     angular_gain: Positive = 10.0

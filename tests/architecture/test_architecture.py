@@ -27,7 +27,7 @@ MAPPED = [str(path.parent.relative_to(ROOT)) for top in PACKAGES for path in (RO
 LAYERS = (
     {"fes.errors", "fes.arrays"},
     {"fes.arithmetic"},
-    {"fes.model", "fes.system"},
+    {"fes.model", "fes.shapes", "fes.system"},
     {"fes.protocol", "fes.extension"},
     {"fes.transport", "fes.recording"},
     {"fes.process"},
@@ -53,6 +53,7 @@ In addition, agents and world do not import each other. `fes.extension.registry`
 layers above by its dotted path, only where it is used."""
 LAWS = {"fes.arithmetic", "fes.arrays", "fes.extension", "fes.model"}
 """Packages of the project that the laws import."""
+LAWS_OF_AGENTS = ("agents.configuration.", "agents.laws.", "agents.rivals.")
 SHELLS = ("agents.runtime", "agents.process", "world.server", "world.process")
 """The only packages of an agent or a world that import asyncio, or the transport."""
 INTERFACE = "fes/extension"
@@ -154,7 +155,7 @@ def test_the_built_in_laws_that_are_told_the_channel_are_those_that_kinds_lists(
 
 def test_a_built_in_extension_is_on_the_side_that_runs_it() -> None:
     for kind in KINDS:
-        side = ("world.",) if kind in (CHANNEL, DYNAMICS, METRIC) else ("agents.laws.", "agents.rivals.")
+        side = ("world.",) if kind in (CHANNEL, DYNAMICS, METRIC) else LAWS_OF_AGENTS
         assert [path for path in kind.built_in.values() if not path.startswith(side)] == []
 
 

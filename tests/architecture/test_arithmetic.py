@@ -23,6 +23,7 @@ PORTABLE = (
     "fes/extension",
     "fes/model",
     "fes/protocol",
+    "fes/shapes",
     "world/config",
     "world/metrics",
     "world/simulation",

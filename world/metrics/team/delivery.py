@@ -7,7 +7,6 @@ Links are a matrix [n, n]: the quality in [0, 1] from each sender (row) to each 
 are out of range. The diagonal is not used.
 """
 
-from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +14,7 @@ import numpy as np
 from fes.arithmetic import elementary, sums
 from fes.arrays.types import Floats, Ints
 from fes.model.config import ObjectiveConfig
+from fes.shapes.routes import relayed, without_each
 
 MAX_ROBOTS = 300
 """Largest team whose delivery is computed. The work for losses grows as n^3 log n."""
@@ -51,7 +51,7 @@ def delivery(links: Floats) -> Delivery | None:
     n = len(links)
     if not 2 <= n <= MAX_ROBOTS:
         return None
-    return _average(_relayed(_costs(links), range(n)), np.arange(n))
+    return _average(relayed(_costs(links), range(n)), np.arange(n))
 
 
 def delivery_after_loss(links: Floats) -> Delivery | None:
@@ -63,7 +63,7 @@ def delivery_after_loss(links: Floats) -> Delivery | None:
     if not 2 < n <= MAX_ROBOTS:
         return delivery(links)
     present = np.arange(n)
-    losses = [_average(costs, np.delete(present, lost)) for lost, costs in _without_each(_costs(links), range(n))]
+    losses = [_average(costs, np.delete(present, lost)) for lost, costs in without_each(_costs(links), range(n))]
     return Delivery(min(loss.mean for loss in losses), min(loss.geometric_mean for loss in losses))
 
 
@@ -71,28 +71,6 @@ def _costs(links: Floats) -> Floats:
     """w = -ln q of each link [n, n]; infinite where there is no link."""
     with np.errstate(divide="ignore"):
         return -elementary.log(links)
-
-
-def _without_each(costs: Floats, robots: range) -> Iterator[tuple[int, Floats]]:
-    """Each of the `robots`, with the least costs [n, n] of the routes that all other robots relay.
-
-    The robots outside of `robots` relay already in `costs`. One half of `robots` relays, and the other half is
-    divided again. This takes n log n relays in all; a new search without each robot would take n^2.
-    """
-    if len(robots) == 1:
-        yield robots[0], costs
-        return
-    middle = len(robots) // 2
-    yield from _without_each(_relayed(costs, robots[middle:]), robots[:middle])
-    yield from _without_each(_relayed(costs, robots[:middle]), robots[middle:])
-
-
-def _relayed(costs: Floats, relays: Iterable[int]) -> Floats:
-    """The least `costs` [n, n] once `relays` forward messages too: a step of Floyd and Warshall for each of them."""
-    costs = costs.copy()
-    for relay in relays:
-        np.minimum(costs, np.add.outer(costs[:, relay], costs[relay]), out=costs)
-    return costs
 
 
 def _average(costs: Floats, present: Ints) -> Delivery:
