@@ -36,6 +36,7 @@ PURPOSES = {
     "connectivity": "A tension that grows without bound as a link gets as long as the reach (Ji & Egerstedt 2007).",
     "gradient": "The gradient of the quality of the links (Heng Li et al. 2015).",
     "voronoi": "The centroid of the robot's Voronoi cell (Cortes et al. 2004).",
+    "marks_and_plans": "Straight to the slots of the configuration, by a plan that all robots make alike.",
     "oracle": "(18) with the index of the channel's formula.",
     "sampled": "(18) with samples of J: S(r) for a decoded beacon, 0 for a lost one.",
     "measured, network": "The index by counted beacons; robots mix their counts (`pooling`).",
@@ -52,7 +53,7 @@ PURPOSES = {
 """Name -> purpose, for all but metrics; that of a metric is the docstring of its class."""
 
 IN_SCENARIO = "the fields of `[{0}]`: see [scenario](scenario.md#{0})"
-TABLES = {"seeking law": "seeking", "channel": "channel"}
+TABLES = {"formation law": "formation", "seeking law": "seeking", "channel": "channel"}
 """Kinds of which some extensions have the fields of a scenario's table as parameters."""
 
 UNIT = re.compile(r" ?\[([^\];]+)[^\]]*\]")

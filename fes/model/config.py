@@ -68,6 +68,10 @@ class ObjectiveConfig(Table):
     """Separation with the largest tolerable outage [m] (r_x)."""
     shape_exponent: Exponent = 4.0
     """Shape exponent of the index [1] (nu of (16); Fig. 3 has 4)."""
+    coverage_weight: Positive = 1.0
+    """Weight of coverage against delivery in the team index [1] (lambda)."""
+    losses: Literal[0, 1] = 1
+    """Losses of a robot that the team index prepares for."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
