@@ -34,8 +34,8 @@ class Course(NamedTuple):
 
 def none(n: int) -> Course:
     """The course of robots without a plan."""
-    zeros = np.zeros(n)
-    return Course(np.full(n, NONE), np.full(n, NO_SLOT), np.zeros((n, 2)), np.zeros((n, 2)), zeros, zeros, zeros)
+    places, numbers = np.zeros((2, n, 2)), np.zeros((3, n))
+    return Course(np.full(n, NONE), np.full(n, NO_SLOT), *places, *numbers)
 
 
 def where(is_first: Bools, first: Course, second: Course) -> Course:

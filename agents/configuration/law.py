@@ -183,7 +183,7 @@ class MarksAndPlans:
         rows = np.flatnonzero(state.course.kind == planning.NONE)
         if len(rows):
             result, number = result.copy(), np.minimum(state.table.counts(self._own), self._most)
-            result[rows] = [self._weight(count) for count in number[rows].tolist()]
+            result[rows] = [self._weight(_rounded(count)) for count in number[rows].tolist()]
         return result
 
     def _weight(self, n: int) -> float:
@@ -191,6 +191,11 @@ class MarksAndPlans:
         settings = self._settings
         team = shape(settings.configuration, n, settings.losses, settings.offsets)
         return team.quality_weight(settings.losses, self._objective.coverage_weight)
+
+
+def _rounded(n: int) -> int:
+    """A number of robots, rounded down to five bits: the weights of all large teams would take seconds to compute."""
+    return n - n % (1 << max(0, n.bit_length() - 5))
 
 
 def _mean_estimate(last: Floats, around: Neighborhood, links: LinkGeometry) -> Floats:
