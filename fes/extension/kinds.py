@@ -91,6 +91,7 @@ FORMATION = Kind(
         "alpha_lattice": "agents.rivals.alpha_lattice:AlphaLattice",
         "connectivity": "agents.rivals.connectivity:Connectivity",
         "gradient": "agents.rivals.gradient:Gradient",
+        "marks_and_plans": "agents.configuration.law:MarksAndPlans",
         "voronoi": "agents.rivals.voronoi:Voronoi",
     },
     (("start", "forget", "step"),),

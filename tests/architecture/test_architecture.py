@@ -32,7 +32,7 @@ LAYERS = (
     {"fes.transport", "fes.recording"},
     {"fes.process"},
     {"fes.command_line"},
-    {"agents.laws", "agents.rivals", "world.config"},
+    {"agents.configuration", "agents.laws", "agents.rivals", "world.config"},
     {"agents.control", "world.simulation"},
     {"agents.runtime", "world.metrics"},
     {"agents.process", "world.execution"},
@@ -84,6 +84,7 @@ def test_agents_and_world_do_not_import_each_other_and_no_package_imports_tests(
 
 def test_the_laws_import_only_arrays_arithmetic_the_model_and_the_interface_of_extensions() -> None:
     assert arrows()["agents.laws"] == LAWS
+    assert arrows()["agents.configuration"] == LAWS | {"fes.shapes"}
 
 
 @pytest.mark.parametrize("library", ["asyncio", "fes.transport"])

@@ -14,6 +14,7 @@ def words(text: str) -> frozenset[str]:
 
 
 PORTABLE = (
+    "agents/configuration",
     "agents/control",
     "agents/laws",
     "agents/rivals",

@@ -1,0 +1,39 @@
+"""Periods on each robot's own clock. Period e begins at the robot's own tick e T."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fes.arrays.edges import Edges
+from fes.arrays.types import Floats, Ints
+from fes.extension.context import LawContext
+from fes.model import counts
+
+
+class Reading(NamedTuple):
+    """The clocks of n robots at one tick."""
+
+    epoch: Ints
+    """Number of the period [n]."""
+    time: Floats
+    """Own time [n] [s]."""
+
+
+class Clock:
+    """The clocks of a crew."""
+
+    def __init__(self, context: LawContext, period: float) -> None:
+        self.ticks = counts.ticks_of(period, context.dt)
+        """Length of a period [ticks]."""
+        self.period = self.ticks * context.dt
+        """Length of a period [s]."""
+        self._context = context
+        self._robots = Edges(context.ids, np.arange(len(context.ids)), context.ids)
+
+    def read(self, tick: int) -> Reading:
+        """The robots' clocks at a tick of the team. Before the own time 0, period 0 has begun already."""
+        skew = self._context.skew(tick, self._robots)
+        shift = np.floor(skew / self._context.dt + 0.5).astype(np.int64)
+        n = len(self._context.ids)
+        epoch = np.maximum(tick + shift, 0) // self.ticks
+        return Reading(np.broadcast_to(epoch, n), np.broadcast_to(tick * self._context.dt + skew, n))

@@ -1,0 +1,62 @@
+"""Proof that robots on straight ways stay connected.
+
+All robots shrink their errors at one common rate, so each difference of two positions moves on a straight segment. A
+norm is convex: a pair within reach at both ends of a piece of the way is within reach on the whole piece.
+"""
+
+import numpy as np
+
+from fes.arrays import geometry
+from fes.arrays.types import Bools, Floats
+
+PIECES = 10
+"""Pieces of the way that are checked one by one. A check in one piece is too strict for crowded starts."""
+
+MARGIN = 0.01
+"""Margin of the reach over the longest link that the team needs at the start [m]."""
+
+
+def distances(positions: Floats) -> Floats:
+    """Distance of each two of `positions` [..., n, 2] [m] [..., n, n]."""
+    x, y = positions[..., 0], positions[..., 1]
+    return geometry.separation(x[..., :, None] - x[..., None, :], y[..., :, None] - y[..., None, :])
+
+
+def reach(distance: Floats, keep_range: float) -> float:
+    """The separation up to which a plan counts on a link [m], by the `distance` [n, n] of robots at the start.
+
+    It is `keep_range`, or more where the team at the start hangs on a longer link.
+    """
+    return max(keep_range, bottleneck(distance) + MARGIN)
+
+
+def bottleneck(distance: Floats) -> float:
+    """The longest edge of the minimum spanning tree of `distance` [n, n] [m], after Prim; 0 for one robot."""
+    longest, nearest = 0.0, distance[0].copy()
+    is_outside = np.ones(len(distance), dtype=np.bool_)
+    is_outside[0] = False
+    for _ in range(len(distance) - 1):
+        outside = np.where(is_outside, nearest, np.inf)
+        joined = int(outside.argmin())
+        longest = max(longest, float(outside[joined]))
+        is_outside[joined] = False
+        np.minimum(nearest, distance[joined], out=nearest)
+    return longest
+
+
+def is_kept(start: Floats, end: Floats, reach: float) -> bool:
+    """True if robots that go straight from `start` to `end` [n, 2] [m] stay connected within `reach` [m]."""
+    share = (np.arange(PIECES + 1) / PIECES)[:, None, None]
+    is_near = distances(start + share * (end - start)) <= reach
+    return bool(_are_connected(is_near[:-1] & is_near[1:]).all())
+
+
+def _are_connected(is_linked: Bools) -> Bools:
+    """True for each graph [m, n, n] that connects all its robots [m]."""
+    is_joined = is_linked[:, 0]
+    while True:
+        grown: Bools = is_joined | np.logical_or.reduce(is_linked & is_joined[:, :, None], axis=1)
+        if np.count_nonzero(grown) == np.count_nonzero(is_joined):
+            connected: Bools = np.logical_and.reduce(is_joined, axis=1)
+            return connected
+        is_joined = grown

@@ -1,0 +1,149 @@
+"""Marks in beacons: the bytes that a robot sends, and which of the marks that it hears it accepts.
+
+A beacon has the sender's period, its own mark, and up to m marks of other robots of the same period, by turns. So all
+marks reach all robots of a connected team in about n / m ticks and two for each hop of the longest route.
+
+A relayed mark is not signed: a dishonest peer may relay another mark than it heard. Four rules bound what that does.
+The first mark of an (epoch, id) stays. A mark that is further from the last one than a robot can have moved is
+refused. No robot takes its own mark from the air if it has one. A robot knows at most MOST marks.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.configuration import table as tables
+from agents.configuration.table import NEXT, NOW, REMEMBERED, Marks, Table
+from fes.arrays import geometry
+from fes.arrays.types import Bools, Bytes, Ints
+from fes.extension.neighborhood import Neighborhood
+
+EMPTY = 65535
+"""The id of a place without a mark. Ids of robots are lower."""
+
+MOST = 200
+"""Largest number of marks of one period that a robot knows."""
+
+FARTHEST = 1e9
+"""Largest magnitude of a coordinate or an estimate in a mark [m]."""
+
+_WRAP = 2**32  # a beacon has the last 32 bits of the period's number
+
+
+class Heard(NamedTuple):
+    """Marks that a crew hears at one tick [m], the lowest peer's first, and each peer's in their order."""
+
+    rows: Ints
+    """Row of the robot that hears it [m]."""
+    period: Ints
+    """Period of the mark after that of the robot that hears it: NOW or NEXT [m]."""
+    ids: Ints
+    """[m]"""
+    marks: Marks
+    """[m, 3]"""
+
+    def where(self, is_kept: Bools) -> "Heard":
+        """The marks where `is_kept` [m]."""
+        return Heard(self.rows[is_kept], self.period[is_kept], self.ids[is_kept], self.marks[is_kept])
+
+
+class Exchange:
+    """The exchange of marks of a crew."""
+
+    def __init__(self, own: Ints, relayed: int, most: int, farthest: float | None) -> None:
+        """`own` are ids within the run [n], `relayed` is m, `farthest` [m] bounds the way of a robot in a period."""
+        mark = [("id", "<u2"), ("mark", "<f4", (3,))]
+        self._layout = np.dtype([("epoch", "<u4"), ("marks", mark, (1 + relayed,))])
+        self._own, self._relayed, self._most, self._farthest = own, relayed, most, farthest
+        self.size = self._layout.itemsize
+        """Bytes in each beacon."""
+
+    def send(self, table: Table, epoch: Ints, last: Ints) -> tuple[Bytes, Ints]:
+        """The bytes for the robots' beacons [n, b], and the last id that each relayed [n]; before, it was `last`."""
+        n, columns = len(self._own), np.arange(len(table.ids))
+        rows, own = np.arange(n), table.columns(self._own)
+        message = np.zeros(n, dtype=self._layout)
+        message["epoch"] = epoch % _WRAP
+        ids, marks = message["marks"]["id"], message["marks"]["mark"]
+        is_known = table.is_known[NOW]
+        ids[:, 0] = np.where(is_known[rows, own], self._own, EMPTY)
+        marks[:, 0] = table.marks[NOW, rows, own]
+        # by turns: the others whose ids follow the last one come first
+        first = np.searchsorted(table.ids, last, side="right")
+        turn = np.where(is_known, (columns - first[:, None]) % len(columns), len(columns))
+        turn[rows, own] = len(columns)
+        chosen = turn.argsort(axis=1, kind="stable")[:, : self._relayed]
+        is_sent = turn[rows[:, None], chosen] < len(columns)
+        ids[:, 1:] = EMPTY
+        ids[:, 1 : 1 + chosen.shape[1]] = np.where(is_sent, table.ids[chosen], EMPTY)
+        marks[:, 1 : 1 + chosen.shape[1]] = table.marks[NOW, rows[:, None], chosen]
+        marks[message["marks"]["id"] == EMPTY] = 0.0
+        count = np.count_nonzero(is_sent, axis=1)
+        last = np.where(count > 0, table.ids[chosen[rows, np.maximum(count - 1, 0)]], last)
+        return message.view(np.uint8).reshape(n, -1), last
+
+    def hear(self, table: Table, epoch: Ints, around: Neighborhood) -> Table:
+        """The table with the marks accepted from the beacons of the previous tick; `epoch` [n] is each robot's."""
+        heard = self._read(epoch, around)
+        if not len(heard.rows):
+            return table
+        if not np.isin(heard.ids, table.ids).all():
+            table = tables.grown(table, heard.ids, int(epoch.min()) - REMEMBERED)
+        heard = heard.where(~table.is_known[heard.period, heard.rows, table.columns(heard.ids)])
+        if not len(heard.rows):
+            return table
+        heard = heard.where(self._is_near(table, heard, epoch))
+        key = (heard.period * len(epoch) + heard.rows) * (EMPTY + 1) + heard.ids
+        is_first = np.zeros(len(key), dtype=np.bool_)
+        is_first[np.unique(key, return_index=True)[1]] = True
+        heard = heard.where(is_first)
+        heard = heard.where(self._fits(table, heard))
+        epochs = epoch[heard.rows] + heard.period
+        return tables.with_heard(table, heard.period, heard.rows, heard.ids, epochs, heard.marks)
+
+    def _read(self, epoch: Ints, around: Neighborhood) -> Heard:
+        """The marks in the beacons of the previous tick that are well-formed, and of a period that counts."""
+        contacts, size = around.contacts, self._layout.itemsize
+        positions = np.flatnonzero(around.is_heard)
+        message = np.ascontiguousarray(contacts.declared[positions, :size]).view(self._layout).reshape(-1)
+        count = 1 + self._relayed
+        rows = contacts.edges.rows[positions]
+        period = (message["epoch"].astype(np.int64) - epoch[rows] + _WRAP // 2) % _WRAP - _WRAP // 2
+        heard = Heard(
+            np.repeat(rows, count),
+            np.repeat(period, count),
+            message["marks"]["id"].astype(np.int64).reshape(-1),
+            message["marks"]["mark"].reshape(-1, 3),
+        )
+        heard = heard.where((heard.ids != EMPTY) & ((heard.period == NOW) | (heard.period == NEXT)))
+        is_bounded = (np.abs(heard.marks) <= FARTHEST).all(axis=1) & (heard.marks[:, 2] > 0.0)
+        # its own mark of the next period can only be forged: it has not made it yet
+        return heard.where(is_bounded & ((heard.ids != self._own[heard.rows]) | (heard.period == NOW)))
+
+    def _is_near(self, table: Table, heard: Heard, epoch: Ints) -> Bools:
+        """True for marks to which a robot can have moved since its last mark [m].
+
+        A robot is within one period's way of its last mark, it moves for the periods since then, and its mark is
+        again within one period's way. So no mark of an honest robot is refused, however its body moves.
+        """
+        if self._farthest is None:
+            return np.ones(len(heard.rows), dtype=np.bool_)
+        columns = table.columns(heard.ids)
+        since = np.abs(epoch[heard.rows] + heard.period - table.last_epoch[heard.rows, columns])
+        dx, dy = (heard.marks[:, :2].astype(np.float64) - table.last_place[heard.rows, columns]).T
+        is_near = geometry.separation(dx, dy) <= self._farthest * (since + 2) + 1.0
+        result: Bools = is_near | (since > REMEMBERED)
+        return result
+
+    def _fits(self, table: Table, heard: Heard) -> Bools:
+        """True for marks that do not make more than the most that a robot knows of one period [m]."""
+        known = np.count_nonzero(table.is_known, axis=2)
+        if len(heard.rows) + int(known.max()) <= self._most:
+            return np.ones(len(heard.rows), dtype=np.bool_)
+        group = heard.period * known.shape[1] + heard.rows
+        order = group.argsort(kind="stable")
+        sizes = np.bincount(group, minlength=known.size)
+        rank = np.empty_like(group)
+        rank[order] = np.arange(len(group)) - (np.cumsum(sizes) - sizes)[group[order]]
+        result: Bools = known.reshape(-1)[group] + rank < self._most
+        return result
