@@ -20,6 +20,7 @@ from fes.extension.protocols import Formed, Published
 from fes.model import counts, stability
 from fes.model.config import AgentConfig
 from fes.model.sensing import MAX_NUMBER, Beacons, Received, Sensed, Telemetry, bounded
+from fes.model.table import Use
 
 FIRST_EXCHANGE_TICKS = 2
 """Ticks from a robot's first link until it has heard which peers selected it. Then its initial graph is complete."""
@@ -36,10 +37,13 @@ def create(config: AgentConfig, ids: Ints, draws: Draws | None = None) -> Crew:
         raise FesError(f"the run's settings: {error}") from None
     numbers = SeededDraws(config.seed) if draws is None else draws
     emulated = clocks.of(config, ids, numbers)
-    context = LawContext(ids, config.dt, config.objective, numbers, partial(clocks.skew, emulated))
+    dither = None if isinstance(config.seeking, Use) else config.seeking.common_dither
+    skew = partial(clocks.skew, emulated)
+    context = LawContext(ids, config.dt, config.objective, numbers, skew, dither=dither)
     laws = crew_laws.laws(config, context)
+    estimates = getattr(laws.seeking, "estimates", None)
     timeout = counts.ticks_within(config.formation.contact_timeout, config.dt)
-    return Crew(config, ids, laws.rule, laws.formation, laws.seeking, timeout, emulated, transmitter.of(config, ids))
+    return Crew(config, ids, *laws, estimates, timeout, emulated, transmitter.of(config, ids))
 
 
 def start(crew: Crew) -> CrewState:
@@ -82,7 +86,9 @@ def step(
     linked_since, sought = _relink(crew, state, used, sensed.tick, since, received)
     around = Neighborhood(sensed.tick, crew.config.dt, sensed.poses, known, state.contacts, used.edges, used.contact)
     desired = crew.seeking.desired(sought, sensed.tick, used.edges)
-    formed = crew.formation.step(state.formation, around, links.geometry(known, used, desired))
+    without_dither = crew.estimates(sought, used.edges) if crew.estimates else None
+    formed = crew.formation.step(state.formation, around, links.geometry(known, used, desired, without_dither))
+    around = around._replace(quality_weight=formed.quality_weight)
     twists = motion.twists(crew.ids, formed, sensed, crew.config.dt, crew.config.formation)
     sought = crew.seeking.measure(sought, around, formed)
     published = crew.seeking.publish(sought, used.edges)

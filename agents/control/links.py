@@ -43,10 +43,13 @@ def forget(links: Links, contacts: Contacts, restarted: Bools) -> Links:
     return Links(is_link, np.flatnonzero(is_link), links.edges.select(~restarted[links.edges.rows]))
 
 
-def geometry(contacts: Contacts, links: Links, desired: Floats) -> LinkGeometry:
-    """The links as the formation law sees them; `desired` [l] [m] are the separations that the seeking law wants."""
+def geometry(contacts: Contacts, links: Links, desired: Floats, without_dither: Floats | None) -> LinkGeometry:
+    """The links as the formation law sees them; `desired` [l] [m] are the separations that the seeking law wants.
+
+    `without_dither` [l] [m] are the same without a physical dither; None if there is none.
+    """
     separation = contacts.separation.take(links.contact)
-    return LinkGeometry(separation, desired, bearing(contacts, links.contact, separation))
+    return LinkGeometry(separation, desired, bearing(contacts, links.contact, separation), without_dither)
 
 
 def bearing(contacts: Contacts, positions: Ints, size: Floats) -> Floats:

@@ -1,11 +1,13 @@
 """A crew and its state."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from agents.control.clocks import Clocks
 from agents.control.links import Links
 from agents.control.transmitter import Memory, Transmitters
+from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
 from fes.extension.protocols import FormationLaw, NeighborRule, SeekingLaw
 from fes.model.config import AgentConfig
@@ -22,6 +24,8 @@ class Crew:
     rule: NeighborRule
     formation: FormationLaw[Any]
     seeking: SeekingLaw[Any]
+    estimates: Callable[[Any, Edges], Floats] | None
+    """Estimates of the seeking law without its physical dither; None if it has none."""
     contact_timeout: int
     """Ticks without a beacon after which a peer is no longer known."""
     clocks: Clocks

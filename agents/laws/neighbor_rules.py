@@ -12,6 +12,7 @@ from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Bools, Floats, Ints
 from fes.extension.context import LawContext
 from fes.extension.protocols import NoParameters
+from fes.model.config import FormationConfig
 from fes.model.contacts import Contacts
 
 FEW = 4096
@@ -79,14 +80,16 @@ def two_nearest(contacts: Contacts) -> Bools:
     return chosen
 
 
-def relative_neighborhood(contacts: Contacts, witnesses: Witnesses) -> Bools:
-    """The contacts to which no third robot is closer from both ends [m].
+def relative_neighborhood(contacts: Contacts, witnesses: Witnesses, tolerance: float = 0.0) -> Bools:
+    """The contacts to which no third robot is closer from both ends, by the share `tolerance` of their length [m].
 
-    Edge i-j exists iff there is no k with max(d_ik, d_jk) < d_ij. Such a k is in range of both i and j, so both
-    select alike from the beacons that they hear.
+    Edge i-j exists iff there is no k with max(d_ik, d_jk) < (1 - tolerance) d_ij. Such a k is in range of both i and
+    j, so both select alike from the beacons that they hear. A tolerance only adds links.
     """
     known = contacts.known
     reach = np.where(known, contacts.separation, np.inf)
+    if tolerance > 0.0:  # from here on, separations stand for the pairs only
+        contacts = contacts._replace(separation=(1.0 - tolerance) * contacts.separation)
     if witnesses.all is not None:
         pair, witness = witnesses.all
         excluded = np.bincount(pair, _excludes(contacts, reach, pair, witness), minlength=len(known))
@@ -132,7 +135,10 @@ def _try_nearest(contacts: Contacts, reach: Floats, last: Ints, suspects: Ints) 
 
 
 def _excludes(contacts: Contacts, reach: Floats, pair: Ints, witness: Ints) -> Bools:
-    """True if max(d_ik, d_jk) < d_ij, for positions of (i, j) and of (i, k) [t]; never for k = j."""
+    """True if max(d_ik, d_jk) < d_ij, for positions of (i, j) and of (i, k) [t]; never for k = j.
+
+    `contacts` has d_ij, and `reach` d_ik.
+    """
     if len(pair) > BLOCK:
         parts = [slice(first, first + BLOCK) for first in range(0, len(pair), BLOCK)]
         return np.concatenate([_excludes(contacts, reach, pair[part], witness[part]) for part in parts])
@@ -167,10 +173,24 @@ class RelativeNeighborhood(Disk):
     """The rule `relative_neighborhood`, with its cache of witnesses."""
 
     def __init__(self, parameters: NoParameters, context: LawContext) -> None:
-        self._witnesses = Witnesses(no_edges(context.ids))
+        self._witnesses, self._tolerance = Witnesses(no_edges(context.ids)), 0.0
 
     def __call__(self, contacts: Contacts) -> Bools:
         """True for each contact that its robot selects [m]."""
         if self._witnesses.edges is not contacts.edges:
             self._witnesses = Witnesses(contacts.edges, self._witnesses)
-        return relative_neighborhood(contacts, self._witnesses)
+        return relative_neighborhood(contacts, self._witnesses, self._tolerance)
+
+
+class TolerantRelativeNeighborhood(RelativeNeighborhood):
+    """The rule `tolerant_relative_neighborhood`.
+
+    The three links of a triangle of a lattice are equally long. Without a tolerance, errors of centimeters end half
+    the links of a patch.
+    """
+
+    Parameters = FormationConfig  # type: ignore[assignment]
+
+    def __init__(self, parameters: FormationConfig, context: LawContext) -> None:
+        super().__init__(NoParameters(), context)
+        self._tolerance = parameters.link_tolerance

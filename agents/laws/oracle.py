@@ -3,14 +3,18 @@
 No process of a measured run imports this module.
 """
 
+from functools import partial
 from typing import Literal
 
 import numpy as np
 
+from agents.laws import link_estimates
+from agents.laws.perturbation import BASELINE, ESTIMATE, WEIGHT
 from agents.laws.seeking_perturbation import PerturbationSeeking
 from fes.arithmetic import elementary
 from fes.arrays.types import Floats
 from fes.extension.context import LawContext
+from fes.extension.neighborhood import Neighborhood
 from fes.model import outage
 from fes.model.config import ChannelConfig, ObjectiveConfig
 from fes.model.objective import share_of_reach
@@ -40,10 +44,20 @@ class FormulaIndex:
     J(r) = S(r) p(r) = [1 - exp(-A)] exp(-q A - c r^nu), with A = (r/r_min)^s and q = (r_min/r_x)^s. For a logistic
     channel, ln p = -ln(1 + e^z) replaces -c r^nu. It is evaluated at many points per tick, and this form has one
     exponential less than `fes.model.objective` and `fes.model.outage`.
+
+    With a `quality_weight` beta of each link [l], it is c q^beta, where J = c q and c = 1 - exp(-A); separations then
+    have the shape [..., l].
     """
 
-    def __init__(self, objective: ObjectiveConfig, channel: ChannelConfig, transform: Literal["log", "none"]) -> None:
+    def __init__(
+        self,
+        objective: ObjectiveConfig,
+        channel: ChannelConfig,
+        transform: Literal["log", "none"],
+        quality_weight: Floats | None = None,
+    ) -> None:
         self._objective, self._channel, self._is_log = objective, channel, transform == "log"
+        self._weight = quality_weight
         self._reach = share_of_reach(objective)
         powers = (objective.shape_exponent, 0.0 if channel.model == "logistic" else channel.path_loss_exponent)
         self._trusted_share = TRUSTED / max(4.0, *powers)
@@ -55,6 +69,8 @@ class FormulaIndex:
         r = np.maximum(separation, NEARLY_ZERO)
         spread = self._spread(r)
         decay = self._log_reception(r) - self._reach * spread
+        if self._weight is not None:
+            decay = self._weight * decay
         return self._value(decay, spread)[0]
 
     def parabola(self, separation: Floats) -> tuple[Floats, Floats, Floats]:
@@ -66,6 +82,8 @@ class FormulaIndex:
         spread = self._spread(r)
         reception, loss, bend = self._reception(r)
         reach = self._reach * spread
+        if self._weight is not None:
+            reception, loss, bend, reach = (self._weight * part for part in (reception, loss, bend, reach))
         decay = reception - reach
         value, rise = self._value(decay, spread)
         is_flat = decay <= LEAST
@@ -127,5 +145,24 @@ class OracleSeeking(PerturbationSeeking):
 
     def __init__(self, parameters: OracleConfig, context: LawContext) -> None:
         assert context.channel is not None
-        formula = FormulaIndex(context.objective, context.channel.config, parameters.index_transform)
-        super().__init__(parameters, context, formula)
+        channel, transform = context.channel.config, parameters.index_transform
+        super().__init__(parameters, context, FormulaIndex(context.objective, channel, transform))
+        self._weighted = partial(FormulaIndex, context.objective, channel, transform)
+
+    def seek(self, state: Floats, around: Neighborhood) -> Floats:
+        """One tick of (18), with the quality weights of the formation law.
+
+        A change of a weight changes the sample, and the washout would take that for a slope. So the baseline changes
+        by as much.
+        """
+        weight = around.link_quality_weight
+        if weight is None:
+            return self.climb(state[:WEIGHT], around, None)
+        index = self._weighted(weight)
+        before = state[WEIGHT] if len(state) > WEIGHT else np.ones_like(weight)
+        moved = state[:WEIGHT].copy()
+        if not np.array_equal(weight, before):
+            time = around.tick * self.context.dt + self.context.skew(around.tick, around.links)
+            place = moved[ESTIMATE] + link_estimates.dither(self.seeker.config, time)
+            moved[BASELINE] += self.seeker.config.index_gain * (index(place) - self._weighted(before)(place))
+        return np.concatenate([self.climb(moved, around, index), weight[None]])

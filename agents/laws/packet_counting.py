@@ -165,12 +165,25 @@ def learn(reception: ReceptionFit, rows: Ints, separation: Floats, decoded: Bool
     return _fit(reception.method, statistics)
 
 
-def drift(reception: ReceptionFit, rows: Ints, estimate: Floats, config: ObjectiveConfig, scale: float) -> Floats:
-    """Speed [l] [m/s] at which estimates [l] [m] of links of learners `rows` climb ln J: a bounded Newton step."""
+def drift(
+    reception: ReceptionFit,
+    rows: Ints,
+    estimate: Floats,
+    config: ObjectiveConfig,
+    scale: float,
+    quality_weight: Floats | None = None,
+) -> Floats:
+    """Speed [l] [m/s] at which estimates [l] [m] of links of learners `rows` climb ln J: a bounded Newton step.
+
+    With `quality_weight` beta [l] they climb ln c + beta ln q, where J = c q: c is the factor of (16) that rises with
+    the separation.
+    """
     exponent = reception.exponent[rows]
     rate = elementary.exp(reception.level[rows] + exponent * elementary.log(estimate / scale))
     channel = -exponent * rate / estimate  # (ln p)'
-    slope, curvature = objective.log_preference_derivatives(estimate, config)
+    if quality_weight is not None:
+        channel = quality_weight * channel
+    slope, curvature = objective.log_preference_derivatives(estimate, config, quality_weight)
     slope = slope + channel
     curvature = curvature + channel * (exponent - 1.0) / estimate
     size = config.maximum_separation / FARTHEST

@@ -26,6 +26,9 @@ from fes.model.seeking import PerturbationConfig
 ESTIMATE, DRIFT, BASELINE = 0, 1, 2
 """Rows of the seeking state [3, l]: r_hat [m], xi [m/s], eta [index]."""
 
+WEIGHT = 3
+"""Row of a state [4, l]: the quality weight of the index of which eta is the baseline."""
+
 SWEEPS = 4
 """Picard sweeps per step, with the index as a parabola about the path that only drifts. At 2 rad of dither per step
 the error stays below 1e-7 of the travel from a start in [50, 90] m. From 25 m, where ln J is steepest, it stays below
@@ -91,12 +94,13 @@ def begin(seeker: Seeker, tick: int, estimates: Floats) -> Floats:
 
 
 def relink(seeker: Seeker, draws: Draws, old: Edges, state: Floats, new: Edges, entry: Entry) -> Floats:
-    """State [3, l'] of the links `new`: that of `state` [3, l] for a link that `old` has."""
+    """State of the links `new`, of as many rows as `state`: that of `state` for a link that `old` has."""
     transition = new.after(old)
     result, is_new = transition.carry(state, np.nan, axis=1), transition.is_new
     if is_new.any():
         estimates = link_estimates.of_new_links(seeker.config, draws, old, state[ESTIMATE], new, entry)
-        result[:, is_new] = begin(seeker, entry.tick, estimates[is_new])
+        result[:WEIGHT, is_new] = begin(seeker, entry.tick, estimates[is_new])
+        result[WEIGHT:, is_new] = 1.0
     return result
 
 

@@ -68,6 +68,10 @@ class MeasuredSeeking:
         desired: Floats = state.estimates + link_estimates.dither(self._config, time + state.ahead)
         return desired
 
+    def estimates(self, state: Measured, links: Edges) -> Floats:
+        """The estimates alone."""
+        return state.estimates
+
     def measure(self, state: Measured, around: Neighborhood, formed: Formed) -> Measured:
         """The fit of the channel after the beacons of the previous tick."""
         slots = around.slots
@@ -85,7 +89,7 @@ class MeasuredSeeking:
         """The estimates after a tick of climbing the fit's slope of ln J, and of consensus with the peers."""
         estimates, scale = state.estimates, self._config.reference_separation
         objective, rows = self._context.objective, self._learners.of_links(around.links)
-        speed = packet_counting.drift(state.fit, rows, estimates, objective, scale)
+        speed = packet_counting.drift(state.fit, rows, estimates, objective, scale, around.link_quality_weight)
         peers = around.peer_estimates
         speed += self._config.consensus_gain * np.where(np.isfinite(peers), peers - estimates, 0.0)
         return replace(state, estimates=packet_counting.bounded(estimates + self._context.dt * speed, objective))

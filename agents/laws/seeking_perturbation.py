@@ -81,6 +81,11 @@ class SampledSeeking(PerturbationSeeking):
         desired: Floats = state[ESTIMATE] + link_estimates.dither(self.seeker.config, time)
         return desired
 
+    def estimates(self, state: Floats, links: Edges) -> Floats:
+        """The estimates alone."""
+        estimates: Floats = state[ESTIMATE]
+        return estimates
+
     def seek(self, state: Floats, around: Neighborhood) -> Floats:
         """One tick of (18) with this tick's samples: each counts at every separation."""
         drawn = sample(around, self.context)

@@ -31,6 +31,7 @@ PURPOSES = {
     "disk": "Every peer that was heard within the timeout.",
     "two_nearest": "The two nearest of these peers, as in the paper's footnote 2.",
     "relative_neighborhood": "Each peer, unless a third robot is nearer to both than they are to each other.",
+    "tolerant_relative_neighborhood": "The same, but a third robot must be nearer to both by `link_tolerance`.",
     "paper": "The sum of the separation errors of a robot's links, as in the paper.",
     "alpha_lattice": "Flocking to a lattice of equal spacings (Olfati-Saber 2006).",
     "connectivity": "A tension that grows without bound as a link gets as long as the reach (Ji & Egerstedt 2007).",
@@ -53,7 +54,7 @@ PURPOSES = {
 """Name -> purpose, for all but metrics; that of a metric is the docstring of its class."""
 
 IN_SCENARIO = "the fields of `[{0}]`: see [scenario](scenario.md#{0})"
-TABLES = {"formation law": "formation", "seeking law": "seeking", "channel": "channel"}
+TABLES = {"seeking law": "seeking", "formation law": "formation", "neighbor rule": "formation", "channel": "channel"}
 """Kinds of which some extensions have the fields of a scenario's table as parameters."""
 
 UNIT = re.compile(r" ?\[([^\];]+)[^\]]*\]")

@@ -110,6 +110,10 @@ class CheckedFormation(Checked):
             self.array("the details", formed.details, (self._n, len(self.details)))
         if formed.twists is not None:
             self.array("the twists", formed.twists, (self._n, 2), is_partial=True)
+        if formed.quality_weight is not None:
+            weight = self.array("the quality weight", formed.quality_weight, (self._n,))
+            if not (weight > 0.0).all():
+                self.fail(f"the quality weight must be positive, got {weight[weight <= 0.0][0]:g}")
         return formed
 
 
@@ -123,6 +127,8 @@ class CheckedSeeking(Checked):
         self.statistics = self.number("statistics", MAX_STATISTICS)
         self.declared = self.number("declared", MAX_DECLARED)
         self.learnt = self.names("learnt", MAX_LEARNT)
+        if callable(getattr(inner, "estimates", None)):
+            self.estimates = self._estimates
 
     def start(self) -> Any:
         """The state before the first tick."""
@@ -142,6 +148,11 @@ class CheckedSeeking(Checked):
             "the desired separation", self.call(self.inner.desired, state, tick, links), (len(links),)
         )
         return desired
+
+    def _estimates(self, state: Any, links: Edges) -> Floats:
+        """The desired separations without the dither [l] [m]."""
+        estimates: Floats = self.array("the estimates", self.call(self.inner.estimates, state, links), (len(links),))
+        return estimates
 
     def measure(self, state: Any, around: Neighborhood, formed: Formed) -> Any:
         """The state after the beacons of the previous tick."""

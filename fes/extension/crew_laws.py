@@ -10,7 +10,7 @@ from fes.extension.controller_laws import ControllerFormation, ControllerSeeking
 from fes.extension.kinds import CONTROLLER, FORMATION, RULE, SEEKING, Kind
 from fes.extension.protocols import FormationLaw, NeighborRule, SeekingLaw
 from fes.extension.registry import create, is_told, load, parameters
-from fes.model.config import AgentConfig
+from fes.model.config import AgentConfig, FormationConfig
 from fes.model.seeking import MeasuredConfig, OracleConfig, SampledConfig, SeekingConfig
 from fes.model.sensing import MAX_DECLARED
 from fes.model.table import Use, chosen
@@ -54,10 +54,12 @@ def laws(config: AgentConfig, context: LawContext) -> Laws:
 
     Only a law with `knows_channel` gets the channel. The values that extensions return are checked at each call.
     """
-    rule = create(RULE, config.formation.rule, context)
+    rule = create(RULE, config.formation.rule, context, _settled(RULE, config.formation.rule, config))
     if config.controller is not None:
         return Laws(rule, *_controllers(config, context))
-    formation = create(FORMATION, config.formation.law, _context_of(FORMATION, config.formation.law, config, context))
+    law = config.formation.acting_law
+    circumstances = _context_of(FORMATION, law, config, context)
+    formation = create(FORMATION, law, circumstances, _settled(FORMATION, law, config))
     given = None if isinstance(config.seeking, Use) else config.seeking
     choice = config.seeking if isinstance(config.seeking, Use) else _built_in_name(config.seeking)
     seeking = create(SEEKING, choice, _context_of(SEEKING, choice, config, context), given)
@@ -65,6 +67,11 @@ def laws(config: AgentConfig, context: LawContext) -> Laws:
     if declared > MAX_DECLARED:
         raise FesError(f"the laws declare {declared} bytes in each beacon: at most {MAX_DECLARED} are allowed")
     return Laws(rule, formation, seeking)
+
+
+def _settled(kind: Kind, choice: str | Use, config: AgentConfig) -> FormationConfig | None:
+    """The table [formation], for a built-in rule or law whose parameters stand in it; None for every other."""
+    return config.formation if chosen(choice).use in kind.settled else None
 
 
 def _context_of(kind: Kind, choice: str | Use, config: AgentConfig, context: LawContext) -> LawContext:

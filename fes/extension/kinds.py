@@ -28,6 +28,8 @@ class Kind(NamedTuple):
     """Wrapper that checks the values that an extension returns; built-in ones are not wrapped."""
     model_based: frozenset[str] = frozenset()
     """Names of the built-in ones that must be told the channel, so that no class is loaded to find out."""
+    settled: frozenset[str] = frozenset()
+    """Names of the built-in ones whose parameters are the scenario's table of this kind itself."""
 
     def missing(self, loaded: Any) -> str:
         """The first member that a class lacks; empty if it has all of them.
@@ -75,9 +77,11 @@ RULE = Kind(
         "disk": "agents.laws.neighbor_rules:Disk",
         "two_nearest": "agents.laws.neighbor_rules:TwoNearest",
         "relative_neighborhood": "agents.laws.neighbor_rules:RelativeNeighborhood",
+        "tolerant_relative_neighborhood": "agents.laws.neighbor_rules:TolerantRelativeNeighborhood",
     },
     (("__call__",),),
     lambda extension, what, context: CheckedRule(extension, what),
+    settled=frozenset({"tolerant_relative_neighborhood"}),
 )
 FORMATION = Kind(
     "formation law",
@@ -93,6 +97,7 @@ FORMATION = Kind(
     (("start", "forget", "step"),),
     CheckedFormation,
     frozenset({"gradient"}),
+    frozenset({"marks_and_plans"}),
 )
 SEEKING = Kind(
     "seeking law",

@@ -36,6 +36,11 @@ class Neighborhood(NamedTuple):
     """beta of the formation law of this tick: weight of ln q against ln c [n] [1]; None: 1."""
 
     @property
+    def link_quality_weight(self) -> Floats | None:
+        """beta of the robot of each link [l] [1]; None: 1."""
+        return None if self.quality_weight is None else self.quality_weight.take(self.links.rows)
+
+    @property
     def is_heard(self) -> Bools:
         """True for a contact whose beacon of the previous tick decoded [m]."""
         is_heard: Bools = np.equal(self.contacts.heard, self.tick - 1)

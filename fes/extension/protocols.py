@@ -86,7 +86,8 @@ class SeekingLaw(Protocol[S]):
     """Seeks the optimal separation of each link. A tick calls its methods in the order in which they stand here.
 
     A class with a physical dither may have a static method `physical_period(parameters)`: the period of the
-    oscillation of the formation [s], or None. Summaries then average separations over it.
+    oscillation of the formation [s], or None. Summaries then average separations over it. It may also have a method
+    `estimates(state, links)`: the desired separations without that dither [l] [m].
     """
 
     @property

@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from fes.model.seeking import SeekingConfig
-from fes.model.table import Choice, Exponent, NonNegative, Positive, Table
+from fes.model.table import Choice, Exponent, NonNegative, Positive, Table, Use, chosen
 
 Clock = Annotated[
     Literal["lockstep", "live"],
@@ -27,6 +27,10 @@ MAX_DELAY = 10_000
 MAX_SKEW = 10.0
 """Largest skew of a clock [s]."""
 
+
+MARKS_AND_PLANS, TOLERANT = "marks_and_plans", "tolerant_relative_neighborhood"
+"""The formation law that takes up a configuration, and the neighbor rule that keeps the links of a lattice: their
+parameters are the table [formation]."""
 
 Configuration = Literal["none", "lattice", "line", "ring", "ladder", "offsets"]
 Coordinate = Annotated[float, Field(ge=-1e3, le=1e3)]
@@ -92,8 +96,9 @@ class FormationConfig(Table):
     with `use` and its parameters."""
     rule: Choice = "relative_neighborhood"
     """Neighbor rule, which selects the links among the robots in range. `disk`: all of them. `two_nearest`: the two
-    nearest. `relative_neighborhood`: those without a third robot nearer to both ends. An extension is named as for
-    `law`."""
+    nearest. `relative_neighborhood`: those without a third robot nearer to both ends.
+    `tolerant_relative_neighborhood`: those without a third robot that is nearer to both ends by `link_tolerance`: so
+    the equal links of a lattice are kept. An extension is named as for `law`."""
     link_tolerance: Annotated[float, Field(ge=0, lt=1)] = 0.1
     """Share by which a third robot must be nearer to both ends to exclude a link [1], for the rule
     `tolerant_relative_neighborhood`."""
@@ -102,8 +107,8 @@ class FormationConfig(Table):
     `lattice`: the best patch of the triangular lattice. `line`, `ring`, `ladder`: these shapes. `offsets`: as in
     `offsets`. All but `none` replace the law."""
     offsets: list[Annotated[tuple[Coordinate, Coordinate], Field(strict=False)]] = Field(default=[], max_length=200)
-    """Places of the configuration `offsets` [link lengths], in the order of their use: a team of n robots takes the
-    first n of them."""
+    """Places of the configuration `offsets` as multiples of the link length [1], in the order of their use: a team of
+    n robots takes the first n of them."""
     plan_period: Positive = 2.0
     """Period of the plans of a configuration [s]; each robot marks once in a period where it will be."""
     marks_per_beacon: Annotated[int, Field(ge=1, le=16)] = 8
@@ -122,6 +127,25 @@ class FormationConfig(Table):
     """Largest angular speed [rad/s]; none by default, as in the paper."""
     contact_timeout: Annotated[float, Field(gt=0, le=1e6)] = 1.0
     """Time without a beacon after which a peer is no longer a contact [s]."""
+
+    @property
+    def acting_law(self) -> str | Use:
+        """The formation law that acts: `law`, or the one that takes up a configuration."""
+        return self.law if self.configuration == "none" else MARKS_AND_PLANS
+
+    @model_validator(mode="after")
+    def _one_law(self) -> Self:
+        for name, choice in (("law", chosen(self.law)), ("rule", chosen(self.rule))):
+            if choice.use == MARKS_AND_PLANS:
+                raise ValueError(f"{name}: '{MARKS_AND_PLANS}' is chosen by its shape, formation.configuration")
+            if choice.use == TOLERANT and choice.parameters:
+                given = next(iter(choice.parameters))
+                raise ValueError(f"{name}: '{TOLERANT}' takes its settings from [formation] itself, got '{given}'")
+        if self.configuration != "none" and self.law != "paper":
+            raise ValueError(f"law: configuration '{self.configuration}' has its own, got '{chosen(self.law).use}'")
+        if self.offsets and self.configuration != "offsets":
+            raise ValueError(f"offsets: only configuration 'offsets' uses them, got '{self.configuration}'")
+        return self
 
 
 class FaultConfig(Table):

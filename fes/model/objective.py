@@ -38,14 +38,20 @@ def log_preference_slope(separation: Floats, objective: ObjectiveConfig) -> Floa
     return log_preference_derivatives(separation, objective)[0]
 
 
-def log_preference_derivatives(separation: Floats, objective: ObjectiveConfig) -> tuple[Floats, Floats]:
+def log_preference_derivatives(
+    separation: Floats, objective: ObjectiveConfig, reach_weight: Floats | None = None
+) -> tuple[Floats, Floats]:
     """(ln S)' [1/m] and (ln S)'' [1/m^2] at `separation` [m], any shape; from (16).
+
+    The second factor of S, which falls with r, counts `reach_weight` times [of the same shape]: once by default.
 
     With A = (r/r_min)^s and f = A/(e^A - 1): r (ln S)' = s (f - (r/r_x)^s), and r f' = s f (1 - A e^A/(e^A - 1)).
     """
     shape = objective.shape_exponent
     spread = elementary.power(separation / objective.minimum_separation, shape)
     reach = share_of_reach(objective) * spread
+    if reach_weight is not None:
+        reach = reach_weight * reach
     # A/(e^A - 1) is 1 where A is 0, and 0 where A is large
     bounded = np.minimum(np.maximum(spread, _TINY), _LARGE)
     decay, rise = elementary.exp_and_rise(-bounded, bounded)

@@ -54,6 +54,11 @@ class LinkSeekingConfig(Table):
         """Period of the oscillation that the law imposes on the formation [s]; None without one."""
         return 2.0 * math.pi / self.dither_frequency
 
+    @property
+    def common_dither(self) -> tuple[float, float] | None:
+        """Amplitude [m] and frequency [rad/s] of a physical dither that all links share; None without one."""
+        return None if self.physical_period is None else (self.dither_amplitude, self.dither_frequency)
+
     def check(self, dt: float) -> None:
         """Raise ValueError in one line unless ticks of `dt` [s] suit these settings."""
         if self.physical_period is not None:
@@ -144,6 +149,11 @@ class MeasuredConfig(LinkSeekingConfig):
     links. `none`: each link learns its own slope, which is better under shadowing."""
     reference_separation: Positive = REFERENCE_SEPARATION
     """Separation about which measured reception is fitted [m] (rho_0)."""
+
+    @property
+    def common_dither(self) -> tuple[float, float] | None:
+        """None without pooling: each link then has a phase of its own."""
+        return super().common_dither if self.pooling == "network" else None
 
     def check(self, dt: float) -> None:
         """Raise ValueError in one line unless ticks of `dt` [s] suit these settings.

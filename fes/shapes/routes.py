@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from fes.arrays.types import Floats
+from fes.arrays.types import Bools, Floats
 
 
 def relayed(costs: Floats, relays: Iterable[int]) -> Floats:
@@ -36,3 +36,14 @@ def between(costs: Floats, lost: int | None = None) -> Floats:
         is_pair[lost] = is_pair[:, lost] = False
     result: Floats = costs[is_pair]
     return result
+
+
+def reaches_all(is_link: Bools) -> bool:
+    """True if links between robots, given as a symmetric matrix [n, n], connect all of them."""
+    reached = np.zeros(len(is_link), dtype=np.bool_)
+    new = reached.copy()
+    new[:1] = True
+    while new.any():
+        reached |= new
+        new = is_link[new].any(axis=0) & ~reached
+    return bool(reached.all())

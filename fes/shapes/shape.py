@@ -51,13 +51,13 @@ class Shape:
         n = len(self.slots)
         if n < 2:
             return 0.0, 0.0
-        one = np.where(self.is_link, 1.0, np.inf)
-        one[np.diag_indices(n)] = 0.0
-        whole = sums.mean(routes.between(routes.relayed(one, range(n))))
+        steps = np.where(self.is_link, 1.0, np.inf)
+        steps[np.diag_indices(n)] = 0.0
+        before = sums.mean(routes.between(routes.relayed(steps, range(n))))
         if n == 2:
-            return whole, whole
-        after = [sums.mean(routes.between(costs, lost)) for lost, costs in routes.without_each(one, range(n))]
-        return whole, max([whole, *(mean for mean in after if mean < np.inf)])
+            return before, before
+        after = [sums.mean(routes.between(costs, lost)) for lost, costs in routes.without_each(steps, range(n))]
+        return before, max([before, *(mean for mean in after if mean < np.inf)])
 
     def quality_weight(self, losses: int, coverage_weight: float) -> float:
         """beta = h / (lambda k): weight of a link's ln q against its ln c, at which links of this shape are longest
@@ -80,7 +80,7 @@ def of_slots(places: Floats) -> Shape:
 def links_of(slots: Floats) -> Bools:
     """True for each two of the robots at `slots` [n, 2] that are linked [n, n]."""
     x, y = slots.T
-    distance = geometry.separation(np.subtract.outer(x, x), np.subtract.outer(y, y))
+    distance = geometry.separation(x - x[:, None], y - y[:, None])
     distance[np.diag_indices(len(slots))] = np.inf
     linked: Bools = distance <= (1.0 + TOLERANCE) * distance.min()
     return linked if len(slots) > 1 else np.zeros((1, 1), dtype=np.bool_)

@@ -27,8 +27,8 @@ MAPPED = [str(path.parent.relative_to(ROOT)) for top in PACKAGES for path in (RO
 LAYERS = (
     {"fes.errors", "fes.arrays"},
     {"fes.arithmetic"},
-    {"fes.model", "fes.shapes", "fes.system"},
-    {"fes.protocol", "fes.extension"},
+    {"fes.model", "fes.system"},
+    {"fes.protocol", "fes.extension", "fes.shapes"},
     {"fes.transport", "fes.recording"},
     {"fes.process"},
     {"fes.command_line"},

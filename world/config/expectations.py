@@ -1,4 +1,4 @@
-"""Expectations of a run, the tables [[expect]] of a scenario: checked in the summary at the end."""
+"""Tables about the summary of a run: further metrics in it, [[metric]], and what is expected of it, [[expect]]."""
 
 import difflib
 import math
@@ -10,7 +10,7 @@ from pydantic import Field, field_validator, model_validator
 
 from fes.model import quantities
 from fes.model.quantities import FLAG, NUMBER, TEXT, Shape
-from fes.model.table import Table
+from fes.model.table import Table, Use
 
 _SUMMARY = {key: part for key, part in quantities.shape().items() if key != quantities.VERDICTS}
 """Shape of a summary; each part of it may also be null."""
@@ -18,6 +18,23 @@ _SUMMARY = {key: part for key, part in quantities.shape().items() if key != quan
 _INDEX = re.compile(r"-?[0-9]{1,9}")
 
 Bound = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class MetricConfig(Use):
+    """A metric, with its parameters."""
+
+    name: Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,39}$")] | None = None
+    """Name under `metrics` in the summary, of one metric only; by default that of the extension."""
+
+    @property
+    def choice(self) -> Use:
+        """The extension and its parameters."""
+        return Use.model_validate({"use": self.use, **self.parameters})
+
+    @property
+    def key(self) -> str:
+        """Name under `metrics` in the summary."""
+        return self.name or self.use.rpartition(":")[2].rpartition(".")[2]
 
 
 class ExpectConfig(Table):

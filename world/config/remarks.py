@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator
 from fes.model import counts
 from fes.model.config import ChannelConfig
 from fes.model.table import chosen
+from fes.shapes import rules
 from world.config.faults import TransmitterConfig
 from world.config.scenario import Scenario, knows_channel
 
@@ -17,6 +18,9 @@ TOLERANCE = 1e-6
 
 MOST = 5
 """Largest number of times listed per line."""
+
+FOLLOWED = 0.6
+"""Share of their largest speed [1] at which robots still follow the dither of a configuration."""
 
 UNNOTICED = (
     "the robots of this run are given the channel (seeking.index = 'oracle') and do not notice the change; "
@@ -33,6 +37,7 @@ def of(scenario: Scenario) -> list[str]:
         *_delays(scenario),
         *_unnoticed(scenario),
         *_unused(scenario),
+        *_outrun(scenario),
     ]
 
 
@@ -94,6 +99,18 @@ def _unused(scenario: Scenario) -> Iterator[str]:
     ):
         if is_given and model not in models:
             yield f"channel.{key} has no effect: channel.model is '{models[0]}', not '{model}'"
+
+
+def _outrun(scenario: Scenario) -> Iterator[str]:
+    formation, limit = scenario.formation, scenario.formation.linear_limit
+    if limit is None:
+        return
+    speed = rules.outermost_speed(formation, scenario.seeking, scenario.objective.losses, scenario.robots.number)
+    if speed > FOLLOWED * limit:
+        yield (
+            f"the dither moves the outermost of {scenario.robots.number} robots at up to {speed:.3g} m/s: above "
+            f"{FOLLOWED:g} x formation.linear_limit, {FOLLOWED * limit:.3g} m/s, robots fall behind it"
+        )
 
 
 def _is_rounded(time: float, dt: float) -> bool:

@@ -14,9 +14,10 @@ from fes.model import counts, stability
 from fes.model.config import FORMULAS, AgentConfig, Clock, FaultConfig, FormationConfig, ObjectiveConfig
 from fes.model.seeking import MAX_TICKS, OracleConfig, SeekingConfig
 from fes.model.table import Table, Use, chosen
+from fes.shapes import rules
 from world.config import events, faults, starts, toml
 from world.config.events import EventConfig, ParticipationChange, changed, schedule
-from world.config.expectations import ExpectConfig
+from world.config.expectations import ExpectConfig, MetricConfig
 from world.config.faults import Transmission
 from world.config.outside import schemes, trace_file
 from world.config.overrides import apply
@@ -43,23 +44,6 @@ class RunConfig(Table):
     def _countable(self) -> Self:
         counts.check("duration / dt", self.duration, self.dt, MAX_TICKS)
         return self
-
-
-class MetricConfig(Use):
-    """A metric, with its parameters."""
-
-    name: Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,39}$")] | None = None
-    """Name under `metrics` in the summary, of one metric only; by default that of the extension."""
-
-    @property
-    def choice(self) -> Use:
-        """The extension and its parameters."""
-        return Use.model_validate({"use": self.use, **self.parameters})
-
-    @property
-    def key(self) -> str:
-        """Name under `metrics` in the summary."""
-        return self.name or self.use.rpartition(":")[2].rpartition(".")[2]
 
 
 class Scenario(Table):
@@ -89,6 +73,7 @@ class Scenario(Table):
     @model_validator(mode="after")
     def _stable(self) -> Self:
         stability.check(self.run.dt, self.seeking, self.formation)
+        rules.check(self.formation, self.seeking, self.objective, self.run.dt, self.robots.number)
         return self
 
     @model_validator(mode="after")
@@ -101,6 +86,7 @@ class Scenario(Table):
             raise ValueError(f"event: set {error}") from None
         for channel in channels:
             channel.check_partition(robots)
+            rules.check_range(self.formation, channel.communication_range)
         try:
             events.participation(self.event, robots, self.run.dt)
             events.parts(self.event, robots, self.run.dt)

@@ -6,6 +6,7 @@ import pytest
 from agents.laws import neighbor_rules
 from console.backends import inprocess
 from fes.arrays.types import Bools, Floats
+from fes.model.config import FormationConfig
 from tests.support import laws, layouts
 from tests.support import reference as witness
 from tests.support.layouts import REACH, distance
@@ -24,7 +25,7 @@ def found(rule: str, where: Floats, robots: list[int] | None = None, decoded: Bo
 
 def by_definition(rule: str, where: Floats, heard: Pairs) -> Pairs:
     """The same from the rule's definition; `heard`: (robot, peer) that a robot heard."""
-    n = len(where)
+    n, factor = len(where), 1.0 - FormationConfig().link_tolerance if rule.startswith("tolerant") else 1.0
     chosen = set()
     for i in range(n):
         mine = [j for j in range(n) if (i, j) in heard]
@@ -35,7 +36,7 @@ def by_definition(rule: str, where: Floats, heard: Pairs) -> Pairs:
             closer = [
                 k
                 for k in mine
-                if k != j and max(distance(where, i, k), distance(where, j, k)) < distance(where, i, j)
+                if k != j and max(distance(where, i, k), distance(where, j, k)) < factor * distance(where, i, j)
             ]
             if rule == "disk" or not closer:
                 chosen.add((i, j))

@@ -85,7 +85,8 @@ def test_a_built_in_extension_is_found_by_its_name() -> None:
         (
             RULE,
             "qqq",
-            "there is no neighbor rule 'qqq'; known are disk, two_nearest, relative_neighborhood, and `module:Class`",
+            "there is no neighbor rule 'qqq'; known are disk, two_nearest, relative_neighborhood, "
+            "tolerant_relative_neighborhood, and `module:Class`",
         ),
         (toys(), "ball", "there is no toy 'ball'; known are none, and `module:Class`"),
     ],
