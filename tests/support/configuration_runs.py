@@ -5,6 +5,7 @@ docs/explanation: times from which the team index stays above a share of its tar
 """
 
 import argparse
+import json
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -154,24 +155,36 @@ def watch(scenario: Scenario, index: Index, every: int = 5) -> Outcome:
     return Outcome(np.array(shares), every * scenario.run.dt, path, float(least), cut, differing, contracted)
 
 
-def scenario(kind: str, n: int, seed: int, duration: float, index: Index, **settings: Any) -> Scenario:
-    """The scenario of a start, with the spacing given; `settings` are fields of [formation], or others by path."""
-    law = {"use": "marks_and_plans", "configuration": "lattice", "linear_limit": LIMIT}
+SEEKING: dict[str, dict[str, Any]] = {
+    "oracle": {"index": "oracle", "index_gain": 40000.0, "initial_estimate": [50.0, 90.0]},
+    "measured": {"index": "measured", "dither_amplitude": 3.0, "initial_estimate": [80.0, 100.0]},
+}
+"""Seeking laws, by name; `fixed` gives all robots the best spacing of the team at the start."""
+
+
+def scenario(
+    kind: str, n: int, seed: int, duration: float, index: Index, seeking: str = "oracle", **settings: Any
+) -> Scenario:
+    """The scenario of a start. `settings` are fields by path, with __ for the dot: `formation__plan_period`."""
+    fixed = {"use": "fixed_separation", "separation": spacing(index, n)}
     period = {"plan_period": 4.0, "marks_per_beacon": 16} if n >= 100 else {}
-    paths = {name.replace("__", "."): value for name, value in settings.items() if "__" in name}
-    own = {name: value for name, value in settings.items() if "__" not in name}
-    law = {**law, **period, **own}
+    formation = {
+        "configuration": "lattice",
+        "rule": "tolerant_relative_neighborhood",
+        "linear_limit": LIMIT,
+        **period,
+    }
     tables = {
         "schema": 1,
         "run": {"dt": 0.02, "duration": duration, "seed": seed},
         "robots": {"poses": [tuple(pose) for pose in poses(kind, n, seed).tolist()]},
         "channel": index.channel.model_dump(),
         "objective": index.objective.model_dump(),
-        "seeking": {"use": "fixed_separation", "separation": spacing(index, n)},
-        "formation": {"law": law, "rule": "relative_neighborhood", "linear_limit": law["linear_limit"]},
+        "seeking": fixed if seeking == "fixed" else SEEKING[seeking],
+        "formation": formation,
     }
-    parsed = scenarios.parse(tables, kind)
-    return scenarios.with_overrides(parsed, paths) if paths else parsed
+    paths = {name.replace("__", "."): value for name, value in settings.items()}
+    return scenarios.with_overrides(scenarios.parse(tables, kind), paths)
 
 
 HEADS = ("start", "n", "runs", "end >= .99", "t97 [s]", "t99 [s]", "path [m]", "least [m]", "cut", "differ")
@@ -199,16 +212,18 @@ def main() -> None:
     parser.add_argument("--duration", type=float, default=60.0)
     parser.add_argument("--every", type=int, default=5)
     parser.add_argument("--minimum-separation", type=float, default=50.0)
-    parser.add_argument("--limit", type=float, default=LIMIT)
+    parser.add_argument("--seeking", choices=["fixed", *SEEKING], default="oracle")
+    parser.add_argument("--set", nargs="*", default=[], help="further settings, such as formation.plan_period=1.0")
     arguments = parser.parse_args()
+    seeking = arguments.seeking
+    settings = {
+        path.replace(".", "__"): json.loads(value) for path, _, value in (s.partition("=") for s in arguments.set)
+    }
     index = Index(ObjectiveConfig(minimum_separation=arguments.minimum_separation))
     print(*HEADS, sep=" | ", flush=True)
     for kind in arguments.kinds:
         seeds = range(arguments.first, arguments.first + arguments.runs)
-        runs = (
-            scenario(kind, arguments.n, seed, arguments.duration, index, linear_limit=arguments.limit)
-            for seed in seeds
-        )
+        runs = (scenario(kind, arguments.n, seed, arguments.duration, index, seeking, **settings) for seed in seeds)
         print(summary(kind, arguments.n, [watch(run, index, arguments.every) for run in runs]), flush=True)
 
 
