@@ -1,4 +1,4 @@
-"""Runs of teams that take up a configuration, and what came of them: `python -m tests.support.configuration_runs`.
+"""Runs of teams that take up a configuration, and their outcomes: `python -m tests.support.configuration_runs`.
 
 The world and the crew of the product run in one loop. The columns are those of the table of ends in
 docs/explanation: times from which the team index stays above a share of its target, ways, separations, connection.
@@ -80,7 +80,7 @@ def target(index: Index, n: int) -> float:
 
 @dataclass
 class Moment:
-    """What holds at one tick."""
+    """The team at one tick."""
 
     tick: int
     positions: Floats
@@ -109,7 +109,7 @@ def moments(scenario: Scenario) -> Iterator[Moment]:
 
 @dataclass
 class Outcome:
-    """What came of one run."""
+    """The outcome of one run."""
 
     share: Floats
     """F / target, at each sample."""
@@ -136,7 +136,8 @@ class Outcome:
 def watch(scenario: Scenario, index: Index, every: int = 5) -> Outcome:
     """The outcome of a scenario whose formation law is marks and plans; F is computed at each `every` ticks."""
     shares, least, cut, differing, contracted = [], np.inf, 0, 0, 0
-    path, before, plans = np.zeros(0), np.zeros((0, 2)), ()
+    path, before = np.zeros(0), np.zeros((0, 2))
+    plans: tuple[Any, ...] = ()
     reach = scenario.channel.communication_range
     for moment in moments(scenario):
         positions = moment.positions
