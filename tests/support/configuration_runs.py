@@ -6,7 +6,7 @@ docs/explanation: times from which the team index stays above a share of its tar
 
 import argparse
 import json
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from agents.configuration.law import State as LawState
+from agents.configuration.planning import CONTRACT, Plan
 from agents.control import crew
 from agents.runtime.reception import Receiver
 from fes.arrays.types import Floats
@@ -85,8 +86,10 @@ class Moment:
     tick: int
     positions: Floats
     """Of the robots present [n, 2] [m]."""
-    plans: tuple[Any, ...]
-    """Plans of these robots; None for a robot without one."""
+    plans: dict[int, Plan | None]
+    """Plans of these robots, by id; None for a robot without one."""
+    epochs: dict[int, int]
+    """Periods of their clocks, by id."""
 
 
 def moments(scenario: Scenario) -> Iterator[Moment]:
@@ -102,8 +105,9 @@ def moments(scenario: Scenario) -> Iterator[Moment]:
         received = receiver.receive(observed, beacons, memory.contacts.edges)
         memory, beacons, twists, _ = crew.step(robots, memory, observed.sensed, received)
         law: LawState = memory.formation
-        plans = tuple(plan for plan, is_there in zip(law.plans, present, strict=True) if is_there)
-        yield Moment(tick, state.poses[present, :2], plans)
+        ids = np.flatnonzero(present).tolist()
+        plans, epochs = {robot: law.plans[robot] for robot in ids}, {robot: int(law.epoch[robot]) for robot in ids}
+        yield Moment(tick, state.poses[present, :2], plans, epochs)
         state = truth.step(world, state, truth.held(state, twists))
 
 
@@ -135,9 +139,10 @@ class Outcome:
 
 def watch(scenario: Scenario, index: Index, every: int = 5) -> Outcome:
     """The outcome of a scenario whose formation law is marks and plans; F is computed at each `every` ticks."""
-    shares, least, cut, differing, contracted = [], np.inf, 0, 0, 0
+    shares, least, cut = [], np.inf, 0
     path, before = np.zeros(0), np.zeros((0, 2))
-    plans: tuple[Any, ...] = ()
+    made: dict[int, Counter[tuple[int, bytes, bytes]]] = defaultdict(Counter)
+    epochs: dict[int, int] = {}
     reach = scenario.channel.communication_range
     for moment in moments(scenario):
         positions = moment.positions
@@ -148,11 +153,12 @@ def watch(scenario: Scenario, index: Index, every: int = 5) -> Outcome:
         path, before = path + np.hypot(*(positions - before).T), positions
         if moment.tick % every == 0:
             shares.append(index.of(positions) / target(index, len(positions)))
-        if any(new is not old for new, old in zip(moment.plans, plans, strict=False)) or not plans:
-            made = Counter((p.ids.tobytes(), p.marks.tobytes()) for p in moment.plans if p is not None)
-            differing += made.total() - max(made.values(), default=0)
-            contracted += any(p is not None and p.kind == 1 for p in moment.plans)
-        plans = moment.plans
+        for robot, plan in moment.plans.items():
+            if plan is not None and epochs.get(robot) != moment.epochs[robot]:
+                made[moment.epochs[robot]][plan.kind, plan.ids.tobytes(), plan.marks.tobytes()] += 1
+        epochs = moment.epochs
+    differing = sum(plans.total() - max(plans.values()) for plans in made.values())
+    contracted = sum(any(kind == CONTRACT for kind, _, _ in plans) for plans in made.values())
     return Outcome(np.array(shares), every * scenario.run.dt, path, float(least), cut, differing, contracted)
 
 
