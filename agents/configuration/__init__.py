@@ -7,5 +7,5 @@ exchange    marks in beacons: what a robot sends, and which marks it accepts.
 planning    the plan of a set of marks: the same bytes give the same plan at every robot.
 assignment  assignment of robots to slots with the least sum of costs.
 connection  proof that a team stays connected on its way.
-course      where a robot goes by its plan, and where it will be.
+approach    where a robot goes by its plan, and where it will be.
 """

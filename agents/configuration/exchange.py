@@ -123,8 +123,8 @@ class Exchange:
     def _is_near(self, table: Table, heard: Heard, epoch: Ints) -> Bools:
         """True for marks to which a robot can have moved since its last mark [m].
 
-        A robot is within one period's way of its last mark, it moves for the periods since then, and its mark is
-        again within one period's way. So no mark of an honest robot is refused, however its body moves.
+        A robot is within one period's way of its last mark, and so is its next mark of the robot then. In between it
+        moves for the periods since. So no mark of an honest robot is refused, however its body moves.
         """
         if self._farthest is None:
             return np.ones(len(heard.rows), dtype=np.bool_)

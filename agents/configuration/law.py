@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from agents.configuration import course, planning, table
+from agents.configuration import approach, planning, table
+from agents.configuration.approach import Approach
 from agents.configuration.clock import Clock, Reading
-from agents.configuration.course import Course
 from agents.configuration.exchange import EMPTY, MOST, Exchange
 from agents.configuration.planning import Plan, Settings
 from agents.configuration.table import NOW, Table
@@ -45,7 +45,7 @@ class State:
     """The last id that each robot relayed [n]."""
     plans: tuple[Plan | None, ...]
     """The plan of each robot; None before its first one."""
-    course: Course
+    approach: Approach
 
 
 class MarksAndPlans:
@@ -78,7 +78,7 @@ class MarksAndPlans:
         n = self._n
         unknown = np.full(n, UNKNOWN)
         blank = table.empty(n, self._own)
-        return State(unknown, unknown, np.full(n, np.nan), blank, unknown, (None,) * n, course.none(n))
+        return State(unknown, unknown, np.full(n, np.nan), blank, unknown, (None,) * n, approach.none(n))
 
     def forget(self, state: State, restarted: Bools) -> State:
         """The state in which the robots `restarted` [n] know no mark and have no plan."""
@@ -89,7 +89,7 @@ class MarksAndPlans:
             table.forget(state.table, restarted),
             np.where(restarted, UNKNOWN, state.relayed),
             tuple(None if is_new else plan for is_new, plan in zip(restarted.tolist(), state.plans, strict=True)),
-            course.where(restarted, course.none(self._n), state.course),
+            approach.where(restarted, approach.none(self._n), state.approach),
         )
 
     def step(self, state: State, around: Neighborhood, links: LinkGeometry) -> Formed:
@@ -105,8 +105,8 @@ class MarksAndPlans:
         state = self._mark(state, clock, around.tick, positions, clock.epoch == before + 1)
 
         message, relayed = self._exchange.send(state.table, state.epoch, state.relayed)
-        pull = course.pull(state.course, positions, clock.time, self._context.dither, self._config.linear_gain)
-        details = np.stack([state.course.slot, state.course.kind], axis=1).astype(np.float64)
+        pull = approach.pull(state.approach, positions, clock.time, self._context.dither, self._config.linear_gain)
+        details = np.stack([state.approach.slot, state.approach.kind], axis=1).astype(np.float64)
         return Formed(
             replace(state, relayed=relayed), pull, message, details, quality_weight=self._quality_weight(state)
         )
@@ -116,12 +116,12 @@ class MarksAndPlans:
         periods = clock.epoch - state.epoch
         is_first = state.epoch == UNKNOWN
         is_planning = ~is_first & (periods == 1) & self._has_own(state.table)
-        plans, now = list(state.plans), state.course
+        plans, now = list(state.plans), state.approach
         if is_planning.any():
             for row in np.flatnonzero(is_planning).tolist():
                 ids, marks = state.table.known(row)
                 plans[row] = planning.plan(ids.tobytes(), marks.tobytes(), self._settings)
-            now = course.where(is_planning, self._course(plans, is_planning, clock.time), now)
+            now = approach.where(is_planning, self._approach(plans, is_planning, clock.time), now)
         # a robot that starts during a run, or whose clock was set back, may have marked this period before
         is_late = (is_first & (tick > 0)) | (~is_first & (periods < 0))
         listening = np.where(is_late, tick, np.where(periods > 0, UNKNOWN, state.listening))
@@ -131,13 +131,13 @@ class MarksAndPlans:
             listening=listening,
             table=table.advance(state.table, np.where(is_first, 2, periods)),
             plans=tuple(plans),
-            course=now,
+            approach=now,
         )
 
-    def _course(self, plans: list[Plan | None], is_planning: Bools, time: Floats) -> Course:
-        """The courses of the robots where `is_planning` [n], by their `plans`, which begin at `time` [n] [s]."""
-        result = course.none(self._n)
-        dither = course.swing(self._context.dither, time)
+    def _approach(self, plans: list[Plan | None], is_planning: Bools, time: Floats) -> Approach:
+        """The approaches of the robots where `is_planning` [n], by their `plans`, which begin at `time` [n] [s]."""
+        result = approach.none(self._n)
+        dither = approach.swing(self._context.dither, time)
         for row in np.flatnonzero(is_planning).tolist():
             plan = plans[row]
             assert plan is not None
@@ -168,7 +168,7 @@ class MarksAndPlans:
         if not len(rows):
             return state
         limit, dither = self._config.linear_limit, self._context.dither
-        places = course.predicted(state.course, positions, clock.time, self._clock.period, dither, limit)
+        places = approach.predicted(state.approach, positions, clock.time, self._clock.period, dither, limit)
         marks = np.concatenate([places, state.estimate[:, None]], axis=1)[rows]
         return replace(state, table=table.with_own(state.table, rows, self._own[rows], marks))
 
@@ -179,8 +179,8 @@ class MarksAndPlans:
 
     def _quality_weight(self, state: State) -> Floats:
         """beta [n] [1]: of the plan's shape, or before the first plan, of the number of ids that a robot knows."""
-        result = state.course.quality_weight
-        rows = np.flatnonzero(state.course.kind == planning.NONE)
+        result = state.approach.quality_weight
+        rows = np.flatnonzero(state.approach.kind == planning.NONE)
         if len(rows):
             result, number = result.copy(), np.minimum(state.table.counts(self._own), self._most)
             result[rows] = [self._weight(_rounded(count)) for count in number[rows].tolist()]

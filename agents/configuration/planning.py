@@ -61,7 +61,7 @@ class Plan:
     slots: Ints
     """Slot of each robot [n]; NO_SLOT in a contraction."""
     marks: Floats
-    """Where each robot is when the plan begins [n, 2] [m; world frame]."""
+    """Position of each robot when the plan begins [n, 2] [m; world frame]."""
     bases: Floats
     """[n, 2] [m; world frame]"""
     offsets: Floats
@@ -134,6 +134,6 @@ def _rotated(offsets: Floats, sine: float, cosine: float) -> Floats:
 
 def _squares(positions: Floats, places: Floats) -> Floats:
     """Squared distance from each of `positions` [n, 2] to each of `places` [n, 2] [n, n] [m^2]."""
-    dx, dy = (np.subtract.outer(positions[:, axis], places[:, axis]) for axis in (0, 1))
+    dx, dy = (positions[:, axis, None] - places[:, axis] for axis in (0, 1))
     squares: Floats = dx * dx + dy * dy
     return squares

@@ -28,7 +28,7 @@ MANY = 256
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """The marks that n robots know of N ids. An id takes a column once a robot of the crew has heard of it."""
+    """The marks that n robots know of N ids. An id has a column as soon as any robot of the crew heard it."""
 
     ids: Ints
     """Ids within the run, ascending [N]."""
@@ -84,10 +84,10 @@ def forget(table: Table, restarted: Bools) -> Table:
 def advance(table: Table, periods: Ints) -> Table:
     """The table when each robot's clock is this many `periods` further [n]; marks of other periods are gone."""
     is_known, marks = np.zeros_like(table.is_known), table.marks.copy()
-    stays, turns = periods == 0, periods == 1
-    is_known[:, stays] = table.is_known[:, stays]
-    is_known[NOW, turns] = table.is_known[NEXT, turns]
-    marks[NOW, turns] = table.marks[NEXT, turns]
+    is_same, is_next = periods == 0, periods == 1
+    is_known[:, is_same] = table.is_known[:, is_same]
+    is_known[NOW, is_next] = table.is_known[NEXT, is_next]
+    marks[NOW, is_next] = table.marks[NEXT, is_next]
     return replace(table, is_known=is_known, marks=marks)
 
 

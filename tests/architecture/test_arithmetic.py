@@ -46,7 +46,7 @@ ROUNDED_ONCE = words(
 )
 """Functions of numpy that are exact or correctly rounded, or apply + - * / one after the other."""
 
-NAMES = words("""bool_ dtype errstate float64 generic iinfo inf int64 nan pi uint64 uint8""")
+NAMES = words("""bool_ dtype errstate float32 float64 generic iinfo inf int64 nan pi uint64 uint8""")
 RANDOM = frozenset({"Philox"})
 EXACT = words("ceil copysign frexp inf isfinite isnan ldexp nan pi sqrt")
 """Functions and numbers of `math` that are exact; the rest calls the C library."""

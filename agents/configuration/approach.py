@@ -1,4 +1,4 @@
-"""The course of each robot by its plan: its goal, its pull, and where it will be when the next plan begins."""
+"""The approach of each robot by its plan: its goal, its pull, and where it will be when the next plan begins."""
 
 from typing import NamedTuple
 
@@ -13,8 +13,8 @@ Dither = tuple[float, float]
 """Amplitude [m] and frequency [rad/s] of a dither of all links."""
 
 
-class Course(NamedTuple):
-    """What each of n robots needs of its plan at every tick."""
+class Approach(NamedTuple):
+    """The part of its plan that each of n robots needs at every tick."""
 
     kind: Ints
     """Kind of the plan [n]; `planning.NONE` without one."""
@@ -32,18 +32,18 @@ class Course(NamedTuple):
     """beta of the plan's shape [n] [1]."""
 
 
-def none(n: int) -> Course:
-    """The course of robots without a plan."""
+def none(n: int) -> Approach:
+    """The approach of robots without a plan."""
     places, numbers = np.zeros((2, n, 2)), np.zeros((3, n))
-    return Course(np.full(n, NONE), np.full(n, NO_SLOT), *places, *numbers)
+    return Approach(np.full(n, NONE), np.full(n, NO_SLOT), *places, *numbers)
 
 
-def where(is_first: Bools, first: Course, second: Course) -> Course:
-    """The `first` course for the robots where `is_first` [n], the `second` one for the others."""
-    return Course(
+def where(is_first: Bools, first: Approach, second: Approach) -> Approach:
+    """The `first` approach for the robots where `is_first` [n], the `second` one for the others."""
+    return Approach(
         *(
-            np.where(is_first.reshape(-1, *[1] * (one.ndim - 1)), one, two)
-            for one, two in zip(first, second, strict=True)
+            np.where(is_first if chosen.ndim == 1 else is_first[:, None], chosen, others)
+            for chosen, others in zip(first, second, strict=True)
         )
     )
 
@@ -56,17 +56,17 @@ def swing(dither: Dither | None, time: Floats) -> Floats:
     return amplitude * elementary.sin_cos(frequency * time)[0]
 
 
-def pull(course: Course, positions: Floats, time: Floats, dither: Dither | None, gain: float) -> Floats:
+def pull(approach: Approach, positions: Floats, time: Floats, dither: Dither | None, gain: float) -> Floats:
     """Pull of robots at `positions` [n, 2] [m] at `time` [n] [s] by their own clocks, with the linear `gain` [1/s].
 
     (6) multiplies the pull by the gain, so that robots head to their goals at the common rate [n, 2] [m].
     """
-    goal = course.base + (course.spacing + swing(dither, time))[:, None] * course.offset
-    return (course.rate / gain)[:, None] * (goal - positions)
+    goal = approach.base + (approach.spacing + swing(dither, time))[:, None] * approach.offset
+    return (approach.rate / gain)[:, None] * (goal - positions)
 
 
 def predicted(
-    course: Course, positions: Floats, time: Floats, period: float, dither: Dither | None, limit: float | None
+    approach: Approach, positions: Floats, time: Floats, period: float, dither: Dither | None, limit: float | None
 ) -> Floats:
     """Positions after a `period` [s] of robots that are at `positions` [n, 2] [m] at `time` [n] [s] [n, 2] [m].
 
@@ -75,23 +75,23 @@ def predicted(
     So p(t + T) = q(t + T) + (p - q(t)) exp(-kappa T). No robot gets further than `limit` [m/s] allows. A robot
     without a plan stays.
     """
-    decay = elementary.exp(-course.rate * period)[:, None]
-    start, end = (_followed(course, instant, dither) for instant in (time, time + period))
+    decay = elementary.exp(-approach.rate * period)[:, None]
+    start, end = (_followed(approach, instant, dither) for instant in (time, time + period))
     way = (end - start) + (start - positions) * (1.0 - decay)
-    way = np.where((course.rate > 0.0)[:, None], way, 0.0)
+    way = np.where((approach.rate > 0.0)[:, None], way, 0.0)
     if limit is not None:
         length = geometry.separation(way[:, 0], way[:, 1])
         way *= np.minimum(1.0, limit * period / np.maximum(length, 1e-9))[:, None]
     return positions + way
 
 
-def _followed(course: Course, time: Floats, dither: Dither | None) -> Floats:
+def _followed(approach: Approach, time: Floats, dither: Dither | None) -> Floats:
     """q(t): the motion in which a robot ends at its rate [n, 2] [m]."""
-    length = course.spacing
+    length = approach.spacing
     if dither is not None:
         amplitude, frequency = dither
         sine, cosine = elementary.sin_cos(frequency * time)
-        square = np.maximum(course.rate * course.rate + frequency * frequency, 1e-300)
+        square = np.maximum(approach.rate * approach.rate + frequency * frequency, 1e-300)
         # kappa A (kappa sin - omega cos) / (kappa^2 + omega^2) = G A sin(omega t - phi)
-        length = length + amplitude * course.rate * (course.rate * sine - frequency * cosine) / square
-    return course.base + length[:, None] * course.offset
+        length = length + amplitude * approach.rate * (approach.rate * sine - frequency * cosine) / square
+    return approach.base + length[:, None] * approach.offset
