@@ -71,6 +71,19 @@ def test_twists_are_checked_as_they_are(twists: Any, message: str) -> None:
     assert refusal(FORMATION, Stub(Formed(None, np.zeros((N, 2)), twists=twists)), None, AROUND, None) == message
 
 
+@pytest.mark.parametrize(
+    ("weight", "message"),
+    [
+        (np.ones(N + 1), "the quality weight must have shape [3], got [4]"),
+        (np.full(N, np.nan), "the quality weight must be finite, got nan"),
+        (np.array([1.0, 0.0, -2.0]), "the quality weight must be positive, got 0"),
+    ],
+)
+def test_quality_weights_are_checked(weight: Any, message: str) -> None:
+    formed = Formed(None, np.zeros((N, 2)), quality_weight=weight)
+    assert refusal(FORMATION, Stub(formed), None, AROUND, None) == message
+
+
 def test_a_twist_that_is_not_a_number_leaves_the_pull_in_force() -> None:
     formed = Formed(None, np.zeros((N, 2)), twists=np.full((N, 2), np.nan))
     assert checked(FORMATION, Stub(formed)).step(None, AROUND, None) is formed
@@ -140,3 +153,14 @@ def test_the_numbers_that_a_seeking_law_publishes_have_the_declared_shapes() -> 
     law = checked(SEEKING, Law(Published(np.zeros(6), np.zeros((N, 1)), np.zeros((0, 6)))))
     with pytest.raises(FesError, match=r"the statistics must have shape \[3, 0\], got \[3, 1\]$"):
         law.publish(None, AROUND.links)
+
+
+def test_the_estimates_of_a_law_with_a_physical_dither_are_checked_and_those_of_others_are_not_asked_for() -> None:
+    class Law(Stub):
+        def estimates(self, state: Any, links: Any) -> Any:
+            return self.result
+
+    assert not hasattr(checked(SEEKING, Stub()), "estimates")
+    assert checked(SEEKING, Law(np.ones(6))).estimates(None, AROUND.links).tolist() == [1.0] * 6
+    with pytest.raises(FesError, match=r"the estimates must have shape \[6\], got \[5\]$"):
+        checked(SEEKING, Law(np.ones(5))).estimates(None, AROUND.links)
