@@ -32,8 +32,13 @@ class Clock:
 
     def read(self, tick: int) -> Reading:
         """The robots' clocks at a tick of the team. Before the own time 0, period 0 has begun already."""
-        skew = self._context.skew(tick, self._robots)
+        skew, n = self._context.skew(tick, self._robots), len(self._context.ids)
+        time = tick * self._context.dt + skew
+        if len(skew) == 1:  # all clocks agree
+            return Reading(np.full(n, self._epoch(tick, skew)[0]), np.full(n, time[0]))
+        return Reading(self._epoch(tick, skew), time)
+
+    def _epoch(self, tick: int, skew: Floats) -> Ints:
         shift = np.floor(skew / self._context.dt + 0.5).astype(np.int64)
-        n = len(self._context.ids)
-        epoch = np.maximum(tick + shift, 0) // self.ticks
-        return Reading(np.broadcast_to(epoch, n), np.broadcast_to(tick * self._context.dt + skew, n))
+        epoch: Ints = np.maximum(tick + shift, 0) // self.ticks
+        return epoch

@@ -55,43 +55,44 @@ class Exchange:
         mark = [("id", "<u2"), ("mark", "<f4", (3,))]
         self._layout = np.dtype([("epoch", "<u4"), ("marks", mark, (1 + relayed,))])
         self._own, self._relayed, self._most, self._farthest = own, relayed, most, farthest
+        self._lookup = (np.zeros(0, dtype=np.int64),) * 2
         self.size = self._layout.itemsize
         """Bytes in each beacon."""
 
     def send(self, table: Table, epoch: Ints, last: Ints) -> tuple[Bytes, Ints]:
         """The bytes for the robots' beacons [n, b], and the last id that each relayed [n]; before, it was `last`."""
-        n, columns = len(self._own), np.arange(len(table.ids))
+        n, columns = len(self._own), len(table.ids)
         rows, own = np.arange(n), table.columns(self._own)
+        is_known = table.is_known[NOW]
+        # its own mark is first; then by turns the others, from the id that follows the last one
+        first = np.searchsorted(table.ids, last, side="right")
+        turn = np.where(is_known, (np.arange(columns) - first[:, None]) % columns, columns)
+        turn[rows, own] = -1
+        chosen = turn.argsort(axis=1, kind="stable")[:, : 1 + self._relayed]
+        is_sent = turn[rows[:, None], chosen] < columns
+        is_sent[:, 0] = is_known[rows, own]
+
         message = np.zeros(n, dtype=self._layout)
         message["epoch"] = epoch % _WRAP
         ids, marks = message["marks"]["id"], message["marks"]["mark"]
-        is_known = table.is_known[NOW]
-        ids[:, 0] = np.where(is_known[rows, own], self._own, EMPTY)
-        marks[:, 0] = table.marks[NOW, rows, own]
-        # by turns: the others whose ids follow the last one come first
-        first = np.searchsorted(table.ids, last, side="right")
-        turn = np.where(is_known, (columns - first[:, None]) % len(columns), len(columns))
-        turn[rows, own] = len(columns)
-        chosen = turn.argsort(axis=1, kind="stable")[:, : self._relayed]
-        is_sent = turn[rows[:, None], chosen] < len(columns)
-        ids[:, 1:] = EMPTY
-        ids[:, 1 : 1 + chosen.shape[1]] = np.where(is_sent, table.ids[chosen], EMPTY)
-        marks[:, 1 : 1 + chosen.shape[1]] = table.marks[NOW, rows[:, None], chosen]
-        marks[message["marks"]["id"] == EMPTY] = 0.0
-        count = np.count_nonzero(is_sent, axis=1)
-        last = np.where(count > 0, table.ids[chosen[rows, np.maximum(count - 1, 0)]], last)
+        ids[:, chosen.shape[1] :] = EMPTY
+        ids[:, : chosen.shape[1]] = np.where(is_sent, table.ids[chosen], EMPTY)
+        marks[:, : chosen.shape[1]] = np.where(is_sent[:, :, None], table.marks[NOW, rows[:, None], chosen], 0.0)
+        count = np.count_nonzero(is_sent[:, 1:], axis=1)
+        last = np.where(count > 0, table.ids[chosen[rows, count]], last)
         return message.view(np.uint8).reshape(n, -1), last
 
     def hear(self, table: Table, epoch: Ints, around: Neighborhood) -> Table:
         """The table with the marks accepted from the beacons of the previous tick; `epoch` [n] is each robot's."""
-        heard = self._read(epoch, around)
+        heard = self._unknown(table, epoch, around)
         if not len(heard.rows):
             return table
+        # its own mark of the next period can only be forged: it has not made it yet
+        is_own = heard.ids == self._own[heard.rows]
+        is_bounded = (np.abs(heard.marks) <= FARTHEST).all(axis=1) & (heard.marks[:, 2] > 0.0)
+        heard = heard.where(is_bounded & (~is_own | (heard.period == NOW)))
         if not np.isin(heard.ids, table.ids).all():
             table = tables.grown(table, heard.ids, int(epoch.min()) - REMEMBERED)
-        heard = heard.where(~table.is_known[heard.period, heard.rows, table.columns(heard.ids)])
-        if not len(heard.rows):
-            return table
         heard = heard.where(self._is_near(table, heard, epoch))
         key = (heard.period * len(epoch) + heard.rows) * (EMPTY + 1) + heard.ids
         is_first = np.zeros(len(key), dtype=np.bool_)
@@ -101,24 +102,29 @@ class Exchange:
         epochs = epoch[heard.rows] + heard.period
         return tables.with_heard(table, heard.period, heard.rows, heard.ids, epochs, heard.marks)
 
-    def _read(self, epoch: Ints, around: Neighborhood) -> Heard:
-        """The marks in the beacons of the previous tick that are well-formed, and of a period that counts."""
-        contacts, size = around.contacts, self._layout.itemsize
+    def _unknown(self, table: Table, epoch: Ints, around: Neighborhood) -> Heard:
+        """The marks in the beacons of the previous tick, of a period that counts, that their hearers do not know."""
+        contacts = around.contacts
         positions = np.flatnonzero(around.is_heard)
-        message = np.ascontiguousarray(contacts.declared[positions, :size]).view(self._layout).reshape(-1)
-        count = 1 + self._relayed
-        rows = contacts.edges.rows[positions]
+        message = np.ascontiguousarray(contacts.declared[positions, : self.size]).view(self._layout)[:, 0]
+        rows, ids = contacts.edges.rows[positions], message["marks"]["id"]
         period = (message["epoch"].astype(np.int64) - epoch[rows] + _WRAP // 2) % _WRAP - _WRAP // 2
-        heard = Heard(
-            np.repeat(rows, count),
-            np.repeat(period, count),
-            message["marks"]["id"].astype(np.int64).reshape(-1),
-            message["marks"]["mark"].reshape(-1, 3),
-        )
-        heard = heard.where((heard.ids != EMPTY) & ((heard.period == NOW) | (heard.period == NEXT)))
-        is_bounded = (np.abs(heard.marks) <= FARTHEST).all(axis=1) & (heard.marks[:, 2] > 0.0)
-        # its own mark of the next period can only be forged: it has not made it yet
-        return heard.where(is_bounded & ((heard.ids != self._own[heard.rows]) | (heard.period == NOW)))
+        is_current = (period == NOW) | (period == NEXT)
+        columns = self._columns(table).take(ids)
+        is_known = table.is_known[np.where(is_current, period, NOW)[:, None], rows[:, None], columns]
+        is_unknown = ~(is_known & (columns >= 0)) & (ids != EMPTY) & is_current[:, None]
+        beacon, place = is_unknown.nonzero()
+        marks = message["marks"]["mark"][beacon, place]
+        return Heard(rows[beacon], period[beacon], ids[beacon, place].astype(np.int64), marks)
+
+    def _columns(self, table: Table) -> Ints:
+        """Column of each possible id in the table, or -1 [65536]; kept while the table has the same ids."""
+        known, columns = self._lookup
+        if known is not table.ids:
+            columns = np.full(EMPTY + 1, -1)
+            columns[table.ids] = np.arange(len(table.ids))
+            self._lookup = table.ids, columns
+        return columns
 
     def _is_near(self, table: Table, heard: Heard, epoch: Ints) -> Bools:
         """True for marks to which a robot can have moved since its last mark [m].
