@@ -9,8 +9,7 @@ import json
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -19,64 +18,17 @@ from agents.configuration.planning import CONTRACT, Plan
 from agents.control import crew
 from agents.runtime.reception import Receiver
 from fes.arrays.types import Floats
-from fes.model.config import ChannelConfig, ObjectiveConfig
+from fes.model.config import ObjectiveConfig
 from fes.model.sensing import no_beacons
-from fes.shapes import routes
 from fes.shapes.choice import shape
 from tests.support.configuration_starts import distances, is_connected, poses
+from tests.support.index_of_a_team import Index, spacing, target
 from world.config import scenario as scenarios
 from world.config.scenario import Scenario, agent_config
 from world.simulation import truth
 
 LIMIT = 5.0
 """Largest speed in the reference table [m/s]."""
-
-
-class Index(NamedTuple):
-    """The team index by its definition, as one program for tests: exp(Phi) with one loss, for a Rayleigh channel."""
-
-    objective: ObjectiveConfig = ObjectiveConfig()
-    channel: ChannelConfig = ChannelConfig()
-
-    def coverage(self, separation: Floats) -> Floats:
-        """ln c."""
-        return np.log(-np.expm1(-((separation / self.objective.minimum_separation) ** self.objective.shape_exponent)))
-
-    def cost(self, separation: Floats) -> Floats:
-        """w = -ln q; infinite out of range."""
-        channel = self.channel
-        threshold = (2.0**channel.spectral_efficiency - 1.0) / channel.reference_snr
-        loss = threshold * (separation / channel.reference_distance) ** channel.path_loss_exponent
-        reach = (separation / self.objective.maximum_separation) ** self.objective.shape_exponent
-        return np.where(separation <= channel.communication_range, loss + reach, np.inf)
-
-    def of(self, positions: Floats) -> float:
-        """F of robots at `positions` [n, 2] [m]."""
-        n, distance = len(positions), distances(positions)
-        crowding = self.coverage(np.where(np.isinf(distance), 1e9, distance)).sum() / n
-        cost = self.cost(distance)
-        np.fill_diagonal(cost, 0.0)
-        delays = [routes.between(routes.relayed(cost, range(n))).mean()]
-        if n > 2:
-            delays += [routes.between(c, lost).mean() for lost, c in routes.without_each(cost, range(n))]
-        return float(np.exp(self.objective.coverage_weight * crowding - max(delays)))
-
-    def best_spacing(self, quality_weight: float) -> float:
-        """r_beta [m]: the separation that maximizes ln c + beta ln q, on a grid of 1 mm."""
-        grid = np.arange(20.0, self.channel.communication_range, 1e-3)
-        return float(grid[np.argmax(self.coverage(grid) - quality_weight * self.cost(grid))])
-
-
-@lru_cache
-def spacing(index: Index, n: int) -> float:
-    """r_beta of the patch of `n` robots [m]."""
-    return index.best_spacing(shape("lattice", n, 1).quality_weight(1, index.objective.coverage_weight))
-
-
-@lru_cache
-def target(index: Index, n: int) -> float:
-    """F of the patch of `n` robots at r_beta."""
-    return index.of(spacing(index, n) * shape("lattice", n, 1).slots)
 
 
 @dataclass
@@ -120,7 +72,7 @@ class Outcome:
     every: float
     """Time between two samples [s]."""
     path: Floats
-    """Way of each robot that was there throughout [n] [m]."""
+    """Way of each robot since the last death or joiner [n] [m]."""
     least: float
     """Smallest separation of two robots at any tick [m]."""
     cut: int
@@ -148,7 +100,7 @@ def watch(scenario: Scenario, index: Index, every: int = 5) -> Outcome:
         positions = moment.positions
         distance = distances(positions)
         least, cut = min(least, distance.min()), cut + (not is_connected(distance, reach))
-        if len(positions) != len(before):
+        if moment.epochs.keys() != epochs.keys():
             path, before = np.zeros(len(positions)), positions
         path, before = path + np.hypot(*(positions - before).T), positions
         if moment.tick % every == 0:
@@ -194,13 +146,32 @@ def scenario(
     return scenarios.with_overrides(scenarios.parse(tables, kind), paths)
 
 
+def with_events(what: Scenario, index: Index, at: float, dying: int, joining: int) -> Scenario:
+    """The scenario in which so many random robots die `at` [s], and so many more join, 20 to 100 m off the patch."""
+    n, random = what.robots.number, np.random.default_rng([what.run.seed, 7])
+    assert what.robots.poses is not None
+    starts = np.array(what.robots.poses)
+    center = starts[:, :2].mean(axis=0)
+    reach = shape("lattice", n, 1).reach * spacing(index, n)
+    joiners = []
+    for angle in random.uniform(-np.pi, np.pi, joining):
+        way = (reach + random.uniform(20.0, 100.0)) * np.array([np.cos(angle), np.sin(angle)])
+        joiners.append((*(center + way).tolist(), float(angle)))
+    ids = list(range(n, n + joining))
+    dead = random.permutation(n)[:dying].tolist()
+    events = [{"at": 0.0, "kill": ids}] if ids else []
+    events.append({"at": at, "kill": dead, "restart": ids})
+    poses = [*starts.tolist(), *joiners]
+    return scenarios.with_overrides(what, {"robots.poses": [tuple(pose) for pose in poses], "event": events})
+
+
 HEADS = ("start", "n", "runs", "end >= .99", "t97 [s]", "t99 [s]", "path [m]", "least [m]", "cut", "differ")
 
 
-def summary(kind: str, n: int, outcomes: Sequence[Outcome]) -> str:
-    """One line of the table: medians and largest values over the runs."""
+def summary(kind: str, n: int, outcomes: Sequence[Outcome], after: float = 0.0) -> str:
+    """One line of the table: medians and largest values over the runs, times since `after` [s]."""
     good = sum(bool(outcome.share[-1] >= 0.99) for outcome in outcomes)
-    times = [np.array([outcome.settled(share) for outcome in outcomes]) for share in (0.97, 0.99)]
+    times = [np.array([outcome.settled(share, after) for outcome in outcomes]) for share in (0.97, 0.99)]
     of_times = [f"{np.median(values):.1f}/{values.max():.1f}" for values in times]
     path = f"{np.mean([o.path.mean() for o in outcomes]):.0f}/{max(o.path.max() for o in outcomes):.0f}"
     least = f"{min(o.least for o in outcomes):.1f}"
@@ -220,6 +191,9 @@ def main() -> None:
     parser.add_argument("--every", type=int, default=5)
     parser.add_argument("--minimum-separation", type=float, default=50.0)
     parser.add_argument("--seeking", choices=["fixed", *SEEKING], default="oracle")
+    parser.add_argument("--die", type=int, default=0, help="robots that die at the time `--at`")
+    parser.add_argument("--join", type=int, default=0, help="robots that join at the time `--at`")
+    parser.add_argument("--at", type=float, default=0.0, help="[s]")
     parser.add_argument("--set", nargs="*", default=[], help="further settings, such as formation.plan_period=1.0")
     arguments = parser.parse_args()
     seeking = arguments.seeking
@@ -229,9 +203,14 @@ def main() -> None:
     index = Index(ObjectiveConfig(minimum_separation=arguments.minimum_separation))
     print(*HEADS, sep=" | ", flush=True)
     for kind in arguments.kinds:
-        seeds = range(arguments.first, arguments.first + arguments.runs)
-        runs = (scenario(kind, arguments.n, seed, arguments.duration, index, seeking, **settings) for seed in seeds)
-        print(summary(kind, arguments.n, [watch(run, index, arguments.every) for run in runs]), flush=True)
+        runs = [
+            scenario(kind, arguments.n, arguments.first + run, arguments.duration, index, seeking, **settings)
+            for run in range(arguments.runs)
+        ]
+        if arguments.die or arguments.join:
+            runs = [with_events(run, index, arguments.at, arguments.die, arguments.join) for run in runs]
+        outcomes = [watch(run, index, arguments.every) for run in runs]
+        print(summary(kind, arguments.n, outcomes, arguments.at), flush=True)
 
 
 if __name__ == "__main__":

@@ -18,7 +18,8 @@ from fes.extension.protocols import Formed
 from fes.model.sensing import no_beacons
 from fes.shapes.choice import shape
 from tests.support import loop
-from tests.support.configuration_runs import Index, moments, scenario, watch
+from tests.support.configuration_runs import moments, scenario, watch
+from tests.support.index_of_a_team import Index
 from world.config.scenario import Scenario, agent_config
 from world.simulation import truth
 
