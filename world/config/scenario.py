@@ -88,7 +88,7 @@ class Scenario(Table):
 
     @model_validator(mode="after")
     def _stable(self) -> Self:
-        stability.check(self.run.dt, self.seeking, self.formation)
+        stability.check(self.run.dt, self.seeking, self.formation, self.objective)
         return self
 
     @model_validator(mode="after")

@@ -51,6 +51,7 @@ CONTRACT = {
     "links_gap_longest": float,
     "unscheduled_absences": int,
     "links_lost_at": type(None),
+    "smallest_separation": float,
     "model_free": type(None),
     "metrics": dict,
     "expectations": list,
