@@ -77,7 +77,9 @@ class MetricsCollector:
             self.deadlines.add(state.tick, state.present, command_ticks)
         self._add_absences(state)
         present = state.present
-        self.smallest_separation = neighbor_list.smallest(state.proximity, state.poses, present, self.smallest_separation)
+        self.smallest_separation = neighbor_list.smallest(
+            state.proximity, state.poses, present, self.smallest_separation
+        )
         truth = self._tick_truth(state, twists, telemetry)
         self.link_errors.add(truth)
         self.tracking.add(state.tick, truth.optimal, truth.is_changed, self._team_errors(truth))
