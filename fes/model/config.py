@@ -127,6 +127,12 @@ class FormationConfig(Table):
     """Largest angular speed [rad/s]; none by default, as in the paper."""
     contact_timeout: Annotated[float, Field(gt=0, le=1e6)] = 1.0
     """Time without a beacon after which a peer is no longer a contact [s]."""
+    safe_separation: Positive | None = None
+    """Separation below which two robots never come [m]; none by default. It needs `linear_limit`."""
+    separation_gain: Positive = 1.0
+    """Rate at which the separation of two robots may approach the safe one [1/s]."""
+    give_way_gain: NonNegative = 1.0
+    """Gain with which robots pass each other on the right, where the safe separation bounds their motion [1]."""
 
     @property
     def acting_law(self) -> str | Use:

@@ -134,6 +134,12 @@ SUMMARY = (
         "a robot has one at the end, or no contact could open yet",
     ),
     Quantity(
+        "smallest_separation",
+        "m",
+        "Smallest separation of two robots that were present, over all ticks.",
+        "fewer than two robots were present",
+    ),
+    Quantity(
         "model_free",
         "",
         "True if no process of the robots has loaded the channel's formula.",

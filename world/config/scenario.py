@@ -72,7 +72,7 @@ class Scenario(Table):
 
     @model_validator(mode="after")
     def _stable(self) -> Self:
-        stability.check(self.run.dt, self.seeking, self.formation)
+        stability.check(self.run.dt, self.seeking, self.formation, self.objective)
         rules.check(self.formation, self.seeking, self.objective, self.run.dt, self.robots.number)
         return self
 

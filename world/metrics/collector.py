@@ -25,7 +25,7 @@ from world.metrics.link_errors import LinkErrors
 from world.metrics.period_average import PeriodAverage
 from world.metrics.tick_truth import TickTruth
 from world.metrics.tracking import TeamErrors, Tracking
-from world.simulation import reception
+from world.simulation import neighbor_list, reception
 from world.simulation.channel import Radio
 from world.simulation.truth import State
 
@@ -57,6 +57,8 @@ class MetricsCollector:
         """Deadlines of the live clock; None in lockstep."""
         self.unscheduled_absences = 0
         """Number of robot-ticks without the robot, although it was present by schedule."""
+        self.smallest_separation = math.inf
+        """Smallest separation of two robots present at any tick so far [m]; infinite without two of them."""
         self.is_model_free: bool | None = None
         """False if a robot was told the channel, True if none was; None where that is not known."""
         context = reception.context(scenario)
@@ -74,6 +76,10 @@ class MetricsCollector:
         if self.deadlines is not None and command_ticks is not None:
             self.deadlines.add(state.tick, state.present, command_ticks)
         self._add_absences(state)
+        present = state.present
+        self.smallest_separation = neighbor_list.smallest(
+            state.proximity, state.poses, present, self.smallest_separation
+        )
         truth = self._tick_truth(state, twists, telemetry)
         self.link_errors.add(truth)
         self.tracking.add(state.tick, truth.optimal, truth.is_changed, self._team_errors(truth))

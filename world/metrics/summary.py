@@ -61,6 +61,7 @@ def summarize(metrics: MetricsCollector, name: str, backend: str, wall: float) -
         "links_gap_longest": errors.longest_gap * scenario.run.dt,
         "unscheduled_absences": metrics.unscheduled_absences,
         "links_lost_at": errors.links_lost_at,
+        "smallest_separation": metrics.smallest_separation,
         "model_free": metrics.is_model_free,
         "metrics": metrics.team_numbers(),
     }
