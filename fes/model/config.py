@@ -76,6 +76,8 @@ class ObjectiveConfig(Table):
     """Weight of coverage against delivery in the team index [1] (lambda)."""
     losses: Literal[0, 1] = 1
     """Losses of a robot that the team index prepares for."""
+    team_index: bool = False
+    """Computes the team index also where no configuration is sought."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:

@@ -23,6 +23,7 @@ from world.metrics import deadlines, link_errors
 from world.metrics.best_separation import best_separation
 from world.metrics.link_errors import LinkErrors
 from world.metrics.period_average import PeriodAverage
+from world.metrics.team.progress import TeamProgress
 from world.metrics.tick_truth import TickTruth
 from world.metrics.tracking import TeamErrors, Tracking
 from world.simulation import neighbor_list, reception
@@ -61,6 +62,8 @@ class MetricsCollector:
         """Smallest separation of two robots present at any tick so far [m]; infinite without two of them."""
         self.is_model_free: bool | None = None
         """False if a robot was told the channel, True if none was; None where that is not known."""
+        self.team = TeamProgress(scenario) if scenario.has_team_index else None
+        """Progress of the team index; None where it is not asked for."""
         context = reception.context(scenario)
         self.extensions = {metric.key: registry.create(METRIC, metric.choice, context) for metric in scenario.metric}
         """Metrics of the scenario, by name."""
@@ -88,6 +91,8 @@ class MetricsCollector:
         if telemetry.is_model_free is not None:
             self.is_model_free = telemetry.is_model_free and self.is_model_free is not False
         self.state, self.telemetry = state, telemetry
+        if self.team is not None:
+            self.team.add(state)
         if self.extensions:
             seen = _read_only(truth)
             for metric in self.extensions.values():  # the last step: after an error the tick is complete without it

@@ -65,6 +65,8 @@ def summarize(metrics: MetricsCollector, name: str, backend: str, wall: float) -
         "model_free": metrics.is_model_free,
         "metrics": metrics.team_numbers(),
     }
+    if metrics.team is not None:
+        values |= metrics.team.table(metrics.state, metrics.telemetry)
     values[quantities.VERDICTS] = expectations.verdicts(scenario.expect, values)
     summary: dict[str, Any] = strict_json.finite(quantities.ordered(values))
     return summary
