@@ -8,9 +8,10 @@ from functools import partial
 
 import numpy as np
 
-from agents.control import clocks, contacts, links, motion, transmitter
+from agents.control import clocks, contacts, links, motion, separation, transmitter
 from agents.control.links import Links
 from agents.control.state import Crew, CrewState
+from fes.arrays import geometry
 from fes.arrays.types import Bools, Floats, Ints
 from fes.errors import FesError
 from fes.extension import crew_laws
@@ -19,7 +20,8 @@ from fes.extension.neighborhood import Entry, Neighborhood
 from fes.extension.protocols import Formed, Published
 from fes.model import counts, stability
 from fes.model.config import AgentConfig
-from fes.model.sensing import MAX_NUMBER, Beacons, Received, Sensed, Telemetry, bounded
+from fes.model.contacts import Contacts
+from fes.model.sensing import MAX_NUMBER, OPENING_TICKS, Beacons, Received, Sensed, Telemetry, bounded
 from fes.model.table import Use
 
 FIRST_EXCHANGE_TICKS = 2
@@ -32,7 +34,7 @@ def create(config: AgentConfig, ids: Ints, draws: Draws | None = None) -> Crew:
     Random numbers come from `draws`, by default from the seed of `config`.
     """
     try:
-        stability.check(config.dt, config.seeking, config.formation)
+        stability.check(config.dt, config.seeking, config.formation, config.objective)
     except ValueError as error:
         raise FesError(f"the run's settings: {error}") from None
     numbers = SeededDraws(config.seed) if draws is None else draws
@@ -89,7 +91,7 @@ def step(
     without_dither = crew.estimates(sought, used.edges) if crew.estimates else None
     formed = crew.formation.step(state.formation, around, links.geometry(known, used, desired, without_dither))
     around = around._replace(quality_weight=formed.quality_weight)
-    twists = motion.twists(crew.ids, formed, sensed, crew.config.dt, crew.config.formation)
+    twists = _twists(crew, formed, sensed, known, since)
     sought = crew.seeking.measure(sought, around, formed)
     published = crew.seeking.publish(sought, used.edges)
     beacons = _beacons(sensed, used, selected, published, formed)
@@ -98,6 +100,15 @@ def step(
     sought = crew.seeking.seek(sought, around)
     after = CrewState(sensed.poses, known, used, formed.state, sought, linked_since, since, unsent)
     return after, beacons, twists, telemetry
+
+
+def _twists(crew: Crew, formed: Formed, sensed: Sensed, known: Contacts, since: Ints) -> Floats:
+    """The twists [n, 2] that follow the pull, and keep the safe separation if the robots have one."""
+    dt, config = crew.config.dt, crew.config.formation
+    peers = separation.near(known, sensed, dt, config)
+    free = motion.twists(crew.ids, separation.give_way(formed, peers, config), sensed, dt, config)
+    is_new = sensed.tick - since < OPENING_TICKS
+    return separation.slow_down(free, peers, sensed.poses[:, geometry.HEADING], is_new, dt, config)
 
 
 def _relink(

@@ -2,6 +2,7 @@
 
 neighbor_rules        neighbor rules: the contacts that become links.
 formation             distance-based formation control (9).
+goals                 a goal of its own for each robot.
 seeking_perturbation  seeking laws that climb an index by perturbation: with samples of J, and the base of the oracle.
 seeking_measured      seeking laws that climb the slope of ln J measured by counting beacons.
 learners              the learners of the channel: one per robot, or one per link end.

@@ -33,6 +33,7 @@ PURPOSES = {
     "relative_neighborhood": "Each peer, unless a third robot is nearer to both than they are to each other.",
     "tolerant_relative_neighborhood": "The same, but a third robot must be nearer to both by `link_tolerance`.",
     "paper": "The sum of the separation errors of a robot's links, as in the paper.",
+    "goals": "A goal of its own for each robot.",
     "alpha_lattice": "Flocking to a lattice of equal spacings (Olfati-Saber 2006).",
     "connectivity": "A tension that grows without bound as a link gets as long as the reach (Ji & Egerstedt 2007).",
     "gradient": "The gradient of the quality of the links (Heng Li et al. 2015).",

@@ -88,6 +88,7 @@ FORMATION = Kind(
     "fes.formation_laws",
     {
         "paper": "agents.laws.formation:PaperFormation",
+        "goals": "agents.laws.goals:Goals",
         "alpha_lattice": "agents.rivals.alpha_lattice:AlphaLattice",
         "connectivity": "agents.rivals.connectivity:Connectivity",
         "gradient": "agents.rivals.gradient:Gradient",

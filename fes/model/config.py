@@ -76,6 +76,8 @@ class ObjectiveConfig(Table):
     """Weight of coverage against delivery in the team index [1] (lambda)."""
     losses: Literal[0, 1] = 1
     """Losses of a robot that the team index prepares for."""
+    team_index: bool = False
+    """Computes the team index also where no configuration is sought."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -127,6 +129,12 @@ class FormationConfig(Table):
     """Largest angular speed [rad/s]; none by default, as in the paper."""
     contact_timeout: Annotated[float, Field(gt=0, le=1e6)] = 1.0
     """Time without a beacon after which a peer is no longer a contact [s]."""
+    safe_separation: Positive | None = None
+    """Separation below which two robots never come [m]; none by default. It needs `linear_limit`."""
+    separation_gain: Positive = 1.0
+    """Rate at which the separation of two robots may approach the safe one [1/s]."""
+    give_way_gain: NonNegative = 1.0
+    """Gain with which robots pass each other on the right, where the safe separation bounds their motion [1]."""
 
     @property
     def acting_law(self) -> str | Use:

@@ -23,6 +23,12 @@ def preference(separation: Floats, objective: ObjectiveConfig) -> Floats:
     return preference
 
 
+def coverage(separation: Floats, objective: ObjectiveConfig) -> Floats:
+    """c(r) = 1 - exp(-(r/r_min)^s) at `separation` [m], any shape: the factor of (16) that rises with it."""
+    spread = elementary.power(separation / objective.minimum_separation, objective.shape_exponent)
+    return elementary.one_minus_exp(spread)
+
+
 def share_of_reach(objective: ObjectiveConfig) -> float:
     """(r_min/r_x)^s, by which the exponent of the second factor of (16) follows from that of the first."""
     return _power(objective.minimum_separation / objective.maximum_separation, objective.shape_exponent)

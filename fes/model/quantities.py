@@ -25,6 +25,8 @@ class Quantity(NamedTuple):
     null: str = ""
     """Condition under which the value is null; any number that is not finite is null too."""
     kind: str = NUMBER
+    is_optional: bool = False
+    """True if only some summaries have the key."""
 
 
 LEVELS = {
@@ -36,6 +38,10 @@ LEVELS = {
 }
 """Key of `time_to` -> an error over the links, and the level [m] that it must stay below."""
 
+TEAM_LEVELS = {"team_index_95_at": 0.95, "team_index_99_at": 0.99}
+"""Key of a summary -> a share of the team index's target, at which it must stay."""
+
+_NO_INDEX = "there are fewer than two robots, or more than 100"
 _NO_LINKS = "no robot has a link at the end"
 _NO_TIME = "no wall-clock time passed"
 _NOT_SETTLED = "the segment ended within 60 s"
@@ -134,11 +140,52 @@ SUMMARY = (
         "a robot has one at the end, or no contact could open yet",
     ),
     Quantity(
+        "smallest_separation",
+        "m",
+        "Smallest separation of two robots that were present, over all ticks.",
+        "fewer than two robots were present",
+    ),
+    Quantity(
         "model_free",
         "",
         "True if no process of the robots has loaded the channel's formula.",
         "world and robots share a process",
         kind=FLAG,
+    ),
+    Quantity(
+        "team_index",
+        "1",
+        "Team index F: coverage and delivery of the whole team, after the worst loss of a robot.",
+        _NO_INDEX,
+        is_optional=True,
+    ),
+    Quantity(
+        "team_index_target",
+        "1",
+        "F of the shape that the team takes up, or of the patch of the lattice, at the best length of its links.",
+        f"{_NO_INDEX}, or the channel has no r*",
+        is_optional=True,
+    ),
+    Quantity(
+        "cutting_robots", "robots", "Robots whose loss would cut the links in use at the last tick.", is_optional=True
+    ),
+    Quantity("covered_area", "m^2", "Area within r_min of a robot at the last tick.", is_optional=True),
+    Quantity(
+        "delivery_after_loss",
+        "1",
+        "Geometric mean over pairs of robots of the quality of their best route, after the worst loss.",
+        _NO_INDEX,
+        is_optional=True,
+    ),
+    *(
+        Quantity(
+            name,
+            "s",
+            f"Time from which the team index stays at {share:.0%} of its target or above, up to the end.",
+            "it is below at the end, or either is null",
+            is_optional=True,
+        )
+        for name, share in TEAM_LEVELS.items()
     ),
     Quantity(
         "metrics.*.*",
@@ -152,6 +199,9 @@ SUMMARY = (
     Quantity("expectations[].holds", "", "True if the value meets the expectation.", kind=FLAG),
 )
 """Every value of a summary, in the order of `summary.json`."""
+
+OPTIONAL = frozenset(quantity.name for quantity in SUMMARY if quantity.is_optional)
+"""Keys of the team index: in a summary only where a configuration is sought, or the objective asks for it."""
 
 VERDICTS = "expectations"
 """Key of the summary that no expectation can name."""
@@ -183,8 +233,13 @@ def _shape(node: Any) -> Shape:
 
 
 def ordered(values: dict[str, Any]) -> dict[str, Any]:
-    """The values of a summary in the order of the table; raises KeyError unless their keys are the table's."""
-    keys = shape()
-    if keys.keys() != values.keys():
-        raise KeyError(f"only in the summary, or only in its table: {sorted(keys.keys() ^ values.keys())}")
+    """The values of a summary in the order of the table; raises KeyError unless their keys are the table's.
+
+    Optional ones are all there, or none of them.
+    """
+    keys = list(shape())
+    if not values.keys() & OPTIONAL:
+        keys = [key for key in keys if key not in OPTIONAL]
+    if set(keys) != values.keys():
+        raise KeyError(f"only in the summary, or only in its table: {sorted(set(keys) ^ values.keys())}")
     return {key: values[key] for key in keys}

@@ -1,9 +1,11 @@
 """Report: world to observers, several times per second. It holds the truth, and the telemetry of the robots.
 
 No agent subscribes to it. Quantities that do not exist yet (such as an estimate of a robot without links) are NaN.
+Its last field is about the team index. A Report without it is to the byte one of fes 0.5.
 """
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -37,6 +39,11 @@ _NUMBERS = (
     "changed_at",
     "tracking_time",
 )
+_TEAM_NUMBERS = ("team_index", "team_index_target", "delivery_after_loss")
+
+
+def _none() -> Ints:
+    return np.zeros(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -107,6 +114,20 @@ class Report:
     """Commands of each robot that arrived after their deadline [n]; [0] in lockstep."""
     disk_connected: bool
     """True if the graph of all robots in range is connected."""
+    has_team_index: bool = False
+    """True if the world computes the team index; without it the fields below have their defaults."""
+    team_index: float = math.nan
+    """Team index F [1]."""
+    team_index_target: float = math.nan
+    """F of the shape that the team takes up, at its best link length [1]."""
+    delivery_after_loss: float = math.nan
+    """Geometric mean over pairs of the quality of their best route, after the worst loss [1]."""
+    cutting: Ints = field(default_factory=_none)
+    """Robots whose loss would cut the links in use, ascending [k]."""
+    slots: Ints = field(default_factory=_none)
+    """Place of each robot in the shape, -1 without one [n]; [0] if no configuration is sought."""
+    plans: Ints = field(default_factory=_none)
+    """What each robot follows [n]: 0 a direct plan, 1 a contraction, 2 none; [0] if no configuration is sought."""
 
 
 def encode_report(report: Report) -> bytes:
@@ -125,14 +146,15 @@ def encode_report(report: Report) -> bytes:
         report.beacons_decoded,
         report.disk_connected,
         [report.missed.astype("<i8").tobytes(), report.late.astype("<i8").tobytes()],
+        *([_encode_team(report)] if report.has_team_index else []),
     )
 
 
 def decode_report(payload: bytes) -> Report:
     """The Report in a payload; raises MessageError."""
     name = "Report"
-    fields = wire.unpack(name, payload, 13)
-    scenario, tick, ticks, numbers, alive, poses, a, b, arrays, sent, decoded, connected, deadlines = fields
+    fields = wire.unpack(name, payload, 13, optional=1)
+    scenario, tick, ticks, numbers, alive, poses, a, b, arrays, sent, decoded, connected, deadlines = fields[:13]
     wire.check(name, type(deadlines) is list and len(deadlines) == 2, "expects missed and late", deadlines)
     wire.check(name, type(scenario) is str, "expects the scenario's name", scenario)
     wire.check(name, type(numbers) is list and len(numbers) == len(_NUMBERS), "expects numbers", numbers)
@@ -160,7 +182,37 @@ def decode_report(payload: bytes) -> Report:
         missed=_counts(name, deadlines[0], robots),
         late=_counts(name, deadlines[1], robots),
         disk_connected=wire.flag(name, connected),
+        **(_decode_team(name, fields[13], robots) if len(fields) > 13 else {}),
     )
+
+
+def _encode_team(report: Report) -> list[Any]:
+    numbers = [float(getattr(report, name)) for name in _TEAM_NUMBERS]
+    return [numbers, *(ids.astype("<i4").tobytes() for ids in (report.cutting, report.slots, report.plans))]
+
+
+def _decode_team(name: str, team: Any, robots: int) -> dict[str, Any]:
+    """The fields about the team index."""
+    wire.check(name, type(team) is list and len(team) == 4, "expects four parts of the team index", team)
+    numbers, cutting, slots, plans = team
+    fits = type(numbers) is list and len(numbers) == len(_TEAM_NUMBERS)
+    wire.check(name, fits and all(type(value) is float for value in numbers), "expects numbers", numbers)
+    return {
+        "has_team_index": True,
+        **dict(zip(_TEAM_NUMBERS, numbers, strict=True)),
+        "cutting": _ids(name, cutting, robots),
+        "slots": _codes(name, slots, robots, -1, robots - 1),
+        "plans": _codes(name, plans, robots, 0, 2),
+    }
+
+
+def _codes(name: str, blob: Any, robots: int, lowest: int, highest: int) -> Ints:
+    """Small numbers of all robots [n], or of none [0]."""
+    wire.check(name, type(blob) is bytes and len(blob) in (0, 4 * robots), f"expects {robots} int32, or none", blob)
+    values = np.frombuffer(blob, dtype="<i4").astype(np.int64)
+    inside = bool(((values >= lowest) & (values <= highest)).all())
+    wire.check(name, inside, f"expects numbers from {lowest} to {highest}", values.tolist())
+    return values
 
 
 def _ids(name: str, blob: Any, robots: int) -> Ints:

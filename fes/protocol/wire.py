@@ -44,8 +44,8 @@ def pack(*fields: Any) -> bytes:
     return msgpack.packb((PROTOCOL, *fields))  # type: ignore[no-any-return]
 
 
-def unpack(name: str, payload: bytes, count: int) -> list[Any]:
-    """The `count` fields of a payload, after the version."""
+def unpack(name: str, payload: bytes, count: int, optional: int = 0) -> list[Any]:
+    """The `count` fields of a payload, after the version, and up to `optional` more."""
     if len(payload) > MAX_PAYLOAD:
         check(name, False, TOO_LONG, len(payload))
     try:
@@ -56,7 +56,7 @@ def unpack(name: str, payload: bytes, count: int) -> list[Any]:
         check(name, False, "expects an array", fields)
     if type(fields[0]) is not int or fields[0] != PROTOCOL:
         check(name, False, WRONG_VERSION, fields[0])
-    if len(fields) != count + 1:
+    if not count < len(fields) <= count + 1 + optional:
         check(name, False, f"expects {count} fields, got", len(fields) - 1)
     return fields[1:]  # type: ignore[no-any-return]
 

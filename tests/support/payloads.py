@@ -108,7 +108,7 @@ def welcomes(draw: st.DrawFn) -> Welcome:
 def team_reports(draw: st.DrawFn) -> Report:
     n = draw(st.integers(0, 5))
     links = draw(st.integers(0, 4 if n else 0))
-    hints = {field.name: field.type for field in dataclasses.fields(Report)}
+    hints = {field.name: field.type for field in dataclasses.fields(Report) if field.name not in TEAM_FIELDS}
     values: dict[str, Any] = {name: draw(ticks) for name, kind in hints.items() if kind is int}
     values |= {name: draw(st.floats()) for name, kind in hints.items() if kind is float}
     values |= {name: draw(floats(links, st.floats())) for name, kind in hints.items() if kind == Floats}
@@ -120,7 +120,26 @@ def team_reports(draw: st.DrawFn) -> Report:
     counts = st.lists(st.integers(0, 2**53), min_size=counted, max_size=counted)
     values |= {name: np.array(draw(counts), dtype=np.int64) for name in ("missed", "late")}
     values |= {"alive": draw(codes(n, 1)), "poses": draw(floats(3 * n)).reshape(n, 3)}
-    return Report(scenario=draw(st.text()), disk_connected=draw(st.booleans()), **values)
+    team = draw(st.just({}) | team_fields(n))
+    return Report(scenario=draw(st.text()), disk_connected=draw(st.booleans()), **values, **team)
+
+
+TEAM_NUMBERS = ("team_index", "team_index_target", "delivery_after_loss")
+TEAM_FIELDS = ("has_team_index", *TEAM_NUMBERS, "cutting", "slots", "plans")
+
+
+@st.composite
+def team_fields(draw: st.DrawFn, n: int) -> dict[str, Any]:
+    """The fields of a Report about the team index."""
+    cutting = st.lists(st.integers(0, n - 1), max_size=n) if n else st.just([])
+    placed = n if draw(st.booleans()) else 0
+    lists = {
+        "cutting": draw(cutting),
+        "slots": draw(st.lists(st.integers(-1, n - 1), min_size=placed, max_size=placed)),
+        "plans": draw(st.lists(st.integers(0, 2), min_size=placed, max_size=placed)),
+    }
+    arrays = {name: np.array(values, dtype=np.int64) for name, values in lists.items()}
+    return {"has_team_index": True, **{name: draw(st.floats()) for name in TEAM_NUMBERS}, **arrays}
 
 
 crews = st.sets(robots, min_size=1, max_size=9).map(lambda ids: tuple(sorted(ids)))

@@ -34,3 +34,6 @@ PLAIN: dict[str, list[Any]] = {
         [struct.pack("<2q", 3, 0), struct.pack("<2q", 1, 0)],
     ],
 }
+
+TEAM: list[Any] = [[0.5, 0.69, math.nan], int32(1), int32(-1, 0), int32(2, 0)]
+"""The last field of a Report with the team index, of two robots."""

@@ -46,16 +46,16 @@ def contents(where: Path) -> dict[Path, bytes]:
     return {path: path.read_bytes() for path in where.rglob("*") if path.is_file()}
 
 
-@pytest.mark.parametrize("older", [2, 3, 4])
+@pytest.mark.parametrize("older", [2, 3, 4, 5])
 def test_a_checkpoint_of_an_older_format_is_rejected_in_one_line(formats: Path, older: int) -> None:
     run, before = formats / f"checkpoint-{older}", contents(formats)
     with pytest.raises(FesError) as caught:
         resume.load(run)
-    assert str(caught.value) == f"{run / FOLDER / STATE} is a checkpoint of format {older}; this fes reads format 5"
+    assert str(caught.value) == f"{run / FOLDER / STATE} is a checkpoint of format {older}; this fes reads format 6"
     line = complaint(call(formats, "fes-world", "--resume", f"checkpoint-{older}"), "fes-world")
-    assert line == f"checkpoint-{older}/checkpoint/state is a checkpoint of format {older}; this fes reads format 5"
+    assert line == f"checkpoint-{older}/checkpoint/state is a checkpoint of format {older}; this fes reads format 6"
     assert contents(formats) == before
-    assert snapshot.FORMAT == 5
+    assert snapshot.FORMAT == 6
 
 
 @pytest.mark.parametrize(
@@ -171,6 +171,7 @@ def test_the_stored_files_of_older_formats_are_small_and_complete() -> None:
         "checkpoint-2",
         "checkpoint-3",
         "checkpoint-4",
+        "checkpoint-5",
         LAYOUT.name,
         "log-1",
         "log-2",

@@ -80,6 +80,16 @@ class ExpectConfig(Table):
         return " and ".join(f"{word} {value}" for word, value in given if value is not None)
 
 
+def check(expected: list[ExpectConfig], is_live: bool, has_team_index: bool) -> None:
+    """Raise ValueError in one line for an expectation of a key that the summary of the run will not have."""
+    for expectation in expected:
+        if expectation.of.startswith("deadlines") and not is_live:
+            raise ValueError(f"expect: '{expectation.of}' exists with a live clock only (run.clock)")
+        if expectation.of in quantities.OPTIONAL and not has_team_index:
+            asked = "where a configuration is sought, or with objective.team_index = true"
+            raise ValueError(f"expect: '{expectation.of}' exists only {asked}")
+
+
 def shape_at(path: str) -> Shape:
     """Shape of the part of a summary at a dotted path; raises ValueError if no summary has such a part."""
     shape: Shape = _SUMMARY

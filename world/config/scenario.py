@@ -15,7 +15,7 @@ from fes.model.config import FORMULAS, AgentConfig, Clock, FaultConfig, Formatio
 from fes.model.seeking import MAX_TICKS, OracleConfig, SeekingConfig
 from fes.model.table import Table, Use, chosen
 from fes.shapes import rules
-from world.config import events, faults, starts, toml
+from world.config import events, expectations, faults, starts, toml
 from world.config.events import EventConfig, ParticipationChange, changed, schedule
 from world.config.expectations import ExpectConfig, MetricConfig
 from world.config.faults import Transmission
@@ -72,7 +72,7 @@ class Scenario(Table):
 
     @model_validator(mode="after")
     def _stable(self) -> Self:
-        stability.check(self.run.dt, self.seeking, self.formation)
+        stability.check(self.run.dt, self.seeking, self.formation, self.objective)
         rules.check(self.formation, self.seeking, self.objective, self.run.dt, self.robots.number)
         return self
 
@@ -117,11 +117,14 @@ class Scenario(Table):
         return self
 
     @model_validator(mode="after")
-    def _deadlines_of_a_live_clock(self) -> Self:
-        for expectation in self.expect:
-            if expectation.of.startswith("deadlines") and self.run.clock != "live":
-                raise ValueError(f"expect: '{expectation.of}' exists with a live clock only (run.clock)")
+    def _expected(self) -> Self:
+        expectations.check(self.expect, self.run.clock == "live", self.has_team_index)
         return self
+
+    @property
+    def has_team_index(self) -> bool:
+        """True if the team index is computed: a configuration is sought, or the objective asks for it."""
+        return self.objective.team_index or self.formation.configuration != "none"
 
     @property
     def choices(self) -> list[tuple[str, Kind, str | Use]]:

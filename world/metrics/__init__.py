@@ -8,7 +8,7 @@ period_average   separations averaged over a dither period
 deadlines        deadlines of the live clock, met and missed
 best_separation  the best separation of a channel, by search where it has no formula
 optimum          r*, the separation that maximizes the index (16)
-graphs           algebraic connectivity of a graph
+graphs           connectivity of a graph, and the robots that cut it
 digest           SHA-256 over all ticks
 report_builder   the report to observers
 summary          summary.json and scenario.toml of a run directory

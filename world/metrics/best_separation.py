@@ -5,12 +5,14 @@ from collections.abc import Callable
 
 import numpy as np
 
+from fes.arithmetic import elementary
 from fes.arrays.types import Floats
 from fes.extension.context import WorldContext
 from fes.model import objective
 from fes.model.config import FORMULAS
 from world.config.radio import RadioConfig
 from world.metrics.optimum import optimal_separation
+from world.metrics.team.delivery import link_quality
 from world.simulation import reception
 
 POINTS = 4001
@@ -19,21 +21,26 @@ POINTS = 4001
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
-def best_separation(context: WorldContext, channel: RadioConfig) -> float:
+def best_separation(context: WorldContext, channel: RadioConfig, quality_weight: float = 1.0) -> float:
     """r* [m]: the separation that maximizes J(r) = S(r) p(r).
 
     NaN for a channel known by pair, not by separation, and for one in which J is 0 everywhere. Of equal maxima the
-    nearest counts.
+    nearest counts. With another `quality_weight` beta, it is the best link of a team: the maximum of c q^beta.
     """
     if channel.model in FORMULAS:
-        return optimal_separation(context.objective, channel)
+        return optimal_separation(context.objective, channel, quality_weight)
     model = reception.model(channel, context)
     if not hasattr(model, "probability"):
         return math.nan
     farthest = context.objective.maximum_separation
 
     def index(separation: Floats) -> Floats:
-        values: Floats = objective.preference(separation, context.objective) * model.probability(separation)
+        reception: Floats = model.probability(separation)
+        if quality_weight == 1.0:  # the digits of r* are those of J itself
+            return objective.preference(separation, context.objective) * reception
+        quality = link_quality(separation, reception, context.objective)
+        weighted = np.where(quality > 0.0, elementary.power(quality, quality_weight), 0.0)
+        values: Floats = objective.coverage(separation, context.objective) * weighted
         return values
 
     grid = np.linspace(farthest / (POINTS - 1), farthest, POINTS - 1)

@@ -23,9 +23,10 @@ from world.metrics import deadlines, link_errors
 from world.metrics.best_separation import best_separation
 from world.metrics.link_errors import LinkErrors
 from world.metrics.period_average import PeriodAverage
+from world.metrics.team.progress import TeamProgress
 from world.metrics.tick_truth import TickTruth
 from world.metrics.tracking import TeamErrors, Tracking
-from world.simulation import reception
+from world.simulation import neighbor_list, reception
 from world.simulation.channel import Radio
 from world.simulation.truth import State
 
@@ -57,8 +58,12 @@ class MetricsCollector:
         """Deadlines of the live clock; None in lockstep."""
         self.unscheduled_absences = 0
         """Number of robot-ticks without the robot, although it was present by schedule."""
+        self.smallest_separation = math.inf
+        """Smallest separation of two robots present at any tick so far [m]; infinite without two of them."""
         self.is_model_free: bool | None = None
         """False if a robot was told the channel, True if none was; None where that is not known."""
+        self.team = TeamProgress(scenario) if scenario.has_team_index else None
+        """Progress of the team index; None where it is not asked for."""
         context = reception.context(scenario)
         self.extensions = {metric.key: registry.create(METRIC, metric.choice, context) for metric in scenario.metric}
         """Metrics of the scenario, by name."""
@@ -74,6 +79,10 @@ class MetricsCollector:
         if self.deadlines is not None and command_ticks is not None:
             self.deadlines.add(state.tick, state.present, command_ticks)
         self._add_absences(state)
+        present = state.present
+        self.smallest_separation = neighbor_list.smallest(
+            state.proximity, state.poses, present, self.smallest_separation
+        )
         truth = self._tick_truth(state, twists, telemetry)
         self.link_errors.add(truth)
         self.tracking.add(state.tick, truth.optimal, truth.is_changed, self._team_errors(truth))
@@ -82,6 +91,8 @@ class MetricsCollector:
         if telemetry.is_model_free is not None:
             self.is_model_free = telemetry.is_model_free and self.is_model_free is not False
         self.state, self.telemetry = state, telemetry
+        if self.team is not None:
+            self.team.add(state)
         if self.extensions:
             seen = _read_only(truth)
             for metric in self.extensions.values():  # the last step: after an error the tick is complete without it

@@ -19,43 +19,46 @@ _SMALL = Decimal("1e-9")
 """Below this, e^x - 1 is computed as a series, because the difference would lose digits."""
 
 
-def optimal_separation(objective: ObjectiveConfig, channel: ChannelConfig) -> float:
+def optimal_separation(objective: ObjectiveConfig, channel: ChannelConfig, quality_weight: float = 1.0) -> float:
     """r* [m], the float nearest to the maximum of (16), for any channel and objective.
 
     r (ln J)' = s [A/(e^A - 1) - (r/r_x)^s] + r (ln p)' with A = (r/r_min)^s. The first term falls strictly, from
     s > 0 at 0 to below 0 at r_x. The second term is 0 at 0 and never rises: it is -nu c r^nu by (3), and
     -r (1 - p)/width for the logistic channel, both factors of which rise. Hence J has one maximum, between 0 and
     r_x. An optimum below the smallest float is returned as that float.
+
+    With another `quality_weight` beta > 0 it is the best link of a team: the maximum of ln c + beta ln q, where J is
+    c q. Its slope is that above with beta on all terms but A/(e^A - 1). A maximum beyond r_x is returned as r_x.
     """
     if channel.model not in FORMULAS:
         raise ValueError(f"only a formula has this optimum, and not channel.model '{chosen(channel.model).use}'")
     # Only the formula counts; shadowing, bursts and jammers are not hashable.
     formula = {name: getattr(channel, name) for name in ChannelConfig.model_fields}
-    return _optimum(objective, ChannelConfig.model_construct(**formula))
+    return _optimum(objective, ChannelConfig.model_construct(**formula), quality_weight)
 
 
 @lru_cache(maxsize=256)
-def _optimum(objective: ObjectiveConfig, channel: ChannelConfig) -> float:
+def _optimum(objective: ObjectiveConfig, channel: ChannelConfig, quality_weight: float) -> float:
     """Bisect the bits of the floats as integers, which have the order of the floats, down to two neighbors."""
-    low, high = 0, _bits(objective.maximum_separation)
+    low, high, weight = 0, _bits(objective.maximum_separation), Decimal(quality_weight)
     with decimal.localcontext(_EXACT):
         while high - low > 1:
             middle = (low + high) // 2
-            if _rises(Decimal(_float(middle)), objective, channel):
+            if _rises(Decimal(_float(middle)), objective, channel, weight):
                 low = middle
             else:
                 high = middle
         between = (Decimal(_float(low)) + Decimal(_float(high))) / 2
-        return _float(low if low and not _rises(between, objective, channel) else high)
+        return _float(low if low and not _rises(between, objective, channel, weight) else high)
 
 
-def _rises(r: Decimal, objective: ObjectiveConfig, channel: ChannelConfig) -> bool:
-    """True if ln J rises at r [m], that is, if r (ln J)' / s is positive."""
+def _rises(r: Decimal, objective: ObjectiveConfig, channel: ChannelConfig, quality_weight: Decimal) -> bool:
+    """True if ln c + beta ln q rises at r [m], that is, if r times its slope, over s, is positive."""
     shape, log = Decimal(objective.shape_exponent), r.ln()
     spread, reach = (
         (shape * (log - _ln(scale))).exp() for scale in (objective.minimum_separation, objective.maximum_separation)
     )
-    return spread / _exp_less_one(spread) > reach + _loss(r, log, channel) / shape
+    return spread / _exp_less_one(spread) > quality_weight * (reach + _loss(r, log, channel) / shape)
 
 
 def _loss(r: Decimal, log: Decimal, channel: ChannelConfig) -> Decimal:

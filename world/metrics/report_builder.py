@@ -74,6 +74,7 @@ def build(metrics: MetricsCollector, name: str, alive: Bytes, elapsed: float, ti
         missed=missed.copy(),
         late=late.copy(),
         disk_connected=metrics.link_errors.disk_now,
+        **(metrics.team.report(state, telemetry) if metrics.team is not None else {}),
     )
 
 

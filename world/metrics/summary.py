@@ -61,9 +61,12 @@ def summarize(metrics: MetricsCollector, name: str, backend: str, wall: float) -
         "links_gap_longest": errors.longest_gap * scenario.run.dt,
         "unscheduled_absences": metrics.unscheduled_absences,
         "links_lost_at": errors.links_lost_at,
+        "smallest_separation": metrics.smallest_separation,
         "model_free": metrics.is_model_free,
         "metrics": metrics.team_numbers(),
     }
+    if metrics.team is not None:
+        values |= metrics.team.table(metrics.state, metrics.telemetry)
     values[quantities.VERDICTS] = expectations.verdicts(scenario.expect, values)
     summary: dict[str, Any] = strict_json.finite(quantities.ordered(values))
     return summary

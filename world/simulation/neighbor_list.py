@@ -100,6 +100,31 @@ def _find(poses: Floats, reach: float) -> Candidates:
     return Candidates(a[sort], b[sort], poses[:, :2].copy(), reach)
 
 
+def smallest(near: Proximity, poses: Floats, present: Bools, below: float) -> float:
+    """Smallest separation [m] of two robots `present` [n] at `poses` [n, 3], if it is below `below` [m]; else that.
+
+    `near` are the pairs in range at these poses. The candidates contain all pairs within the range of their list. So
+    all robots are searched only while no two of them have been in range.
+    """
+    candidates, is_closer = near.candidates, near.separation < below
+    if not present.all():
+        is_closer &= present.take(candidates.a) & present.take(candidates.b)
+    least = float(near.separation[is_closer].min()) if is_closer.any() else below
+    if candidates.positions is None or least <= candidates.reach:
+        return least
+    return _closest(poses[present], candidates.reach, least)
+
+
+def _closest(poses: Floats, side: float, least: float) -> float:
+    """Smallest separation [m] of robots at `poses` [k, 3], more than `side` [m] apart, if it is below `least` [m]."""
+    while side < least and len(poses) > 1 and math.isfinite(side):
+        side = min(2.0 * side, least)
+        for left, right, _ in _blocks(poses, side):
+            apart = geometry.separation(*(poses[left, axis] - poses[right, axis] for axis in (0, 1)))
+            least = float(np.minimum.reduce(apart, initial=least))
+    return least
+
+
 def count(poses: Floats, reach: float, most: int) -> int:
     """Number of directed pairs of robots at most `reach` [m] apart; where it is more than `most`, an estimate."""
     n, pairs, rows = len(poses), 0, 0

@@ -2,8 +2,6 @@
 
 import numpy as np
 
-from fes.arrays import geometry
-from fes.arrays.types import Floats
 from fes.extension.context import WorldContext
 from fes.extension.protocols import NoParameters
 from fes.model.table import Positive, Table
@@ -60,7 +58,7 @@ class TeamDelivery:
 
         None for fewer than two robots, and for more than `delivery.MAX_ROBOTS`.
         """
-        links = np.zeros((0, 0)) if self._last is None else self._links(self._last)
+        links = np.zeros((0, 0)) if self._last is None else deliveries.links_of(self._last, self._objective)
         now, after = deliveries.delivery(links), deliveries.delivery_after_loss(links)
         return {
             "mean": now and now.mean,
@@ -68,16 +66,3 @@ class TeamDelivery:
             "mean_after_loss": after and after.mean,
             "geometric_mean_after_loss": after and after.geometric_mean,
         }
-
-    def _links(self, state: State) -> Floats:
-        """The quality of each link between the robots present [n, n]: 0 where they are out of range.
-
-        A pair that came in range at this tick has no reception probability yet, and counts as out of range.
-        """
-        edges, poses = state.radio.edges, state.poses
-        senders = np.searchsorted(edges.ids, edges.peers)
-        x, y = (poses[senders, :2] - poses[edges.rows, :2]).T
-        separation = geometry.separation(x, y)
-        quality = deliveries.link_quality(separation, np.nan_to_num(state.radio.probability), self._objective)
-        links = deliveries.link_matrix(len(poses), senders, edges.rows, quality)
-        return links[np.ix_(state.present, state.present)]

@@ -7,14 +7,17 @@ Links are a matrix [n, n]: the quality in [0, 1] from each sender (row) to each 
 are out of range. The diagonal is not used.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from fes.arithmetic import elementary, sums
+from fes.arrays import geometry
 from fes.arrays.types import Floats, Ints
 from fes.model.config import ObjectiveConfig
-from fes.shapes.routes import relayed, without_each
+from fes.shapes.routes import between, relayed, without_each
+from world.simulation.truth import State
 
 MAX_ROBOTS = 300
 """Largest team whose delivery is computed. The work for losses grows as n^3 log n."""
@@ -46,6 +49,21 @@ def link_matrix(n: int, senders: Ints, receivers: Ints, quality: Floats) -> Floa
     return links
 
 
+def links_of(state: State, objective: ObjectiveConfig) -> Floats:
+    """The quality of each link between the robots present [n, n]: 0 where they are out of range.
+
+    p is the true reception probability of the last beacon of each contact, in its own direction: with shadowing,
+    jammers and faults, and with the mean effect of bursts. A pair that came in range at this tick has none yet, and
+    counts as out of range.
+    """
+    edges, poses = state.radio.edges, state.poses
+    senders = np.searchsorted(edges.ids, edges.peers)
+    x, y = (poses[senders, :2] - poses[edges.rows, :2]).T
+    quality = link_quality(geometry.separation(x, y), np.nan_to_num(state.radio.probability), objective)
+    links = link_matrix(len(poses), senders, edges.rows, quality)
+    return links[np.ix_(state.present, state.present)]
+
+
 def delivery(links: Floats) -> Delivery | None:
     """Delivery between all robots of `links` [n, n]; None for fewer than 2 robots, or more than MAX_ROBOTS."""
     n = len(links)
@@ -65,6 +83,23 @@ def delivery_after_loss(links: Floats) -> Delivery | None:
     present = np.arange(n)
     losses = [_average(costs, np.delete(present, lost)) for lost, costs in without_each(_costs(links), range(n))]
     return Delivery(min(loss.mean for loss in losses), min(loss.geometric_mean for loss in losses))
+
+
+def route_cost(links: Floats, losses: int) -> float:
+    """The mean cost of the best routes between two of n >= 2 robots; infinite if two of them have no route.
+
+    With `losses` = 1 it is the mean between the others after the loss that is worst. It is never below the mean
+    without a loss, so that one does not count. In a team of two no loss is considered.
+    """
+    costs, n = _costs(links), len(links)
+    if not losses or n == 2:
+        return sums.mean(between(relayed(costs, range(n))))
+    worst = -math.inf
+    for lost, after in without_each(costs, range(n)):
+        worst = max(worst, sums.mean(between(after, lost)))
+        if worst == math.inf:
+            break
+    return worst
 
 
 def _costs(links: Floats) -> Floats:

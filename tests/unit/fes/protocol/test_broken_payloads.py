@@ -8,7 +8,7 @@ import pytest
 
 from fes.protocol import wire
 from tests.support.payloads import CODECS, refusal
-from tests.support.plain_payloads import PLAIN, PROTOCOL, float64, int32
+from tests.support.plain_payloads import PLAIN, PROTOCOL, TEAM, float64, int32
 
 NAMES = list(CODECS)
 
@@ -86,8 +86,34 @@ def test_a_broken_field_is_rejected_with_its_rule(name: str, at: int, value: Any
 
 @pytest.mark.parametrize("name", PLAIN)
 def test_a_missing_or_an_additional_field_is_rejected(name: str) -> None:
-    for fields in (PLAIN[name][:-1], [*PLAIN[name], 0]):
+    most = [*PLAIN[name], TEAM] if name == "Report" else PLAIN[name]
+    for fields in (PLAIN[name][:-1], [*most, 0]):
         assert f"expects {len(PLAIN[name]) - 1} fields" in str(refusal(name, msgpack.packb(fields)))
+
+
+def test_a_report_with_the_team_index_has_one_more_field() -> None:
+    payload: bytes = msgpack.packb([*PLAIN["Report"], TEAM])
+    decoded = CODECS["Report"].decode(payload)
+    assert (decoded.cutting.tolist(), decoded.slots.tolist(), decoded.plans.tolist()) == ([1], [-1, 0], [2, 0])
+    assert CODECS["Report"].encode(decoded) == payload
+
+
+@pytest.mark.parametrize(
+    ("at", "value", "rule"),
+    [
+        *((0, numbers, "numbers") for numbers in ([], [1.0] * 4, [1, 1, 1], None)),
+        *((1, ids, "int32") for ids in (b"1", [1], None)),
+        (1, int32(2), "between its 2 robots"),
+        *((at, blob, "2 int32, or none") for at in (2, 3) for blob in (int32(0), b"1", [0, 0])),
+        *((2, int32(0, slot), "numbers from -1 to 1") for slot in (-2, 2)),
+        *((3, int32(0, plan), "numbers from 0 to 2") for plan in (-1, 3)),
+    ],
+)
+def test_a_broken_part_of_the_team_index_is_rejected_with_its_rule(at: int, value: Any, rule: str) -> None:
+    team = TEAM.copy()
+    team[at] = value
+    assert rule in str(refusal("Report", msgpack.packb([*PLAIN["Report"], team])))
+    assert "four parts" in str(refusal("Report", msgpack.packb([*PLAIN["Report"], team[:3]])))
 
 
 @pytest.mark.parametrize(

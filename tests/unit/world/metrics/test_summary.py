@@ -51,6 +51,7 @@ CONTRACT = {
     "links_gap_longest": float,
     "unscheduled_absences": int,
     "links_lost_at": type(None),
+    "smallest_separation": float,
     "model_free": type(None),
     "metrics": dict,
     "expectations": list,
@@ -190,8 +191,12 @@ def test_a_summary_that_cannot_be_written_leaves_the_old_one(tmp_path: Path, mon
     "overrides",
     [
         {},
-        {"run__dt": 1 / 7, "run__seed": 2**63 - 1, "formation__linear_limit": 2.5},
-        {"channel__reference_snr": 12345678.901234567, "seeking__initial_estimate": [1e-5, 1e300]},
+        {"run__dt": 1 / 7, "run__seed": 2**63 - 1, "formation__linear_limit": 7.5},
+        {
+            "channel__reference_snr": 12345678.901234567,
+            "objective__maximum_separation": 1e300,
+            "formation__contact_timeout": 1e-5,
+        },
         {"robots": {"count": 7, "kind": "line", "jitter": 0.1}, "seeking": {}, "objective": {}},
     ],
 )
@@ -203,3 +208,25 @@ def test_the_scenario_in_a_run_directory_is_the_one_that_was_run(
     again = scenario.load(tmp_path / "scenario.toml")
     assert again == ran
     assert np.array_equal(scenario.initial_poses(again), scenario.initial_poses(ran))
+
+
+def test_the_smallest_separation_is_that_of_all_ticks_and_of_robots_that_are_present() -> None:
+    # Robot 0 drives past robot 2, at 3 m; where robot 2 dies before, only its way until then counts.
+    changes = {
+        "run__duration": 6.0,
+        "robots__poses": [[0.0, 0.0, 0.0], [0.0, 90.0, 0.0], [10.0, 3.0, 0.0]],
+        "seeking": {"use": "fixed_separation"},
+        "formation__law": {"use": "goals", "goals": [[80.0, 0.0], [0.0, 90.0], [10.0, 3.0]]},
+        "formation__linear_limit": 5.0,
+    }
+    for event, seen in (([], (0, 300)), ([{"at": 1.0, "kill": [2]}], (0, 50))):
+        configured = loop.load("pair.toml", event=event, **changes)
+        history = loop.run(loop.load("pair.toml", **changes))  # robot 2 stands still in either case
+        expected = min(history.separation(tick, (0, 2)) for tick in range(*seen))
+        assert inprocess.run(configured, "x")["smallest_separation"] == pytest.approx(expected, rel=1e-12)
+        assert (expected < 3.1) == (not event)
+
+
+def test_a_robot_alone_has_no_smallest_separation() -> None:
+    alone = loop.load("pair.toml", run__duration=0.1, robots__poses=[[0.0, 0.0, 0.0]])
+    assert inprocess.run(alone, "x")["smallest_separation"] is None

@@ -102,3 +102,28 @@ def test_robots_that_are_out_of_range_of_all_others_have_no_pairs(n: int) -> Non
     near = neighbor_list.measure(np.arange(n), where, REACH, None)
     assert len(near.edges) == 0
     assert len(near.pair) == 0
+
+
+@pytest.mark.parametrize(
+    ("n", "width", "gone"),
+    [(2, 50.0, 0), (30, 1000.0, 5), (100, 300.0, 0), (100, 300.0, 40), (70, 100_000.0, 0), (70, 100_000.0, 30)],
+)
+def test_the_smallest_separation_is_that_of_all_pairs_of_robots_present(n: int, width: float, gone: int) -> None:
+    present = np.arange(n) >= gone
+    so_far, nearest = np.inf, []
+    for where, near in walk(n, width, 0.001 * width, 30, seed=n + gone):
+        separation = brute_force(where[present])[1]
+        nearest.append(float(separation[np.triu_indices(n - gone, 1)].min()))
+        alone = neighbor_list.smallest(near, where, present, np.inf)
+        assert alone == pytest.approx(nearest[-1], rel=1e-14)
+        so_far = neighbor_list.smallest(near, where, present, so_far)
+        assert so_far == pytest.approx(min(nearest), rel=1e-14)
+    assert (min(nearest) > REACH) == (width > 10_000.0)  # so that robots that were never in range are searched too
+
+
+def test_fewer_than_two_robots_have_no_smallest_separation() -> None:
+    for n in (1, 3, 70):
+        where = layouts.scatter(np.random.default_rng(n), n, 1e4)
+        near = neighbor_list.measure(np.arange(n), where, REACH, None)
+        for count in (0, 1):
+            assert neighbor_list.smallest(near, where, np.arange(n) < count, np.inf) == np.inf
