@@ -181,8 +181,8 @@ SUMMARY = (
         Quantity(
             name,
             "s",
-            f"Time from which the team index stays at {share:.0%} of its target or above, up to the end.",
-            "it is below at the end, or either is null",
+            f"Time from which the team index stays at {share:.0%} of its target or above, in steps of 0.1 s.",
+            "it is below at the last step, or either is null",
             is_optional=True,
         )
         for name, share in TEAM_LEVELS.items()
