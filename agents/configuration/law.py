@@ -25,6 +25,9 @@ from fes.shapes.choice import shape
 UNKNOWN = -2
 """Period of a robot before its first tick, and its tick of listening if it does not listen. No period follows it."""
 
+SAFE = 5.0
+"""Separation that contractions keep where the settings ask for none [m]."""
+
 LISTENING = 10
 """Ticks for which a robot that starts during a run listens, beside those in which a peer relays all marks. It may
 have marked this period before it was restarted."""
@@ -65,6 +68,7 @@ class MarksAndPlans:
             self._objective.losses,
             parameters.orientations,
             parameters.keep_range,
+            planning.CLEARANCE * (parameters.safe_separation or SAFE),
         )
         self._clock = Clock(context, parameters.plan_period)
         limit = parameters.linear_limit

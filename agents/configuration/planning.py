@@ -27,8 +27,8 @@ TIE = 1e-3
 BETTER = 0.1
 """A later orientation is taken if it saves more than this [m^2]."""
 
-CLEARANCE = 6.0
-"""A contraction brings no two robots closer than this [m]: 1.2 times a safe separation of 5 m."""
+CLEARANCE = 1.2
+"""A contraction brings no two robots closer than this many safe separations."""
 
 MOST_CONTRACTION = 0.5
 """Least share of its size to which a team contracts in one plan."""
@@ -48,6 +48,8 @@ class Settings(NamedTuple):
     losses: int
     orientations: int
     keep_range: float
+    clearance: float
+    """A contraction brings no two robots closer than this [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +87,7 @@ def plan(ids: bytes, marks: bytes, settings: Settings) -> Plan:
     reach = connection.reach(distance, settings.keep_range)
     best = _direct(positions, center, spacing, reach, settings, settings.orientations)
     if best is None:
-        share = _contraction(distance)
+        share = _contraction(distance, settings.clearance)
         if share > HOLD:
             best = _direct(positions, center, spacing, reach, settings, FINER * settings.orientations)
     if best is None:
@@ -119,11 +121,11 @@ def _direct(
     return best
 
 
-def _contraction(distance: Floats) -> float:
+def _contraction(distance: Floats, clearance: float) -> float:
     """The share of its size to which a team contracts, by the `distance` of each two robots [n, n] [m]."""
     apart = distance.copy()
     apart[np.diag_indices(len(apart))] = np.inf
-    return max(MOST_CONTRACTION, CLEARANCE / max(float(apart.min()), CLEARANCE))
+    return max(MOST_CONTRACTION, clearance / max(float(apart.min()), clearance))
 
 
 def _rotated(offsets: Floats, sine: float, cosine: float) -> Floats:

@@ -18,14 +18,13 @@ from agents.configuration.planning import CONTRACT, Plan
 from agents.control import crew
 from agents.runtime.reception import Receiver
 from fes.arrays.types import Floats
-from fes.model.config import ObjectiveConfig
+from fes.model.config import TOLERANT
 from fes.model.sensing import no_beacons
-from fes.shapes.choice import shape
 from tests.support.configuration_starts import distances, is_connected, poses
-from tests.support.index_of_a_team import Index, spacing, target
 from world.config import scenario as scenarios
 from world.config.scenario import Scenario, agent_config
-from world.simulation import truth
+from world.metrics.team import target
+from world.simulation import reception, truth
 
 LIMIT = 5.0
 """Largest speed in the reference table [m/s]."""
@@ -89,13 +88,14 @@ class Outcome:
         return max(0.0, first * self.every - after) if first < len(self.share) else np.nan
 
 
-def watch(scenario: Scenario, index: Index, every: int = 5) -> Outcome:
+def watch(scenario: Scenario, every: int = 5) -> Outcome:
     """The outcome of a scenario whose formation law is marks and plans; F is computed at each `every` ticks."""
     shares, least, cut = [], np.inf, 0
     path, before = np.zeros(0), np.zeros((0, 2))
     made: dict[int, Counter[tuple[int, bytes, bytes]]] = defaultdict(Counter)
     epochs: dict[int, int] = {}
-    reach = scenario.channel.communication_range
+    best: dict[int, float] = {}
+    reach, context = scenario.channel.communication_range, reception.context(scenario)
     for moment in moments(scenario):
         positions = moment.positions
         distance = distances(positions)
@@ -104,7 +104,11 @@ def watch(scenario: Scenario, index: Index, every: int = 5) -> Outcome:
             path, before = np.zeros(len(positions)), positions
         path, before = path + np.hypot(*(positions - before).T), positions
         if moment.tick % every == 0:
-            shares.append(index.of(positions) / target(index, len(positions)))
+            index = target.of_positions(positions, scenario.channel, context)
+            assert index is not None
+            n = len(positions)
+            best[n] = best.get(n) or target.target(n, scenario.formation, scenario.channel, context)
+            shares.append(index.value / best[n])
         for robot, plan in moment.plans.items():
             if plan is not None and epochs.get(robot) != moment.epochs[robot]:
                 made[moment.epochs[robot]][plan.kind, plan.ids.tobytes(), plan.marks.tobytes()] += 1
@@ -121,48 +125,49 @@ SEEKING: dict[str, dict[str, Any]] = {
 """Seeking laws, by name; `fixed` gives all robots the best spacing of the team at the start."""
 
 
-def scenario(
-    kind: str, n: int, seed: int, duration: float, index: Index, seeking: str = "oracle", **settings: Any
-) -> Scenario:
+def scenario(kind: str, n: int, seed: int, duration: float, seeking: str = "oracle", **settings: Any) -> Scenario:
     """The scenario of a start. `settings` are fields by path, with __ for the dot: `formation__plan_period`."""
-    fixed = {"use": "fixed_separation", "separation": spacing(index, n)}
     period = {"plan_period": 4.0, "marks_per_beacon": 16} if n >= 100 else {}
-    formation = {
-        "configuration": "lattice",
-        "rule": "tolerant_relative_neighborhood",
-        "linear_limit": LIMIT,
-        **period,
-    }
     tables = {
         "schema": 1,
         "run": {"dt": 0.02, "duration": duration, "seed": seed},
         "robots": {"poses": [tuple(pose) for pose in poses(kind, n, seed).tolist()]},
-        "channel": index.channel.model_dump(),
-        "objective": index.objective.model_dump(),
-        "seeking": fixed if seeking == "fixed" else SEEKING[seeking],
-        "formation": formation,
+        "seeking": SEEKING["oracle" if seeking == "fixed" else seeking],
+        "formation": {"configuration": "lattice", "rule": TOLERANT, "linear_limit": LIMIT, **period},
     }
     paths = {name.replace("__", "."): value for name, value in settings.items()}
-    return scenarios.with_overrides(scenarios.parse(tables, kind), paths)
+    what = scenarios.with_overrides(scenarios.parse(tables, kind), paths)
+    if seeking == "fixed":
+        fixed = {"use": "fixed_separation", "separation": spacing(what, n)}
+        what = scenarios.parse({**what.model_dump(by_alias=True), "seeking": fixed}, kind)
+    return what
 
 
-def with_events(what: Scenario, index: Index, at: float, dying: int, joining: int) -> Scenario:
+def spacing(what: Scenario, n: int) -> float:
+    """r_beta of the configuration of `n` robots [m]."""
+    shape = target.shape_of(n, what.formation, what.objective.losses)
+    assert shape is not None
+    return target.spacing(shape, what.channel, reception.context(what))
+
+
+def with_events(what: Scenario, at: float, dying: int, joining: int) -> Scenario:
     """The scenario in which so many random robots die `at` [s], and so many more join, 20 to 100 m off the patch."""
     n, random = what.robots.number, np.random.default_rng([what.run.seed, 7])
     assert what.robots.poses is not None
     starts = np.array(what.robots.poses)
-    center = starts[:, :2].mean(axis=0)
-    reach = shape("lattice", n, 1).reach * spacing(index, n)
+    center, shape = starts[:, :2].mean(axis=0), target.shape_of(n, what.formation, what.objective.losses)
+    assert shape is not None
     joiners = []
     for angle in random.uniform(-np.pi, np.pi, joining):
-        way = (reach + random.uniform(20.0, 100.0)) * np.array([np.cos(angle), np.sin(angle)])
-        joiners.append((*(center + way).tolist(), float(angle)))
+        way = shape.reach * spacing(what, n) + random.uniform(20.0, 100.0)
+        x, y = center + way * np.array([np.cos(angle), np.sin(angle)])
+        joiners.append((float(x), float(y), float(angle)))
     ids = list(range(n, n + joining))
     dead = random.permutation(n)[:dying].tolist()
     events = [{"at": 0.0, "kill": ids}] if ids else []
     events.append({"at": at, "kill": dead, "restart": ids})
-    poses = [*starts.tolist(), *joiners]
-    return scenarios.with_overrides(what, {"robots.poses": [tuple(pose) for pose in poses], "event": events})
+    everybody = [tuple(pose) for pose in [*starts.tolist(), *joiners]]
+    return scenarios.with_overrides(what, {"robots.poses": everybody, "event": events})
 
 
 HEADS = ("start", "n", "runs", "end >= .99", "t97 [s]", "t99 [s]", "path [m]", "least [m]", "cut", "differ")
@@ -189,7 +194,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=1, help="seed of the first run")
     parser.add_argument("--duration", type=float, default=60.0)
     parser.add_argument("--every", type=int, default=5)
-    parser.add_argument("--minimum-separation", type=float, default=50.0)
+    parser.add_argument("--minimum-separation", type=float)
     parser.add_argument("--seeking", choices=["fixed", *SEEKING], default="oracle")
     parser.add_argument("--die", type=int, default=0, help="robots that die at the time `--at`")
     parser.add_argument("--join", type=int, default=0, help="robots that join at the time `--at`")
@@ -200,16 +205,17 @@ def main() -> None:
     settings = {
         path.replace(".", "__"): json.loads(value) for path, _, value in (s.partition("=") for s in arguments.set)
     }
-    index = Index(ObjectiveConfig(minimum_separation=arguments.minimum_separation))
+    if arguments.minimum_separation:
+        settings["objective__minimum_separation"] = arguments.minimum_separation
     print(*HEADS, sep=" | ", flush=True)
     for kind in arguments.kinds:
         runs = [
-            scenario(kind, arguments.n, arguments.first + run, arguments.duration, index, seeking, **settings)
+            scenario(kind, arguments.n, arguments.first + run, arguments.duration, seeking, **settings)
             for run in range(arguments.runs)
         ]
         if arguments.die or arguments.join:
-            runs = [with_events(run, index, arguments.at, arguments.die, arguments.join) for run in runs]
-        outcomes = [watch(run, index, arguments.every) for run in runs]
+            runs = [with_events(run, arguments.at, arguments.die, arguments.join) for run in runs]
+        outcomes = [watch(run, arguments.every) for run in runs]
         print(summary(kind, arguments.n, outcomes, arguments.at), flush=True)
 
 

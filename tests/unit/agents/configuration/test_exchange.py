@@ -175,7 +175,7 @@ def test_a_flood_of_invented_ids_does_not_grow_the_table_for_ever() -> None:
     assert len(known.ids) < 100 * 34  # those of 30 periods, and of the last ones
 
 
-def test_a_robot_knows_the_same_whatever_its_crew_knows() -> None:
+def test_the_marks_of_a_robot_do_not_depend_on_its_crew() -> None:
     data = {(0, 9): message(5, (9, 1.0, 0.0, 70.0)), (2, 9): message(5, (8, 2.0, 0.0, 70.0), (0, 3.0, 0.0, 70.0))}
     both = exchange([0, 2]).hear(blank(0, 2), np.array([5, 5]), hearing([0, 2], data))
     for row, robot in enumerate((0, 2)):

@@ -18,16 +18,13 @@ from fes.extension.protocols import Formed
 from fes.model.sensing import no_beacons
 from fes.shapes.choice import shape
 from tests.support import loop
-from tests.support.configuration_runs import moments, scenario, watch
-from tests.support.index_of_a_team import Index
+from tests.support.configuration_runs import moments, scenario, spacing, watch
 from world.config.scenario import Scenario, agent_config
 from world.simulation import truth
 
-INDEX = Index()
-
 
 def team(kind: str = "medium", n: int = 6, seconds: float = 8.0, **settings: Any) -> Scenario:
-    return scenario(kind, n, 1, seconds, INDEX, "fixed", **settings)
+    return scenario(kind, n, 1, seconds, "fixed", **settings)
 
 
 class Recorder:
@@ -178,22 +175,22 @@ def test_a_dead_robot_is_in_no_plan_after_the_next_period() -> None:
 
 def test_a_formed_team_that_loses_a_robot_forms_again() -> None:
     # n = 8 to 7: a hexagon around one robot
-    poses = [(*place, 0.3) for place in (INDEX.best_spacing(0.53) * shape("lattice", 8, 1).slots).tolist()]
-    outcome = watch(team(n=8, seconds=24.0, robots__poses=poses, event=[{"at": 4.1, "kill": [0]}]), INDEX, 10)
+    poses = [(*place, 0.3) for place in (spacing(team(n=8), 8) * shape("lattice", 8, 1).slots).tolist()]
+    outcome = watch(team(n=8, seconds=24.0, robots__poses=poses, event=[{"at": 4.1, "kill": [0]}]), 10)
     assert outcome.settled(0.99, after=4.1) < 18.0
     assert (outcome.cut, outcome.differing, outcome.contracted) == (0, 0, 0)
 
 
 @pytest.mark.parametrize("skew", [0.05, 0.5])
 def test_robots_whose_clocks_differ_make_the_same_plans(skew: float) -> None:
-    outcome = watch(team("sparse", 6, 8.0, run__clock_skew=skew), INDEX, 100)
+    outcome = watch(team("sparse", 6, 8.0, run__clock_skew=skew), 100)
     assert (outcome.cut, outcome.differing) == (0, 0)
     assert outcome.path.max() > 20.0  # m; they moved
 
 
 def test_a_clock_that_is_set_back_or_ahead_costs_no_agreement_for_long() -> None:
     events = [{"at": 3.9, "clock": {"robot": 1, "skew": 0.3}}, {"at": 6.1, "clock": {"robot": 1, "skew": -0.3}}]
-    outcome = watch(team(n=6, seconds=12.0, event=events), INDEX, 100)
+    outcome = watch(team(n=6, seconds=12.0, event=events), 100)
     assert outcome.cut == 0
     for moment in moments(team(n=6, seconds=12.0, event=events)):
         last = moment
@@ -201,7 +198,7 @@ def test_a_clock_that_is_set_back_or_ahead_costs_no_agreement_for_long() -> None
 
 
 def test_the_papers_start_takes_up_the_patch_in_20_seconds() -> None:
-    outcome = watch(scenario("paper", 10, 1, 25.5, INDEX), INDEX)
+    outcome = watch(scenario("paper", 10, 1, 25.5))
     assert (outcome.cut, outcome.differing, outcome.contracted) == (0, 0, 0)
     assert outcome.least == pytest.approx(25.0, abs=0.05)
     assert outcome.settled(0.97) == pytest.approx(19.0, abs=0.5)

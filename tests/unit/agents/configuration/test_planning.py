@@ -13,7 +13,8 @@ from fes.shapes.choice import shape
 from tests.support.configuration_starts import STARTS, distances, is_connected
 
 SPACING = 71.26
-LATTICE = Settings("lattice", (), 1, 6, 140.0)
+CLEARANCE = 6.0
+LATTICE = Settings("lattice", (), 1, 6, 140.0, CLEARANCE)
 
 
 def plan_of(positions: Floats, spacing: float = SPACING, how: Settings = LATTICE) -> Plan:
@@ -92,7 +93,7 @@ def test_robots_keep_their_distance_and_their_network_on_the_whole_way(positions
         if plan.kind == DIRECT:
             assert distance.min() >= smallest / np.sqrt(2.0) - 1e-3
         else:
-            assert distance.min() >= min(smallest, planning.CLEARANCE) - 1e-6
+            assert distance.min() >= min(smallest, CLEARANCE) - 1e-6
 
 
 STARTS_REACH = 148.02
@@ -114,7 +115,7 @@ def test_a_crowded_start_contracts_but_no_two_robots_get_closer_than_the_clearan
     plan = plan_of(crowd)
     assert plan.kind == CONTRACT
     assert plan.slots.tolist() == [planning.NO_SLOT] * 20
-    share = planning.CLEARANCE / distances(plan.marks).min()
+    share = CLEARANCE / distances(plan.marks).min()
     ways = plan.bases - plan.marks.mean(axis=0)
     assert ways == pytest.approx(max(0.5, share) * (plan.marks - plan.marks.mean(axis=0)), abs=1e-9)
 
@@ -122,7 +123,7 @@ def test_a_crowded_start_contracts_but_no_two_robots_get_closer_than_the_clearan
 @pytest.mark.parametrize("seed", [0, 9])
 def test_a_team_that_cannot_contract_tries_finer_orientations(seed: int) -> None:
     crowd = start("clump", 20, seed)
-    spread = 1.05 * planning.CLEARANCE / distances(crowd).min() * crowd
+    spread = 1.05 * CLEARANCE / distances(crowd).min() * crowd
     tight = spread / 1.1
     single = LATTICE._replace(orientations=1)
     assert plan_of(spread, how=single).kind == CONTRACT
@@ -134,7 +135,7 @@ def test_a_team_that_cannot_contract_tries_finer_orientations(seed: int) -> None
 
 def test_a_team_that_cannot_contract_and_has_no_way_stays() -> None:
     crowd = start("clump", 20, 7)
-    plan = plan_of(0.95 * planning.CLEARANCE / distances(crowd).min() * crowd, how=LATTICE._replace(orientations=1))
+    plan = plan_of(0.95 * CLEARANCE / distances(crowd).min() * crowd, how=LATTICE._replace(orientations=1))
     assert plan.kind == CONTRACT
     assert plan.farthest(0.0) < 1e-9
 
@@ -157,7 +158,7 @@ def test_the_longest_way_counts_the_dither() -> None:
 @pytest.mark.parametrize("name", ["line", "ring", "ladder", "offsets"])
 def test_each_shape_is_a_goal(name: str) -> None:
     places = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
-    how = Settings(name, places if name == "offsets" else (), 1, 6, 140.0)
+    how = Settings(name, places if name == "offsets" else (), 1, 6, 140.0, CLEARANCE)
     plan = plan_of(start("dense", 4, 1), how=how)
     reached, wanted = distances(goals(plan)), 71.26 * distances(shape(name, 4, 1, how.offsets).slots)
     assert np.sort(reached[np.triu_indices(4, 1)]) == pytest.approx(np.sort(wanted[np.triu_indices(4, 1)]), abs=1e-4)
