@@ -63,8 +63,8 @@ SUMMARY = (
     Quantity(
         "optimal_separation",
         "m",
-        "r*, the separation that maximizes the index (16), at the last tick; of a configuration r_beta, the link length "
-        "that is best for its shape.",
+        "r*, the separation that maximizes the index (16), at the last tick. Where a configuration is sought, all "
+        "quantities have the best link length of its shape, r_beta, in its place.",
     ),
     Quantity("edges[].0", "", "Lower robot id of a link in use at the last tick."),
     Quantity("edges[].1", "", "Higher robot id of the link."),

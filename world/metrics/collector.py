@@ -9,7 +9,7 @@ import numpy as np
 
 from fes.arithmetic import sums
 from fes.arrays.edges import Edges
-from fes.arrays.types import Floats, Ints, read_only
+from fes.arrays.types import Bools, Floats, Ints, read_only
 from fes.errors import FesError
 from fes.extension import crew_laws, registry
 from fes.extension.kinds import METRIC
@@ -51,10 +51,11 @@ class MetricsCollector:
         self.link_errors = LinkErrors(scenario.run.dt)
         self.tracking = Tracking(scenario.run.dt)
         self.optimal = math.nan
-        """Separation that the robots seek at the last tick [m]: r* of the channel, or r_beta of a configuration."""
+        """r* of the channel at the last tick [m]; of a configuration, the best link length of its shape (r_beta)."""
         self._period_average = PeriodAverage(dither_period(scenario))
         self._channel: RadioConfig | None = None
-        self._number = -1
+        self._present: Bools | None = None
+        self._is_configured = scenario.formation.configuration != "none"
         self.deadlines = deadlines.no_deadlines(scenario.robots.number) if scenario.run.clock == "live" else None
         """Deadlines of the live clock; None in lockstep."""
         self.unscheduled_absences = 0
@@ -123,11 +124,10 @@ class MetricsCollector:
 
     def _tick_truth(self, state: State, twists: Floats, telemetry: Telemetry) -> TickTruth:
         is_changed = state.channel is not self._channel and state.channel != self._channel
-        if is_changed:
-            self._channel = state.channel
-        number = int(np.count_nonzero(state.present))
-        if is_changed or number != self._number:
-            self._number = number
+        is_resized = self._is_configured and state.present is not self._present
+        if is_changed or is_resized:
+            self._channel, self._present = state.channel, state.present
+            number = int(np.count_nonzero(state.present))
             self.optimal = target.sought_separation(self.scenario, state.channel, number)
         separation = link_errors.separations(state.poses, *link_errors.ends(telemetry.links))
         self._period_average.add(telemetry.links, separation)
