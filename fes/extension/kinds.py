@@ -144,6 +144,7 @@ METRIC = Kind(
         "delivery": "world.metrics.team.at_the_end:TeamDelivery",
         "link_index": "world.metrics.team.link_index:LinkIndex",
         "links_connected": "world.metrics.team.links_connected:LinksConnected",
+        "team_index": "world.metrics.team.at_the_end:TeamIndexAtTheEnd",
         "travel": "world.metrics.team.travel:Travel",
     },
     (("add", "result"),),

@@ -7,6 +7,8 @@ from fes.extension.protocols import NoParameters
 from fes.model.table import Positive, Table
 from world.metrics.team import coverage
 from world.metrics.team import delivery as deliveries
+from world.metrics.team.progress import cutting_robots
+from world.metrics.team.team_index import team_index
 from world.metrics.tick_truth import TickTruth
 from world.simulation.truth import State
 
@@ -66,3 +68,30 @@ class TeamDelivery:
             "mean_after_loss": after and after.mean,
             "geometric_mean_after_loss": after and after.geometric_mean,
         }
+
+
+class TeamIndexAtTheEnd:
+    """The team index of the robots present, and how many of them cut the links."""
+
+    Parameters = NoParameters
+
+    def __init__(self, parameters: NoParameters, context: WorldContext) -> None:
+        self._objective = context.objective
+        self._last: TickTruth | None = None
+
+    def add(self, tick: TickTruth) -> None:
+        """Keep the tick."""
+        self._last = tick
+
+    def result(self) -> dict[str, float | None]:
+        """F [1], and the number of robots whose loss would cut the links in use between the others.
+
+        F is None for fewer than two robots, and for more than `team_index.MAX_ROBOTS`.
+        """
+        if self._last is None:
+            return {"value": None, "cutting_robots": None}
+        state = self._last.state
+        links = deliveries.links_of(state, self._objective)
+        index = team_index(state.poses[state.present, :2], links, self._objective)
+        cutting = cutting_robots(state, self._last.telemetry)
+        return {"value": index and index.value, "cutting_robots": float(len(cutting))}
