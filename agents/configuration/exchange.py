@@ -3,11 +3,13 @@
 A beacon has the sender's period, its own mark, and up to m marks of other robots of the same period, by turns. So all
 marks reach all robots of a connected team in about n / m ticks and two for each hop of the longest route.
 
-A relayed mark is not signed: a dishonest peer may relay another mark than it heard. Four rules bound what that does.
-The first mark of an (epoch, id) stays. A mark that is further from the last one than a robot can have moved is
+The first place of a beacon is its sender's: another robot's mark there is refused. A relayed mark is not signed: a
+dishonest peer may relay another mark than it heard. Four rules bound what that does. The first mark of an (epoch, id)
+stays. A mark that is further from the last one than a robot can have moved is
 refused. No robot takes its own mark from the air if it has one. A robot knows at most MOST marks.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -50,11 +52,17 @@ class Heard(NamedTuple):
 class Exchange:
     """The exchange of marks of a crew."""
 
-    def __init__(self, own: Ints, relayed: int, most: int, farthest: float | None) -> None:
-        """`own` are ids within the run [n], `relayed` is m, `farthest` [m] bounds the way of a robot in a period."""
+    def __init__(
+        self, ids: Ints, own_ids: Callable[[Ints], Ints], relayed: int, most: int, farthest: float | None
+    ) -> None:
+        """`ids` are those of the crew [n], and `own_ids` gives ids within the run; `relayed` is m.
+
+        `farthest` [m] bounds the way of a robot in a period.
+        """
         mark = [("id", "<u2"), ("mark", "<f4", (3,))]
         self._layout = np.dtype([("epoch", "<u4"), ("marks", mark, (1 + relayed,))])
-        self._own, self._relayed, self._most, self._farthest = own, relayed, most, farthest
+        self._own, self._own_ids = own_ids(ids), own_ids
+        self._relayed, self._most, self._farthest = relayed, most, farthest
         self._lookup = (np.zeros(0, dtype=np.int64),) * 2
         self.size = self._layout.itemsize
         """Bytes in each beacon."""
@@ -113,6 +121,7 @@ class Exchange:
         columns = self._columns(table).take(ids)
         is_known = table.is_known[np.where(is_current, period, NOW)[:, None], rows[:, None], columns]
         is_unknown = ~(is_known & (columns >= 0)) & (ids != EMPTY) & is_current[:, None]
+        is_unknown[:, 0] &= ids[:, 0] == self._own_ids(contacts.edges.peers[positions])
         beacon, place = is_unknown.nonzero()
         marks = message["marks"]["mark"][beacon, place]
         return Heard(rows[beacon], period[beacon], ids[beacon, place].astype(np.int64), marks)

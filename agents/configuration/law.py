@@ -74,7 +74,9 @@ class MarksAndPlans:
         limit = parameters.linear_limit
         farthest = None if limit is None else limit * self._clock.period
         self._most = min(MOST, len(parameters.offsets)) if name == "offsets" else MOST
-        self._exchange = Exchange(self._own, parameters.marks_per_beacon, self._most, farthest)
+        self._exchange = Exchange(
+            context.ids, context.draws.own_ids, parameters.marks_per_beacon, self._most, farthest
+        )
         self.declared = self._exchange.size
 
     def start(self) -> State:

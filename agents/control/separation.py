@@ -6,7 +6,7 @@ docs/explanation/safe-separation.md has the conditions and the proof.
 
 1. `give_way` clips the pull to the largest speed, and adds a part to the right of each near peer that it approaches.
 2. It takes the part of the pull that would close too fast out of it, peer by peer.
-3. `slow_down` bounds the linear speed of the twist, whatever computed it.
+3. `slow_down` bounds the linear speed of every twist, also of one that a law returns itself.
 """
 
 from typing import NamedTuple
@@ -127,9 +127,9 @@ def _yielding(pull: Floats, peers: Near, config: FormationConfig) -> Floats:
     edges, gain = peers.edges, config.linear_gain
     x, y = pull[:, 0].copy(), pull[:, 1].copy()
     places = [np.flatnonzero(edges.ranks == rank) for rank in range(int(edges.counts.max()))]
-    turns = [(edges.rows[place], *(values[place] for values in peers[1:])) for place in places]
+    ranked = [(edges.rows[place], *(values[place] for values in peers[1:])) for place in places]
     for _ in range(SWEEPS):
-        for rows, toward_x, toward_y, bound, spread in turns:  # at most one peer of each robot
+        for rows, toward_x, toward_y, bound, spread in ranked:  # at most one peer of each robot
             own_x, own_y = x[rows], y[rows]
             closing = own_x * toward_x + own_y * toward_y + spread * geometry.separation(own_x, own_y)
             excess = np.maximum(gain * closing - bound, 0.0) / gain

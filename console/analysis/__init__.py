@@ -3,7 +3,9 @@
 command            the commands: fes plot and fes claims
 history            a run as time series
 figures            the paper's figures, and figures of a run
+team_figures       figures of the team index
 claims             computations: errors in the paper's text
+team_claims        computations: numbers of the team index
 convergence_study  convergence of robots that count beacons, over seeds
 step_study         integration error against the step
 """

@@ -1,6 +1,7 @@
-"""Errors in the paper's text: each claim as a computation that returns its numbers.
+"""Errors in the paper's text, and the team index: each claim as a computation that returns its numbers.
 
-`fes claims` lists and runs all, `fes claims NAME` runs one. `docs/explanation/paper.md` explains the numbers.
+`fes claims` lists and runs all, `fes claims NAME` runs one. `docs/explanation/paper.md` explains the numbers of the
+paper, and `team.md` beside it those of the team index.
 """
 
 import math
@@ -10,6 +11,7 @@ import numpy as np
 
 from agents.laws import formation, oracle, perturbation
 from agents.laws.perturbation import Seeker
+from console.analysis import team_claims
 from console.backends import inprocess, stacked
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
@@ -155,6 +157,7 @@ CLAIMS: dict[str, Callable[[], Numbers]] = {
     "theorem-1": theorem_1,
     "disk-graph": disk_graph,
     "two-parts": two_parts,
+    "team-index": team_claims.team_index,
 }
 
 

@@ -7,7 +7,7 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
-from console.analysis import claims, convergence_study, figures, history, step_study
+from console.analysis import claims, convergence_study, figures, history, step_study, team_figures
 from console.analysis.history import History
 from console.backends import processes
 from console.connect.options import Use
@@ -25,17 +25,24 @@ from world.config.scenario import load
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PAPER, MEASURED = "paper", "measured"
+PAPER, MEASURED, TEAM = "paper", "measured", "team"
+
+ENDS = {
+    "two nearest": "paper",
+    "relative neighborhood": "neighborhood",
+    "marks and plans": "team-paper-start",
+}
+"""Title of an end -> the scenario of its run."""
 
 
 def plot(
-    target: Annotated[str, typer.Argument(help="`paper`, `measured`, a run directory or a log.")],
+    target: Annotated[str, typer.Argument(help="`paper`, `measured`, `team`, a run directory or a log.")],
     out: Annotated[
         Path | None, typer.Option(help="Output directory (default: figures/, or the run directory).")
     ] = None,
     use: Use = None,
 ) -> int:
-    """Draw figures as PNG and SVG: the paper's Figs. 1, 3, 5 and 6, robots that count beacons, or a run."""
+    """Draw figures as PNG and SVG: the paper's Figs. 1, 3, 5 and 6, robots that count beacons, ends, or a run."""
     with progress.bar("figures") as bar:
         if target == PAPER:
             directory, drawn = out or Path("figures"), _paper_figures(bar)
@@ -43,6 +50,8 @@ def plot(
             bar.note("many seeds of robots that count beacons")
             learning = convergence_study.learn(builtin.FOLDER)
             directory, drawn = out or Path("figures"), {"measured": figures.learning_figure(learning)}
+        elif target == TEAM:
+            directory, drawn = out or Path("figures"), {"team": team_figures.ends_figure(_ends(bar))}
         else:
             bar.note("executing the run again")
             source = Path(target)
@@ -64,7 +73,7 @@ def show_claims(
     name: Annotated[str | None, typer.Argument(help=f"One of {', '.join(claims.CLAIMS)} (default: all).")] = None,
     json_: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
 ) -> int:
-    """Compute the errors in the paper's text."""
+    """Compute the errors in the paper's text, and the numbers of the team index."""
     if name is not None and name not in claims.CLAIMS:
         raise FesError(f"no claim '{name}'; the claims are {', '.join(claims.CLAIMS)}")
     wanted, results = [name] if name else list(claims.CLAIMS), {}
@@ -102,11 +111,21 @@ def _paper_figures(bar: progress.Bar) -> "dict[str, Figure]":
     }
 
 
+def _ends(bar: progress.Bar) -> dict[str, History]:
+    """The runs of ENDS, with their team index."""
+    runs = {}
+    for title, name in ENDS.items():
+        bar.note(f"the run of {name}")
+        runs[title] = history.follow(load(builtin.file_of(name), {"objective.team_index": True}))
+    return runs
+
+
 def _run_figures(target: Path) -> "dict[str, Figure]":
     """The figures of a run, from its log, or from its directory if there is no log."""
     path = reader.find(target) if target.exists() else None
     seen = _executed_again(target) if path is None else _recorded(logs.load(path))
-    return {"formation": figures.formation_figure(seen), "convergence": figures.convergence_figure(seen)}
+    team = {"team": team_figures.team_figure(seen)} if seen.team.size else {}
+    return {"formation": figures.formation_figure(seen), "convergence": figures.convergence_figure(seen), **team}
 
 
 def _recorded(log: Log) -> History:

@@ -10,11 +10,12 @@ from console.backends import inprocess
 from console.replay import reexecution
 from console.replay.log import Log
 from fes.arrays.edges import Edges
-from fes.arrays.types import Floats
+from fes.arrays.types import Floats, Ints
 from fes.model.sensing import Telemetry
 from world.config.scenario import Scenario
 from world.metrics import link_errors
 from world.metrics.collector import MetricsCollector, dither_period
+from world.metrics.team.progress import cutting_robots
 from world.simulation.truth import State
 
 
@@ -39,6 +40,10 @@ class History:
     digest: str
     averaged: bool
     """True if the dither moves the formation, so that separations are averaged over a dither period."""
+    team: Floats
+    """Team index and its target, in steps of 0.1 s [2, t] [1]; [2, 0] for a run without them."""
+    cutting: Ints
+    """Robots whose loss would cut the links at the last tick [k]; empty without a team index."""
 
 
 class Moment(Protocol):
@@ -77,7 +82,7 @@ def recorded(log: Log) -> History:
 def gather(scenario: Scenario, moments: Iterable[tuple[Moment, MetricsCollector]]) -> History:
     """The history of at least one tick, each with the metrics up to it."""
     last = MetricsCollector(scenario)
-    poses, links, rows = [], [], []
+    poses, links, rows, team = [], [], [], []
     for tick, metrics in moments:
         last = metrics
         telemetry = tick.telemetry
@@ -86,6 +91,8 @@ def gather(scenario: Scenario, moments: Iterable[tuple[Moment, MetricsCollector]
         total = float(np.abs(telemetry.estimates - metrics.optimal).sum()) if len(telemetry.links) else np.nan
         largest = float(np.abs(metrics.separation - metrics.optimal).max()) if len(links[-1]) else np.nan
         rows.append((metrics.link_errors.errors["disagreement"], total, largest))
+        if metrics.team is not None:
+            team.append((metrics.team.latest.team_index, metrics.team.latest.target))
     series = np.array(rows).T
     time = scenario.run.dt * np.arange(len(poses), dtype=np.float64)
     return History(
@@ -98,6 +105,8 @@ def gather(scenario: Scenario, moments: Iterable[tuple[Moment, MetricsCollector]
         last.optimal,
         last.link_errors.digest.text(),
         dither_period(scenario) > 1,
+        np.array(team).reshape(-1, 2).T,
+        cutting_robots(last.state, last.telemetry) if team else np.zeros(0, dtype=np.int64),
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from rich.console import RenderableType
 from rich.segment import Segment, SegmentLines
 
-from console.dashboard import links_panel, panels, reception_panel
+from console.dashboard import links_panel, panels, reception_panel, team_panel
 from console.dashboard.canvas import Line
 from console.dashboard.header import header
 from console.dashboard.map_panel import legend, team_map
@@ -25,6 +25,7 @@ _SIDE = (49, 68)  # maximum width of the panels beside the map: by default, and 
 _LEAST_LINKS = 4  # lines of the links' panel that show one link
 _MAX_BARS = 6
 _CHART = (4, 14)  # fewest and most lines of the chart of reception
+_LEAST_WITH_TEAM, _LEAST_WITH_WHOLE_TEAM = 9, 18  # lines of a column with room for the team's first line, and for all
 _LEAST_COLUMN = 20  # lines of a column with room for that chart
 
 
@@ -142,9 +143,13 @@ def _narrow(history: ReportHistory, report: Report, width: int, height: int) -> 
 
 
 def _column(history: ReportHistory, report: Report, width: int, height: int, may_grow: bool) -> list[Line]:
-    """Convergence, reception, links and connectivity in `height` lines; reception is hidden first, then the last."""
+    """Convergence, reception, links, connectivity and team in `height` lines.
+
+    Reception is hidden first, then connectivity, then the links. Of the team the first line is hidden last.
+    """
     reception = _reception(report, width, height)
-    height -= len(reception)
+    team = _team(report, width, height - len(reception))
+    height -= len(reception) + len(team)
     connectivity = panels.connectivity(report)
     connectivity_height = 1 + len(connectivity) if height >= 10 + len(connectivity) else 0
     table = 2 + max(1, len(report.a)) if height >= 8 else 0
@@ -163,7 +168,15 @@ def _column(history: ReportHistory, report: Report, width: int, height: int, may
         lines += [title("Links", note, width), *links_panel.links(report, width, room - 1)]
     if connectivity_height:
         lines += [title("Connectivity", [], width), *connectivity]
-    return lines
+    return lines + team
+
+
+def _team(report: Report, width: int, height: int) -> list[Line]:
+    """The panel of the team index in a column of `height` lines: whole, its first line, or nothing."""
+    if not report.has_team_index or height < _LEAST_WITH_TEAM:
+        return []
+    lines = [line for line in team_panel.panel(report, width) if line]
+    return [title("Team", [], width), *lines] if height >= _LEAST_WITH_WHOLE_TEAM else lines[:1]
 
 
 def _reception(report: Report, width: int, height: int) -> list[Line]:

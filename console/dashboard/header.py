@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from rich.cells import cell_len
 
+from console.dashboard import team_panel
 from console.dashboard.canvas import Line
 from console.terminal.formatting import count, number, styled
 from fes.protocol.report import Report
@@ -46,7 +47,8 @@ def _facts(report: Report, width: int, silence: float) -> Line:
         since = ("r*", f"{optimum[1]} since {number(report.changed_at, ',.1f')} s", "")
     else:
         since = optimum
-    team, short = [("robots alive", *living), since], [("alive", *living), since]
+    index = [("team index", team_panel.of_target(report), "")] if report.has_team_index else []
+    team, short = [("robots alive", *living), since, *index], [("alive", *living), since, *index]
     pace = [
         ("ticks/s", number(report.ticks_per_s, ",.0f"), ""),
         ("real time", f"×{number(report.ticks_per_s * report.dt, ',.3g')}", ""),
@@ -66,6 +68,7 @@ def _facts(report: Report, width: int, silence: float) -> Line:
         [*short, *pace, ("decoded", f"{count(decoded)}/{count(sent)}", "")],
         [*short, *pace],
         short,
+        [short[0], since],
         [short[0], optimum],
     ]
     facts = next((facts for facts in choices if _extent(facts) <= width), short[:1])

@@ -20,8 +20,8 @@ OUTAGE_STYLES = ("green", "yellow", "red")
 
 _DASHES = np.array([[1, 1], [4, 8], [1, 4]])
 _LEGEND = (("⠒⠒⠒", f"<{FAIR_OUTAGE:.0%}"), ("⠒⠒ ⠒⠒", f"<{POOR_OUTAGE:.0%}"), ("⠂⠐ ⠂", "more"))
-_PALETTE = ("", *OUTAGE_STYLES, "bold", "bold red")
-_LINK, _ROBOT, _DEAD = 1, 4, 5
+_PALETTE = ("", *OUTAGE_STYLES, "bold", "bold red", "bold yellow")
+_LINK, _ROBOT, _DEAD, _CUTTING = 1, 4, 5, 6
 _ARROWS = np.array([ord(arrow) for arrow in "→↗↑↖←↙↓↘"], dtype=np.uint32)
 _CROSS, _BODY = ord("×"), ord("•")
 _MARGIN = 6  # dots on each side of the team: room for a marker and its id
@@ -104,7 +104,9 @@ def _links(canvas: Canvas, report: Report, dots: Floats, shown: Bools) -> None:
 
 def _robots(canvas: Canvas, report: Report, dots: Floats, robots: Ints) -> None:
     cells, digits = canvas.width * canvas.height, len(str(len(dots)))
-    ink = np.where(report.alive == 1, _ROBOT, _DEAD)[robots]
+    ink = np.where(report.alive == 1, _ROBOT, _DEAD)
+    ink[report.cutting] = _CUTTING
+    ink = ink[robots]
     if 4 * len(robots) > cells:  # too many for arrows
         canvas.points(dots[robots, 0], dots[robots, 1], ink)
         return

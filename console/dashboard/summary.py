@@ -84,6 +84,7 @@ def _headline(summary: dict[str, Any]) -> list[tuple[str, str]]:
     name = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}…"
     rate = f"{_number(summary['ticks_per_s'], 0)} ticks/s, {_number(summary['real_time_factor'], 1)}× real time"
     return [
+        *_team(summary),
         ("run", f"{name}, {summary['robots']} robots, seed {summary['seed']}, {summary['backend']}"),
         ("disagreement", f"{_meters(summary['disagreement'], 6)}{_since(summary, 'disagreement')}"),
         ("estimate error", f"largest {_meters(summary['estimate_error_max'], 4)}{_since(summary, 'estimate')}"),
@@ -91,6 +92,19 @@ def _headline(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("r*", _meters(summary["optimal_separation"], 4)),
         ("time", f"{summary['simulated_s']:g} s simulated in {_number(summary['wall_s'], 1)} s ({rate})"),
     ]
+
+
+def _team(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    """Row about the team index, if it was computed."""
+    if "team_index" not in summary:
+        return []
+    value, target, at = (summary[key] for key in ("team_index", "team_index_target", "team_index_99_at"))
+    share = f" ({percent(value / target)})" if value is not None and target else ""
+    since = "never 99%" if at is None else f"99% from {at:.2f} s on"
+    cutting = summary["cutting_robots"]
+    lost = "the loss of no robot cuts the links" if not cutting else f"the loss of any of {cutting} cuts the links"
+    index = f"{_number(value, 4)} of {_number(target, 4)}{share}, {since}" if share else _number(value, 4)
+    return [("team index", f"{index}; {lost}")]
 
 
 def _arithmetic(arithmetic: dict[str, str]) -> list[tuple[str, str]]:

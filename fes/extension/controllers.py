@@ -16,7 +16,7 @@ from fes.model.table import Table
 
 
 class Twist(NamedTuple):
-    """A twist of the body: linear and angular velocity. Only the limits of the scenario act on it."""
+    """A twist of the body: linear and angular velocity. Only the scenario's limits and safe separation act on it."""
 
     linear: float
     """[m/s; body frame]"""

@@ -60,7 +60,12 @@ SUMMARY = (
     Quantity("wall_s", "s", "Wall-clock time of the run."),
     Quantity("ticks_per_s", "1/s", "Ticks per second of wall-clock time.", _NO_TIME),
     Quantity("real_time_factor", "1", "Simulated time over wall-clock time.", _NO_TIME),
-    Quantity("optimal_separation", "m", "r*, the separation that maximizes the index (16), at the last tick."),
+    Quantity(
+        "optimal_separation",
+        "m",
+        "r*, the separation that maximizes the index (16), at the last tick. Where a configuration is sought, all "
+        "quantities have the best link length of its shape, r_beta, in its place.",
+    ),
     Quantity("edges[].0", "", "Lower robot id of a link in use at the last tick."),
     Quantity("edges[].1", "", "Higher robot id of the link."),
     Quantity(
@@ -181,8 +186,8 @@ SUMMARY = (
         Quantity(
             name,
             "s",
-            f"Time from which the team index stays at {share:.0%} of its target or above, up to the end.",
-            "it is below at the end, or either is null",
+            f"Time from which the team index stays at {share:.0%} of its target or above, in steps of 0.1 s.",
+            "it is below at the last step, or either is null",
             is_optional=True,
         )
         for name, share in TEAM_LEVELS.items()

@@ -24,18 +24,18 @@ def check(dt: float, seeking: SeekingConfig, formation: FormationConfig, objecti
         seeking.check(dt)
     counts.below("formation.linear_gain x run.dt", formation.linear_gain * dt, 2.0)
     if formation.safe_separation is not None:
-        _check_separation(dt, formation.safe_separation, formation, objective.minimum_separation)
+        _check_separation(dt, formation.safe_separation, formation, objective)
 
 
-def _check_separation(dt: float, safe: float, formation: FormationConfig, preferred: float) -> None:
-    """Raise ValueError in one line unless robots can keep `safe` [m]; the team prefers at least `preferred` [m]."""
+def _check_separation(dt: float, safe: float, formation: FormationConfig, objective: ObjectiveConfig) -> None:
+    """Raise ValueError in one line unless robots can keep apart by `safe` [m] with these gains."""
     limit, gain = formation.linear_limit, formation.separation_gain
+    half = objective.minimum_separation / 2.0
     if limit is None:
         raise ValueError(f"formation.safe_separation needs formation.linear_limit, got {safe:g} without it")
-    if safe >= preferred / 2.0:
+    if safe >= half:
         raise ValueError(
-            f"formation.safe_separation must be below half of objective.minimum_separation, {preferred / 2.0:g} m, "
-            f"got {safe:g}"
+            f"formation.safe_separation must be below half of objective.minimum_separation, {half:g} m, got {safe:g}"
         )
     counts.below("formation.separation_gain x run.dt", gain * dt, 1.0)
     if gain > limit / safe:

@@ -57,7 +57,7 @@ class Report:
     dt: float
     """Tick length [s]."""
     optimal_separation: float
-    """r* of the true channel and objective [m]."""
+    """r* of the true channel and objective [m]; of a configuration, the best link length of its shape."""
     elapsed: float
     """Wall-clock time since tick 0 [s]."""
     ticks_per_s: float

@@ -44,8 +44,9 @@ class Moment:
     """Periods of their clocks, by id."""
 
 
-def moments(scenario: Scenario) -> Iterator[Moment]:
-    """Each tick of a scenario, in one loop."""
+def moments(scenario: Scenario, noise: float = 0.0) -> Iterator[Moment]:
+    """Each tick of a scenario, in one loop. Each robot senses its position with normal `noise` [m] in x and y."""
+    random = np.random.default_rng([scenario.run.seed, 9])
     world = truth.create(scenario)
     state, robots = truth.start(world), crew.create(agent_config(scenario), world.ids)
     memory, beacons, receiver, present = crew.start(robots), no_beacons(), Receiver(), state.present
@@ -55,7 +56,12 @@ def moments(scenario: Scenario) -> Iterator[Moment]:
             present = state.present
         observed = truth.observe(state)
         received = receiver.receive(observed, beacons, memory.contacts.edges)
-        memory, beacons, twists, _ = crew.step(robots, memory, observed.sensed, received)
+        sensed = observed.sensed
+        if noise > 0.0:
+            error = np.zeros_like(sensed.poses)
+            error[:, :2] = random.normal(0.0, noise, error[:, :2].shape)
+            sensed = sensed._replace(poses=sensed.poses + error)
+        memory, beacons, twists, _ = crew.step(robots, memory, sensed, received)
         law: LawState = memory.formation
         ids = np.flatnonzero(present).tolist()
         plans, epochs = {robot: law.plans[robot] for robot in ids}, {robot: int(law.epoch[robot]) for robot in ids}
@@ -89,15 +95,18 @@ class Outcome:
         return max(0.0, first * self.every - after) if first < len(self.share) else np.nan
 
 
-def watch(scenario: Scenario, every: int = 5) -> Outcome:
-    """The outcome of a scenario whose formation law is marks and plans; F is computed at each `every` ticks."""
+def watch(scenario: Scenario, every: int = 5, noise: float = 0.0) -> Outcome:
+    """The outcome of a scenario whose formation law is marks and plans; F is computed at each `every` ticks.
+
+    `noise` [m] is that of the positions that robots sense.
+    """
     shares, least, cut = [], np.inf, 0
     path, before = np.zeros(0), np.zeros((0, 2))
     made: dict[int, Counter[tuple[int, bytes, bytes]]] = defaultdict(Counter)
     epochs: dict[int, int] = {}
     best: dict[int, float] = {}
     reach, context = scenario.channel.communication_range, reception.context(scenario)
-    for moment in moments(scenario):
+    for moment in moments(scenario, noise):
         positions = moment.positions
         distance = distances(positions)
         least, cut = min(least, distance.min()), cut + (not is_connected(distance, reach))
@@ -207,6 +216,7 @@ def main() -> None:
     parser.add_argument("--die", type=int, default=0, help="robots that die at the time `--at`")
     parser.add_argument("--join", type=int, default=0, help="robots that join at the time `--at`")
     parser.add_argument("--at", type=float, default=0.0, help="[s]")
+    parser.add_argument("--noise", type=float, default=0.0, help="of sensed positions [m]")
     parser.add_argument("--set", nargs="*", default=[], help="further settings, such as formation.plan_period=1.0")
     arguments = parser.parse_args()
     seeking = arguments.seeking
@@ -223,7 +233,7 @@ def main() -> None:
         ]
         if arguments.die or arguments.join:
             runs = [with_events(run, arguments.at, arguments.die, arguments.join) for run in runs]
-        outcomes = [watch(run, arguments.every) for run in runs]
+        outcomes = [watch(run, arguments.every, arguments.noise) for run in runs]
         print(summary(kind, arguments.n, outcomes, arguments.at), flush=True)
 
 

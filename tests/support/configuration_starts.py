@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from fes.arrays.types import Floats
+from fes.shapes.patch import patch
 from tests.support.configurations import START
 
 CONNECTED = 145.0
@@ -64,6 +65,19 @@ def clusters(n: int, random: Generator) -> Floats:
     return np.concatenate([left, right])
 
 
+def patches(n: int, random: Generator) -> Floats:
+    """Two patches that halves of the team have formed, turned at random, with a gap of 120 to 149 m."""
+    both = []
+    for half in (n // 2, n - n // 2):
+        turn = random.uniform(-np.pi, np.pi)
+        x, y = 71.26 * patch(half, 1).slots.T
+        both.append(np.stack([np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y], axis=1))
+    gap, way = random.uniform(120.0, 149.0), 1000.0
+    while np.sqrt(((both[0][:, None] - both[1] - (way, 0.0)) ** 2).sum(axis=-1)).min() > gap:
+        way -= 0.01
+    return np.concatenate([both[0], both[1] + (way, 0.0)])
+
+
 def row(spacing: float, n: int, random: Generator) -> Floats:
     """A line along x with sideways noise."""
     return np.stack([spacing * np.arange(n), random.normal(0.0, 1.0, n)], axis=1)
@@ -89,6 +103,7 @@ STARTS: dict[str, Callable[[int, Generator], Floats]] = {
     "line": lambda n, random: row(60.0, n, random),
     "longline": lambda n, random: row(130.0, n, random),
     "clump": clump,
+    "patches": patches,
 }
 
 

@@ -190,7 +190,7 @@ def batches(counts: Mapping[str, int], seed: int, longest: float = LONGEST) -> l
             Batch(teams, {"contact_timeout": float(kind.split()[-2])}, {"channel": BURSTS})
             for kind, teams in lossy.items()
         ),
-        Batch(dense, {"law": "paper"}, {"seeking": ORACLE}, 60.0, clock_skew=1.0),
+        Batch(dense, {"law": "paper"}, {"seeking": ORACLE}, min(longest, 60.0), clock_skew=1.0),
         controlled(blocked) if blocked else Batch([]),
     ]
     return [batch for batch in all_batches if batch.teams]

@@ -31,7 +31,7 @@ LONGEST = 150.0
 ARRIVED = 0.5
 """Distance from a goal at which a robot has arrived [m]."""
 
-AFTERWARDS = 5.0
+AFTERWARDS = 2.0
 """Time for which a batch runs after the last arrival [s]."""
 
 ROUNDING = 1e-9
@@ -85,13 +85,14 @@ def run(batch: Batch) -> list[Outcome]:
     crew = batch.wrap(crews.create(agent_config(what), world.ids), goals)
     state, memory, beacons, receiver = truth.start(world), crews.start(crew), no_beacons(), Receiver()
     least, is_broken, arrived = np.full(count, np.inf), np.zeros(count, dtype=np.bool_), np.full(count, np.inf)
+    has_goals = np.bincount(team, ~np.isnan(goals[:, 0]), count) > 0
     for tick in range(what.ticks):
         memory, beacons, twists, _ = loop.tick(crew, memory, receiver, truth.observe(state), beacons)
         pairs = state.proximity.candidates
         np.minimum.at(least, team[pairs.a], state.proximity.separation)
         is_broken[team[broken(state, memory, what)]] = True
         is_away = np.hypot(*(state.poses[:, :2] - goals).T) >= ARRIVED
-        is_there = np.bincount(team, is_away & state.present, count) == 0
+        is_there = has_goals & (np.bincount(team, is_away & state.present, count) == 0)
         arrived = np.where(is_there & np.isinf(arrived), tick * dt, arrived)
         if tick * dt > arrived.max() + AFTERWARDS:
             break
@@ -128,6 +129,8 @@ def broken(state: State, memory: CrewState, what: Scenario) -> Bools:
     drives = state.present if state.tick >= OPENING_TICKS else result
     pairs = state.proximity.candidates
     is_close = state.proximity.separation < near_within(what.formation)
+    if not is_close.any():
+        return result
     for robots, peers in ((pairs.a, pairs.b), (pairs.b, pairs.a)):
         robots, peers = robots[is_close], peers[is_close]
         is_blind = drives[robots] & ~is_known(state, memory, what, robots, peers)

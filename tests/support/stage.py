@@ -3,7 +3,7 @@
 import asyncio
 import json
 import subprocess
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 
@@ -24,14 +24,14 @@ HEAD = [str(CONFIGS / "pair.toml"), "--duration", str(SECONDS), "--rtf", "1", "-
 class Stage:
     """A world that waits for two robots, and its log."""
 
-    def __init__(self, where: Path, keyed: Path | None) -> None:
+    def __init__(self, where: Path, keyed: Path | None, words: Sequence[str]) -> None:
         self.where, self.keyed = where, keyed
         self.endpoint = f"{'tls' if keyed else 'tcp'}/127.0.0.1:{free_port()}"
         self.flags = ["--keys", str(keyed)] if keyed else []
         self.running: list[subprocess.Popen[str]] = []
         self.path = where / "said.log"
         with self.path.open("w") as stream:
-            world = command("world.process", *HEAD, "-l", self.endpoint, *self.flags)
+            world = command("world.process", *HEAD, *words, "-l", self.endpoint, *self.flags)
             self.running.append(
                 subprocess.Popen(world, cwd=where, stdin=subprocess.DEVNULL, stderr=stream, text=True)
             )
@@ -68,8 +68,9 @@ class Stage:
 
 
 @asynccontextmanager
-async def stage(where: Path, keyed: Path | None) -> AsyncIterator[Stage]:
-    staged = Stage(where, keyed)
+async def stage(where: Path, keyed: Path | None, words: Sequence[str] = ()) -> AsyncIterator[Stage]:
+    """A stage; `words` are further flags of the world."""
+    staged = Stage(where, keyed, words)
     try:
         async with asyncio.timeout(100.0):
             yield staged

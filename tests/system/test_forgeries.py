@@ -2,7 +2,7 @@
 
 import asyncio
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -46,8 +46,8 @@ FORGERIES: dict[str, Callable[[int], bytes]] = {
 }
 
 
-async def forge(attacker: Bus, key: str, is_over: Callable[[], bool]) -> int:
-    """Publish on `key` the message of the next tick until the run is over; return the number of ticks observed.
+async def forge(attacker: Bus, key: str, forged: Callable[[int], bytes], is_over: Callable[[], bool]) -> int:
+    """Publish on `key` the `forged` message of the next tick until the run is over; return the number of ticks seen.
 
     Robot 1 marks the time: it receives only the world, and the programs that the world authorizes.
     """
@@ -64,19 +64,21 @@ async def forge(attacker: Bus, key: str, is_over: Callable[[], bool]) -> int:
             assert heard[1] is not None
             ticks.add(messages.decode_beacon(heard[1]).tick)
         if ticks:
-            attacker._session.put(key, FORGERIES[key](max(ticks) + 1), attachment=marks[0])
+            attacker._session.put(key, forged(max(ticks) + 1), attachment=marks[0])
         await asyncio.sleep(0.001)
     listening.undeclare()
     return len(ticks)
 
 
-async def run_with_a_forger(where: Path, keyed: Path | None, key: str) -> tuple[str, str]:
+async def run_with_a_forger(
+    where: Path, keyed: Path | None, key: str, forged: Callable[[int], bytes], words: Sequence[str] = ()
+) -> tuple[str, str]:
     """Digest and log of a run in which robot 1, or without TLS any client, impersonates robot 0."""
-    async with stage(where, keyed) as world, world.visitor("robot-1") as attacker:
+    async with stage(where, keyed, words) as world, world.visitor("robot-1") as attacker:
         world.agent(0)
         world.agent(1)
         over = asyncio.ensure_future(world.over())
-        ticks = await forge(attacker, key, over.done)
+        ticks = await forge(attacker, key, forged, over.done)
         good = await over
         if keyed:  # without TLS it may end the run early, on a slow machine
             assert good, world.log()
@@ -92,14 +94,14 @@ def expected() -> str:
 @pytest.mark.parametrize("key", FORGERIES)
 def test_forgeries_change_a_run_without_certificates(tmp_path: Path, expected: str, key: str) -> None:
     """The attack works without TLS, which the next test relies on."""
-    digest, _ = asyncio.run(run_with_a_forger(tmp_path, None, key))
+    digest, _ = asyncio.run(run_with_a_forger(tmp_path, None, key, FORGERIES[key]))
     assert digest not in ("", expected)
 
 
 @pytest.mark.parametrize("key", FORGERIES)
 def test_forgeries_are_dropped_logged_once_and_change_no_digit(tmp_path: Path, expected: str, key: str) -> None:
     keyed = team_keys.directory(tmp_path / "keys", certificates.create(1.0), ROLES)
-    digest, log = asyncio.run(run_with_a_forger(tmp_path, keyed, key))
+    digest, log = asyncio.run(run_with_a_forger(tmp_path, keyed, key, FORGERIES[key]))
     assert digest == expected
     assert log.count(f"dropped robot-1's put on {key}: it has no right to it") == 1
     [often] = re.findall(rf"dropped messages: robot-1: put on {key} x(\d+)", log)

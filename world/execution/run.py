@@ -22,9 +22,9 @@ from world.config.scenario import Scenario, with_event
 from world.execution import marshalling
 from world.execution.marshalling import CommandBatch
 from world.execution.recorder import Recorder
-from world.metrics.best_separation import best_separation
 from world.metrics.collector import MetricsCollector
-from world.simulation import crowd, reception, truth
+from world.metrics.team.target import sought_separation
+from world.simulation import crowd, truth
 from world.simulation.truth import State
 
 Answer = tuple[Command, bytes]
@@ -119,7 +119,7 @@ class Run:
         value = events.effective(channel, path)
         scenario = with_event(self.scenario, tick, path, value)
         try:
-            optimal = best_separation(reception.context(scenario), channel)
+            optimal = sought_separation(scenario, channel, int(np.count_nonzero(self.state.present)))
         except FesError as error:
             raise ScenarioError(path, str(error)) from None
         self.note([SET, tick, path, value])

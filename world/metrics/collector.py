@@ -9,7 +9,7 @@ import numpy as np
 
 from fes.arithmetic import sums
 from fes.arrays.edges import Edges
-from fes.arrays.types import Floats, Ints, read_only
+from fes.arrays.types import Bools, Floats, Ints, read_only
 from fes.errors import FesError
 from fes.extension import crew_laws, registry
 from fes.extension.kinds import METRIC
@@ -20,9 +20,9 @@ from world.config import events
 from world.config.radio import RadioConfig
 from world.config.scenario import Scenario
 from world.metrics import deadlines, link_errors
-from world.metrics.best_separation import best_separation
 from world.metrics.link_errors import LinkErrors
 from world.metrics.period_average import PeriodAverage
+from world.metrics.team import target
 from world.metrics.team.progress import TeamProgress
 from world.metrics.tick_truth import TickTruth
 from world.metrics.tracking import TeamErrors, Tracking
@@ -51,9 +51,11 @@ class MetricsCollector:
         self.link_errors = LinkErrors(scenario.run.dt)
         self.tracking = Tracking(scenario.run.dt)
         self.optimal = math.nan
-        """r* of the channel at the last tick [m]."""
+        """r* of the channel at the last tick [m]; of a configuration, the best link length of its shape (r_beta)."""
         self._period_average = PeriodAverage(dither_period(scenario))
         self._channel: RadioConfig | None = None
+        self._present: Bools | None = None
+        self._is_configured = scenario.formation.configuration != "none"
         self.deadlines = deadlines.no_deadlines(scenario.robots.number) if scenario.run.clock == "live" else None
         """Deadlines of the live clock; None in lockstep."""
         self.unscheduled_absences = 0
@@ -122,9 +124,11 @@ class MetricsCollector:
 
     def _tick_truth(self, state: State, twists: Floats, telemetry: Telemetry) -> TickTruth:
         is_changed = state.channel is not self._channel and state.channel != self._channel
-        if is_changed:
-            self._channel = state.channel
-            self.optimal = best_separation(reception.context(self.scenario), state.channel)
+        is_resized = self._is_configured and state.present is not self._present
+        if is_changed or is_resized:
+            self._channel, self._present = state.channel, state.present
+            number = int(np.count_nonzero(state.present))
+            self.optimal = target.sought_separation(self.scenario, state.channel, number)
         separation = link_errors.separations(state.poses, *link_errors.ends(telemetry.links))
         self._period_average.add(telemetry.links, separation)
         return TickTruth(state, twists, telemetry, separation, self._period_average.mean, self.optimal, is_changed)

@@ -50,8 +50,9 @@ class TeamProgress:
 
     scenario: Scenario
     latest: TeamValues = field(default_factory=TeamValues)
-    """The values at `_tick`: at most PERIOD old."""
+    """The values at the last tick that is a multiple of PERIOD."""
     _tick: int = -1
+    """That tick."""
     _since: dict[str, int | None] = field(default_factory=lambda: dict.fromkeys(TEAM_LEVELS))
     """Tick from which the index has been at each level."""
     _channel: RadioConfig | None = None
@@ -60,17 +61,21 @@ class TeamProgress:
 
     def add(self, state: State) -> None:
         """Add a tick."""
-        if state.tick % counts.ticks_of(PERIOD, self.scenario.run.dt) == 0:
-            self._update(state)
+        if state.tick % counts.ticks_of(PERIOD, self.scenario.run.dt):
+            return
+        self.latest, self._tick = self._values(state), state.tick
+        for name, share in TEAM_LEVELS.items():
+            if not self.latest.team_index >= share * self.latest.target:
+                self._since[name] = None
+            elif self._since[name] is None:
+                self._since[name] = state.tick
 
     def at(self, state: State) -> TeamValues:
-        """The values at the last tick, whose state is `state`."""
-        if state.tick != self._tick:
-            self._update(state)
-        return self.latest
+        """The values at the last tick, whose state is `state`. It changes nothing: observers may ask at any tick."""
+        return self.latest if state.tick == self._tick else self._values(state)
 
     def times(self) -> dict[str, float | None]:
-        """For each level the time [s] from which the index stayed at it until the last value; None without one."""
+        """For each level the time [s] from which `latest` stayed at it, so far; None if it is not there now."""
         dt = self.scenario.run.dt
         return {name: None if tick is None else round(tick * dt, 9) for name, tick in self._since.items()}
 
@@ -100,18 +105,11 @@ class TeamProgress:
             "plans": plans,
         }
 
-    def _update(self, state: State) -> None:
-        objective = self.scenario.objective
-        links = delivery.links_of(state, objective)
-        index = team_index(state.poses[state.present, :2], links, objective)
+    def _values(self, state: State) -> TeamValues:
+        links = delivery.links_of(state, self.scenario.objective)
+        index = team_index(state.poses[state.present, :2], links, self.scenario.objective)
         wanted = self._target(len(links), state.channel)
-        self.latest = TeamValues(target=wanted) if index is None else TeamValues(index.value, wanted, index.delivery)
-        self._tick = state.tick
-        for name, share in TEAM_LEVELS.items():
-            if not self.latest.team_index >= share * wanted:
-                self._since[name] = None
-            elif self._since[name] is None:
-                self._since[name] = state.tick
+        return TeamValues(target=wanted) if index is None else TeamValues(index.value, wanted, index.delivery)
 
     def _target(self, robots: int, channel: RadioConfig) -> float:
         if channel is not self._channel:

@@ -12,6 +12,7 @@ from fes.model.config import FORMULAS, FormationConfig
 from fes.shapes import choice
 from fes.shapes.shape import Shape
 from world.config.radio import RadioConfig
+from world.config.scenario import Scenario
 from world.metrics.best_separation import best_separation
 from world.metrics.team import delivery
 from world.metrics.team.team_index import MAX_ROBOTS, TeamIndex, team_index
@@ -34,6 +35,18 @@ def spacing(shape: Shape, channel: RadioConfig, context: WorldContext) -> float:
     """r_beta [m]: the link length at which a shape has its best team index; NaN for a channel without an optimum."""
     config = context.objective
     return best_separation(context, channel, shape.quality_weight(config.losses, config.coverage_weight))
+
+
+def sought_separation(scenario: Scenario, channel: RadioConfig, n: int) -> float:
+    """The separation [m] that `n` robots seek: r_beta of their configuration, or r* where none is sought.
+
+    NaN for a channel without an optimum.
+    """
+    context = reception.context(scenario)
+    if scenario.formation.configuration == "none":
+        return best_separation(context, channel)
+    shape = shape_of(n, scenario.formation, context.objective.losses)
+    return best_separation(context, channel) if shape is None else spacing(shape, channel, context)
 
 
 def target(n: int, formation: FormationConfig, channel: RadioConfig, context: WorldContext) -> float:

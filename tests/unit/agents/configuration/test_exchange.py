@@ -20,13 +20,16 @@ RELAYED = 8
 
 
 def exchange(own: Iterable[int] = (0,), farthest: float | None = None, most: int = MOST) -> Exchange:
-    return Exchange(np.array(list(own)), RELAYED, most, farthest)
+    return Exchange(np.array(list(own)), lambda ids: ids, RELAYED, most, farthest)
 
 
-def message(epoch: int, *marks: Mark) -> Bytes:
+NO_MARK = (EMPTY, 0.0, 0.0, 0.0)
+
+
+def message(epoch: int, *relayed: Mark, own: Mark = NO_MARK) -> Bytes:
     """The bytes of a beacon, built field by field; places without a mark are empty."""
     data = np.uint32(epoch).tobytes()
-    for number, x, y, estimate in [*marks, *[(EMPTY, 0.0, 0.0, 0.0)] * (1 + RELAYED - len(marks))]:
+    for number, x, y, estimate in [own, *relayed, *[NO_MARK] * (RELAYED - len(relayed))]:
         data += np.uint16(number).tobytes() + np.array([x, y, estimate], dtype=np.float32).tobytes()
     return np.frombuffer(data, dtype=np.uint8)
 
@@ -63,16 +66,26 @@ def marks_of(known: Table, row: int = 0) -> dict[int, list[float]]:
 
 @pytest.mark.parametrize(("relayed", "size"), [(1, 32), (8, 130), (16, 242)])
 def test_the_bytes_of_a_beacon_are_those_of_its_layout(relayed: int, size: int) -> None:
-    assert Exchange(np.array([0]), relayed, MOST, None).size == size
+    assert Exchange(np.array([0]), lambda ids: ids, relayed, MOST, None).size == size
     assert message(0).size == 130
 
 
 def test_a_mark_arrives_as_it_was_sent() -> None:
-    sender = exchange([3])
-    known = tables.with_own(blank(3), np.array([0]), np.array([3]), np.array([(10.5, -2.25, 71.0)]))
+    sender = exchange([1])
+    known = tables.with_own(blank(1), np.array([0]), np.array([1]), np.array([(10.5, -2.25, 71.0)]))
     data, _ = sender.send(known, np.array([5]), np.array([-1]))
-    assert data.tobytes() == message(5, (3, 10.5, -2.25, 71.0)).tobytes()
-    assert marks_of(hear(blank(), data[0])) == {3: [10.5, -2.25, 71.0]}
+    assert data.tobytes() == message(5, own=(1, 10.5, -2.25, 71.0)).tobytes()
+    assert marks_of(hear(blank(), data[0])) == {1: [10.5, -2.25, 71.0]}
+
+
+def test_a_robot_may_only_speak_its_own_mark() -> None:
+    """Over TLS nobody else can send its beacons; without, this only finds mistakes."""
+    claimed = message(5, own=(7, 1.0, 1.0, 70.0))
+    assert marks_of(hear(blank(), claimed)) == {}
+    assert marks_of(hear(blank(), message(5, own=(1, 1.0, 1.0, 70.0)))) == {1: [1.0, 1.0, 70.0]}
+    around = hearing([0], {(0, 101): message(5, own=(1, 1.0, 1.0, 70.0))})  # a crew of many runs: robot 1 of its run
+    stacked = Exchange(np.array([0]), lambda ids: ids % 100, RELAYED, MOST, None)
+    assert marks_of(stacked.hear(blank(), np.array([5]), around)) == {1: [1.0, 1.0, 70.0]}
 
 
 def test_all_marks_of_others_are_relayed_by_turns() -> None:
@@ -158,8 +171,8 @@ def test_a_mark_is_forgotten_after_thirty_periods() -> None:
 
 def test_a_robot_knows_at_most_so_many_marks_of_a_period() -> None:
     known = blank()
-    for first in range(1, 400, 9):
-        known = hear(known, message(5, *((first + k, 0.0, 0.0, 70.0) for k in range(9))), most=20)
+    for first in range(1, 400, 8):
+        known = hear(known, message(5, *((first + k, 0.0, 0.0, 70.0) for k in range(8))), most=20)
     assert sorted(marks_of(known)) == list(range(1, 21))
     assert sorted(marks_of(hear(blank(), *(message(5, (n, 0.0, 0.0, 70.0)) for n in range(1, 31)), most=20))) == list(
         range(1, 21)
@@ -168,8 +181,8 @@ def test_a_robot_knows_at_most_so_many_marks_of_a_period() -> None:
 
 def test_a_flood_of_invented_ids_does_not_grow_the_table_for_ever() -> None:
     known, epoch = blank(), 5
-    for start in range(0, 60_000, 100):
-        beacons = [message(epoch, *((1 + start + 9 * b + k, 0.0, 0.0, 70.0) for k in range(9))) for b in range(11)]
+    for start in range(0, 60_000, 88):
+        beacons = [message(epoch, *((1 + start + 8 * b + k, 0.0, 0.0, 70.0) for k in range(8))) for b in range(11)]
         known = tables.advance(hear(known, *beacons, epoch=epoch), np.array([1]))
         epoch += 1
     assert len(known.ids) < 100 * 34  # those of 30 periods, and of the last ones

@@ -26,7 +26,7 @@ unit_interval = st.floats(0.0, 1.0)
 
 
 def aged(where: Floats, age: int, decoded: list[bool] | None = None) -> tuple[Contacts, Sensed]:
-    """What robots know of each other's places `where` [n, 3], by beacons of `age` ticks ago."""
+    """The places of each other that robots know, `where` [n, 3], by beacons of `age` ticks ago."""
     contacts = layouts.hear(where, range(len(where)))
     known = contacts.known if decoded is None else contacts.known & np.array(decoded)
     return contacts._replace(known=known), Sensed(age, where)

@@ -52,8 +52,8 @@ def test_the_weighted_index_is_c_q_to_the_beta(weight: float, channel: ChannelCo
 def test_the_weight_of_one_gives_the_digits_of_no_weight() -> None:
     r = np.linspace(1.0, 149.0, 149)
     for transform in ("log", "none"):
-        with_weight = FormulaIndex(TEAM, CHANNEL, transform, np.ones(len(r)))  # type: ignore[arg-type]
-        without = FormulaIndex(TEAM, CHANNEL, transform)  # type: ignore[arg-type]
+        with_weight = FormulaIndex(TEAM, CHANNEL, transform, np.ones(len(r)))
+        without = FormulaIndex(TEAM, CHANNEL, transform)
         np.testing.assert_array_equal(np.stack(with_weight.parabola(r)), np.stack(without.parabola(r)))
 
 

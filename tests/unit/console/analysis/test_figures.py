@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from console.analysis import command as analysis_command
-from console.analysis import figures, history, step_study
+from console.analysis import figures, history, step_study, team_figures
 from console.analysis.history import History
 from console.backends import inprocess
 from fes.errors import FesError
@@ -101,3 +101,45 @@ def test_the_closed_loop_depends_on_the_tick_to_first_order() -> None:
     (_, coarse), (_, fine) = step_study.tick_errors(closed, (0.02, 0.005))
     assert 2.0 < coarse / fine < 8.0  # 4, were it exactly first order
     assert coarse < 5.0
+
+
+@pytest.fixture(scope="module")
+def teams() -> dict[str, History]:
+    ends = {"links": "neighborhood.toml", "shape": "team-paper-start.toml"}
+    short = {"run__duration": 4.0, "objective__team_index": True, "expect": []}
+    return {title: history.follow(load(name, **short)) for title, name in ends.items()}
+
+
+def test_a_history_has_the_team_index_of_the_run(teams: dict[str, History], seen: History) -> None:
+    short = {"run__duration": 4.0, "objective__team_index": True}
+    result = inprocess.run(load("neighborhood.toml", **short), "neighborhood")
+    run = teams["links"]
+    assert run.team.shape == (2, len(run.time))
+    assert run.team[1, -1] == result["team_index_target"]
+    assert run.team[0, -1] == pytest.approx(result["team_index"], abs=0.01)  # up to 0.1 s older
+    assert len(run.cutting) == result["cutting_robots"]
+    assert seen.team.size == 0
+
+
+def test_a_run_with_a_team_index_has_a_figure_of_it(tmp_path: Path, teams: dict[str, History]) -> None:
+    figure = team_figures.team_figure(teams["links"])
+    lines = figure.axes[0].lines
+    assert [line.get_label() for line in lines] == ["team index F", "target"]
+    assert np.array_equal(lines[0].get_ydata(), teams["links"].team[0])
+    number = len(teams["links"].cutting)
+    assert figure.axes[1].get_title() == f"t = 3.98 s, {number} robots can cut it"
+    marks = [line for line in figure.axes[1].lines if line.get_marker() == "s"]
+    assert len(marks[0].get_xdata()) == number > 1
+    two = load("pair.toml", run__duration=1.0, objective__team_index=True)
+    summary.write_scenario(tmp_path, two)
+    summary.write(tmp_path, inprocess.run(two, "pair"))
+    analysis_command.plot(str(tmp_path))
+    assert (tmp_path / "team.svg").exists()
+
+
+def test_ends_are_drawn_side_by_side_on_one_scale(teams: dict[str, History]) -> None:
+    figure = team_figures.ends_figure(teams)
+    assert len(figure.axes) == 3
+    assert len({(panel.get_xlim(), panel.get_ylim()) for panel in figure.axes}) == 1
+    for panel, (name, run) in zip(figure.axes[1:], teams.items(), strict=True):
+        assert panel.get_title().startswith(f"{name}\nF = {run.team[0, -1]:.3f}, ")
