@@ -6,6 +6,7 @@ docs/explanation: times from which the team index stays above a share of its tar
 
 import argparse
 import json
+import math
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -129,7 +130,14 @@ def watch(scenario: Scenario, every: int = 5, noise: float = 0.0) -> Outcome:
 
 SEEKING: dict[str, dict[str, Any]] = {
     "oracle": {"index": "oracle", "index_gain": 40000.0, "initial_estimate": [50.0, 90.0]},
-    "measured": {"index": "measured", "dither_amplitude": 3.0, "initial_estimate": [80.0, 100.0]},
+    "measured": {
+        "index": "measured",
+        "reference_separation": 75.0,
+        "dither_amplitude": 3.0,
+        "dither_frequency": math.pi / 10.0,
+        "consensus_gain": 4.0,
+        "initial_estimate": [80.0, 100.0],
+    },
 }
 """Seeking laws, by name; `fixed` gives all robots the best spacing of the team at the start."""
 

@@ -43,6 +43,16 @@ def test_a_way_that_is_kept_is_connected_at_each_of_its_points(seed: int, n: int
             assert is_connected(distances(start + share * (end - start)), 140.0 + 1e-9)
 
 
+def test_a_link_that_ends_between_two_points_of_the_check_does_not_count_there() -> None:
+    # the ends are 200 m apart; one relay leaves the range of the first, then another one comes in range of the second
+    start = np.array([(0.0, 0.0), (200.0, 0.0), (104.0, 80.0), (74.0, -80.0)])
+    end = start + np.array([(0.0, 0.0), (0.0, 0.0), (20.0, 0.0), (20.0, 0.0)])
+    shares = np.arange(connection.PIECES + 1) / connection.PIECES
+    assert all(is_connected(distances(start + share * (end - start)), 140.0) for share in shares)
+    assert not is_connected(distances(start + 0.55 * (end - start)), 140.0)
+    assert not connection.is_kept(start, end, 140.0)
+
+
 @pytest.mark.parametrize(("reach", "is_kept"), [(140.0, False), (210.0, True)])
 def test_a_way_on_which_one_relay_leaves_before_another_arrives_is_not_kept(reach: float, is_kept: bool) -> None:
     start = np.array([(0.0, 0.0), (200.0, 0.0), (100.0, 0.0), (-100.0, 0.0)])

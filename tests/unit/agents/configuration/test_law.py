@@ -114,6 +114,18 @@ def test_no_pull_of_a_plan_is_faster_than_the_limit_and_all_errors_shrink_at_one
             assert len(set(state.approach.rate.tolist())) == 1
 
 
+def test_a_formed_team_follows_the_dither_at_the_full_rate() -> None:
+    settings = {"seeking__dither_amplitude": 5.0, "seeking__initial_estimate": [71.2, 71.3]}
+    patch = 71.26 * shape("lattice", 10, 1).slots
+    poses = [(*place, 0.3) for place in patch.tolist()]
+    what = scenario("medium", 10, 1, 12.0, "measured", robots__poses=poses, **settings)
+    for tick, (state, _) in enumerate(results(what)):
+        # The dither moves the outermost robot by up to 7.5 m. Without it in the goals, the longest way would be more
+        # than the 5 m at which the limit of speed slows a plan down.
+        if tick >= 100:
+            assert state.approach.rate.tolist() == [1.0] * 10
+
+
 def test_a_mark_is_where_its_robot_is_when_the_next_period_begins() -> None:
     previous: State | None = None
     for tick, (state, _) in enumerate(results(team(seconds=12.1))):
@@ -142,7 +154,9 @@ def test_a_predicted_mark_is_the_true_position_but_for_the_turn_of_the_body() ->
 def test_a_robot_that_restarts_within_a_period_adopts_its_own_mark() -> None:
     events = [{"at": 6.2, "kill": [2]}, {"at": 6.5, "restart": [2]}]
     marks = {}
-    for tick, (state, _) in enumerate(results(team(n=6, seconds=8.2, event=events))):
+    # with one relayed mark in a beacon, its peers need some ticks to tell it its own mark
+    what = team(n=6, seconds=8.2, event=events, formation__marks_per_beacon=1)
+    for tick, (state, _) in enumerate(results(what)):
         if tick == 305:
             marks[tick] = mark(state, 2, 2)
         if tick == 326:
