@@ -98,12 +98,12 @@ def _team(summary: dict[str, Any]) -> list[tuple[str, str]]:
     """Row about the team index, if it was computed."""
     if "team_index" not in summary:
         return []
-    value, target, at = (summary[key] for key in ("team_index", "team_index_target", "team_index_99_at"))
+    value, target, since = (summary[key] for key in ("team_index", "team_index_target", "team_index_99_at"))
     share = f" ({percent(value / target)})" if value is not None and target else ""
-    since = "never 99%" if at is None else f"99% from {at:.2f} s on"
+    reached = "never 99%" if since is None else f"99% from {since:.2f} s on"
     cutting = summary["cutting_robots"]
     lost = "the loss of no robot cuts the links" if not cutting else f"the loss of any of {cutting} cuts the links"
-    index = f"{_number(value, 4)} of {_number(target, 4)}{share}, {since}" if share else _number(value, 4)
+    index = f"{_number(value, 4)} of {_number(target, 4)}{share}, {reached}" if share else _number(value, 4)
     return [("team index", f"{index}; {lost}")]
 
 

@@ -9,7 +9,7 @@ from console.terminal.formatting import number, percent, styled
 from fes.protocol.report import Report
 
 PLANS = ("direct", "contracting", "without a plan")
-"""What a robot follows, by its number in the Report."""
+"""Kind of plan that a robot follows, by its number in the Report."""
 
 _GOOD = 0.99
 _MOST = 12  # robots that are named

@@ -127,7 +127,7 @@ class Report:
     slots: Ints = field(default_factory=_none)
     """Place of each robot in the shape, -1 without one [n]; [0] if no configuration is sought."""
     plans: Ints = field(default_factory=_none)
-    """What each robot follows [n]: 0 a direct plan, 1 a contraction, 2 none; [0] if no configuration is sought."""
+    """Kind of plan of each robot [n]: 0 a direct plan, 1 a contraction, 2 none; [0] if no configuration is sought."""
 
 
 def encode_report(report: Report) -> bytes:

@@ -54,7 +54,7 @@ class Patch(NamedTuple):
 class End(NamedTuple):
     """A row of the table of ends: ten robots at one place each."""
 
-    index: float
+    team_index: float
     without_loss: float
     hectares: float
     links: int

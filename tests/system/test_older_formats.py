@@ -141,7 +141,8 @@ def tables(value: object) -> Iterator[tuple[str, str]]:
 
 def layout(where: Path) -> str:
     """All tables in a checkpoint, one per line."""
-    scenario = load("measured.toml", run__duration=0.2, channel__bursts={"bad_share": 0.2, "mean_length": 0.1})
+    bursts = {"bad_share": 0.2, "mean_length": 0.1}
+    scenario = load("measured.toml", run__duration=0.2, channel__bursts=bursts, objective__team_index=True)
     (where / "run").mkdir()
     with Recorder(where / "run" / NAME, scenario, "x", "processes") as recorder:
         checkpoints, team = CheckpointWriter(where / "run", 1e9, "x", "main"), Team(scenario)

@@ -45,9 +45,9 @@ def cut_rows(n: int, a: Ints, b: Ints) -> Ints:
     (array([], dtype=int64), array([1]))
     """
     neighbors: list[list[int]] = [[] for _ in range(n)]
-    for one, other in zip(a.tolist(), b.tolist(), strict=True):
-        neighbors[one].append(other)
-        neighbors[other].append(one)
+    for first, second in zip(a.tolist(), b.tolist(), strict=True):
+        neighbors[first].append(second)
+        neighbors[second].append(first)
     order, earliest, cuts = [-1] * n, [0] * n, set[int]()
     for root in range(n):
         if order[root] >= 0:

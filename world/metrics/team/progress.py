@@ -52,7 +52,7 @@ class TeamProgress:
     latest: TeamValues = field(default_factory=TeamValues)
     """The values at the last tick that is a multiple of PERIOD."""
     _tick: int = -1
-    """That tick."""
+    """Tick of `latest`."""
     _since: dict[str, int | None] = field(default_factory=lambda: dict.fromkeys(TEAM_LEVELS))
     """Tick from which the index has been at each level."""
     _channel: RadioConfig | None = None
@@ -63,16 +63,16 @@ class TeamProgress:
         """Add a tick."""
         if state.tick % counts.ticks_of(PERIOD, self.scenario.run.dt):
             return
-        self.latest, self._tick = self._values(state), state.tick
+        self.latest, self._tick = self._computed(state), state.tick
         for name, share in TEAM_LEVELS.items():
             if not self.latest.team_index >= share * self.latest.target:
                 self._since[name] = None
             elif self._since[name] is None:
                 self._since[name] = state.tick
 
-    def at(self, state: State) -> TeamValues:
+    def values(self, state: State) -> TeamValues:
         """The values at the last tick, whose state is `state`. It changes nothing: observers may ask at any tick."""
-        return self.latest if state.tick == self._tick else self._values(state)
+        return self.latest if state.tick == self._tick else self._computed(state)
 
     def times(self) -> dict[str, float | None]:
         """For each level the time [s] from which `latest` stayed at it, so far; None if it is not there now."""
@@ -81,7 +81,7 @@ class TeamProgress:
 
     def table(self, state: State, telemetry: Telemetry) -> dict[str, Any]:
         """The values of a summary, at the last tick."""
-        values, positions = self.at(state), state.poses[state.present, :2]
+        values, positions = self.values(state), state.poses[state.present, :2]
         return {
             "team_index": values.team_index,
             "team_index_target": values.target,
@@ -93,7 +93,7 @@ class TeamProgress:
 
     def report(self, state: State, telemetry: Telemetry) -> dict[str, Any]:
         """The fields of a Report, at the last tick."""
-        values = self.at(state)
+        values = self.values(state)
         slots, plans = places(self.scenario, telemetry)
         return {
             "has_team_index": True,
@@ -105,7 +105,7 @@ class TeamProgress:
             "plans": plans,
         }
 
-    def _values(self, state: State) -> TeamValues:
+    def _computed(self, state: State) -> TeamValues:
         links = delivery.links_of(state, self.scenario.objective)
         index = team_index(state.poses[state.present, :2], links, self.scenario.objective)
         wanted = self._target(len(links), state.channel)

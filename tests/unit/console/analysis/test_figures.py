@@ -129,7 +129,7 @@ def test_a_run_with_a_team_index_has_a_figure_of_it(tmp_path: Path, teams: dict[
     number = len(teams["links"].cutting)
     assert figure.axes[1].get_title() == f"t = 3.98 s, {number} robots can cut it"
     marks = [line for line in figure.axes[1].lines if line.get_marker() == "s"]
-    assert len(marks[0].get_xdata()) == number > 1
+    assert np.size(marks[0].get_xdata()) == number > 1
     two = load("pair.toml", run__duration=1.0, objective__team_index=True)
     summary.write_scenario(tmp_path, two)
     summary.write(tmp_path, inprocess.run(two, "pair"))
