@@ -7,8 +7,7 @@ import numpy as np
 from fes.arrays import geometry
 from fes.arrays.types import Floats
 from fes.extension.context import WorldContext
-from fes.model import outage
-from fes.model.config import FORMULAS, FormationConfig
+from fes.model.config import FormationConfig
 from fes.shapes import choice
 from fes.shapes.shape import Shape
 from world.config.radio import RadioConfig
@@ -71,10 +70,7 @@ def of_positions(positions: Floats, channel: RadioConfig, context: WorldContext)
     """
     x, y = positions.T
     separation = geometry.separation(np.subtract.outer(x, x), np.subtract.outer(y, y))
-    if channel.model in FORMULAS:
-        probability = outage.reception_probability(separation, channel)
-    else:
-        probability = reception.model(channel, context).probability(separation)
+    probability = reception.model(channel, context).probability(separation)
     in_range = np.where(separation <= channel.communication_range, probability, 0.0)
     links = delivery.link_quality(separation, in_range, context.objective)
     return team_index(positions, links, context.objective)
