@@ -79,7 +79,7 @@ def test_a_mark_arrives_as_it_was_sent() -> None:
 
 
 def test_a_robot_may_only_speak_its_own_mark() -> None:
-    """Over TLS nobody else can send its beacons; without, this only finds mistakes."""
+    """Over TLS no other robot can send its beacons. Without TLS this only finds mistakes."""
     claimed = message(5, own=(7, 1.0, 1.0, 70.0))
     assert marks_of(hear(blank(), claimed)) == {}
     assert marks_of(hear(blank(), message(5, own=(1, 1.0, 1.0, 70.0)))) == {1: [1.0, 1.0, 70.0]}
