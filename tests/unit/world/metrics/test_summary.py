@@ -191,13 +191,18 @@ def test_a_summary_that_cannot_be_written_leaves_the_old_one(tmp_path: Path, mon
     "overrides",
     [
         {},
-        {"run__dt": 1 / 7, "run__seed": 2**63 - 1, "formation__linear_limit": 7.5},
+        {
+            "run__dt": 1 / 7,
+            "run__seed": 2**63 - 1,
+            "formation__linear_limit": 7.5,
+            "formation__plan_period": 100 / 7,
+        },
         {
             "channel__reference_snr": 12345678.901234567,
             "objective__maximum_separation": 1e300,
             "formation__contact_timeout": 1e-5,
         },
-        {"robots": {"count": 7, "kind": "line", "jitter": 0.1}, "seeking": {}, "objective": {}},
+        {"robots": {"count": 7, "kind": "line", "jitter": 0.1}, "seeking": {}, "objective": {}, "event": []},
     ],
 )
 def test_the_scenario_in_a_run_directory_is_the_one_that_was_run(
