@@ -10,7 +10,7 @@ from console.backends import inprocess
 from console.replay import reexecution
 from console.replay.log import Log
 from fes.arrays.edges import Edges
-from fes.arrays.types import Floats, Ints
+from fes.arrays.types import Bools, Floats, Ints
 from fes.model.sensing import Telemetry
 from world.config.scenario import Scenario
 from world.metrics import link_errors
@@ -44,6 +44,8 @@ class History:
     """Team index and its target, in steps of 0.1 s [2, t] [1]; [2, 0] for a run without them."""
     cutting: Ints
     """Robots whose loss would cut the links at the last tick [k]; empty without a team index."""
+    present: Bools
+    """True for each robot that takes part at the last tick [n]."""
 
 
 class Moment(Protocol):
@@ -107,6 +109,7 @@ def gather(scenario: Scenario, moments: Iterable[tuple[Moment, MetricsCollector]
         dither_period(scenario) > 1,
         np.array(team).reshape(-1, 2).T,
         cutting_robots(last.state, last.telemetry) if team else np.zeros(0, dtype=np.int64),
+        last.state.present,
     )
 
 

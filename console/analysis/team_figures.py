@@ -47,13 +47,14 @@ def ends_figure(runs: dict[str, History]) -> "Figure":
 
 
 def _end(axes: "Axes", run: History, frame: tuple[Floats, Floats]) -> None:
-    """The last configuration: a cutting robot is a ringed square, any other one a dot."""
+    """The last configuration: a cutting robot is a square, an absent one a cross, any other one a dot."""
     axes.plot(run.poses[0, :, 0], run.poses[0, :, 1], "o", color=GRAY, markersize=3, markerfacecolor="none")
     for link in history.ends_at(run, len(run.time) - 1):
         axes.plot(link[:, 0], link[:, 1], "-", color=BLUE, linewidth=1.2)
     places = run.poses[-1, :, :2]
     is_cutting = np.isin(np.arange(len(places)), run.cutting)
-    axes.plot(*places[~is_cutting].T, "o", color=GREEN, markersize=5, zorder=4)
+    axes.plot(*places[run.present & ~is_cutting].T, "o", color=GREEN, markersize=5, zorder=4)
+    axes.plot(*places[~run.present].T, "x", color=GRAY, markersize=5, zorder=3)
     axes.plot(*places[is_cutting].T, "s", color=ORANGE, markersize=7, markeredgecolor=INK, zorder=4)
     if len(places) <= 30:
         for robot, (x, y) in enumerate(places):

@@ -1,6 +1,7 @@
 """Figures show what they claim, and the step study supports the default steps."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -130,6 +131,10 @@ def test_a_run_with_a_team_index_has_a_figure_of_it(tmp_path: Path, teams: dict[
     assert figure.axes[1].get_title() == f"t = 3.98 s, {number} robots can cut it"
     marks = [line for line in figure.axes[1].lines if line.get_marker() == "s"]
     assert np.size(marks[0].get_xdata()) == number > 1
+    assert not [line for line in figure.axes[1].lines if line.get_marker() == "x" and np.size(line.get_xdata())]
+    without = replace(teams["links"], present=np.arange(10) != 6)
+    marks = [line for line in team_figures.team_figure(without).axes[1].lines if line.get_marker() == "x"]
+    assert np.array_equal(marks[0].get_xydata(), without.poses[-1, 6:7, :2])
     two = load("pair.toml", run__duration=1.0, objective__team_index=True)
     summary.write_scenario(tmp_path, two)
     summary.write(tmp_path, inprocess.run(two, "pair"))
