@@ -17,7 +17,7 @@ from world.execution.recorder import Recorder
 
 CREWS = {"one": [[i] for i in range(11)], "many": [[3, 4, 5], [0, 1, 2, 6, 7, 8, 9, 10]]}
 EVENTS = [{"at": 0.0, "kill": [10]}, {"at": 2.4, "kill": [2, 5]}, {"at": 4.2, "restart": [10, 2]}]
-"""As in the scenario, but early: two die, one joins, and one of the dead comes back."""
+"""As in the scenario, but early: two die, one joins, and one of the dead restarts."""
 
 
 def team(seed: int, **settings: Any) -> Scenario:

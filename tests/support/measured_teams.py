@@ -1,7 +1,7 @@
 """Teams that count beacons and take up a configuration: `python -m tests.support.measured_teams paper --runs 20`.
 
 The product runs in one loop. Per run, from 60 s on unless said otherwise: time until the mean estimate is within 1 m
-of r_beta for good; its bias and rmse; F over its target, at each sample and of positions averaged over a dither
+of r_beta permanently; its bias and rmse; F over its target, at each sample and of positions averaged over a dither
 period; links; ticks in which the links in use did not connect the robots; changes of slots after the first plan.
 """
 

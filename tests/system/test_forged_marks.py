@@ -93,7 +93,7 @@ def test_marks_that_a_robot_cannot_have_reached_are_refused_from_a_robot_of_the_
 def test_marks_within_reach_are_believed_and_safe_separation_holds_all_the_same(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """What is not protected: a robot of the team may lead the others astray, by as much as a robot can move."""
+    """This is not protected: a robot of the team may lead the others astray, by as much as a robot can move."""
     summary = summary_with_a_liar(monkeypatch, 12.0, 8.0, 4.0)
     monkeypatch.undo()
     assert summary["digest"] != inprocess.run(load("team-paper-start.toml", run__duration=12.0), "")["digest"]

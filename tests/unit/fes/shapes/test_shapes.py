@@ -105,7 +105,7 @@ def test_offsets_are_used_in_their_order() -> None:
         shape("offsets", 5, 1, offsets)
 
 
-def test_two_robots_seek_the_paper_s_optimum_whatever_the_losses() -> None:
+def test_two_robots_seek_the_paper_s_optimum_with_and_without_losses() -> None:
     for name in ("lattice", "line", "ring", "ladder"):
         for losses in (0, 1):
             assert shape(name, 2, losses).quality_weight(losses, 1.0) == 1.0
