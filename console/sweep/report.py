@@ -11,12 +11,16 @@ from console.sweep.comparison import METRICS, PairedDifference, Spread
 from console.sweep.design import Design
 from console.terminal.formatting import UNKNOWN
 from console.terminal.printing import cell
+from fes.model.quantities import SUMMARY
 
 MOST_ROWS = 36
 """Maximum number of rows of a table on the screen; the files hold all."""
 
-SHOWN = (METRICS, "time_to.", "separation_error_max")
+SHOWN = (METRICS, "team_index", "cutting_robots", "time_to.", "separation_error_max")
 """Prefixes of the outcomes shown, in their order; the files hold all outcomes."""
+
+UNITS = {quantity.name: quantity.unit for quantity in SUMMARY}
+"""Outcome -> its unit."""
 
 
 def render(design: Design, spreads: list[Spread], differences: list[PairedDifference]) -> RenderableType:
@@ -68,7 +72,7 @@ def _table(heading: str, *numbers: str) -> Table:
 def _name(outcome: str) -> Text:
     if outcome.startswith(METRICS):
         return cell(outcome, "bold")
-    unit = "s" if outcome.startswith("time_to.") else "m"
+    unit = UNITS[outcome]
     return cell(f"{outcome} [{unit}]", "bold")
 
 

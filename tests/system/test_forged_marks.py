@@ -15,9 +15,9 @@ from fes.arrays.types import Bytes, Ints
 from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon
 from tests.support import session, team_keys
+from tests.support.forgers import run_with_a_forger
 from tests.support.loop import load
 from tests.support.stage import ROLES, RUN, SECONDS
-from tests.system.test_forgeries import run_with_a_forger
 
 SET = ("--set", "formation.configuration=lattice")
 CREWS = [[0, 2, 3, 4], [1], [5, 6, 7, 8, 9]]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from console.replay import command as replay_command
 from console.replay import log
-from tests.system.test_agent_deaths import under_way, warned
+from tests.support.agent_runs import under_way, warned
 
 
 def test_a_team_takes_up_the_patch_of_the_others_when_an_agent_is_killed(tmp_path: Path) -> None:

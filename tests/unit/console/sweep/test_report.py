@@ -45,3 +45,23 @@ def test_paired_differences_of_metrics_are_printed(planned: Design) -> None:
     lines = printed(planned, {"disk": (1.0, 3.0), "two_nearest": (2.0, 4.0)})
     second = len(lines) - 1 - lines[::-1].index([METRIC])
     assert lines[second + 1][-5:] == ["2", "+1", "+1", "to", "+1"]
+
+
+def test_the_team_index_is_printed_once_and_with_the_unit_of_its_table(planned: Design) -> None:
+    names = ("team_index", "team_index_target", "team_index_99_at", "cutting_robots")
+    rows: list[Row] = [
+        {"formation.rule": rule, "seed": seed, TIME: 9.0, **dict.fromkeys(names, 0.5), "digest": "f00", "error": None}
+        for rule in ("disk", "two_nearest")
+        for seed in (0, 1)
+    ]
+    screen = Console(width=100, file=io.StringIO())
+    screen.print(report.render(planned, list(comparison.spreads(planned, rows)), []))
+    assert isinstance(screen.file, io.StringIO)
+    headings = [line.strip() for line in screen.file.getvalue().split("\n") if line.strip().endswith("]")]
+    assert headings == [
+        "team_index [1]",
+        "team_index_target [1]",
+        "team_index_99_at [s]",
+        "cutting_robots [robots]",
+        f"{TIME} [s]",
+    ]
