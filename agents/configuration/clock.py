@@ -39,6 +39,6 @@ class Clock:
         return Reading(self._epoch(tick, skew), time)
 
     def _epoch(self, tick: int, skew: Floats) -> Ints:
-        shift = np.floor(skew / self._context.dt + 0.5).astype(np.int64)
+        shift = counts.nearest(skew, self._context.dt)
         epoch: Ints = np.maximum(tick + shift, 0) // self.ticks
         return epoch

@@ -5,6 +5,10 @@ A ratio of two floats may be infinite, so each is bounded before it becomes an i
 
 import math
 
+import numpy as np
+
+from fes.arrays.types import Floats, Ints
+
 LARGEST = math.ldexp(1.0, 53)
 """Largest count: beyond it a float does not hold every whole number."""
 
@@ -21,6 +25,11 @@ def ticks(time: float, dt: float) -> int:
     (25, 9007199254740992)
     """
     return round(min(ratio(time, dt), LARGEST))
+
+
+def nearest(times: Floats, part: float) -> Ints:
+    """How often `part` [s] fits into each of `times` [s], which may be negative; any shape. Halves are rounded up."""
+    return np.floor(times / part + 0.5).astype(np.int64)
 
 
 def ticks_of(period: float, dt: float) -> int:
