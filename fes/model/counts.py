@@ -28,7 +28,7 @@ def ticks(time: float, dt: float) -> int:
 
 
 def nearest(times: Floats, part: float) -> Ints:
-    """How often `part` [s] fits into each of `times` [s], which may be negative; any shape. Halves are rounded up."""
+    """Nearest number of parts of `part` [s] in each of `times` [s], which may be negative; any shape."""
     return np.floor(times / part + 0.5).astype(np.int64)
 
 
