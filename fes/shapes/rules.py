@@ -3,7 +3,7 @@
 from fes.arrays import geometry
 from fes.arrays.types import Floats
 from fes.model import counts
-from fes.model.config import FormationConfig, ObjectiveConfig
+from fes.model.config import FormationConfig
 from fes.model.seeking import MeasuredConfig, SeekingConfig
 from fes.shapes import routes
 from fes.shapes.choice import shape
@@ -16,9 +16,7 @@ SLOTS, ROUNDS = 4, 10
 """A plan period must have SLOTS (n/m + ROUNDS) ticks: a mark is relayed once in n/m ticks, and lost now and then."""
 
 
-def check(
-    formation: FormationConfig, seeking: SeekingConfig, objective: ObjectiveConfig, dt: float, robots: int
-) -> None:
+def check(formation: FormationConfig, seeking: SeekingConfig, dt: float, robots: int) -> None:
     """Raise ValueError in one line unless `robots` can take up the configuration with ticks of `dt` [s]."""
     if formation.configuration == "none":
         return

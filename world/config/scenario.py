@@ -73,7 +73,9 @@ class Scenario(Table):
     @model_validator(mode="after")
     def _stable(self) -> Self:
         stability.check(self.run.dt, self.seeking, self.formation, self.objective)
-        rules.check(self.formation, self.seeking, self.objective, self.run.dt, self.robots.number)
+        rules.check(self.formation, self.seeking, self.run.dt, self.robots.number)
+        if self.robots.controller is not None and self.formation.configuration != "none":
+            raise ValueError("robots.controller replaces the law that would take up formation.configuration")
         return self
 
     @model_validator(mode="after")

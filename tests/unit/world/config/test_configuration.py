@@ -83,6 +83,10 @@ def refusal(settings: dict[str, Any]) -> str:
             "here: formation.offsets: the first 3 are not connected by links of up to 1.1 times the shortest",
         ),
         (
+            {**tables({}), "robots": {"count": 10, "controller": "mylab:Robot"}},
+            "here: robots.controller replaces the law that would take up formation.configuration",
+        ),
+        (
             tables({"configuration": "hexagon"}),
             "here: formation.configuration: must be 'none', 'lattice', 'line', 'ring', 'ladder' or 'offsets', "
             "got 'hexagon'",
