@@ -7,19 +7,14 @@ norm is convex: a pair within reach at both ends of a piece of the way is within
 import numpy as np
 
 from fes.arrays import geometry
-from fes.arrays.types import Bools, Floats
+from fes.arrays.types import Floats
+from fes.shapes import routes
 
 PIECES = 10
 """Pieces of the way that are checked one by one. A check in one piece is too strict for crowded starts."""
 
 MARGIN = 0.01
 """Margin of the reach over the longest link that the team needs at the start [m]."""
-
-
-def distances(positions: Floats) -> Floats:
-    """Distance of each two of `positions` [..., n, 2] [m] [..., n, n]."""
-    x, y = positions[..., 0], positions[..., 1]
-    return geometry.separation(x[..., :, None] - x[..., None, :], y[..., :, None] - y[..., None, :])
 
 
 def reach(distance: Floats, keep_range: float) -> float:
@@ -47,16 +42,5 @@ def bottleneck(distance: Floats) -> float:
 def is_kept(start: Floats, end: Floats, reach: float) -> bool:
     """True if robots that go straight from `start` to `end` [n, 2] [m] stay connected within `reach` [m]."""
     share = (np.arange(PIECES + 1) / PIECES)[:, None, None]
-    is_near = distances(start + share * (end - start)) <= reach
-    return bool(_are_connected(is_near[:-1] & is_near[1:]).all())
-
-
-def _are_connected(is_linked: Bools) -> Bools:
-    """True for each graph [m, n, n] that connects all its robots [m]."""
-    is_joined = is_linked[:, 0]
-    while True:
-        grown: Bools = is_joined | np.logical_or.reduce(is_linked & is_joined[:, :, None], axis=1)
-        if np.count_nonzero(grown) == np.count_nonzero(is_joined):
-            connected: Bools = np.logical_and.reduce(is_joined, axis=1)
-            return connected
-        is_joined = grown
+    is_near = geometry.distances(start + share * (end - start)) <= reach
+    return bool(routes.reaches_all(is_near[:-1] & is_near[1:]).all())

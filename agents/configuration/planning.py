@@ -83,7 +83,7 @@ def plan(ids: bytes, marks: bytes, settings: Settings) -> Plan:
     values = np.frombuffer(marks, dtype=np.float32).reshape(-1, 3).astype(np.float64)
     robots, positions = np.frombuffer(ids, dtype=np.int64), values[:, :2]
     center, spacing = sums.of_columns(positions) / len(values), sums.mean(values[:, 2])
-    distance = connection.distances(positions)
+    distance = geometry.distances(positions)
     reach = connection.reach(distance, settings.keep_range)
     best = _direct(positions, center, spacing, reach, settings, settings.orientations)
     if best is None:

@@ -29,3 +29,13 @@ def separation(dx: Floats, dy: Floats) -> Floats:
     5.0
     """
     return np.sqrt(dx * dx + dy * dy)
+
+
+def distances(positions: Floats) -> Floats:
+    """Distance of each two of `positions` [..., n, 2] [m] [..., n, n].
+
+    >>> distances(np.array([[0.0, 0.0], [3.0, 4.0]])).tolist()
+    [[0.0, 5.0], [5.0, 0.0]]
+    """
+    x, y = positions[..., 0], positions[..., 1]
+    return separation(x[..., :, None] - x[..., None, :], y[..., :, None] - y[..., None, :])

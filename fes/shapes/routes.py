@@ -38,12 +38,12 @@ def between(costs: Floats, lost: int | None = None) -> Floats:
     return result
 
 
-def reaches_all(is_link: Bools) -> bool:
-    """True if links between robots, given as a symmetric matrix [n, n], connect all of them."""
-    reached = np.zeros(len(is_link), dtype=np.bool_)
-    new = reached.copy()
-    new[:1] = True
-    while new.any():
-        reached |= new
-        new = is_link[new].any(axis=0) & ~reached
-    return bool(reached.all())
+def reaches_all(is_link: Bools) -> Bools:
+    """True for each graph, a symmetric matrix [..., n, n], whose links connect all its robots [...]."""
+    is_joined = is_link[..., 0, :] | (np.arange(is_link.shape[-1]) == 0)
+    while True:
+        grown: Bools = is_joined | np.logical_or.reduce(is_link & is_joined[..., None], axis=-2)
+        if np.count_nonzero(grown) == np.count_nonzero(is_joined):
+            connected: Bools = np.logical_and.reduce(is_joined, axis=-1)
+            return connected
+        is_joined = grown

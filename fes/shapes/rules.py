@@ -1,7 +1,6 @@
 """Rules of a configuration: they reject settings with which its plans cannot agree, or cannot keep the network."""
 
 from fes.arrays import geometry
-from fes.arrays.types import Floats
 from fes.model import counts
 from fes.model.config import FormationConfig
 from fes.model.seeking import MeasuredConfig, SeekingConfig
@@ -66,7 +65,7 @@ def _check_offsets(offsets: list[tuple[float, float]], robots: int) -> None:
         raise ValueError(f"formation.offsets: {robots} robots need as many, got {len(offsets)}")
     for n in range(2, len(offsets) + 1):
         first = shape("offsets", n, 0, tuple(offsets[:n]))
-        nearest = _nearest(first.slots)
+        nearest = float(routes.between(geometry.distances(first.slots)).min())
         if abs(nearest - 1.0) > TOLERANCE:
             raise ValueError(
                 f"formation.offsets: the nearest two of the first {n} must be 1 link length apart, got {nearest:g}"
@@ -76,9 +75,3 @@ def _check_offsets(offsets: list[tuple[float, float]], robots: int) -> None:
                 f"formation.offsets: the first {n} are not connected by links of up to {1.0 + TOLERANCE:g} times the "
                 "shortest"
             )
-
-
-def _nearest(slots: Floats) -> float:
-    x, y = slots.T
-    pairs = routes.between(geometry.separation(x - x[:, None], y - y[:, None]))
-    return float(pairs.min())

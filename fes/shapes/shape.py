@@ -79,8 +79,7 @@ def of_slots(places: Floats) -> Shape:
 
 def links_of(slots: Floats) -> Bools:
     """True for each two of the robots at `slots` [n, 2] that are linked [n, n]."""
-    x, y = slots.T
-    distance = geometry.separation(x - x[:, None], y - y[:, None])
+    distance = geometry.distances(slots)
     distance[np.diag_indices(len(slots))] = np.inf
     linked: Bools = distance <= (1.0 + TOLERANCE) * distance.min()
     return linked if len(slots) > 1 else np.zeros((1, 1), dtype=np.bool_)

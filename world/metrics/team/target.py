@@ -68,8 +68,7 @@ def of_positions(positions: Floats, channel: RadioConfig, context: WorldContext)
 
     None for fewer than two robots, and for more than MAX_ROBOTS.
     """
-    x, y = positions.T
-    separation = geometry.separation(x - x[:, None], y - y[:, None])
+    separation = geometry.distances(positions)
     probability = reception.model(channel, context).probability(separation)
     in_range = np.where(separation <= channel.communication_range, probability, 0.0)
     links = delivery.link_quality(separation, in_range, context.objective)

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from scipy.sparse.csgraph import minimum_spanning_tree
 
 from agents.configuration import connection
+from fes.arrays import geometry
 from fes.arrays.types import Floats
 from tests.support.configuration_starts import distances, is_connected
 
@@ -18,20 +19,20 @@ def scattered(seed: int, n: int, width: float) -> Floats:
 @pytest.mark.parametrize("n", [2, 3, 10, 50])
 def test_the_bottleneck_is_the_longest_edge_of_the_spanning_tree(n: int) -> None:
     positions = scattered(n, n, 300.0)
-    distance = connection.distances(positions)
+    distance = geometry.distances(positions)
     assert connection.bottleneck(distance) == minimum_spanning_tree(distance).toarray().max()
 
 
 def test_a_robot_alone_needs_no_link() -> None:
     alone = np.zeros((1, 2))
-    assert connection.bottleneck(connection.distances(alone)) == 0.0
+    assert connection.bottleneck(geometry.distances(alone)) == 0.0
     assert connection.is_kept(alone, alone + 5.0, 140.0)
 
 
 def test_the_reach_is_the_keep_range_unless_the_start_needs_a_longer_link() -> None:
     pair = np.array([(0.0, 0.0), (90.0, 0.0)])
-    assert connection.reach(connection.distances(pair), 140.0) == 140.0
-    assert connection.reach(connection.distances(2.0 * pair), 140.0) == 180.0 + connection.MARGIN
+    assert connection.reach(geometry.distances(pair), 140.0) == 140.0
+    assert connection.reach(geometry.distances(2.0 * pair), 140.0) == 180.0 + connection.MARGIN
 
 
 @given(st.integers(0, 10_000), st.integers(2, 12))
