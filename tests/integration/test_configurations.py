@@ -1,6 +1,5 @@
 """A team that takes up a configuration has one digest: in one loop, stacked, over Zenoh, and replayed."""
 
-import asyncio
 from pathlib import Path
 from typing import Any
 
@@ -24,14 +23,6 @@ def team(seed: int, **settings: Any) -> Scenario:
     return load("team.toml", run__seed=seed, run__duration=6.6, event=EVENTS, **settings)
 
 
-def over_zenoh(scenario: Scenario, groups: list[list[int]], recorder: Recorder | None = None) -> Any:
-    async def bounded() -> Any:
-        async with asyncio.timeout(120.0):
-            return await session.run(scenario, groups, None, recorder)
-
-    return asyncio.run(bounded())
-
-
 @pytest.mark.parametrize(
     ("seed", "crew", "settings"),
     [
@@ -43,7 +34,7 @@ def over_zenoh(scenario: Scenario, groups: list[list[int]], recorder: Recorder |
 )
 def test_a_team_has_one_digest_in_one_loop_and_over_zenoh(seed: int, crew: str, settings: dict[str, Any]) -> None:
     scenario = team(seed, **settings)
-    summary, server, agents = over_zenoh(scenario, CREWS[crew])
+    summary, server, agents = session.finished(scenario, CREWS[crew])
     assert summary["digest"] == inprocess.run(scenario, "test")["digest"]
     assert not server.drops.counts
     assert not any(any(agent.drops.counts.values()) for agent in agents)
@@ -59,7 +50,7 @@ def test_the_log_of_a_team_is_executed_again_by_all_robots_and_by_each_alone(tmp
     scenario = team(6)
     recordings.record(tmp_path / "loop.mcap", scenario)
     with Recorder(tmp_path / "bus.mcap", scenario, "test", "processes") as recorder:
-        summary, *_ = over_zenoh(scenario, CREWS["one"], recorder)
+        summary, *_ = session.finished(scenario, CREWS["one"], recorder)
         recorder.conclude(summary)
     loop, over = (log.load(tmp_path / name) for name in ("loop.mcap", "bus.mcap"))
     assert compare.first_difference(loop, over) is None

@@ -1,6 +1,5 @@
 """Faults have one digest: in one loop, stacked, over Zenoh in any crews, and reexecuted from a log."""
 
-import asyncio
 from pathlib import Path
 from typing import Any
 
@@ -52,14 +51,6 @@ def faulty(name: str, fault: str) -> Scenario:
     return load(name, run__duration=2.4, event=FAULTS[fault])
 
 
-def over_zenoh(scenario: Scenario, groups: list[list[int]], recorder: Recorder | None = None) -> Any:
-    async def bounded() -> Any:
-        async with asyncio.timeout(60.0):
-            return await session.run(scenario, groups, None, recorder)
-
-    return asyncio.run(bounded())
-
-
 @pytest.mark.parametrize("crew", CREWS)
 @pytest.mark.parametrize(
     ("name", "fault"),
@@ -69,7 +60,7 @@ def test_each_fault_has_a_digest_of_its_own_equal_in_one_loop_and_over_zenoh(
     name: str, fault: str, crew: str
 ) -> None:
     scenario = faulty(name, fault)
-    summary, server, agents = over_zenoh(scenario, CREWS[crew])
+    summary, server, agents = session.finished(scenario, CREWS[crew])
     assert summary["digest"] == inprocess.run(scenario, "test")["digest"]
     assert summary["digest"] != inprocess.run(load(name, run__duration=2.4), "calm")["digest"]
     if fault == "all hang" and crew == "many":
@@ -117,7 +108,7 @@ def test_a_log_of_faults_is_executed_again_and_is_the_same_from_one_loop_and_ove
     scenario = faulty("measured.toml", fault)
     recordings.record(tmp_path / "loop.mcap", scenario)
     with Recorder(tmp_path / "bus.mcap", scenario, "test", "processes") as recorder:
-        summary, *_ = over_zenoh(scenario, CREWS["one"], recorder)
+        summary, *_ = session.finished(scenario, CREWS["one"], recorder)
         recorder.conclude(summary)
     loop, over = (log.load(tmp_path / name) for name in ("loop.mcap", "bus.mcap"))
     assert compare.first_difference(loop, over) is None

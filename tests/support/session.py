@@ -96,3 +96,15 @@ def _wait_for(disturbance: "asyncio.Future[None]", server: Server) -> None:
         return await present(state)
 
     server.clock.present = held  # type: ignore[method-assign]
+
+
+def finished(
+    scenario: Scenario, groups: Sequence[Sequence[int]], recorder: Recorder | None = None, seconds: float = PATIENCE
+) -> tuple[dict[str, Any], Server, list[Agent]]:
+    """As `run`, in a loop of its own; raises TimeoutError after so many `seconds`."""
+
+    async def bounded() -> tuple[dict[str, Any], Server, list[Agent]]:
+        async with asyncio.timeout(seconds):
+            return await run(scenario, groups, None, recorder)
+
+    return asyncio.run(bounded())

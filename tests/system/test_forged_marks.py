@@ -72,12 +72,7 @@ def summary_with_a_liar(monkeypatch: pytest.MonkeyPatch, seconds: float, shift: 
 
     monkeypatch.setattr(Exchange, "send", send)
     scenario = load("team-paper-start.toml", run__duration=seconds)
-
-    async def bounded() -> Any:
-        async with asyncio.timeout(120.0):
-            return await session.run(scenario, CREWS)
-
-    return asyncio.run(bounded())[0]
+    return session.finished(scenario, CREWS)[0]
 
 
 def test_marks_that_a_robot_cannot_have_reached_are_refused_from_a_robot_of_the_team(
