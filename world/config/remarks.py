@@ -7,7 +7,7 @@ part of a scenario is changed or ignored without a remark.
 from collections.abc import Iterable, Iterator
 
 from fes.model import counts
-from fes.model.config import ChannelConfig
+from fes.model.config import TOLERANT, ChannelConfig
 from fes.model.table import chosen
 from fes.shapes import rules
 from world.config.faults import TransmitterConfig
@@ -38,6 +38,7 @@ def of(scenario: Scenario) -> list[str]:
         *_unnoticed(scenario),
         *_unused(scenario),
         *_outrun(scenario),
+        *_ties(scenario),
     ]
 
 
@@ -110,6 +111,15 @@ def _outrun(scenario: Scenario) -> Iterator[str]:
         yield (
             f"the dither moves the outermost of {scenario.robots.number} robots at up to {speed:.3g} m/s: above "
             f"{FOLLOWED:g} x formation.linear_limit, {FOLLOWED * limit:.3g} m/s, robots fall behind it"
+        )
+
+
+def _ties(scenario: Scenario) -> Iterator[str]:
+    formation = scenario.formation
+    if formation.configuration == "lattice" and formation.rule == "relative_neighborhood":
+        yield (
+            f"formation.rule '{formation.rule}' drops about half of the equal links of a lattice: "
+            f"'{TOLERANT}' keeps them"
         )
 
 

@@ -5,6 +5,7 @@ from typing import Any
 import pytest
 
 from fes.errors import ScenarioError
+from fes.model.config import TOLERANT
 from world.config import remarks, scenario
 
 MEASURED = {"index": "measured", "dither_amplitude": 3.0, "dither_frequency": 0.3141592653589793}
@@ -104,11 +105,21 @@ def test_the_least_plan_period_is_accepted() -> None:
 
 
 def test_a_dither_that_the_outermost_robot_cannot_follow_is_remarked() -> None:
-    quick = scenario.parse(tables({"linear_limit": 5.0}, seeking={**MEASURED, "dither_amplitude": 8.0}), "here")
+    strong = {**MEASURED, "dither_amplitude": 8.0}
+    quick = scenario.parse(tables({"linear_limit": 5.0, "rule": TOLERANT}, seeking=strong), "here")
     assert remarks.of(quick) == [
         "the dither moves the outermost of 10 robots at up to 3.77 m/s: above 0.6 x formation.linear_limit, 3 m/s, "
         "robots fall behind it"
     ]
-    slow = scenario.parse(tables({"linear_limit": 5.0}, seeking=MEASURED), "here")
-    unlimited = scenario.parse(tables({}, seeking={**MEASURED, "dither_amplitude": 8.0}), "here")
+    slow = scenario.parse(tables({"linear_limit": 5.0, "rule": TOLERANT}, seeking=MEASURED), "here")
+    unlimited = scenario.parse(tables({"rule": TOLERANT}, seeking=strong), "here")
     assert [*remarks.of(slow), *remarks.of(unlimited)] == []
+
+
+def test_a_rule_that_drops_the_links_of_a_lattice_is_remarked() -> None:
+    assert remarks.of(scenario.parse(tables({}), "here")) == [
+        "formation.rule 'relative_neighborhood' drops about half of the equal links of a lattice: "
+        "'tolerant_relative_neighborhood' keeps them"
+    ]
+    for formation in ({"rule": TOLERANT}, {"configuration": "ring"}, {"configuration": "none"}):
+        assert remarks.of(scenario.parse(tables(formation), "here")) == []
