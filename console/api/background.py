@@ -7,7 +7,6 @@ and no array half written: the work ends at its next tick. Nor does the work sha
 import asyncio
 import threading
 from collections.abc import Callable, Coroutine
-from concurrent import futures
 from concurrent.futures import Future
 from typing import TypeVar
 
@@ -94,10 +93,14 @@ def call(work: Work, function: Callable[[], T], show: Show | None) -> T:
     work and is raised once the thread has ended. A second interrupt is raised at once.
     """
     outcome: Future[T] = Future()
-    thread = threading.Thread(target=_fulfil, args=(outcome, function), name=THREAD)
+    # An interrupt in a wait for the Future may leave the lock of its event held, and the thread would never end. This
+    # lock is only released by the thread, which never waits for it.
+    running = threading.Lock()
+    running.acquire()
+    thread = threading.Thread(target=_fulfil, args=(outcome, function, running), name=THREAD)
     try:
         thread.start()
-        while futures.wait([outcome], PERIOD).not_done:
+        while not running.acquire(timeout=PERIOD):
             if show is not None:
                 show(work.done, work.total)
         thread.join()
@@ -114,8 +117,10 @@ def call(work: Work, function: Callable[[], T], show: Show | None) -> T:
     return outcome.result()
 
 
-def _fulfil(outcome: "Future[T]", function: Callable[[], T]) -> None:
+def _fulfil(outcome: "Future[T]", function: Callable[[], T], running: threading.Lock) -> None:
     try:
         outcome.set_result(function())
     except BaseException as error:
         outcome.set_exception(error)
+    finally:
+        running.release()
