@@ -63,20 +63,23 @@ def learn(configs: Path, runs: int = 20, fed: int = 3) -> Learning:
     return Learning(time, errors, fed_errors, np.sqrt(time_to_one_meter(counted[0], LINKS) / since))
 
 
-def time_to_one_meter(scenario: Scenario, links: int) -> float:
+def time_to_one_meter(scenario: Scenario, links: int, quality_weight: float = 1.0) -> float:
     """Lower bound T [s] of the time until an unbiased estimator of r* from `links` directed links has 1 m (1 sigma).
 
     The Cramer-Rao bound of a Bernoulli sample's slope at separations dithered about r*:
-    T = (1 - p)/p / (f links (A^2/2) H^2), with f beacons per second and H = (ln J)''.
+    T = (1 - p)/p / (f links (A^2/2) H^2), with f beacons per second and H = (ln J)''. With another `quality_weight`
+    beta it is the bound of r_beta, and H = (ln c)''/beta + (ln q)''.
     """
     channel, objective_config = scenario.channel, scenario.objective
-    best = np.array([optimal_separation(objective_config, channel)])
+    best = np.array([optimal_separation(objective_config, channel, quality_weight)])
     p = float(outage.reception_probability(best, channel)[0])
     step = 1e-3
     slope_change = (
         outage.log_reception_slope(best + step, channel) - outage.log_reception_slope(best - step, channel)
     ) / step
-    curvature = float((objective.log_preference_derivatives(best, objective_config)[1] + 0.5 * slope_change)[0])
+    weight = np.array([quality_weight])
+    preference = objective.log_preference_derivatives(best, objective_config, weight)[1]
+    curvature = float((preference / weight + 0.5 * slope_change)[0])
     assert not isinstance(scenario.seeking, Use)
     excited = 0.5 * scenario.seeking.dither_amplitude**2
     return (1.0 - p) / p / (links / scenario.run.dt * excited * curvature**2)

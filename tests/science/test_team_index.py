@@ -5,9 +5,10 @@ import re
 import numpy as np
 import pytest
 
-from console.analysis import claims, team_claims
+from console.analysis import claims, convergence_study, team_claims
 from fes.shapes import choice
-from tests.support import ends
+from tests.support import configuration_runs, ends
+from tests.support.loop import load
 from tests.support.paths import DOCS
 
 PAGE = (DOCS / "explanation" / "team.md").read_text(encoding="utf-8")
@@ -104,3 +105,21 @@ def test_a_run_of_each_law_has_an_end_in_the_range_that_the_page_prints() -> Non
         (result,) = ends.runs(scenario, [1])
         assert low - 5e-4 <= result.team_index <= high + 5e-4
         assert (result.links, result.cutting) == (int(cells[3]), int(cells[4]))
+
+
+@pytest.mark.parametrize(
+    ("settings", "bound"),
+    [({}, 1.70), ({"objective__minimum_separation": 100.0}, 8.62), ({"channel__reference_snr": 5e6}, 1.75)],
+)
+def test_the_lower_bound_of_the_time_to_find_the_best_length(settings: dict[str, float], bound: float) -> None:
+    measured = configuration_runs.scenario(
+        "paper", 10, 1, 60.0, "measured", seeking__dither_amplitude=5.0, **settings
+    )
+    weight = choice.shape("lattice", 10, 1).quality_weight(1, 1.0)
+    assert convergence_study.time_to_one_meter(measured, 38, weight) == pytest.approx(bound, abs=0.005)
+
+
+def test_the_lower_bound_of_a_link_of_its_own() -> None:
+    measured = load("measured.toml")
+    assert convergence_study.time_to_one_meter(measured, 1) == pytest.approx(89.6, abs=0.05)
+    assert convergence_study.time_to_one_meter(measured, 18) == pytest.approx(4.98, abs=0.005)

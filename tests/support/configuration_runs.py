@@ -167,8 +167,11 @@ def spacing(what: Scenario, n: int) -> float:
     return target.spacing(shape, what.channel, reception.context(what))
 
 
-def with_events(what: Scenario, at: float, dying: int, joining: int) -> Scenario:
-    """The scenario in which so many random robots die `at` [s], and so many more join, 20 to 100 m off the patch."""
+def with_events(what: Scenario, at: float, dying: int, joining: int, joining_at: float | None = None) -> Scenario:
+    """The scenario in which so many random robots die `at` [s], and so many more join, 20 to 100 m off the patch.
+
+    They join at the same time, or at `joining_at` [s].
+    """
     n, random = what.robots.number, np.random.default_rng([what.run.seed, 7])
     assert what.robots.poses is not None
     starts = np.array(what.robots.poses)
@@ -182,7 +185,10 @@ def with_events(what: Scenario, at: float, dying: int, joining: int) -> Scenario
     ids = list(range(n, n + joining))
     dead = random.permutation(n)[:dying].tolist()
     events = [{"at": 0.0, "kill": ids}] if ids else []
-    events.append({"at": at, "kill": dead, "restart": ids})
+    if joining_at is None:
+        events.append({"at": at, "kill": dead, "restart": ids})
+    else:
+        events += [{"at": at, "kill": dead}, {"at": joining_at, "restart": ids}]
     everybody = [tuple(pose) for pose in [*starts.tolist(), *joiners]]
     return scenarios.with_overrides(what, {"robots.poses": everybody, "event": events})
 
