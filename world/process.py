@@ -35,6 +35,7 @@ from world.execution.run import Run
 from world.execution.snapshot import Snapshot
 from world.flags import overrides, parser
 from world.metrics import summary
+from world.metrics.team import target
 from world.server import access, audit, claim
 from world.server.server import Options, Server
 
@@ -147,7 +148,7 @@ class World:
 
 async def serve(flags: argparse.Namespace, start: Start) -> int:
     """Startup, main loop and shutdown of a world process; returns the exit code."""
-    for line in remarks.of(start.scenario) if start.saved is None else []:
+    for line in [*remarks.of(start.scenario), *target.remarks(start.scenario)] if start.saved is None else []:
         _logger.warning("%s", line)
     crews = identity.crews(flags.keys) if flags.keys else ()
     rules = access.control(start.run, start.scenario.robots.number, crews) if flags.keys else None

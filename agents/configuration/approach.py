@@ -21,9 +21,10 @@ class Approach(NamedTuple):
     slot: Ints
     """Slot [n]."""
     base: Floats
-    """[n, 2] [m; world frame]"""
+    """Point to which the offset is added: the mean of the marks, or the goal in a contraction [n, 2] [m; world
+    frame]."""
     offset: Floats
-    """[n, 2] [link lengths; world frame]"""
+    """Slot relative to the base [n, 2] [link lengths; world frame]; 0 in a contraction."""
     spacing: Floats
     """Spacing of the plan, without the dither [n] [m]."""
     rate: Floats

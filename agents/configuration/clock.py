@@ -31,7 +31,7 @@ class Clock:
         self._robots = Edges(context.ids, np.arange(len(context.ids)), context.ids)
 
     def read(self, tick: int) -> Reading:
-        """The robots' clocks at a tick of the team. Before the own time 0, period 0 has begun already."""
+        """The robots' clocks at a tick of the team. While a clock shows a time below 0, its period is 0."""
         skew, n = self._context.skew(tick, self._robots), len(self._context.ids)
         time = tick * self._context.dt + skew
         if len(skew) == 1:  # all clocks agree

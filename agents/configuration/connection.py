@@ -1,7 +1,7 @@
-"""Proof that robots on straight ways stay connected.
+"""Check that robots on straight paths stay connected.
 
 All robots shrink their errors at one common rate, so each difference of two positions moves on a straight segment. A
-norm is convex: a pair within reach at both ends of a piece of the way is within reach on the whole piece.
+norm is convex: a pair within reach at both ends of a piece of the path is within reach on all of it.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ from fes.arrays.types import Floats
 from fes.shapes import routes
 
 PIECES = 10
-"""Pieces of the way that are checked one by one. A check in one piece is too strict for crowded starts."""
+"""Pieces of the path that are checked one by one. A check in one piece is too strict for crowded starts."""
 
 MARGIN = 0.01
 """Margin of the reach over the longest link that the team needs at the start [m]."""
@@ -20,7 +20,7 @@ MARGIN = 0.01
 def reach(distance: Floats, keep_range: float) -> float:
     """The separation up to which a plan counts on a link [m], by the `distance` [n, n] of robots at the start.
 
-    It is `keep_range`, or more where the team at the start hangs on a longer link.
+    It is `keep_range`, or more where the team at the start needs a longer link to be connected.
     """
     return max(keep_range, bottleneck(distance) + MARGIN)
 

@@ -1,12 +1,12 @@
 """Marks in beacons: the bytes that a robot sends, and which of the marks that it hears it accepts.
 
-A beacon has the sender's period, its own mark, and up to m marks of other robots of the same period, by turns. So all
-marks reach all robots of a connected team in about n / m ticks and two for each hop of the longest route.
+A beacon has the sender's period, its own mark, and up to m marks of other robots of the same period, round-robin. So
+all marks reach all robots of a connected team in about n / m ticks and two for each hop of the longest route.
 
 The first place of a beacon is its sender's: another robot's mark there is refused. A relayed mark is not signed: a
-dishonest peer may relay another mark than it heard. Four rules bound what that does. The first mark of an (epoch, id)
-stays. A mark that is further from the last one than a robot can have moved is
-refused. No robot takes its own mark from the air if it has one. A robot knows at most MOST marks.
+dishonest peer may relay another mark than it heard. Four rules bound what that does. The first mark of a robot in a
+period stays. A mark that is further from the last one than a robot can have moved is refused. No robot takes its own
+mark from the air if it has one. A robot knows at most MOST marks.
 """
 
 from collections.abc import Callable
@@ -29,23 +29,26 @@ MOST = 200
 FARTHEST = 1e9
 """Largest magnitude of a coordinate or an estimate in a mark [m]."""
 
+ROUNDING = 1.0
+"""Allowance for the rounding of positions [m]."""
+
 _WRAP = 2**32  # a beacon has the last 32 bits of the period's number
 
 
 class Heard(NamedTuple):
-    """Marks that a crew hears at one tick [m], the lowest peer's first, and each peer's in their order."""
+    """Marks that a crew hears at one tick [h], by peer in ascending order, each peer's in the order of its beacon."""
 
     rows: Ints
-    """Row of the robot that hears it [m]."""
+    """Row of the robot that heard the mark [h]."""
     period: Ints
-    """Period of the mark after that of the robot that hears it: NOW or NEXT [m]."""
+    """Period of the mark relative to that of its hearer's clock: NOW or NEXT [h]."""
     ids: Ints
-    """[m]"""
+    """Id of the robot that made the mark [h]."""
     marks: Marks
-    """[m, 3]"""
+    """x, y and estimate [h, 3] [m]."""
 
     def where(self, is_kept: Bools) -> "Heard":
-        """The marks where `is_kept` [m]."""
+        """The marks where `is_kept` [h]."""
         return Heard(self.rows[is_kept], self.period[is_kept], self.ids[is_kept], self.marks[is_kept])
 
 
@@ -57,7 +60,7 @@ class Exchange:
     ) -> None:
         """`ids` are those of the crew [n], and `own_ids` gives ids within the run; `relayed` is m.
 
-        `farthest` [m] bounds the way of a robot in a period.
+        `farthest` [m] bounds the path of a robot in a period.
         """
         mark = [("id", "<u2"), ("mark", "<f4", (3,))]
         self._layout = np.dtype([("epoch", "<u4"), ("marks", mark, (1 + relayed,))])
@@ -68,11 +71,14 @@ class Exchange:
         """Bytes in each beacon."""
 
     def send(self, table: Table, epoch: Ints, last: Ints) -> tuple[Bytes, Ints]:
-        """The bytes for the robots' beacons [n, b], and the last id that each relayed [n]; before, it was `last`."""
+        """The bytes of the robots' beacons [n, b], and the last id that each robot relayed [n].
+
+        `last` [n] are those of the previous tick.
+        """
         n, columns = len(self._own), len(table.ids)
         rows, own = np.arange(n), table.columns(self._own)
         is_known = table.is_known[NOW]
-        # its own mark is first; then by turns the others, from the id that follows the last one
+        # its own mark is first; then the others, round-robin, from the id that follows the last one
         first = np.searchsorted(table.ids, last, side="right")
         turn = np.where(is_known, (np.arange(columns) - first[:, None]) % columns, columns)
         turn[rows, own] = -1
@@ -100,7 +106,7 @@ class Exchange:
         is_bounded = (np.abs(heard.marks) <= FARTHEST).all(axis=1) & (heard.marks[:, 2] > 0.0)
         heard = heard.where(is_bounded & (~is_own | (heard.period == NOW)))
         if not np.isin(heard.ids, table.ids).all():
-            table = tables.grown(table, heard.ids, int(epoch.min()) - REMEMBERED)
+            table = tables.grown(table, heard.ids, self._own, int(epoch.min()) - REMEMBERED)
         heard = heard.where(self._is_near(table, heard, epoch))
         key = (heard.period * len(epoch) + heard.rows) * (EMPTY + 1) + heard.ids
         is_first = np.zeros(len(key), dtype=np.bool_)
@@ -136,23 +142,24 @@ class Exchange:
         return columns
 
     def _is_near(self, table: Table, heard: Heard, epoch: Ints) -> Bools:
-        """True for marks to which a robot can have moved since its last mark [m].
+        """True for marks to which a robot can have moved since its last mark [h].
 
-        A robot is within one period's way of its last mark, and so is its next mark of the robot then. In between it
-        moves for the periods since. So no mark of an honest robot is refused, however its body moves.
+        A robot is at most one period of motion from its last mark, and its next mark is at most one from the robot.
+        It moves for the `since` periods between. So no mark of an honest robot is refused, however its body moves.
         """
         if self._farthest is None:
             return np.ones(len(heard.rows), dtype=np.bool_)
         columns = table.columns(heard.ids)
         since = np.abs(epoch[heard.rows] + heard.period - table.last_epoch[heard.rows, columns])
         dx, dy = (heard.marks[:, :2].astype(np.float64) - table.last_place[heard.rows, columns]).T
-        is_near = geometry.separation(dx, dy) <= self._farthest * (since + 2) + 1.0
+        is_near = geometry.separation(dx, dy) <= self._farthest * (since + 2) + ROUNDING
         result: Bools = is_near | (since > REMEMBERED)
         return result
 
     def _fits(self, table: Table, heard: Heard) -> Bools:
-        """True for marks that do not make more than the most that a robot knows of one period [m]."""
-        known = np.count_nonzero(table.is_known, axis=2)
+        """True for marks with which a robot knows at most the maximum number of marks of a period [h]."""
+        own = table.is_known[:, np.arange(len(self._own)), table.columns(self._own)]
+        known = np.count_nonzero(table.is_known, axis=2) + ~own  # the robot's own mark has its place
         if len(heard.rows) + int(known.max()) <= self._most:
             return np.ones(len(heard.rows), dtype=np.bool_)
         group = heard.period * known.shape[1] + heard.rows
@@ -160,5 +167,5 @@ class Exchange:
         sizes = np.bincount(group, minlength=known.size)
         rank = np.empty_like(group)
         rank[order] = np.arange(len(group)) - (np.cumsum(sizes) - sizes)[group[order]]
-        result: Bools = known.reshape(-1)[group] + rank < self._most
+        result: Bools = (known.reshape(-1)[group] + rank < self._most) | (heard.ids == self._own[heard.rows])
         return result

@@ -23,14 +23,14 @@ from fes.model.config import FormationConfig
 from fes.shapes.choice import shape
 
 UNKNOWN = -2
-"""Period of a robot before its first tick, and its tick of listening if it does not listen. No period follows it."""
+"""Stands for a period, a tick or an id that does not exist yet. It is below -1, so that no period follows it."""
 
 SAFE = 5.0
 """Separation that contractions keep where the settings ask for none [m]."""
 
 LISTENING = 10
-"""Ticks for which a robot that starts during a run listens, beside those in which a peer relays all marks. It may
-have marked this period before it was restarted."""
+"""Ticks for which a robot that starts during a run listens, beside those in which a peer relays all marks. Such a
+robot may have marked this period before its restart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +56,7 @@ class MarksAndPlans:
 
     Parameters = FormationConfig
     details = ("slot", "plan")
-    """The robot's slot, -1 without one, and the kind of its plan: 0 direct, 1 contraction, 2 none yet."""
+    """The robot's slot (-1: none), and the kind of its plan (0 direct, 1 contraction, 2 none yet)."""
 
     def __init__(self, parameters: FormationConfig, context: LawContext) -> None:
         self._config, self._context, self._objective = parameters, context, context.objective

@@ -1,4 +1,4 @@
-"""The plan of a set of marks: which robot takes which slot, and the way there. Each robot makes it alone.
+"""The plan of a set of marks: which robot takes which slot, and the path there. Each robot makes it alone.
 
 A plan is a pure function of the marks' bytes. So robots that know the same marks have the same plan, and nothing is
 negotiated.
@@ -17,7 +17,7 @@ from fes.arrays.types import Floats, Ints
 from fes.shapes.choice import Offsets, shape
 
 DIRECT, CONTRACT, NONE = 0, 1, 2
-"""Kinds of plan: straight to the slots; closer together, until a straight way exists; no plan yet."""
+"""Kinds of plan: straight to the slots; closer together, until a straight path exists; no plan yet."""
 
 NO_SLOT = -1
 
@@ -34,8 +34,8 @@ MOST_CONTRACTION = 0.5
 """Least share of its size to which a team contracts in one plan."""
 
 HOLD = 0.99
-"""A contraction by less than this is as good as none: a tight team would hold for ever. Then finer orientations are
-tried, `FINER` times as many."""
+"""A contraction to more than this share of the size makes no progress, and a tight team would wait forever. Then
+`FINER` times as many orientations are tried."""
 
 FINER = 4
 
@@ -65,14 +65,14 @@ class Plan:
     marks: Floats
     """Position of each robot when the plan begins [n, 2] [m; world frame]."""
     bases: Floats
-    """[n, 2] [m; world frame]"""
+    """Mean of the marks, or each robot's goal in a contraction [n, 2] [m; world frame]."""
     offsets: Floats
-    """[n, 2] [link lengths; world frame]; 0 in a contraction."""
+    """Slot of each robot relative to the mean [n, 2] [link lengths; world frame]; 0 in a contraction."""
     spacing: float
-    """Mean of the marked estimates [m]."""
+    """Mean of the marked estimates, each of which counts as at most `keep_range` [m]."""
 
     def farthest(self, dither: float) -> float:
-        """D: the longest way of a robot [m], from its mark to its goal, with `dither` [m] added to the spacing."""
+        """D: the longest path of a robot [m], from its mark to its goal, with `dither` [m] added to the spacing."""
         x, y = (self.marks - self.bases - (self.spacing + dither) * self.offsets).T
         return float(geometry.separation(x, y).max())
 
@@ -82,7 +82,9 @@ def plan(ids: bytes, marks: bytes, settings: Settings) -> Plan:
     """The plan of robots `ids` (int64, ascending) [n] with `marks` (float32) [n, 3] [m]: x, y and estimate."""
     values = np.frombuffer(marks, dtype=np.float32).reshape(-1, 3).astype(np.float64)
     robots, positions = np.frombuffer(ids, dtype=np.int64), values[:, :2]
-    center, spacing = sums.of_columns(positions) / len(values), sums.mean(values[:, 2])
+    # No plan keeps links beyond its reach. So a false estimate, however large, moves the mean by a bounded length.
+    estimates = np.minimum(values[:, 2], settings.keep_range - connection.MARGIN)
+    center, spacing = sums.of_columns(positions) / len(values), sums.mean(estimates)
     distance = geometry.distances(positions)
     reach = connection.reach(distance, settings.keep_range)
     best = _direct(positions, center, spacing, reach, settings, settings.orientations)
@@ -101,7 +103,7 @@ def plan(ids: bytes, marks: bytes, settings: Settings) -> Plan:
 def _direct(
     positions: Floats, center: Floats, spacing: float, reach: float, settings: Settings, orientations: int
 ) -> tuple[Ints, Floats] | None:
-    """The slots [n] and offsets [n, 2] with the least sum of squared ways that keep the team connected, if any."""
+    """The slots [n] and offsets [n, 2] with the least sum of squared distances that keep the team connected."""
     n = len(positions)
     team = shape(settings.configuration, n, settings.losses, settings.offsets)
     place = np.arange(n).astype(np.float64)

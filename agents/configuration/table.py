@@ -114,12 +114,15 @@ def with_heard(table: Table, period: Ints, rows: Ints, ids: Ints, epochs: Ints, 
     return Table(table.ids, is_known, values, last_epoch, last_place)
 
 
-def grown(table: Table, ids: Ints, oldest: int) -> Table:
-    """The table with columns for `ids` too. A large one drops ids of which no mark is of period `oldest` or later."""
+def grown(table: Table, ids: Ints, own: Ints, oldest: int) -> Table:
+    """The table with columns for `ids` too. A large one drops ids of which no mark is of period `oldest` or later.
+
+    It keeps the `own` ids of its robots [n].
+    """
     if len(table.ids) > MANY:
         is_remembered = table.last_epoch >= oldest
         is_kept: Bools = np.logical_or.reduce(is_remembered | table.is_known[NOW] | table.is_known[NEXT], axis=0)
-        table = _selected(table, is_kept)
+        table = _selected(table, is_kept | np.isin(table.ids, own))
     wanted = np.unique(np.concatenate([table.ids, ids]))
     if len(wanted) == len(table.ids):
         return table

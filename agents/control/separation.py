@@ -1,12 +1,12 @@
 """Safe separation: a filter that keeps robots apart, between the formation law and the bodies.
 
-A robot at distance d of a peer may close at half of gamma (d - d_safe), toward every place where the peer can be by
-now. If both ends keep to this, d - d_safe falls at most by the factor 1 - gamma h per tick of h.
+A robot at distance d of a peer may close at half of gamma (d - d_safe), toward every place where the peer can be now.
+If both robots keep to this, d - d_safe shrinks per tick at most by the factor 1 - gamma dt.
 docs/explanation/safe-separation.md has the conditions and the proof.
 
 1. `give_way` clips the pull to the largest speed, and adds a part to the right of each near peer that it approaches.
-2. It takes the part of the pull that would close too fast out of it, peer by peer.
-3. `slow_down` bounds the linear speed of every twist, also of one that a law returns itself.
+2. `give_way` then removes, peer by peer, the part of the pull that would close too fast.
+3. `slow_down` bounds the linear speed of every twist, also of twists that a law returns.
 """
 
 from typing import NamedTuple

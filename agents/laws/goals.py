@@ -20,8 +20,8 @@ class GoalsParameters(Table):
     """The parameters of `goals`."""
 
     goals: list[Annotated[tuple[Coordinate, Coordinate], Field(strict=False)]] = Field(min_length=1)
-    """Goal of each robot, a list of x and y [m; world frame], in the order of the robot ids. A robot beyond its end
-    has no goal, and stays."""
+    """Goal of each robot, a list of x and y [m; world frame], in the order of the robot ids. A robot whose id is
+    beyond the list has no goal, and stays."""
 
 
 class Goals:

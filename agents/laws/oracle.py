@@ -41,12 +41,13 @@ TRUSTED_WIDTH = 0.1
 class FormulaIndex:
     """J of (33), or ln J.
 
-    J(r) = S(r) p(r) = [1 - exp(-A)] exp(-q A - c r^nu), with A = (r/r_min)^s and q = (r_min/r_x)^s. For a logistic
-    channel, ln p = -ln(1 + e^z) replaces -c r^nu. It is evaluated at many points per tick, and this form has one
+    J(r) = S(r) p(r) = [1 - exp(-A)] exp(-w A - b r^nu), with A = (r/r_min)^s and w = (r_min/r_x)^s. For a logistic
+    channel, ln p = -ln(1 + e^z) replaces -b r^nu. It is evaluated at many points per tick, and this form has one
     exponential less than `fes.model.objective` and `fes.model.outage`.
 
-    With a `quality_weight` beta of each link [l], it is c q^beta, where J = c q and c = 1 - exp(-A); separations then
-    have the shape [..., l].
+    With a `quality_weight` beta of each link [l], the index is [1 - exp(-A)] (exp(-w A) p)^beta; separations then
+    have the shape [..., l]. Where beta is above 1, this or its logarithm is divided by beta: the optimum is the same,
+    and a large weight would make (18) unstable.
     """
 
     def __init__(
@@ -58,6 +59,8 @@ class FormulaIndex:
     ) -> None:
         self._objective, self._channel, self._is_log = objective, channel, transform == "log"
         self._weight = quality_weight
+        is_large = quality_weight is not None and bool((quality_weight > 1.0).any())
+        self._divisor = np.maximum(1.0, quality_weight) if quality_weight is not None and is_large else None
         self._reach = share_of_reach(objective)
         powers = (objective.shape_exponent, 0.0 if channel.model == "logistic" else channel.path_loss_exponent)
         self._trusted_share = TRUSTED / max(4.0, *powers)
@@ -71,7 +74,8 @@ class FormulaIndex:
         decay = self._log_reception(r) - self._reach * spread
         if self._weight is not None:
             decay = self._weight * decay
-        return self._value(decay, spread)[0]
+        value = self._value(decay, spread)[0]
+        return value if self._divisor is None else value / self._divisor
 
     def parabola(self, separation: Floats) -> tuple[Floats, Floats, Floats]:
         """The index at `separation` [m], any shape, its slope [1/m] and half its second derivative [1/m^2].
@@ -97,6 +101,8 @@ class FormulaIndex:
         if not self._is_log:
             second = value * (second + slope * slope)
             slope = value * slope
+        if self._divisor is not None:
+            value, slope, second = (part / self._divisor for part in (value, slope, second))
         return value, slope, 0.5 * second
 
     def trusted(self, separation: Floats) -> Floats:

@@ -42,7 +42,7 @@ def plot(
     ] = None,
     use: Use = None,
 ) -> int:
-    """Draw figures as PNG and SVG: the paper's Figs. 1, 3, 5 and 6, robots that count beacons, ends, or a run."""
+    """Draw figures as PNG and SVG: the paper's Figs. 1, 3, 5 and 6, beacon counts, final configurations, or a run."""
     with progress.bar("figures") as bar:
         if target == PAPER:
             directory, drawn = out or Path("figures"), _paper_figures(bar)

@@ -41,7 +41,8 @@ class History:
     averaged: bool
     """True if the dither moves the formation, so that separations are averaged over a dither period."""
     team: Floats
-    """Team index and its target, in steps of 0.1 s [2, t] [1]; [2, 0] for a run without them."""
+    """Team index and its target at each tick [2, t] [1], computed every 0.1 s and held in between; [2, 0] for a run
+    without them."""
     cutting: Ints
     """Robots whose loss would cut the links at the last tick [k]; empty without a team index."""
     present: Bools

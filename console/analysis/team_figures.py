@@ -76,4 +76,4 @@ def _frame(runs: list[History]) -> tuple[Floats, Floats]:
 def _cut(run: History) -> str:
     """The robots whose loss cuts the links, in words."""
     number = len(run.cutting)
-    return f"{number or 'no'} robot{'s' if number > 1 else ''} can cut it"
+    return f"{number or 'no'} cutting robot{'' if number == 1 else 's'}"

@@ -33,6 +33,7 @@ from world.config.outside import extensions
 from world.execution.recorder import Recorder
 from world.metrics.collector import MetricsCollector
 from world.metrics.summary import write, write_scenario
+from world.metrics.team import target
 from world.simulation import crowd
 
 Backend = Literal["inprocess", "processes"]
@@ -79,7 +80,7 @@ def run(
         fields = scenarios.flat(overrides) | _given({"run.seed": seed, "run.duration": duration})
         to_run = scenarios.resolve(scenario, fields, name)
         launch = _launch(to_run, backend, rtf, agents_per_process)
-        for line in remarks.of(to_run.scenario):
+        for line in [*remarks.of(to_run.scenario), *target.remarks(to_run.scenario)]:
             warnings.warn(line, stacklevel=2)
         work, directory = Work(to_run.scenario.ticks), None if out is None else Path(out)
         with display.shown(progress, to_run.name, work.total) as show:

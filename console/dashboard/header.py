@@ -42,12 +42,13 @@ def _facts(report: Report, width: int, silence: float) -> Line:
     sent, decoded = report.beacons_sent, report.beacons_decoded
     ratio = f"{decoded / sent:.1%}" if sent > 0 else number(float("nan"), "")
     living = (f"{alive}/{n}", "" if alive == n else "bold red")
-    optimum = ("r*", f"{number(report.optimal_separation, '.2f')} m", "")
+    name = "r_β" if len(report.plans) else "r*"
+    optimum = (name, f"{number(report.optimal_separation, '.2f')} m", "")
     if report.changed_at > 0.0:
-        since = ("r*", f"{optimum[1]} since {number(report.changed_at, ',.1f')} s", "")
+        since = (name, f"{optimum[1]} since {number(report.changed_at, ',.1f')} s", "")
     else:
         since = optimum
-    index = [("team index", team_panel.of_target(report), "")] if report.has_team_index else []
+    index = [("F of target", team_panel.of_target(report), "")] if report.has_team_index else []
     team, short = [("robots alive", *living), since, *index], [("alive", *living), since, *index]
     pace = [
         ("ticks/s", number(report.ticks_per_s, ",.0f"), ""),

@@ -89,7 +89,7 @@ def _headline(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("disagreement", f"{_meters(summary['disagreement'], 6)}{_since(summary, 'disagreement')}"),
         ("estimate error", f"largest {_meters(summary['estimate_error_max'], 4)}{_since(summary, 'estimate')}"),
         ("separation error", f"largest {_meters(summary['separation_error_max'], 4)}{_since(summary, 'separation')}"),
-        ("r*", _meters(summary["optimal_separation"], 4)),
+        ("best length" if "team_index" in summary else "r*", _meters(summary["optimal_separation"], 4)),
         ("time", f"{summary['simulated_s']:g} s simulated in {_number(summary['wall_s'], 1)} s ({rate})"),
     ]
 
@@ -98,11 +98,14 @@ def _team(summary: dict[str, Any]) -> list[tuple[str, str]]:
     """Row about the team index, if it was computed."""
     if "team_index" not in summary:
         return []
-    value, target, since = (summary[key] for key in ("team_index", "team_index_target", "team_index_99_at"))
+    value, target = summary["team_index"], summary["team_index_target"]
     share = f" ({percent(value / target)})" if value is not None and target else ""
-    reached = "never 99%" if since is None else f"99% from {since:.2f} s on"
+    times = [(level, summary[f"team_index_{level}_at"]) for level in (95, 99)]
+    reached = ", ".join(
+        f"never {level}%" if since is None else f"{level}% from {since:.2f} s on" for level, since in times
+    )
     cutting = summary["cutting_robots"]
-    lost = "the loss of no robot cuts the links" if not cutting else f"the loss of any of {cutting} cuts the links"
+    lost = "the links are cut" if cutting is None else f"{cutting or 'no'} cutting robot{'' if cutting == 1 else 's'}"
     index = f"{_number(value, 4)} of {_number(target, 4)}{share}, {reached}" if share else _number(value, 4)
     return [("team index", f"{index}; {lost}")]
 

@@ -7,6 +7,7 @@ import numpy as np
 from console.dashboard.canvas import Line
 from console.terminal.formatting import number, percent, styled
 from fes.protocol.report import Report
+from world.metrics import graphs
 
 PLANS = ("direct", "contracting", "without a plan")
 """Kind of plan that a robot follows, by its number in the Report."""
@@ -35,11 +36,15 @@ def of_target(report: Report) -> str:
 
 def _cutting(report: Report) -> Line:
     robots = report.cutting.tolist()
+    absent = int(np.count_nonzero(report.alive != 1))
+    parts = graphs.component_count(len(report.alive), report.a, report.b) - absent
+    if parts > 1:
+        return [styled("cutting     ", "dim"), styled(f"the links are already cut, into {parts} parts", "bold red")]
     if not robots:
-        return [styled("cut by      ", "dim"), styled("no loss of one robot", "green")]
+        return [styled("cutting     ", "dim"), styled("no robot", "green")]
     names = ", ".join(map(str, robots[:_MOST])) + (", …" if len(robots) > _MOST else "")
-    label = styled("cut by      ", "dim")
-    return [label, styled(f"the loss of {'any of ' if len(robots) > 1 else ''}{names}", "yellow")]
+    label = styled("cutting     ", "dim")
+    return [label, styled(f"robot{'s' if len(robots) > 1 else ''} {names}", "yellow")]
 
 
 def _plans(report: Report) -> Line:

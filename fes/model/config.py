@@ -75,9 +75,9 @@ class ObjectiveConfig(Table):
     coverage_weight: Positive = 1.0
     """Weight of coverage against delivery in the team index [1] (lambda)."""
     losses: Literal[0, 1] = 1
-    """Losses of a robot that the team index prepares for."""
+    """Number of robots whose loss the team index takes into account."""
     team_index: bool = False
-    """Computes the team index also where no configuration is sought."""
+    """True if the team index is computed also where no configuration is sought."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -106,11 +106,11 @@ class FormationConfig(Table):
     `tolerant_relative_neighborhood`."""
     configuration: Configuration = "none"
     """Final configuration that the whole team takes up, by marks and plans. `none`: the law above decides alone.
-    `lattice`: the best patch of the triangular lattice. `line`, `ring`, `ladder`: these shapes. `offsets`: as in
-    `offsets`. All but `none` replace the law."""
+    `lattice`: the best patch of the triangular lattice. `line`, `ring`, `ladder`: these shapes. `offsets`: the
+    places in the field `offsets`. Each of these shapes replaces the law."""
     offsets: list[Annotated[tuple[Coordinate, Coordinate], Field(strict=False)]] = Field(default=[], max_length=200)
-    """Places of the configuration `offsets` as multiples of the link length [1], in the order of their use: a team of
-    n robots takes the first n of them."""
+    """Places of the configuration `offsets` as multiples of the link length [1]. A team of n robots takes the first n
+    of them. For each n, the nearest two of these must be 1 apart, and links of up to 1.1 must connect them."""
     plan_period: Positive = 2.0
     """Period of the plans of a configuration [s]; each robot marks once in a period where it will be."""
     marks_per_beacon: Annotated[int, Field(ge=1, le=16)] = 8
@@ -130,7 +130,8 @@ class FormationConfig(Table):
     contact_timeout: Annotated[float, Field(gt=0, le=1e6)] = 1.0
     """Time without a beacon after which a peer is no longer a contact [s]."""
     safe_separation: Positive | None = None
-    """Separation below which two robots never come [m]; none by default. It needs `linear_limit`."""
+    """Separation below which two robots never come, if they start further apart [m]; none by default. It needs
+    `linear_limit`."""
     separation_gain: Positive = 1.0
     """Rate at which the separation of two robots may approach the safe one [1/s]."""
     give_way_gain: NonNegative = 1.0
@@ -145,12 +146,17 @@ class FormationConfig(Table):
     def _one_law(self) -> Self:
         for name, choice in (("law", chosen(self.law)), ("rule", chosen(self.rule))):
             if choice.use == MARKS_AND_PLANS:
-                raise ValueError(f"{name}: '{MARKS_AND_PLANS}' is chosen by its shape, formation.configuration")
+                raise ValueError(
+                    f"{name}: '{MARKS_AND_PLANS}' cannot be named, set formation.configuration to a shape"
+                )
             if choice.use == TOLERANT and choice.parameters:
                 given = next(iter(choice.parameters))
-                raise ValueError(f"{name}: '{TOLERANT}' takes its settings from [formation] itself, got '{given}'")
+                raise ValueError(
+                    f"{name}: '{TOLERANT}' has its settings in [formation] and takes no parameter, got '{given}'"
+                )
         if self.configuration != "none" and self.law != "paper":
-            raise ValueError(f"law: configuration '{self.configuration}' has its own, got '{chosen(self.law).use}'")
+            law = chosen(self.law).use
+            raise ValueError(f"law: configuration '{self.configuration}' replaces it and needs 'paper', got '{law}'")
         if self.offsets and self.configuration != "offsets":
             raise ValueError(f"offsets: only configuration 'offsets' uses them, got '{self.configuration}'")
         return self

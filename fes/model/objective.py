@@ -49,7 +49,7 @@ def log_preference_derivatives(
 ) -> tuple[Floats, Floats]:
     """(ln S)' [1/m] and (ln S)'' [1/m^2] at `separation` [m], any shape; from (16).
 
-    The second factor of S, which falls with r, counts `reach_weight` times [of the same shape]: once by default.
+    `reach_weight` [same shape] is the exponent of the second factor of S, which falls with r; 1 by default.
 
     With A = (r/r_min)^s and f = A/(e^A - 1): r (ln S)' = s (f - (r/r_x)^s), and r f' = s f (1 - A e^A/(e^A - 1)).
     """

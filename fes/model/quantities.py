@@ -63,8 +63,8 @@ SUMMARY = (
     Quantity(
         "optimal_separation",
         "m",
-        "r*, the separation that maximizes the index (16), at the last tick. Where a configuration is sought, all "
-        "quantities have the best link length of its shape, r_beta, in its place.",
+        "r*, the separation that maximizes the index (16), at the last tick. Where a configuration is sought, it is "
+        "r_beta, the best link length of its shape, and all errors are relative to that.",
     ),
     Quantity("edges[].0", "", "Lower robot id of a link in use at the last tick."),
     Quantity("edges[].1", "", "Higher robot id of the link."),
@@ -88,7 +88,7 @@ SUMMARY = (
     Quantity(
         "algebraic_connectivity",
         "1",
-        "Second smallest eigenvalue of the Laplacian of the links at the end.",
+        "Second smallest eigenvalue of the Laplacian of the links at the end; 0 if a robot is dead.",
         "there are more than 1,500 robots",
     ),
     Quantity("beacons_sent", "beacons", "Beacons sent on open contacts."),
@@ -104,7 +104,11 @@ SUMMARY = (
     ),
     Quantity("digest", "", "SHA-256 over the poses and twists of all ticks.", kind=TEXT),
     Quantity("tracking[].at", "s", "Start of a segment: tick 0, or a change of the channel."),
-    Quantity("tracking[].optimal_separation", "m", "r* in the segment."),
+    Quantity(
+        "tracking[].optimal_separation",
+        "m",
+        "r* at the start of the segment; errors are relative to the current one.",
+    ),
     Quantity(
         "tracking[].time_to_1m",
         "s",
@@ -160,21 +164,27 @@ SUMMARY = (
     Quantity(
         "team_index",
         "1",
-        "Team index F: coverage and delivery of the whole team, after the worst loss of a robot.",
+        "Team index F: coverage of the whole team, and its delivery after the worst loss of one robot.",
         _NO_INDEX,
         is_optional=True,
     ),
     Quantity(
         "team_index_target",
         "1",
-        "F of the shape that the team takes up, or of the patch of the lattice, at the best length of its links.",
+        "F of the shape that the team takes up, or of the patch of the lattice, at its r_beta.",
         f"{_NO_INDEX}, or the channel has no r*",
         is_optional=True,
     ),
     Quantity(
-        "cutting_robots", "robots", "Robots whose loss would cut the links in use at the last tick.", is_optional=True
+        "cutting_robots",
+        "robots",
+        "Robots whose loss would cut the links in use at the last tick.",
+        "these links do not connect the robots present",
+        is_optional=True,
     ),
-    Quantity("covered_area", "m^2", "Area within r_min of a robot at the last tick.", is_optional=True),
+    Quantity(
+        "covered_area", "m^2", "Area within r_min of a robot that is present, at the last tick.", is_optional=True
+    ),
     Quantity(
         "delivery_after_loss",
         "1",

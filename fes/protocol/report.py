@@ -1,7 +1,7 @@
 """Report: world to observers, several times per second. It holds the truth, and the telemetry of the robots.
 
 No agent subscribes to it. Quantities that do not exist yet (such as an estimate of a robot without links) are NaN.
-Its last field is about the team index. A Report without it is to the byte one of fes 0.5.
+Its last field is about the team index. Without it, a Report is byte for byte that of fes 0.5.
 """
 
 import math
@@ -119,13 +119,13 @@ class Report:
     team_index: float = math.nan
     """Team index F [1]."""
     team_index_target: float = math.nan
-    """F of the shape that the team takes up, at its best link length [1]."""
+    """F of the shape that the team takes up, at its r_beta [1]."""
     delivery_after_loss: float = math.nan
     """Geometric mean over pairs of the quality of their best route, after the worst loss [1]."""
     cutting: Ints = field(default_factory=_none)
     """Robots whose loss would cut the links in use, ascending [k]."""
     slots: Ints = field(default_factory=_none)
-    """Place of each robot in the shape, -1 without one [n]; [0] if no configuration is sought."""
+    """Slot of each robot in the shape, -1 without one [n]; [0] if no configuration is sought."""
     plans: Ints = field(default_factory=_none)
     """Kind of plan of each robot [n]: 0 a direct plan, 1 a contraction, 2 none; [0] if no configuration is sought."""
 

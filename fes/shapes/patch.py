@@ -15,8 +15,8 @@ CENTERS = ((0.0, 0.0), (0.5, 0.0), (0.5, HALF_HEIGHT / 3.0))
 """A site, the middle of a link, and the middle of a triangle."""
 
 NEIGHBOR = 0.125
-"""Mean hops that one more neighbor per robot is worth: the score of a patch is h + k/8. With another weight, the
-score prefers a worse patch for n = 8, 10 or 12."""
+"""Mean hops that one more neighbor per robot costs: the patch with the least score h + k/8 is best. With another
+weight a worse patch is chosen for n = 8, 10 or 12."""
 
 EQUAL = 1e-9
 """Two scores that differ by less count as equal."""

@@ -11,8 +11,9 @@ from fes.shapes.shape import TOLERANCE, Shape
 MOST_ROBOTS = 200
 """Largest team that takes up a configuration: each robot knows the mark of every other, and plans take n^3 steps."""
 
-SLOTS, ROUNDS = 4, 10
-"""A plan period must have SLOTS (n/m + ROUNDS) ticks: a mark is relayed once in n/m ticks, and lost now and then."""
+PASSES, SPARE = 4, 10
+"""A plan period must have at least PASSES (n/m + SPARE) ticks: a mark is relayed once in n/m ticks, and beacons are
+lost."""
 
 
 def check(formation: FormationConfig, seeking: SeekingConfig, dt: float, robots: int) -> None:
@@ -27,10 +28,10 @@ def check(formation: FormationConfig, seeking: SeekingConfig, dt: float, robots:
             "got 'none'"
         )
     marks = formation.marks_per_beacon
-    least = SLOTS * (robots / marks + ROUNDS)
+    least = PASSES * (robots / marks + SPARE)
     if counts.ticks(formation.plan_period, dt) < least:
         raise ValueError(
-            f"formation.plan_period must be at least {SLOTS} x (robots / marks_per_beacon + {ROUNDS}) ticks, "
+            f"formation.plan_period must be at least {PASSES} x (robots / marks_per_beacon + {SPARE}) ticks, "
             f"{least * dt:g} s, got {formation.plan_period:g}"
         )
     if formation.configuration == "offsets":
@@ -62,7 +63,7 @@ def _of(formation: FormationConfig, losses: int, robots: int) -> Shape:
 def _check_offsets(offsets: list[tuple[float, float]], robots: int) -> None:
     """Raise ValueError in one line unless the first n offsets are one team, for each number n up to `robots`."""
     if len(offsets) < robots:
-        raise ValueError(f"formation.offsets: {robots} robots need as many, got {len(offsets)}")
+        raise ValueError(f"formation.offsets must have a place for each of {robots} robots, got {len(offsets)}")
     for n in range(2, len(offsets) + 1):
         first = shape("offsets", n, 0, tuple(offsets[:n]))
         nearest = float(routes.between(geometry.distances(first.slots)).min())

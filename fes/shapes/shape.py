@@ -60,10 +60,10 @@ class Shape:
         return before, max([before, *(mean for mean in after if mean < np.inf)])
 
     def quality_weight(self, losses: int, coverage_weight: float) -> float:
-        """beta = h / (lambda k): weight of a link's ln q against its ln c, at which links of this shape are longest
-        enough. The team index is best at the link length that maximizes ln c + beta ln q.
+        """beta = h / (lambda k): weight of a link's ln q against its ln c.
 
-        1 / lambda for one or two robots: then the team index is the index (16) of the only link.
+        The link length that maximizes ln c + beta ln q has the best team index, to first order, where no loss leaves
+        a gap in the shape. It is 1 / lambda for one or two robots: with lambda = 1 the team index is then (16).
         """
         if len(self.slots) < 3:
             return 1.0 / coverage_weight

@@ -24,7 +24,7 @@ STEP = 0.02
 
 @dataclass(frozen=True)
 class Answer:
-    """What followed an event."""
+    """The answer of a team to an event."""
 
     least: float
     """Least F over its target."""
@@ -35,7 +35,7 @@ class Answer:
 
 
 def answer(run: Measured, event: float, end: float) -> Answer:
-    """What followed the event at `event` [s], until `end` [s]."""
+    """The answer to the event at `event` [s], until `end` [s]."""
     first, last = (round(time / STEP / EVERY) + 1 for time in (event, end))
     share = run.share[first:last]
     below = np.flatnonzero(share < 0.95)

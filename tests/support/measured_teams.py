@@ -20,6 +20,7 @@ from world.config.radio import RadioConfig
 from world.config.scenario import Scenario
 from world.metrics import graphs
 from world.metrics.team import target
+from world.metrics.team.progress import links_between
 from world.simulation import reception
 
 PERIOD = 1000
@@ -76,9 +77,8 @@ def watch(run: Scenario) -> Measured:
         if state.tick >= SETTLED / run.run.dt:
             links = min(links, len(used))
         if state.tick >= BEGUN:
-            rows = np.flatnonzero(state.present)
-            ends = np.searchsorted(rows, used.rows), np.searchsorted(rows, np.searchsorted(used.ids, used.peers))
-            cut += graphs.component_count(n, *ends) > 1
+            parts = graphs.component_count(len(state.poses), *links_between(state, telemetry))
+            cut += bool(parts - np.count_nonzero(~state.present) > 1)
         now = telemetry.details[:, 0]
         if before is not None and np.array_equal(before, state.present):
             changes += int(np.count_nonzero((now != slots) & (slots >= 0)))

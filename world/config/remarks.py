@@ -6,10 +6,15 @@ part of a scenario is changed or ignored without a remark.
 
 from collections.abc import Iterable, Iterator
 
+import numpy as np
+
+from fes.arrays import geometry
 from fes.model import counts
-from fes.model.config import TOLERANT, ChannelConfig
+from fes.model.config import TOLERANT, ChannelConfig, FormationConfig
+from fes.model.seeking import SampledConfig
 from fes.model.table import chosen
 from fes.shapes import rules
+from world.config import starts
 from world.config.faults import TransmitterConfig
 from world.config.scenario import Scenario, knows_channel
 
@@ -20,7 +25,15 @@ MOST = 5
 """Largest number of times listed per line."""
 
 FOLLOWED = 0.6
-"""Share of their largest speed [1] at which robots still follow the dither of a configuration."""
+"""Share of their largest speed [1] at which robots still follow the dither of a configuration: the rest is for turns
+and for errors of the formation."""
+
+MOST_COMPARED = 1000
+"""Largest team whose starts are compared in pairs."""
+
+_OF_PLANS = ("plan_period", "marks_per_beacon", "orientations", "keep_range")
+_OF_SEPARATION = ("separation_gain", "give_way_gain")
+_OF_TOLERANCE = ("link_tolerance",)
 
 UNNOTICED = (
     "the robots of this run are given the channel (seeking.index = 'oracle') and do not notice the change; "
@@ -39,6 +52,9 @@ def of(scenario: Scenario) -> list[str]:
         *_unused(scenario),
         *_outrun(scenario),
         *_ties(scenario),
+        *_unweighted(scenario),
+        *_without_plan(scenario),
+        *_near_starts(scenario),
     ]
 
 
@@ -100,6 +116,15 @@ def _unused(scenario: Scenario) -> Iterator[str]:
     ):
         if is_given and model not in models:
             yield f"channel.{key} has no effect: channel.model is '{models[0]}', not '{model}'"
+    formation = scenario.formation
+    for keys, is_used, reason in (
+        (_OF_PLANS, formation.configuration != "none", "formation.configuration is 'none'"),
+        (_OF_SEPARATION, formation.safe_separation is not None, "formation.safe_separation is not set"),
+        (_OF_TOLERANCE, chosen(formation.rule).use == TOLERANT, f"formation.rule is not '{TOLERANT}'"),
+    ):
+        given = [key for key in keys if getattr(formation, key) != FormationConfig.model_fields[key].default]
+        if given and not is_used:
+            yield f"formation.{', formation.'.join(given)} {'has' if len(given) == 1 else 'have'} no effect: {reason}"
 
 
 def _outrun(scenario: Scenario) -> Iterator[str]:
@@ -120,6 +145,37 @@ def _ties(scenario: Scenario) -> Iterator[str]:
         yield (
             f"formation.rule '{formation.rule}' drops about half of the equal links of a lattice: "
             f"'{TOLERANT}' keeps them"
+        )
+
+
+def _unweighted(scenario: Scenario) -> Iterator[str]:
+    if scenario.formation.configuration != "none" and isinstance(scenario.seeking, SampledConfig):
+        yield (
+            "seeking.index 'sampled' seeks r*, and not the link length that is best for formation.configuration: "
+            "'oracle' and 'measured' do"
+        )
+
+
+def _without_plan(scenario: Scenario) -> Iterator[str]:
+    formation, end = scenario.formation, scenario.ticks * scenario.run.dt
+    if formation.configuration != "none" and formation.plan_period >= end:
+        yield (
+            f"formation.plan_period {formation.plan_period:g} s: the first plan would come after the end of the run "
+            f"at {end:.9g} s, and the robots stay where they are"
+        )
+
+
+def _near_starts(scenario: Scenario) -> Iterator[str]:
+    safe = scenario.formation.safe_separation
+    if safe is None or not 2 <= scenario.robots.number <= MOST_COMPARED:
+        return
+    distance = geometry.distances(starts.poses(scenario.robots, scenario.run.seed)[:, :2])
+    distance[np.diag_indices(len(distance))] = np.inf
+    if distance.min() < safe:
+        first, second = divmod(int(distance.argmin()), len(distance))
+        yield (
+            f"robots {first} and {second} start {distance.min():.3g} m apart: formation.safe_separation, {safe:g} m, "
+            "holds only for robots that start further apart"
         )
 
 

@@ -75,7 +75,7 @@ class Scenario(Table):
         stability.check(self.run.dt, self.seeking, self.formation, self.objective)
         rules.check(self.formation, self.seeking, self.run.dt, self.robots.number)
         if self.robots.controller is not None and self.formation.configuration != "none":
-            raise ValueError("robots.controller replaces the law that would take up formation.configuration")
+            raise ValueError("robots.controller and formation.configuration exclude each other")
         return self
 
     @model_validator(mode="after")

@@ -38,8 +38,8 @@ def component_count(n: int, a: Ints, b: Ints) -> int:
 def cut_rows(n: int, a: Ints, b: Ints) -> Ints:
     """Rows whose loss cuts their component in two or more, ascending; `n` rows with the edges a-b [m].
 
-    They are the articulation points, by Hopcroft and Tarjan's search: a row cuts its component if no row below it in
-    the tree of the search has an edge past it.
+    They are the articulation points, by Hopcroft and Tarjan's search: a row cuts its component if the subtree of one
+    of its children has no edge to an ancestor of the row. A root cuts it if it has two children or more.
 
     >>> cut_rows(4, np.array([0, 1, 2]), np.array([1, 2, 0])), cut_rows(3, np.array([0, 2]), np.array([1, 1]))
     (array([], dtype=int64), array([1]))

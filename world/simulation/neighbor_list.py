@@ -101,7 +101,7 @@ def _find(poses: Floats, reach: float) -> Candidates:
 
 
 def smallest(near: Proximity, poses: Floats, present: Bools, below: float) -> float:
-    """Smallest separation [m] of two robots `present` [n] at `poses` [n, 3], if it is below `below` [m]; else that.
+    """The smaller of `below` [m] and the smallest separation [m] of two robots `present` [n] at `poses` [n, 3].
 
     `near` are the pairs in range at these poses. The candidates contain all pairs within the range of their list. So
     all robots are searched only while no two of them have been in range.

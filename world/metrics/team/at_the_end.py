@@ -7,8 +7,7 @@ from fes.extension.protocols import NoParameters
 from fes.model.table import Positive, Table
 from world.metrics.team import coverage
 from world.metrics.team import delivery as deliveries
-from world.metrics.team.progress import cutting_robots
-from world.metrics.team.team_index import team_index
+from world.metrics.team.progress import cutting_number, index_of
 from world.metrics.tick_truth import TickTruth
 from world.simulation.truth import State
 
@@ -60,7 +59,8 @@ class TeamDelivery:
 
         None for fewer than two robots, and for more than `delivery.MAX_ROBOTS`.
         """
-        links = np.zeros((0, 0)) if self._last is None else deliveries.links_of(self._last, self._objective)
+        is_small = self._last is not None and np.count_nonzero(self._last.present) <= deliveries.MAX_ROBOTS
+        links = deliveries.links_of(self._last, self._objective) if self._last and is_small else np.zeros((0, 0))
         now, after = deliveries.delivery(links), deliveries.delivery_after_loss(links)
         return {
             "mean": now and now.mean,
@@ -86,12 +86,12 @@ class TeamIndexAtTheEnd:
     def result(self) -> dict[str, float | None]:
         """F [1], and the number of robots whose loss would cut the links in use between the others.
 
-        F is None for fewer than two robots, and for more than `team_index.MAX_ROBOTS`.
+        F is None for fewer than two robots, and for more than `team_index.MAX_ROBOTS`; the number is None if the
+        links do not connect the robots present.
         """
         if self._last is None:
             return {"value": None, "cutting_robots": None}
         state = self._last.state
-        links = deliveries.links_of(state, self._objective)
-        index = team_index(state.poses[state.present, :2], links, self._objective)
-        cutting = cutting_robots(state, self._last.telemetry)
-        return {"value": index and index.value, "cutting_robots": float(len(cutting))}
+        index = index_of(state, self._objective)
+        cutting = cutting_number(state, self._last.telemetry)
+        return {"value": index and index.value, "cutting_robots": None if cutting is None else float(cutting)}

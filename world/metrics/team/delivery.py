@@ -60,8 +60,9 @@ def links_of(state: State, objective: ObjectiveConfig) -> Floats:
     senders = np.searchsorted(edges.ids, edges.peers)
     x, y = (poses[senders, :2] - poses[edges.rows, :2]).T
     quality = link_quality(geometry.separation(x, y), np.nan_to_num(state.radio.probability), objective)
-    links = link_matrix(len(poses), senders, edges.rows, quality)
-    return links[np.ix_(state.present, state.present)]
+    rows, both = np.cumsum(state.present) - 1, state.present[senders] & state.present[edges.rows]
+    ends = rows[senders[both]], rows[edges.rows[both]]
+    return link_matrix(int(np.count_nonzero(state.present)), *ends, quality[both])
 
 
 def delivery(links: Floats) -> Delivery | None:

@@ -10,6 +10,7 @@ from fes.arrays.types import Ints
 from fes.extension import registry
 from fes.extension.kinds import FORMATION
 from fes.model import counts
+from fes.model.config import ObjectiveConfig
 from fes.model.quantities import TEAM_LEVELS
 from fes.model.sensing import Telemetry
 from fes.model.table import chosen
@@ -18,7 +19,7 @@ from world.config.scenario import Scenario
 from world.metrics import graphs
 from world.metrics.team import coverage, delivery
 from world.metrics.team.target import target
-from world.metrics.team.team_index import team_index
+from world.metrics.team.team_index import MAX_ROBOTS, TeamIndex, team_index
 from world.simulation import reception
 from world.simulation.truth import State
 
@@ -39,7 +40,7 @@ class TeamValues(NamedTuple):
     team_index: float = math.nan
     """The team index F."""
     target: float = math.nan
-    """F of the shape that the team takes up, at its best link length."""
+    """F of the shape that the team takes up, at its r_beta."""
     delivery: float = math.nan
     """Geometric mean over pairs of the quality of their best route, after the worst loss: a factor of F."""
 
@@ -65,7 +66,7 @@ class TeamProgress:
             return
         self.latest, self._tick = self._computed(state), state.tick
         for name, share in TEAM_LEVELS.items():
-            if not self.latest.team_index >= share * self.latest.target:
+            if not (self.latest.target > 0.0 and self.latest.team_index >= share * self.latest.target):
                 self._since[name] = None
             elif self._since[name] is None:
                 self._since[name] = state.tick
@@ -85,7 +86,7 @@ class TeamProgress:
         return {
             "team_index": values.team_index,
             "team_index_target": values.target,
-            "cutting_robots": len(cutting_robots(state, telemetry)),
+            "cutting_robots": cutting_number(state, telemetry),
             "covered_area": coverage.covered_area(positions, self.scenario.objective.minimum_separation),
             "delivery_after_loss": values.delivery,
             **self.times(),
@@ -106,12 +107,11 @@ class TeamProgress:
         }
 
     def _computed(self, state: State) -> TeamValues:
-        links = delivery.links_of(state, self.scenario.objective)
-        index = team_index(state.poses[state.present, :2], links, self.scenario.objective)
-        wanted = self._target(len(links), state.channel)
+        index, wanted = index_of(state, self.scenario.objective), self._target(state)
         return TeamValues(target=wanted) if index is None else TeamValues(index.value, wanted, index.delivery)
 
-    def _target(self, robots: int, channel: RadioConfig) -> float:
+    def _target(self, state: State) -> float:
+        channel, robots = state.channel, int(np.count_nonzero(state.present))
         if channel is not self._channel:
             self._channel, self._targets = channel, {}
         if robots not in self._targets:
@@ -121,7 +121,7 @@ class TeamProgress:
 
 
 def places(scenario: Scenario, telemetry: Telemetry) -> tuple[Ints, Ints]:
-    """Place and plan of each robot [n], from the details `slot` and `plan` of its formation law; [0] without them.
+    """Slot and plan of each robot [n], from the details `slot` and `plan` of its formation law; [0] without them.
 
     A robot that takes no part has neither: -1 and NO_PLAN.
     """
@@ -137,10 +137,29 @@ def places(scenario: Scenario, telemetry: Telemetry) -> tuple[Ints, Ints]:
     return np.where(is_slot, slots, -1).astype(np.int64), np.where(is_plan, plans, NO_PLAN).astype(np.int64)
 
 
+def index_of(state: State, objective: ObjectiveConfig) -> TeamIndex | None:
+    """The team index of the robots present; None for fewer than two, and for more than `team_index.MAX_ROBOTS`."""
+    if np.count_nonzero(state.present) > MAX_ROBOTS:  # their matrix of links would be large
+        return None
+    return team_index(state.poses[state.present, :2], delivery.links_of(state, objective), objective)
+
+
 def cutting_robots(state: State, telemetry: Telemetry) -> Ints:
     """Ids of the robots present whose loss would cut the links in use between the others, ascending [k]."""
+    return graphs.cut_rows(len(state.poses), *links_between(state, telemetry))
+
+
+def cutting_number(state: State, telemetry: Telemetry) -> int | None:
+    """Number of these robots; None if the links in use do not connect the robots present."""
+    absent = int(np.count_nonzero(~state.present))
+    components = graphs.component_count(len(state.poses), *links_between(state, telemetry))
+    return None if components - absent > 1 else len(cutting_robots(state, telemetry))
+
+
+def links_between(state: State, telemetry: Telemetry) -> tuple[Ints, Ints]:
+    """Both ends of each link in use between robots that are present [l]."""
     links = telemetry.links
     undirected = links.undirected
     a, b = links.rows[undirected], links.peers[undirected]
     both = state.present[a] & state.present[b]
-    return graphs.cut_rows(len(state.poses), a[both], b[both])
+    return a[both], b[both]

@@ -48,6 +48,20 @@ def sought_separation(scenario: Scenario, channel: RadioConfig, n: int) -> float
     return best_separation(context, channel) if shape is None else spacing(shape, channel, context)
 
 
+def remarks(scenario: Scenario) -> list[str]:
+    """A remark, in one line, if plans count on no link as long as the robots seek."""
+    formation = scenario.formation
+    if formation.configuration == "none":
+        return []
+    sought = sought_separation(scenario, scenario.channel, scenario.robots.number)
+    if not sought > formation.keep_range:
+        return []
+    return [
+        f"formation.keep_range, {formation.keep_range:g} m, is below the best link length of the configuration, "
+        f"{sought:.3g} m: its links get no longer"
+    ]
+
+
 def target(n: int, formation: FormationConfig, channel: RadioConfig, context: WorldContext) -> float:
     """The team index of `n` robots in their shape at r_beta, over the channel without shadowing, bursts and jammers.
 

@@ -173,10 +173,31 @@ def test_a_robot_knows_at_most_so_many_marks_of_a_period() -> None:
     known = blank()
     for first in range(1, 400, 8):
         known = hear(known, message(5, *((first + k, 0.0, 0.0, 70.0) for k in range(8))), most=20)
-    assert sorted(marks_of(known)) == list(range(1, 21))
+    assert sorted(marks_of(known)) == list(range(1, 20))  # the last place is that of its own mark
     assert sorted(marks_of(hear(blank(), *(message(5, (n, 0.0, 0.0, 70.0)) for n in range(1, 31)), most=20))) == list(
-        range(1, 21)
+        range(1, 20)
     )
+    assert 0 in marks_of(hear(known, message(5, (0, 0.0, 0.0, 70.0)), most=20))
+
+
+def test_forged_marks_of_the_next_period_leave_a_place_for_the_own_mark() -> None:
+    known = blank()
+    for first in range(1, 400, 8):
+        known = hear(known, message(6, *((first + k, 0.0, 0.0, 70.0) for k in range(8))), most=20)
+    turned = tables.advance(known, np.array([1]))
+    assert len(marks_of(tables.with_own(turned, np.array([0]), np.array([0]), np.zeros((1, 3))))) == 20
+
+
+@pytest.mark.parametrize("own", [0, 40_000])
+def test_a_flood_of_invented_ids_does_not_displace_the_own_id(own: int) -> None:
+    known = blank(own)
+    for first in range(1, 2000, 8):
+        around = hearing([own], {(own, 1): message(5, *((first + k, 0.0, 0.0, 70.0) for k in range(8)))})
+        known = exchange([own], None, 10).hear(known, np.array([5]), around)
+    assert own in known.ids
+    mine = tables.with_own(known, np.array([0]), np.array([own]), np.ones((1, 3)))
+    data, _ = exchange([own]).send(mine, np.array([5]), np.array([-1]))
+    assert data[0, 4:6].tobytes() == np.uint16(own).tobytes()
 
 
 def test_a_flood_of_invented_ids_does_not_grow_the_table_for_ever() -> None:

@@ -46,6 +46,23 @@ def test_the_plan_of_a_formed_patch_moves_no_robot(n: int) -> None:
     assert plan.farthest(0.0) < 2e-4
 
 
+def test_one_false_estimate_moves_the_spacing_by_a_bounded_length() -> None:
+    patch = SPACING * shape("lattice", 10, 1).slots
+    marks = np.column_stack([patch, np.full(10, SPACING)]).astype(np.float32)
+    for estimate in (1e9, 140.0, 139.99):
+        marks[3, 2] = estimate
+        plan = planning.plan(np.arange(10).tobytes(), marks.tobytes(), LATTICE)
+        assert plan.kind == DIRECT
+        assert plan.spacing == pytest.approx(SPACING + (139.99 - SPACING) / 10, abs=1e-4)
+
+
+def test_links_get_no_longer_than_the_keep_range() -> None:
+    short = Settings("lattice", (), 1, 6, 60.0, CLEARANCE)
+    plan = plan_of(50.0 * shape("lattice", 10, 1).slots, how=short)
+    assert plan.kind == DIRECT
+    assert plan.spacing == pytest.approx(59.99)
+
+
 @settings(max_examples=30, deadline=None)
 @given(starts("dense"))
 def test_the_plan_of_a_small_team_has_the_least_sum_of_squared_ways(positions: Floats) -> None:

@@ -128,7 +128,7 @@ def test_a_run_with_a_team_index_has_a_figure_of_it(tmp_path: Path, teams: dict[
     assert [line.get_label() for line in lines] == ["team index F", "target"]
     assert np.array_equal(lines[0].get_ydata(), teams["links"].team[0])
     number = len(teams["links"].cutting)
-    assert figure.axes[1].get_title() == f"t = 3.98 s, {number} robots can cut it"
+    assert figure.axes[1].get_title() == f"t = 3.98 s, {number} cutting robots"
     marks = [line for line in figure.axes[1].lines if line.get_marker() == "s"]
     assert np.size(marks[0].get_xdata()) == number > 1
     assert not [line for line in figure.axes[1].lines if line.get_marker() == "x" and np.size(line.get_xdata())]

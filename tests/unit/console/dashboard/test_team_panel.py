@@ -31,19 +31,31 @@ def lines_of(report: Report, width: int = 140, height: int = 45) -> list[str]:
 def test_the_panel_shows_the_index_against_its_target_the_robots_that_cut_and_the_plans() -> None:
     text = "\n".join(lines_of(a_team(**PLANNED), 200))
     assert "index       50.0%  F 0.3450 of 0.6900, delivers 40.0% after a loss" in text
-    assert "cut by      the loss of any of 1, 2" in text
+    assert "cutting     robots 1, 2" in text
     assert "plans       2 direct, 1 contracting, 1 without a plan; 3 with a slot" in text
-    assert "team index 50.0%" in text
+    assert "F of target 50.0%" in text
 
 
 def test_without_a_configuration_no_plan_is_shown() -> None:
     text = "\n".join(lines_of(a_team(cutting=np.zeros(0, dtype=np.int64))))
-    assert "cut by      no loss of one robot" in text
+    assert "cutting     no robot" in text
     assert "plans" not in text
     assert (
-        "cut by      the loss of 3\n"
-        in "\n".join(line.rstrip() for line in lines_of(a_team(cutting=np.array([3])))) + "\n"
+        "cutting     robot 3\n" in "\n".join(line.rstrip() for line in lines_of(a_team(cutting=np.array([3])))) + "\n"
     )
+
+
+def test_links_that_are_cut_already_are_shown_as_such() -> None:
+    halves = a_report(PLACES, [(0, 1), (2, 3)], **{**TEAM, "cutting": np.zeros(0, dtype=np.int64)})
+    assert "cutting     the links are already cut, into 2 parts" in "\n".join(lines_of(halves))
+    alive = np.array([1, 1, 0, 0], dtype=np.uint8)
+    pair = a_report(PLACES, [(0, 1)], **{**TEAM, "cutting": np.zeros(0, dtype=np.int64), "alive": alive})
+    assert "cutting     no robot" in "\n".join(lines_of(pair))  # robots that are not alive do not count
+
+
+def test_the_header_names_the_length_that_is_sought() -> None:
+    assert "r_β" in lines_of(a_team(**PLANNED), 200)[1] + lines_of(a_team(**PLANNED), 200)[2]
+    assert "r_β" not in "\n".join(lines_of(a_team(), 200))
 
 
 def test_absent_robots_have_no_plan() -> None:
@@ -54,7 +66,7 @@ def test_absent_robots_have_no_plan() -> None:
 def test_an_index_without_a_target_is_shown_as_unknown() -> None:
     text = "\n".join(lines_of(a_team(team_index=math.nan, team_index_target=math.nan)))
     assert "index       –  F – of –" in text
-    assert "team index –" in text
+    assert "F of target –" in text
 
 
 @pytest.mark.parametrize(("width", "height"), SIZES)
@@ -72,7 +84,7 @@ def test_a_frame_with_the_team_index_has_the_size_of_the_terminal(width: int, he
 def test_a_run_without_the_team_index_has_the_frame_of_before() -> None:
     text = "\n".join(lines_of(a_report(PLACES, CHAIN)))
     assert "Team" not in text
-    assert "team index" not in text
+    assert "F of target" not in text
 
 
 def test_robots_that_cut_are_marked_on_the_map() -> None:

@@ -7,6 +7,7 @@ import pytest
 from fes.errors import ScenarioError
 from fes.model.config import TOLERANT
 from world.config import remarks, scenario
+from world.metrics.team import target
 
 MEASURED = {"index": "measured", "dither_amplitude": 3.0, "dither_frequency": 0.3141592653589793}
 
@@ -56,16 +57,16 @@ def refusal(settings: dict[str, Any]) -> str:
         ),
         (
             tables({"law": "voronoi"}),
-            "here: formation: law: configuration 'lattice' has its own, got 'voronoi'",
+            "here: formation: law: configuration 'lattice' replaces it and needs 'paper', got 'voronoi'",
         ),
         (
             tables({"configuration": "none", "law": "marks_and_plans"}),
-            "here: formation: law: 'marks_and_plans' is chosen by its shape, formation.configuration",
+            "here: formation: law: 'marks_and_plans' cannot be named, set formation.configuration to a shape",
         ),
         (
             tables({"rule": {"use": "tolerant_relative_neighborhood", "tolerance": 0.2}}),
-            "here: formation: rule: 'tolerant_relative_neighborhood' takes its settings from [formation] itself, "
-            "got 'tolerance'",
+            "here: formation: rule: 'tolerant_relative_neighborhood' has its settings in [formation] and takes no "
+            "parameter, got 'tolerance'",
         ),
         (
             tables({"offsets": [[0.0, 0.0]]}),
@@ -73,7 +74,7 @@ def refusal(settings: dict[str, Any]) -> str:
         ),
         (
             tables({"configuration": "offsets", "offsets": [[0.0, 0.0], [1.0, 0.0]]}, robots=3),
-            "here: formation.offsets: 3 robots need as many, got 2",
+            "here: formation.offsets must have a place for each of 3 robots, got 2",
         ),
         (
             tables({"configuration": "offsets", "offsets": [[0.0, 0.0], [2.0, 0.0]]}, robots=2),
@@ -85,7 +86,7 @@ def refusal(settings: dict[str, Any]) -> str:
         ),
         (
             {**tables({}), "robots": {"count": 10, "controller": "mylab:Robot"}},
-            "here: robots.controller replaces the law that would take up formation.configuration",
+            "here: robots.controller and formation.configuration exclude each other",
         ),
         (
             tables({"configuration": "hexagon"}),
@@ -123,3 +124,54 @@ def test_a_rule_that_drops_the_links_of_a_lattice_is_remarked() -> None:
     ]
     for formation in ({"rule": TOLERANT}, {"configuration": "ring"}, {"configuration": "none"}):
         assert remarks.of(scenario.parse(tables(formation), "here")) == []
+
+
+def test_a_plan_period_that_the_run_does_not_reach_is_remarked() -> None:
+    late = scenario.parse({**tables({"rule": TOLERANT, "plan_period": 50.0}), "run": {"duration": 40.0}}, "here")
+    assert remarks.of(late) == [
+        "formation.plan_period 50 s: the first plan would come after the end of the run at 40 s, and the robots stay "
+        "where they are"
+    ]
+
+
+def test_a_law_without_quality_weights_is_remarked() -> None:
+    sampled = scenario.parse(tables({"rule": TOLERANT}, seeking={"index": "sampled"}), "here")
+    assert remarks.of(sampled) == [
+        "seeking.index 'sampled' seeks r*, and not the link length that is best for formation.configuration: "
+        "'oracle' and 'measured' do"
+    ]
+
+
+def test_a_keep_range_below_the_best_link_length_is_remarked() -> None:
+    for keep_range, lines in (
+        (
+            60.0,
+            [
+                "formation.keep_range, 60 m, is below the best link length of the configuration, 71.3 m: its links "
+                "get no longer"
+            ],
+        ),
+        (72.0, []),
+    ):
+        assert target.remarks(scenario.parse(tables({"keep_range": keep_range}), "here")) == lines
+    assert target.remarks(scenario.parse(tables({"configuration": "none", "keep_range": 60.0}), "here")) == []
+
+
+def test_fields_of_a_configuration_or_a_filter_without_one_are_remarked() -> None:
+    useless = {"configuration": "none", "keep_range": 90.0, "plan_period": 3.0, "give_way_gain": 2.0}
+    assert remarks.of(scenario.parse(tables(useless), "here")) == [
+        "formation.plan_period, formation.keep_range have no effect: formation.configuration is 'none'",
+        "formation.give_way_gain has no effect: formation.safe_separation is not set",
+    ]
+    assert remarks.of(scenario.parse(tables({"configuration": "none", "link_tolerance": 0.2}), "here")) == [
+        "formation.link_tolerance has no effect: formation.rule is not 'tolerant_relative_neighborhood'"
+    ]
+
+
+def test_robots_that_start_closer_than_the_safe_separation_are_remarked() -> None:
+    near = {"poses": [(0.0, 0.0, 0.0), (60.0, 0.0, 0.0), (61.0, 0.0, 0.0)]}
+    settings = {"safe_separation": 5.0, "linear_limit": 5.0, "configuration": "none"}
+    assert remarks.of(scenario.parse({**tables(settings), "robots": near}, "here")) == [
+        "robots 1 and 2 start 1 m apart: formation.safe_separation, 5 m, holds only for robots that start further "
+        "apart"
+    ]

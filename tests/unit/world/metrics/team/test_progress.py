@@ -101,6 +101,47 @@ def test_a_level_is_reached_from_the_last_time_on_from_which_the_index_stays_at_
         assert summary[name] == pytest.approx(0.02 * (below[-1] + 5))
 
 
+def test_an_index_of_a_target_of_zero_reaches_no_level() -> None:
+    far = load(
+        "team-paper-start.toml",
+        run__duration=1.0,
+        formation__configuration="line",
+        objective__minimum_separation=100.0,
+        expect=[],
+    )
+    summary = inprocess.run(far, "x")
+    assert summary["team_index_target"] == 0.0
+    assert summary["team_index"] > 0.0
+    assert [summary[key] for key in quantities.TEAM_LEVELS] == [None, None]
+
+
+def test_links_that_do_not_connect_the_team_have_no_number_of_cutting_robots() -> None:
+    poses = [(0.0, 0.0, 0.0), (60.0, 0.0, 0.0), (400.0, 0.0, 0.0), (460.0, 0.0, 0.0)]
+    apart = load("neighborhood.toml", run__duration=0.2, objective__team_index=True, robots__poses=poses)
+    assert inprocess.run(apart, "x")["cutting_robots"] is None
+    dead = [{"at": 0.5, "kill": [2, 3]}]
+    half = load("neighborhood.toml", run__duration=2.0, objective__team_index=True, robots__poses=poses, event=dead)
+    assert inprocess.run(half, "x")["cutting_robots"] == 0
+
+
+def test_a_large_team_allocates_no_matrix_of_its_links(monkeypatch: pytest.MonkeyPatch) -> None:
+    crowd = load("hundred.toml", run__duration=0.04, objective__team_index=True)
+    more = {"kind": "grid", "count": 144, "spacing": 60.0}
+    large = load("hundred.toml", run__duration=0.04, objective__team_index=True, robots=more)
+    asked: list[int] = []
+    links_of = delivery.links_of
+
+    def counted(state: Any, objective: Any) -> Any:
+        asked.append(int(state.present.sum()))
+        return links_of(state, objective)
+
+    monkeypatch.setattr(delivery, "links_of", counted)
+    inprocess.run(crowd, "x")
+    assert set(asked) == {100}
+    assert inprocess.run(large, "x")["team_index"] is None
+    assert set(asked) == {100}
+
+
 def test_only_runs_that_ask_for_the_team_index_have_it() -> None:
     plain = inprocess.run(load("neighborhood.toml", run__duration=0.2), "x")
     assert not set(TEAM) & set(plain)
