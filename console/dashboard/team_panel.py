@@ -36,8 +36,8 @@ def of_target(report: Report) -> str:
 
 def _cutting(report: Report) -> Line:
     robots = report.cutting.tolist()
-    absent = int(np.count_nonzero(report.alive != 1))
-    parts = graphs.component_count(len(report.alive), report.a, report.b) - absent
+    is_known = (np.minimum(report.a, report.b) >= 0) & (np.maximum(report.a, report.b) < len(report.alive))
+    parts = graphs.parts(report.alive == 1, report.a[is_known], report.b[is_known])
     if parts > 1:
         return [styled("cutting     ", "dim"), styled(f"the links are already cut, into {parts} parts", "bold red")]
     if not robots:

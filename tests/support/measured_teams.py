@@ -77,8 +77,7 @@ def watch(run: Scenario) -> Measured:
         if state.tick >= SETTLED / run.run.dt:
             links = min(links, len(used))
         if state.tick >= BEGUN:
-            parts = graphs.component_count(len(state.poses), *links_between(state, telemetry))
-            cut += bool(parts - np.count_nonzero(~state.present) > 1)
+            cut += graphs.parts(state.present, *links_between(state, telemetry)) > 1
         now = telemetry.details[:, 0]
         if before is not None and np.array_equal(before, state.present):
             changes += int(np.count_nonzero((now != slots) & (slots >= 0)))

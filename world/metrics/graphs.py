@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from fes.arithmetic import sums
-from fes.arrays.types import Floats, Ints
+from fes.arrays.types import Bools, Floats, Ints
 
 _TINY = 1e-300
 
@@ -33,6 +33,16 @@ def components(n: int, a: Ints, b: Ints) -> Ints:
 def component_count(n: int, a: Ints, b: Ints) -> int:
     """Number of components of the graph."""
     return len(np.unique(components(n, a, b)))
+
+
+def parts(present: Bools, a: Ints, b: Ints) -> int:
+    """Number of components of the rows that are `present` [n], by the edges a-b [m] between these alone.
+
+    >>> parts(np.array([True, True, False]), np.array([0, 1]), np.array([2, 2]))
+    2
+    """
+    both = present[a] & present[b]
+    return component_count(len(present), a[both], b[both]) - int(np.count_nonzero(~present))
 
 
 def cut_rows(n: int, a: Ints, b: Ints) -> Ints:

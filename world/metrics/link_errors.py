@@ -31,11 +31,8 @@ class Graph:
     def is_connected(self, edges: Edges, present: Bools) -> bool:
         """True if all robots that are `present` [n] form one component by edges between them alone."""
         if edges is not self.edges or present is not self.present:
-            a, b = ends(edges)
-            both = present[a] & present[b]
-            components = graphs.component_count(len(edges.ids), a[both], b[both])
             self.edges, self.present = edges, present
-            self.connected = bool(components - np.count_nonzero(~present) <= 1)
+            self.connected = graphs.parts(present, *ends(edges)) <= 1
         return self.connected
 
 

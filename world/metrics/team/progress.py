@@ -151,9 +151,8 @@ def cutting_robots(state: State, telemetry: Telemetry) -> Ints:
 
 def cutting_number(state: State, telemetry: Telemetry) -> int | None:
     """Number of these robots; None if the links in use do not connect the robots present."""
-    absent = int(np.count_nonzero(~state.present))
-    components = graphs.component_count(len(state.poses), *links_between(state, telemetry))
-    return None if components - absent > 1 else len(cutting_robots(state, telemetry))
+    is_cut = graphs.parts(state.present, *links_between(state, telemetry)) > 1
+    return None if is_cut else len(cutting_robots(state, telemetry))
 
 
 def links_between(state: State, telemetry: Telemetry) -> tuple[Ints, Ints]:

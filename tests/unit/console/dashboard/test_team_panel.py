@@ -51,6 +51,8 @@ def test_links_that_are_cut_already_are_shown_as_such() -> None:
     alive = np.array([1, 1, 0, 0], dtype=np.uint8)
     pair = a_report(PLACES, [(0, 1)], **{**TEAM, "cutting": np.zeros(0, dtype=np.int64), "alive": alive})
     assert "cutting     no robot" in "\n".join(lines_of(pair))  # robots that are not alive do not count
+    bridged = a_report(PLACES, [(0, 2), (1, 2)], **{**TEAM, "alive": alive})
+    assert "already cut, into 2 parts" in "\n".join(lines_of(bridged))  # nor do links to them
 
 
 def test_the_header_names_the_length_that_is_sought() -> None:
