@@ -7,6 +7,7 @@ come between two of its instructions.
 import argparse
 import random
 import signal
+import time
 
 from console.api import background
 from console.api.background import Work, call
@@ -19,16 +20,18 @@ def main() -> None:
     signal.signal(signal.SIGALRM, signal.default_int_handler)
     moments = random.Random(7)
     for _ in range(parser.parse_args().calls):
-        work = Work()
+        work, shown = Work(), list[int]()
 
-        def wait_for_the_stop(work: Work = work) -> None:
-            # Set here, so that no interrupt comes before the call has begun.
+        def wait_for_the_stop(work: Work = work, shown: list[int] = shown) -> None:
+            # No interrupt comes while the thread starts: Python's own wait there can turn it into a RuntimeError.
+            while not shown:
+                time.sleep(1e-4)
             signal.setitimer(signal.ITIMER_REAL, moments.uniform(1e-4, 1e-3))
             while True:
                 work.pause(10.0)
 
         try:
-            call(work, wait_for_the_stop, None)
+            call(work, wait_for_the_stop, lambda done, _, shown=shown: shown.append(done))  # type: ignore[misc]
         except KeyboardInterrupt as interrupt:
             if interrupt.__notes__ != [background.INTERRUPTED]:
                 raise
