@@ -33,13 +33,16 @@ def of(config: AgentConfig, ids: Ints, draws: Draws) -> Clocks:
 
 def skew(clocks: Clocks, tick: int, edges: Edges) -> Floats:
     """Skew of the clock of each link's robot at a tick [l] [s], or [1] if all clocks are exact."""
-    if clocks.is_exact:
-        return NO_SKEW
-    ahead = clocks.initial
+    return NO_SKEW if clocks.is_exact else ahead(clocks, tick).take(edges.rows)
+
+
+def ahead(clocks: Clocks, tick: int) -> Floats:
+    """Skew of each robot's clock at a tick [n] [s]."""
+    skews = clocks.initial
     if clocks.changes:
-        ahead = ahead.copy()
+        skews = skews.copy()
         for start, row, value in clocks.changes:
             if start > tick:
                 break
-            ahead[row] = clocks.initial[row] if value is None else value
-    return ahead.take(edges.rows)
+            skews[row] = clocks.initial[row] if value is None else value
+    return skews

@@ -74,7 +74,9 @@ def give_way(formed: Formed, peers: Near | None, config: FormationConfig) -> For
     longest = config.linear_limit / config.linear_gain
     pull = _clipped(formed.pull, longest)
     if len(peers.edges):
-        pull = _clipped(_yielding(_turned(pull, peers, config), peers, config), longest)
+        yielded = _clipped(_yielding(_turned(pull, peers, config), peers, config), longest)
+        # A robot without a near peer keeps its pull: its digits must not depend on the other robots of its process.
+        pull = np.where((peers.edges.counts > 0)[:, None], yielded, pull)
     return formed._replace(pull=pull)
 
 

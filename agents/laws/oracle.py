@@ -4,11 +4,13 @@ No process of a measured run imports this module.
 """
 
 from functools import partial
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from agents.laws import link_estimates
+from agents.laws.core import formula_index
+from agents.laws.core.formula_index import Formula
 from agents.laws.perturbation import BASELINE, ESTIMATE, WEIGHT
 from agents.laws.seeking_perturbation import PerturbationSeeking
 from fes.arithmetic import elementary
@@ -66,6 +68,24 @@ class FormulaIndex:
         self._trusted_share = TRUSTED / max(4.0, *powers)
         self._trusted_length = TRUSTED_WIDTH * channel.logistic_width if channel.model == "logistic" else np.inf
         self._loss = 0.0 if channel.model == "logistic" else outage.exponent_scale(channel)
+
+    @property
+    def settings(self) -> Formula:
+        """The settings of the compiled index, which knows no quality weight."""
+        channel, objective = self._channel, self._objective
+        return Formula(
+            objective.minimum_separation,
+            objective.shape_exponent,
+            self._reach,
+            self._loss,
+            channel.path_loss_exponent,
+            channel.logistic_midpoint,
+            channel.logistic_width,
+            channel.model == "logistic",
+            self._is_log,
+            self._trusted_share,
+            self._trusted_length,
+        )
 
     def __call__(self, separation: Floats) -> Floats:
         """The index at `separation` [m], any shape."""
@@ -154,6 +174,13 @@ class OracleSeeking(PerturbationSeeking):
         channel, transform = context.channel.config, parameters.index_transform
         super().__init__(parameters, context, FormulaIndex(context.objective, channel, transform))
         self._weighted = partial(FormulaIndex, context.objective, channel, transform)
+
+    def compiled_index(self) -> tuple[int, Any] | None:
+        """The address of the compiled index, and its settings; None where numpy computes, or for a class of others."""
+        index = self.seeker.index
+        if type(self) is not OracleSeeking or type(index) is not FormulaIndex:
+            return None
+        return formula_index.compiled(index.settings)
 
     def seek(self, state: Floats, around: Neighborhood) -> Floats:
         """One tick of (18), with the quality weights of the formation law.

@@ -106,14 +106,14 @@ def forget(reception: ReceptionFit, restarted: Bools) -> ReceptionFit:
 def fade(reception: ReceptionFit, dt: float) -> ReceptionFit:
     """The learners, with their statistics faded by a tick of `dt` [s]."""
     statistics = reception.statistics.copy()
-    short, long = _shares(reception.method, dt)
+    short, long = shares(reception.method, dt)
     statistics[:, :3] *= short
     statistics[:, 3:] *= long
     return replace(reception, statistics=statistics)
 
 
 @cache
-def _shares(method: Method, dt: float) -> tuple[float, float]:
+def shares(method: Method, dt: float) -> tuple[float, float]:
     """Shares of the statistics that remain after a tick of `dt` [s]: short memory, long memory."""
     short, long = elementary.exp(-dt / np.array([method.short_memory, method.long_memory])).tolist()
     return short, long

@@ -39,7 +39,7 @@ class MeasuredSeeking:
     learnt = ("level", "exponent")
 
     def __init__(self, parameters: MeasuredConfig, context: LawContext, learners: Learners) -> None:
-        self._config, self._context, self._learners = parameters, context, learners
+        self.config, self.context, self._learners = parameters, context, learners
         self.statistics = learners.statistics
         """Number of statistics in each beacon."""
 
@@ -58,14 +58,14 @@ class MeasuredSeeking:
         transition = new.after(old)
         estimates = transition.carry(state.estimates, np.nan)
         if transition.is_new.any():
-            first = link_estimates.of_new_links(self._config, self._context.draws, old, state.estimates, new, entry)
+            first = link_estimates.of_new_links(self.config, self.context.draws, old, state.estimates, new, entry)
             estimates = np.where(transition.is_new, first, estimates)
         return Measured(estimates, self._learners.ahead(new), self._learners.carry(state.fit, old, new))
 
     def desired(self, state: Measured, tick: int, links: Edges) -> Floats:
         """The estimates, with the dither of each robot's clock."""
-        time = tick * self._context.dt + self._context.skew(tick, links)
-        desired: Floats = state.estimates + link_estimates.dither(self._config, time + state.ahead)
+        time = tick * self.context.dt + self.context.skew(tick, links)
+        desired: Floats = state.estimates + link_estimates.dither(self.config, time + state.ahead)
         return desired
 
     def estimates(self, state: Measured, links: Edges) -> Floats:
@@ -75,8 +75,8 @@ class MeasuredSeeking:
     def measure(self, state: Measured, around: Neighborhood, formed: Formed) -> Measured:
         """The fit of the channel after the beacons of the previous tick."""
         slots = around.slots
-        fit = packet_counting.fade(self._learners.exchange(state.fit, around), self._context.dt)
-        rows, scale = self._learners.of_contacts(slots.contact, around), self._config.reference_separation
+        fit = packet_counting.fade(self._learners.exchange(state.fit, around), self.context.dt)
+        rows, scale = self._learners.of_contacts(slots.contact, around), self.config.reference_separation
         return replace(state, fit=packet_counting.learn(fit, rows, slots.separation, slots.decoded, scale))
 
     def publish(self, state: Measured, links: Edges) -> Published:
@@ -87,12 +87,12 @@ class MeasuredSeeking:
 
     def seek(self, state: Measured, around: Neighborhood) -> Measured:
         """The estimates after a tick of climbing the fit's slope of ln J, and of consensus with the peers."""
-        estimates, scale = state.estimates, self._config.reference_separation
-        objective, rows = self._context.objective, self._learners.of_links(around.links)
+        estimates, scale = state.estimates, self.config.reference_separation
+        objective, rows = self.context.objective, self._learners.of_links(around.links)
         speed = packet_counting.drift(state.fit, rows, estimates, objective, scale, around.link_quality_weight)
         peers = around.peer_estimates
-        speed += self._config.consensus_gain * np.where(np.isfinite(peers), peers - estimates, 0.0)
-        return replace(state, estimates=packet_counting.bounded(estimates + self._context.dt * speed, objective))
+        speed += self.config.consensus_gain * np.where(np.isfinite(peers), peers - estimates, 0.0)
+        return replace(state, estimates=packet_counting.bounded(estimates + self.context.dt * speed, objective))
 
 
 class PooledSeeking(MeasuredSeeking):

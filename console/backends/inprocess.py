@@ -9,7 +9,7 @@ import numpy as np
 
 from agents.control import crew
 from agents.runtime import marshalling as agent_marshalling
-from agents.runtime.reception import Receiver
+from agents.runtime.crew_run import CrewRun
 from fes.arrays.types import Floats
 from fes.errors import FesError, ScenarioError
 from fes.model.sensing import Beacons, Telemetry, no_beacons, telemetry_of
@@ -49,16 +49,13 @@ def ticks(scenario: Scenario) -> Iterator[Tick]:
     """All ticks of a scenario, in order."""
     world = truth.create(scenario)
     state = truth.start(world)
-    robots = crew.create(agent_config(scenario), world.ids)
-    memories, beacons, receiver = crew.start(robots), no_beacons(), Receiver()
+    robots, beacons = CrewRun(crew.create(agent_config(scenario), world.ids)), no_beacons()
     present = state.present
     for _ in range(scenario.ticks):
         if state.present is not present:
-            memories = crew.forget(robots, memories, state.present & ~present)
+            robots.forget(state.present & ~present)
             present = state.present
-        observations = truth.observe(state)
-        received = receiver.receive(observations, beacons, memories.contacts.edges)
-        memories, beacons, twists, telemetry = crew.step(robots, memories, observations.sensed, received)
+        beacons, twists, telemetry = robots.step(truth.observe(state), beacons)
         current = tick(state, beacons, twists, telemetry)
         yield current
         state = truth.step(world, state, current.twists)

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from agents.control import crew
 from agents.control.state import Crew
-from agents.runtime.reception import Receiver
+from agents.runtime.crew_run import CrewRun
 from console.backends import inprocess
 from console.backends.inprocess import Tick
+from fes.arrays import draws
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
 from fes.extension.context import SeededDraws
@@ -57,17 +58,16 @@ def ticks(scenarios: Sequence[Scenario]) -> Iterator[list[Tick]]:
     worlds = [truth.create(scenario) for scenario in scenarios]
     states = [truth.start(world) for world in worlds]
     places = _Places.of([world.ids for world in worlds])
-    robots = _assemble(scenarios, places)
-    joined, split, receiver = _Joined(places), _Split(places), Receiver()
-    crew_state, beacons, present = crew.start(robots), no_beacons(), [state.present for state in states]
+    robots = CrewRun(_assemble(scenarios, places))
+    joined, split = _Joined(places), _Split(places)
+    beacons, present = no_beacons(), [state.present for state in states]
     for _ in range(scenarios[0].ticks):
         now = [state.present for state in states]
         if any(new is not old for new, old in zip(now, present, strict=True)):
             rejoined = [new & ~old for new, old in zip(now, present, strict=True)]
-            crew_state, present = crew.forget(robots, crew_state, np.concatenate(rejoined)), now
-        observations = joined.observations(states)
-        received = receiver.receive(observations, beacons, crew_state.contacts.edges)
-        crew_state, beacons, twists, telemetry = crew.step(robots, crew_state, observations.sensed, received)
+            robots.forget(np.concatenate(rejoined))
+            present = now
+        beacons, twists, telemetry = robots.step(joined.observations(states), beacons)
         by_run = zip(states, split.beacons(beacons), places.rows(twists), split.telemetry(telemetry), strict=True)
         finished = [inprocess.tick(*of_run) for of_run in by_run]
         yield finished
@@ -107,6 +107,12 @@ class _StackedDraws:
             pairs, own, first = indices == index, self.places.own[index], self.places.first[index]
             numbers[pairs] = self.runs[index](stream, own[robots[pairs] - first], own[peers[pairs] - first])
         return numbers
+
+    def streams(self, stream: str, ids: Ints) -> tuple[Ints, Ints]:
+        """The key of the stream for each robot [n, 2], and the id of robot 0 of its run in the crew [n]."""
+        runs = np.searchsorted(self.places.first, ids, "right") - 1
+        keys = np.stack([draws.key(run.seed, stream) for run in self.runs])
+        return keys[runs], self.places.first[runs]
 
     def own_ids(self, ids: Ints) -> Ints:
         """The ids within their runs of robots with these ids in the crew."""

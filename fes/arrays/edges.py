@@ -94,6 +94,11 @@ class Edges:
         return [slice(begin, end) for begin, end in zip(begins.tolist(), ends.tolist(), strict=True)]
 
     @cached_property
+    def begins(self) -> Ints:
+        """Position of the first pair of each robot, then the number of all pairs [n + 1]."""
+        return np.concatenate(([0], np.cumsum(self.counts)))
+
+    @cached_property
     def starts(self) -> Ints:
         """Position of the first pair of each robot that has any."""
         counts = self.counts

@@ -4,6 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from fes.arrays import draws
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
@@ -33,6 +35,10 @@ class SeededDraws:
     def own_ids(self, ids: Ints) -> Ints:
         """The ids themselves."""
         return ids
+
+    def streams(self, stream: str, ids: Ints) -> tuple[Ints, Ints]:
+        """The key of the stream for each robot [n, 2], and the id of robot 0 of its run in the crew [n]."""
+        return np.tile(draws.key(self.seed, stream), (len(ids), 1)), np.zeros_like(ids)
 
 
 class KnownChannel(Protocol):

@@ -17,7 +17,7 @@ class DrawCache:
     """
 
     def __init__(self, key: Ints) -> None:
-        self._key = key
+        self.key = key
         self._edges = no_edges(np.zeros(0, dtype=np.int64))
         self._first = 0
         self._blocks: Floats = np.zeros((0, 0))
@@ -42,6 +42,6 @@ class DrawCache:
         new = np.flatnonzero(columns < 0)
         columns[new] = self._blocks.shape[1] + np.arange(len(new))
         receivers = edges.ids[edges.rows[new]]
-        drawn = draws.uniform_ticks(self._key, self._first, len(self._blocks), edges.peers[new], receivers)
+        drawn = draws.uniform_ticks(self.key, self._first, len(self._blocks), edges.peers[new], receivers)
         self._blocks = np.concatenate([self._blocks, drawn], axis=1) if self._blocks.size else drawn
         self._edges, self._columns = edges, columns

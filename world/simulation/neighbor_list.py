@@ -59,7 +59,7 @@ class Proximity:
 
 def measure(ids: Ints, poses: Floats, reach: float, before: Proximity | None) -> Proximity:
     """The pairs of robots at most `reach` [m] apart, given the pairs of the tick before."""
-    candidates = before.candidates if before and _is_valid(before.candidates, poses, reach) else _find(poses, reach)
+    candidates = before.candidates if before and _is_valid(before.candidates, poses, reach) else find(poses, reach)
     x, y = poses[:, geometry.X], poses[:, geometry.Y]
     separation = geometry.separation(
         x.take(candidates.a) - x.take(candidates.b), y.take(candidates.a) - y.take(candidates.b)
@@ -88,7 +88,7 @@ def _is_valid(candidates: Candidates, poses: Floats, reach: float) -> bool:
     return bool((geometry.separation(moved[:, 0], moved[:, 1]) <= 0.5 * MARGIN * reach).all())
 
 
-def _find(poses: Floats, reach: float) -> Candidates:
+def find(poses: Floats, reach: float) -> Candidates:
     n = len(poses)
     if n <= SMALL:
         a, b = np.triu_indices(n, 1)

@@ -17,7 +17,10 @@ from world.config.radio import RadioConfig
 from world.config.scenario import Scenario, initial_poses
 from world.simulation import channel, crowd, neighbor_list, reception
 from world.simulation.channel import Medium, Radio, RadioInput
+from world.simulation.core import compiled_world
+from world.simulation.core.compiled_world import CompiledWorld, Moved
 from world.simulation.neighbor_list import Proximity
+from world.simulation.unicycle import Unicycle
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +38,8 @@ class World:
     """Tick -> the robots that leave and those that rejoin then."""
     transmissions: dict[int, Transmission | None]
     """Tick -> the faults of transmitters from then on."""
+    core: CompiledWorld | None
+    """The compiled core; None where numpy computes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +85,8 @@ def create(scenario: Scenario) -> World:
     reception.prepare(scenario.channels, context)
     dynamics = registry.create(DYNAMICS, scenario.robots.dynamics, context)
     schedules = scenario.changes, scenario.participation, scenario.transmissions
-    return World(scenario, ids, medium, dynamics, *schedules)
+    core = compiled_world.of(ids, medium) if type(dynamics) is Unicycle else None
+    return World(scenario, ids, medium, dynamics, *schedules, core)
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -99,26 +105,39 @@ def start(world: World) -> State:
 @np.errstate(over="ignore", invalid="ignore")  # a robot may be driven anywhere: at infinity it is out of range
 def step(world: World, state: State, twists: Floats) -> State:
     """The state one tick later, with the bodies holding `twists` [n, 2] [m/s, rad/s]; see `held`."""
-    bodies = world.dynamics.step(state.bodies, twists, world.scenario.run.dt)
-    poses = read_only(world.dynamics.poses(bodies))
-    near = neighbor_list.measure(world.ids, poses, state.channel.communication_range, state.proximity)
     factor = None if state.transmission is None else state.transmission.reception_factor
     robots = RadioInput(state.tick, state.poses, state.present, state.proximity, factor)
+    moved: Moved
+    if world.core is not None and world.core.can(state.channel):
+        bodies, moved = None, world.core.step(state.channel, robots, state.radio, twists)
+    else:
+        bodies = world.dynamics.step(state.bodies, twists, world.scenario.run.dt)
+        moved = _moved(world, state, robots, read_only(world.dynamics.poses(bodies)))
+    after = State(
+        state.tick + 1,
+        moved.poses,
+        moved.poses if bodies is None else bodies,
+        state.channel,
+        moved.proximity,
+        moved.radio,
+        state.present,
+        state.since,
+        state.sent + moved.sent,
+        state.decoded + moved.decoded,
+        state.transmission,
+    )
+    return _changed(world, after)
+
+
+def _moved(world: World, state: State, robots: RadioInput, poses: Floats) -> Moved:
+    """The world one tick later with the bodies at `poses` [n, 3]: the definition of the compiled tick."""
+    near = neighbor_list.measure(world.ids, poses, state.channel.communication_range, state.proximity)
     radio = channel.transmit(world.medium, state.channel, state.radio, robots, near.edges)
     on_air = radio.reception
     if not state.present.all():
         on_air = on_air[channel.among(radio.edges, state.present)]
-    after = replace(
-        state,
-        tick=state.tick + 1,
-        poses=poses,
-        bodies=bodies,
-        proximity=near,
-        radio=radio,
-        sent=state.sent + int(np.count_nonzero(on_air)),
-        decoded=state.decoded + int(np.count_nonzero(radio.reception == DECODED)),
-    )
-    return _changed(world, after)
+    sent, decoded = np.count_nonzero(on_air), np.count_nonzero(radio.reception == DECODED)
+    return Moved(poses, near, radio, int(sent), int(decoded))
 
 
 def held(state: State, twists: Floats) -> Floats:

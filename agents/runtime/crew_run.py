@@ -1,0 +1,51 @@
+"""A crew during a run: its state from tick to tick, moved by the compiled core or by numpy, with the same digits."""
+
+from agents.control import crew
+from agents.control.state import Crew, CrewState
+from agents.core import compiled_crew
+from agents.core.compiled_crew import Failed, Sent
+from agents.runtime.reception import Receiver
+from fes.arrays.types import Bools
+from fes.model.sensing import Beacons, Observations
+
+
+class CrewRun:
+    """The state of a crew, from its start on."""
+
+    def __init__(self, robots: Crew) -> None:
+        self.crew = robots
+        self._compiled = compiled_crew.of(robots)
+        self._state, self._receiver = crew.start(robots), Receiver()
+        """Of a crew that numpy moves."""
+
+    @property
+    def is_compiled(self) -> bool:
+        """True if the compiled core moves this crew."""
+        return self._compiled is not None
+
+    @property
+    def state(self) -> CrewState:
+        """The state now."""
+        return self._state if self._compiled is None else self._compiled.state
+
+    def forget(self, restarted: Bools) -> None:
+        """Let the robots `restarted` [n] know nothing, as if their process had just started."""
+        if self._compiled is not None:
+            self._compiled.forget(restarted)
+        else:
+            self._state = crew.forget(self.crew, self._state, restarted)
+
+    def step(self, observations: Observations, beacons: Beacons) -> Sent:
+        """One tick, from the observations and the `beacons` of the tick before; those that did not decode have no
+        effect.
+
+        Raises FesError for a twist that is not finite.
+        """
+        if self._compiled is not None:
+            try:
+                return self._compiled.step(observations, beacons)
+            except Failed:  # numpy knows the reason
+                self._state, self._compiled = self._compiled.state, None
+        received = self._receiver.receive(observations, beacons, self._state.contacts.edges)
+        self._state, *sent = crew.step(self.crew, self._state, observations.sensed, received)
+        return Sent(*sent)

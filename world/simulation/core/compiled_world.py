@@ -1,0 +1,243 @@
+"""A world whose tick is one call of the compiled core, where its channel and its bodies are the core's."""
+
+import ctypes
+from ctypes import c_double, c_int64, c_uint64, c_void_p
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fes.arithmetic.core import library
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bytes, Floats, Ints, read_only
+from fes.model import outage
+from world.config.radio import RadioConfig
+from world.simulation import neighbor_list
+from world.simulation.channel import Medium, Radio, RadioInput
+from world.simulation.formula import Formula
+from world.simulation.neighbor_list import Candidates, Proximity
+
+Array = NDArray[Any]
+
+NAME = "world"
+
+NEW_PAIRS, CANDIDATES_TOO_OLD = 1, -1
+"""Results of fes_world_tick."""
+
+_MODELS = {"rayleigh": 0, "logistic": 1, "perfect": 2}
+
+_FIELDS: dict[str, type] = {
+    "poses": np.float64,
+    "totals": np.int64,
+    "separation": np.float64,
+    "mask": np.bool_,
+    "begin": np.int64,
+    "rows": np.int64,
+    "peers": np.int64,
+    "pair": np.int64,
+    "age": np.int64,
+    "reception": np.uint8,
+    "sent": np.int64,
+    "decoded": np.int64,
+    "probability": np.float64,
+    "outage_sum": np.float64,
+    "gap": np.int64,
+    "longest_gap": np.int64,
+    "burst": np.uint8,
+}
+"""The arrays of a tick, in the order of fes_world_layout, and their types."""
+
+_LEDGER = tuple(_FIELDS)[8:]
+
+
+class _Settings(ctypes.Structure):
+    """`Settings` in world.h."""
+
+    _fields_ = (
+        ("dt", c_double),
+        ("communication_range", c_double),
+        ("model", c_int64),
+        ("is_certain", c_int64),
+        ("scale", c_double),
+        ("exponent", c_double),
+        ("midpoint", c_double),
+        ("width", c_double),
+        ("key0", c_uint64),
+        ("key1", c_uint64),
+    )
+
+
+class _Candidates(ctypes.Structure):
+    """`Candidates` in world.h."""
+
+    _fields_ = (("count", c_int64), ("a", c_void_p), ("b", c_void_p), ("positions", c_void_p), ("most_moved", c_double))
+
+
+class _Input(ctypes.Structure):
+    """`Input` in tick.c."""
+
+    _fields_ = (
+        ("robots", c_int64),
+        ("tick", c_int64),
+        ("poses", c_void_p),
+        ("twists", c_void_p),
+        ("present", c_void_p),
+        ("factor", c_void_p),
+        ("before", _Candidates),
+        ("now", _Candidates),
+    )
+
+
+class Moved(NamedTuple):
+    """The world one tick later."""
+
+    poses: Floats
+    proximity: Proximity
+    radio: Radio
+    sent: int
+    """Beacons sent on open contacts that are still in range."""
+    decoded: int
+    """Number of those that decoded."""
+
+
+@cache
+def load() -> ctypes.CDLL | None:
+    """The world's kernels; None where numpy computes."""
+    found = library.load(__file__, NAME, lambda found: bool(found.fes_world_tick))
+    if found is not None:
+        found.fes_world_layout.restype = found.fes_world_tick.restype = c_int64
+        found.fes_world_tick.argtypes = [c_void_p] * 4
+    return found
+
+
+class _Layout:
+    """The places of the arrays in a buffer."""
+
+    def __init__(self, library: ctypes.CDLL, robots: int, candidates: int) -> None:
+        places = (c_int64 * len(_FIELDS))()
+        self.length: int = library.fes_world_layout(c_int64(robots), c_int64(candidates), places)
+        self.places = dict(zip(_FIELDS, places, strict=True))
+
+    def view(self, buffer: Bytes, name: str, shape: int | tuple[int, ...]) -> Array:
+        """The first numbers of one array of a buffer."""
+        return np.ndarray(shape, _FIELDS[name], buffer, self.places[name])
+
+
+class CompiledWorld:
+    """The call that moves a world from tick to tick, and the buffer of its last tick."""
+
+    def __init__(self, library: ctypes.CDLL, ids: Ints, medium: Medium) -> None:
+        self._library, self._ids, self._medium = library, ids, medium
+        self._settings = _Settings(dt=medium.dt)
+        self._settings.key0, self._settings.key1 = (int(word) for word in medium.fading.key)
+        self._config: RadioConfig | None = None
+        self._is_usable = False
+        self._input = _Input(robots=len(ids))
+        self._addresses = ctypes.addressof(self._settings), ctypes.addressof(self._input)
+        self._layouts: dict[int, _Layout] = {}
+        self._candidates: Candidates | None = None
+        """Those to which the input points."""
+        self._last: tuple[Proximity, Radio] | None = None
+        self._buffer: Bytes = np.zeros(0, np.uint8)
+        """The tick of `_last`."""
+
+    def can(self, config: RadioConfig) -> bool:
+        """True if the core has this channel."""
+        if config is not self._config:
+            self._config = config
+            others = config.shadowing or config.bursts or config.jammers or config.partition
+            self._is_usable = isinstance(self._medium.reception.of(config), Formula) and not others
+            if self._is_usable:
+                self._set(config)
+        return self._is_usable
+
+    def step(self, config: RadioConfig, robots: RadioInput, radio: Radio, twists: Floats) -> Moved:
+        """The world one tick later, with the bodies holding `twists` [n, 2]; only if it `can`."""
+        given, near, factor = self._input, robots.proximity, robots.reception_factor
+        candidates = near.candidates
+        if self._last is None or self._last[0] is not near or self._last[1] is not radio:
+            self._store(near, radio)
+        before = self._buffer
+        poses, twists = np.ascontiguousarray(robots.poses), np.ascontiguousarray(twists)
+        given.tick, given.poses, given.twists = robots.tick, poses.ctypes.data, twists.ctypes.data
+        given.present = robots.present.ctypes.data
+        given.factor = None if factor is None else factor.ctypes.data
+        reach = config.communication_range
+        after, flags = self._call(before, candidates)
+        if flags == CANDIDATES_TOO_OLD or (candidates.positions is not None and candidates.reach != reach):
+            layout = self._layout(len(candidates.a))
+            candidates = neighbor_list.find(layout.view(after, "poses", (len(self._ids), 3)), reach)
+            after, flags = self._call(before, candidates)
+        return self._moved(after, candidates, flags, near, radio)
+
+    def _call(self, before: Bytes, candidates: Candidates) -> tuple[Bytes, int]:
+        """The next tick in a new buffer, with these candidates, and the flags."""
+        if candidates is not self._candidates:
+            self._point(candidates)
+        after: Bytes = np.empty(self._layout(len(candidates.a)).length, np.uint8)
+        flags = self._library.fes_world_tick(*self._addresses, before.ctypes.data, after.ctypes.data)
+        return after, flags
+
+    def _point(self, candidates: Candidates) -> None:
+        """Let the input name new candidates."""
+        positions = candidates.positions
+        self._input.now = _Candidates(
+            len(candidates.a),
+            candidates.a.ctypes.data,
+            candidates.b.ctypes.data,
+            None if positions is None else positions.ctypes.data,
+            0.5 * neighbor_list.MARGIN * candidates.reach,
+        )
+        self._candidates = candidates
+
+    def _moved(self, after: Bytes, candidates: Candidates, flags: int, near: Proximity, radio: Radio) -> Moved:
+        """The arrays in a buffer."""
+        layout, n, p = self._layout(len(candidates.a)), len(self._ids), len(candidates.a)
+        edges = near.edges
+        if flags & NEW_PAIRS:
+            m = int(layout.view(after, "begin", n + 1)[n])
+            rows, peers = layout.view(after, "rows", m).copy(), layout.view(after, "peers", m).copy()
+            edges = Edges(self._ids, rows, peers)
+        m, view = len(edges), layout.view
+        proximity = Proximity(
+            candidates, view(after, "mask", p), edges, view(after, "pair", m), view(after, "separation", p)
+        )
+        now = Radio(edges, *(view(after, name, m) for name in _LEDGER))
+        sent, decoded = view(after, "totals", 2).tolist()
+        self._last, self._buffer, self._input.before = (proximity, now), after, self._input.now
+        return Moved(read_only(view(after, "poses", (n, 3))), proximity, now, sent, decoded)
+
+    def _store(self, near: Proximity, radio: Radio) -> None:
+        """Store a tick that numpy has computed, or that has been changed since."""
+        count, edges = len(near.candidates.a), near.edges
+        layout = self._layout(count)
+        self._buffer = np.zeros(layout.length, np.uint8)
+        arrays = {"separation": near.separation, "begin": edges.begins, "peers": edges.peers, "pair": near.pair}
+        for name, values in (arrays | {name: getattr(radio, name) for name in _LEDGER}).items():
+            layout.view(self._buffer, name, values.shape)[...] = values
+        self._point(near.candidates)
+        self._input.before = self._input.now
+        self._last = near, radio
+
+    def _set(self, config: RadioConfig) -> None:
+        """Let the settings name a channel."""
+        settings = self._settings
+        settings.communication_range, settings.is_certain = config.communication_range, config.is_certain
+        settings.model = _MODELS[str(config.model)]
+        settings.scale = 0.0 if config.model == "logistic" else outage.exponent_scale(config)
+        settings.exponent = config.path_loss_exponent
+        settings.midpoint, settings.width = config.logistic_midpoint, config.logistic_width
+
+    def _layout(self, candidates: int) -> _Layout:
+        if candidates not in self._layouts:
+            if len(self._layouts) > 64:
+                self._layouts.clear()
+            self._layouts[candidates] = _Layout(self._library, len(self._ids), candidates)
+        return self._layouts[candidates]
+
+
+def of(ids: Ints, medium: Medium) -> CompiledWorld | None:
+    """The compiled world of robots `ids` [n] that are unicycles; None where numpy computes."""
+    found = load()
+    return None if found is None else CompiledWorld(found, ids, medium)
