@@ -9,6 +9,7 @@ import platform
 import shutil
 import subprocess
 import sys
+import sysconfig
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -81,6 +82,11 @@ def build(command: Sequence[str], root: Path = ROOT, into: Path | None = None) -
 def is_supported() -> bool:
     """True if the core is meant for this machine: 64 bits, with the lowest byte first."""
     return sys.maxsize > 2**32 and sys.byteorder == "little" and platform.system() in ("Linux", "Darwin")
+
+
+def platform_tag() -> str:
+    """The platform of a wheel with the core: $FES_PLATFORM where a compiler for another one was named, or this one."""
+    return os.environ.get("FES_PLATFORM") or sysconfig.get_platform().replace("-", "_").replace(".", "_")
 
 
 def main() -> int:

@@ -123,9 +123,23 @@ static double sampled(const Crew *crew, const Input *input, const State *now, i6
     return objective_preference(&crew->objective, now->contacts.separation[contact]);
 }
 
-/* The links of `list` one tick later, all of them with the same linear part. */
+/* The dither of links at the nodes of a sub-step: the same for all links if all clocks are exact. */
+static void waves(const Crew *crew, const Input *input, const State *now, const Step *step, i64 sub, const i64 *list,
+                  i64 count, Nodes wave) {
+    double later = (double)sub * crew->dt / (double)crew->sub_steps;
+    for (int node = 0; node < NODES; node++)
+        for (i64 lane = 0; lane < LANES; lane++) {
+            double skew = input->skew ? input->skew[now->links.rows[list[lane < count ? lane : 0]]] : 0.0;
+            double begin = (double)input->tick * crew->dt + skew;
+            int is_known = lane > 0 && !input->skew;
+            wave[node][lane] = is_known ? wave[node][0] : dither_at(crew, begin + later + step->nodes[node]);
+        }
+}
+
+/* The links of `list` one tick later, all of them with the same linear part. `common` is the dither of exact clocks in
+ * the first sub-step. */
 static void advance(const Crew *crew, const Input *input, State *now, const Step *step, const i64 *list, i64 count,
-                    const double *peers) {
+                    const double *peers, Nodes common) {
     Block block;
     Nodes wave;
     double drawn[LANES];
@@ -136,15 +150,9 @@ static void advance(const Crew *crew, const Input *input, State *now, const Step
         if (crew->seeking == SAMPLED) drawn[lane] = sampled(crew, input, now, link);
     }
     for (i64 sub = 0; sub < crew->sub_steps; sub++) {
-        double later = (double)sub * crew->dt / (double)crew->sub_steps;
-        for (int node = 0; node < NODES; node++)
-            for (i64 lane = 0; lane < LANES; lane++) {
-                i64 row = now->links.rows[list[lane < count ? lane : 0]];
-                double begin = (double)input->tick * crew->dt + (input->skew ? input->skew[row] : 0.0);
-                int is_known = lane > 0 && !input->skew; /* all clocks are exact */
-                wave[node][lane] = is_known ? wave[node][0] : dither_at(crew, begin + later + step->nodes[node]);
-            }
-        sub_step(crew, step, wave, crew->seeking == SAMPLED ? drawn : NULL, &block);
+        int is_common = !input->skew && sub == 0;
+        if (!is_common) waves(crew, input, now, step, sub, list, count, wave);
+        sub_step(crew, step, is_common ? common : wave, crew->seeking == SAMPLED ? drawn : NULL, &block);
     }
     for (i64 lane = 0; lane < count; lane++)
         for (int row = 0; row < ROWS; row++)
@@ -154,11 +162,14 @@ static void advance(const Crew *crew, const Input *input, State *now, const Step
 void perturbation_seek(const Crew *crew, const Input *input, State *now) {
     i64 lists[2][LANES], counts[2] = {0, 0}, links = now->links.begin[crew->robots];
     double peers[2][LANES];
+    Nodes common;
+    if (!input->skew) waves(crew, input, now, &crew->coupled, 0, NULL, 0, common);
     for (i64 link = 0; link <= links; link++) {
         for (int is_coupled = 0; is_coupled < 2; is_coupled++)
             if (counts[is_coupled] == LANES || (link == links && counts[is_coupled])) {
                 const Step *step = is_coupled ? &crew->coupled : &crew->alone;
-                advance(crew, input, now, step, lists[is_coupled], counts[is_coupled], peers[is_coupled]);
+                advance(crew, input, now, step, lists[is_coupled], counts[is_coupled], peers[is_coupled],
+                        common);
                 counts[is_coupled] = 0;
             }
         if (link == links) break;

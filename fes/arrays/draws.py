@@ -11,6 +11,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from fes.arithmetic.core import functions
 from fes.arrays.types import Floats, Ints
 
 _PER_COUNTER = 4  # Philox 4x64 gives four words at each counter value
@@ -37,6 +38,12 @@ def uniform_ticks(stream_key: Ints, first: int, count: int, senders: Ints, recei
     """
     if first % _PER_COUNTER or count % _PER_COUNTER:
         raise ValueError(f"ticks come in blocks of {_PER_COUNTER}: first={first}, count={count}")
+    numbers: Floats
+    if (core := functions.load()) is not None:
+        numbers = np.empty((count, len(senders)))
+        for row, tick in enumerate(range(first, first + count)):
+            numbers[row] = core.uniform(stream_key, tick, senders, receivers)
+        return numbers
     words = np.empty((count, len(senders)), dtype=np.uint64)
     counter = np.zeros(4, dtype=np.uint64)
     generator = np.random.Philox(key=stream_key, counter=counter)
@@ -49,7 +56,7 @@ def uniform_ticks(stream_key: Ints, first: int, count: int, senders: Ints, recei
         words[:, column] = generator.random_raw(count)
     # In place, some ticks at a time: in a large team, temporary copies would triple a large array.
     words >>= np.uint64(11)
-    numbers: Floats = words.view(np.float64)
+    numbers = words.view(np.float64)
     rows = max(1, _AT_ONCE // max(1, len(senders)))
     for row in range(0, count, rows):
         np.multiply(words[row : row + rows], _TO_UNIT, out=numbers[row : row + rows])

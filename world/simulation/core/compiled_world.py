@@ -25,6 +25,9 @@ NAME = "world"
 NEW_PAIRS, CANDIDATES_TOO_OLD = 1, -1
 """Results of fes_world_tick."""
 
+SENT, HEARD, DRAWN, TOTALS = range(4)
+"""Totals of a tick, as in world.h."""
+
 _MODELS = {"rayleigh": 0, "logistic": 1, "perfect": 2}
 
 _FIELDS: dict[str, type] = {
@@ -204,7 +207,7 @@ class CompiledWorld:
             candidates, view(after, "mask", p), edges, view(after, "pair", m), view(after, "separation", p)
         )
         now = Radio(edges, *(view(after, name, m) for name in _LEDGER))
-        sent, decoded = view(after, "totals", 2).tolist()
+        sent, decoded = view(after, "totals", 2).tolist()  # SENT, HEARD
         self._last, self._buffer, self._input.before = (proximity, now), after, self._input.now
         return Moved(read_only(view(after, "poses", (n, 3))), proximity, now, sent, decoded)
 
@@ -216,6 +219,7 @@ class CompiledWorld:
         arrays = {"separation": near.separation, "begin": edges.begins, "peers": edges.peers, "pair": near.pair}
         for name, values in (arrays | {name: getattr(radio, name) for name in _LEDGER}).items():
             layout.view(self._buffer, name, values.shape)[...] = values
+        layout.view(self._buffer, "totals", TOTALS)[DRAWN] = -1  # no random words
         self._point(near.candidates)
         self._input.before = self._input.now
         self._last = near, radio

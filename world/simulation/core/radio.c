@@ -3,15 +3,33 @@
 #include "fes/arithmetic/core/power.h"
 #include "world.h"
 
-/* Probability that a beacon decodes at a separation: equation (3) for a Rayleigh channel. Twin: fes/model/outage.py. */
-static double reception_probability(const Settings *settings, double separation) {
+#define AT_ONCE 64
+
+/* Probabilities that beacons decode at `count` separations: (3) for a Rayleigh channel. Twin: fes/model/outage.py. */
+FES_WIDE static void probabilities(const Settings *settings, i64 count, const double *restrict separation,
+                                   double *restrict result) {
+    double scale = -settings->scale, exponent = settings->exponent, loss[AT_ONCE];
+    double midpoint = settings->midpoint, width = settings->width;
     if (settings->model == LOGISTIC) {
-        double z = -((separation - settings->midpoint) / settings->width);
-        double decay = fes_exp(-magnitude(z));
-        return (z >= 0.0 ? 1.0 : decay) / (1.0 + decay);
+        for (i64 i = 0; i < count; i++) {
+            double z = -((separation[i] - midpoint) / width);
+            double decay = fes_exp(-magnitude(z));
+            result[i] = (z >= 0.0 ? 1.0 : decay) / (1.0 + decay);
+        }
+    } else if (scale == 0.0) {
+        for (i64 i = 0; i < count; i++) result[i] = 1.0;
+    } else {
+        powers(count, separation, exponent, loss);
+        for (i64 i = 0; i < count; i++) result[i] = fes_exp(scale * loss[i]);
     }
-    if (settings->scale == 0.0) return 1.0;
-    return fes_exp(-settings->scale * fes_power(separation, settings->exponent));
+}
+
+/* The probability of each candidate: both directions have the same. */
+static void measure_probabilities(const Settings *settings, i64 candidates, World *before) {
+    for (i64 first = 0; first < candidates; first += AT_ONCE) {
+        i64 count = candidates - first < AT_ONCE ? candidates - first : AT_ONCE;
+        probabilities(settings, count, before->separation + first, before->chance + first);
+    }
 }
 
 /* A contact that has just come in range. */
@@ -40,10 +58,13 @@ static void counted(const Ledger *before, i64 old, double probability, int is_op
 
 /* The radio one tick later, over the pairs that are then in range. `factor` [n] is that of each robot's own transmitter
  * on the reception probability; NULL where all are healthy. */
-void radio_transmit(const Settings *settings, i64 robots, i64 tick, const u8 *present, const double *factor,
-                    const World *before, World *now) {
+void radio_transmit(const Settings *settings, i64 robots, i64 candidates, i64 tick, const u8 *present,
+                    const double *factor, World *before, World *now) {
     const Pairs *old = &before->pairs, *pairs = &now->pairs;
-    now->totals[0] = now->totals[1] = 0;
+    measure_probabilities(settings, candidates, before);
+    int is_random = factor || !settings->is_certain, are_drawn = before->totals[DRAWN] == tick / WORDS;
+    now->totals[SENT] = now->totals[HEARD] = 0;
+    now->totals[DRAWN] = is_random ? tick / WORDS : -1;
     for (i64 robot = 0; robot < robots; robot++) {
         i64 known = old->begin[robot], end = old->begin[robot + 1];
         for (i64 place = pairs->begin[robot]; place < pairs->begin[robot + 1]; place++) {
@@ -53,15 +74,20 @@ void radio_transmit(const Settings *settings, i64 robots, i64 tick, const u8 *pr
                 opened(&now->ledger, place);
                 continue;
             }
-            double probability = reception_probability(settings, before->separation[old->pair[known]]);
+            double probability = before->chance[old->pair[known]];
             if (factor) probability = probability * factor[peer];
             int is_open = before->ledger.age[known] + 1 >= OPENING_TICKS, are_present = present[robot] && present[peer];
             int is_on_air = is_open && are_present, is_decoded = is_on_air;
-            if (is_on_air && (factor || !settings->is_certain))
-                is_decoded = fes_uniform(settings->key0, settings->key1, tick, peer, robot) < probability;
+            if (is_random) {
+                u64 *words = now->ledger.words + WORDS * place;
+                memcpy(words, before->ledger.words + WORDS * known, WORDS * sizeof(u64));
+                if (!are_drawn || before->ledger.age[known] < OPENING_TICKS) /* it has just come in range */
+                    fes_philox(settings->key0, settings->key1, tick / WORDS, peer, robot, words);
+                is_decoded = is_on_air && fes_unit(words[tick % WORDS]) < probability;
+            }
             counted(&before->ledger, known, probability, is_open, is_on_air, is_decoded, &now->ledger, place);
-            now->totals[0] += is_open && are_present;
-            now->totals[1] += is_decoded;
+            now->totals[SENT] += is_open && are_present;
+            now->totals[HEARD] += is_decoded;
         }
     }
 }

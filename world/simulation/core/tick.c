@@ -27,7 +27,7 @@ static i64 world_at(i64 robots, i64 candidates, u8 *buffer, World *world) {
 #define NUMBERS(place, count) place = taken(buffer, &used, count, 8)
 #define CODES(place, count) place = taken(buffer, &used, count, 1)
     NUMBERS(world->poses, POSE * robots);
-    NUMBERS(world->totals, 2);
+    NUMBERS(world->totals, TOTALS);
     NUMBERS(world->separation, candidates);
     CODES(world->mask, candidates);
     NUMBERS(world->pairs.begin, robots + 1);
@@ -43,6 +43,8 @@ static i64 world_at(i64 robots, i64 candidates, u8 *buffer, World *world) {
     NUMBERS(ledger->gap, pairs);
     NUMBERS(ledger->longest_gap, pairs);
     CODES(ledger->burst, pairs);
+    NUMBERS(ledger->words, WORDS * pairs);
+    NUMBERS(world->chance, candidates);
     return used;
 }
 
@@ -70,7 +72,8 @@ FES_API i64 fes_world_tick(const Settings *settings, const Input *input, u8 *bef
     arc_move(settings, input->robots, input->poses, input->twists, now.poses);
     if (!candidates_are_valid(&input->now, input->robots, now.poses)) return CANDIDATES_TOO_OLD;
     proximity_measure(settings, &input->now, input->robots, &now);
-    radio_transmit(settings, input->robots, input->tick, input->present, input->factor, &before, &now);
+    radio_transmit(settings, input->robots, input->before.count, input->tick, input->present, input->factor,
+                   &before, &now);
     const Pairs *old = &before.pairs, *pairs = &now.pairs;
     size_t size = sizeof(i64);
     int is_same = !memcmp(pairs->begin, old->begin, (size_t)(input->robots + 1) * size) &&

@@ -10,9 +10,12 @@
 enum { X, Y, HEADING, POSE };           /* columns of poses */
 enum { LINEAR, ANGULAR, TWIST };        /* columns of twists */
 enum { CLOSED, LOST, DECODED };         /* fate of a beacon */
+/* Totals: beacons sent, and decoded, over the pairs in range; the counter of the random words in the ledger. */
+enum { SENT, HEARD, DRAWN, TOTALS };
 enum { RAYLEIGH, LOGISTIC, PERFECT };   /* channels with a formula */
 
 #define OPENING_TICKS 2
+#define WORDS 4
 #define UNKNOWN 2 /* state of the bursts of a contact before its first tick */
 
 /* A channel and the bodies: world/config/radio.py. */
@@ -43,22 +46,24 @@ typedef struct {
     i64 *age, *sent, *decoded, *gap, *longest_gap;
     double *probability, *outage_sum;
     u8 *reception, *burst;
+    u64 *words;                         /* random words of the four ticks about this one [WORDS] */
 } Ledger;
 
 /* One tick. */
 typedef struct {
     double *poses;                      /* [n, 3] */
     double *separation;                 /* of the candidates */
+    double *chance;                     /* probability that a beacon decodes, by candidate; only within a tick */
     u8 *mask;                           /* 1 for a candidate in range */
     Pairs pairs;
     Ledger ledger;
-    i64 *totals;                        /* beacons sent, and decoded, over the pairs in range */
+    i64 *totals;                        /* see below */
 } World;
 
 void arc_move(const Settings *settings, i64 robots, const double *poses, const double *twists, double *moved);
 int candidates_are_valid(const Candidates *candidates, i64 robots, const double *poses);
 void proximity_measure(const Settings *settings, const Candidates *candidates, i64 robots, World *now);
-void radio_transmit(const Settings *settings, i64 robots, i64 tick, const u8 *present, const double *factor,
-                    const World *before, World *now);
+void radio_transmit(const Settings *settings, i64 robots, i64 candidates, i64 tick, const u8 *present,
+                    const double *factor, World *before, World *now);
 
 #endif
