@@ -62,7 +62,9 @@ class Layout:
     def __init__(self, library: ctypes.CDLL, constants: CrewConstants, capacity: int) -> None:
         places = (ctypes.c_int64 * len(_FIELDS))()
         self.capacity = capacity
-        self.length: int = library.fes_crew_layout(ctypes.byref(constants.constants), capacity, places)
+        self.length: int = library.fes_crew_layout(
+            ctypes.addressof(constants.constants), capacity, places
+        )
         """Length of a buffer [bytes]."""
         self.places = dict(zip(_FIELDS, places, strict=True))
         """Place of each array [bytes]."""

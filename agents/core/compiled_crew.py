@@ -1,7 +1,7 @@
 """A crew whose tick is one call of the compiled core."""
 
 import ctypes
-from ctypes import byref, c_int64
+from ctypes import c_int64, c_void_p
 from functools import cache
 from typing import NamedTuple
 
@@ -10,13 +10,13 @@ import numpy as np
 from agents.control import clocks
 from agents.control import crew as numpy_crew
 from agents.control.state import Crew, CrewState
-from agents.core import buffer, constants
+from agents.core import buffer, constants, self_test
 from agents.core.buffer import Layout, Stored
 from agents.core.constants import ALONE, POOLED, CrewConstants
 from agents.core.structures import BeaconArrays, Input
 from fes.arithmetic.core import library
 from fes.arrays.edges import Edges, no_edges
-from fes.arrays.types import Bools, Bytes, Floats, Ints
+from fes.arrays.types import Bools, Bytes, Floats
 from fes.model.sensing import Beacons, Observations, Telemetry
 
 NEW_LINKS = 2
@@ -28,12 +28,15 @@ NAME = "robots"
 @cache
 def load() -> ctypes.CDLL | None:
     """The robots' kernels; None where numpy computes."""
-    found = library.load(__file__, NAME, lambda found: bool(found.fes_crew_tick))
-    if found is not None:
-        found.fes_crew_layout.restype = found.fes_crew_tick.restype = c_int64
-        pointer = ctypes.c_void_p
-        found.fes_crew_tick.argtypes = [pointer, pointer, pointer, c_int64, pointer, c_int64, pointer]
-    return found
+    return library.load(__file__, NAME, _passes)
+
+
+def _passes(found: ctypes.CDLL) -> bool:
+    """True if the kernels compute what they must."""
+    found.fes_crew_layout.restype = found.fes_crew_tick.restype = c_int64
+    found.fes_crew_layout.argtypes = [c_void_p, c_int64, c_void_p]
+    found.fes_crew_tick.argtypes = [c_void_p, c_void_p, c_void_p, c_int64, c_void_p, c_int64, c_void_p]
+    return self_test.digest(found) == self_test.EXPECTED
 
 
 class Failed(Exception):
@@ -181,5 +184,3 @@ def of(crew: Crew) -> CompiledCrew | None:
     own = constants.of(crew) if library is not None else None
     return None if library is None or own is None else CompiledCrew(library, crew, own)
 
-
-_ = (Ints, byref)

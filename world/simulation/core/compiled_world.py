@@ -1,12 +1,11 @@
 """A world whose tick is one call of the compiled core, where its channel and its bodies are the core's."""
 
 import ctypes
-from ctypes import c_double, c_int64, c_uint64, c_void_p
+from ctypes import c_int64, c_void_p
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fes.arithmetic.core import library
 from fes.arrays.edges import Edges
@@ -15,82 +14,17 @@ from fes.model import outage
 from world.config.radio import RadioConfig
 from world.simulation import neighbor_list
 from world.simulation.channel import Medium, Radio, RadioInput
+from world.simulation.core import self_test
+from world.simulation.core.structures import DRAWN, LEDGER, TOTALS, CandidateList, Input, Layout, Settings
 from world.simulation.formula import Formula
 from world.simulation.neighbor_list import Candidates, Proximity
-
-Array = NDArray[Any]
 
 NAME = "world"
 
 NEW_PAIRS, CANDIDATES_TOO_OLD = 1, -1
 """Results of fes_world_tick."""
 
-SENT, HEARD, DRAWN, TOTALS = range(4)
-"""Totals of a tick, as in world.h."""
-
 _MODELS = {"rayleigh": 0, "logistic": 1, "perfect": 2}
-
-_FIELDS: dict[str, type] = {
-    "poses": np.float64,
-    "totals": np.int64,
-    "separation": np.float64,
-    "mask": np.bool_,
-    "begin": np.int64,
-    "rows": np.int64,
-    "peers": np.int64,
-    "pair": np.int64,
-    "age": np.int64,
-    "reception": np.uint8,
-    "sent": np.int64,
-    "decoded": np.int64,
-    "probability": np.float64,
-    "outage_sum": np.float64,
-    "gap": np.int64,
-    "longest_gap": np.int64,
-    "burst": np.uint8,
-}
-"""The arrays of a tick, in the order of fes_world_layout, and their types."""
-
-_LEDGER = tuple(_FIELDS)[8:]
-
-
-class _Settings(ctypes.Structure):
-    """`Settings` in world.h."""
-
-    _fields_ = (
-        ("dt", c_double),
-        ("communication_range", c_double),
-        ("model", c_int64),
-        ("is_certain", c_int64),
-        ("scale", c_double),
-        ("exponent", c_double),
-        ("midpoint", c_double),
-        ("width", c_double),
-        ("key0", c_uint64),
-        ("key1", c_uint64),
-    )
-
-
-class _Candidates(ctypes.Structure):
-    """`Candidates` in world.h."""
-
-    _fields_ = (("count", c_int64), ("a", c_void_p), ("b", c_void_p), ("positions", c_void_p), ("most_moved", c_double))
-
-
-class _Input(ctypes.Structure):
-    """`Input` in tick.c."""
-
-    _fields_ = (
-        ("robots", c_int64),
-        ("tick", c_int64),
-        ("poses", c_void_p),
-        ("twists", c_void_p),
-        ("present", c_void_p),
-        ("factor", c_void_p),
-        ("before", _Candidates),
-        ("now", _Candidates),
-    )
-
 
 class Moved(NamedTuple):
     """The world one tick later."""
@@ -107,24 +41,15 @@ class Moved(NamedTuple):
 @cache
 def load() -> ctypes.CDLL | None:
     """The world's kernels; None where numpy computes."""
-    found = library.load(__file__, NAME, lambda found: bool(found.fes_world_tick))
-    if found is not None:
-        found.fes_world_layout.restype = found.fes_world_tick.restype = c_int64
-        found.fes_world_tick.argtypes = [c_void_p] * 4
-    return found
+    return library.load(__file__, NAME, _passes)
 
 
-class _Layout:
-    """The places of the arrays in a buffer."""
-
-    def __init__(self, library: ctypes.CDLL, robots: int, candidates: int) -> None:
-        places = (c_int64 * len(_FIELDS))()
-        self.length: int = library.fes_world_layout(c_int64(robots), c_int64(candidates), places)
-        self.places = dict(zip(_FIELDS, places, strict=True))
-
-    def view(self, buffer: Bytes, name: str, shape: int | tuple[int, ...]) -> Array:
-        """The first numbers of one array of a buffer."""
-        return np.ndarray(shape, _FIELDS[name], buffer, self.places[name])
+def _passes(found: ctypes.CDLL) -> bool:
+    """True if the kernels compute what they must."""
+    found.fes_world_layout.restype = found.fes_world_tick.restype = c_int64
+    found.fes_world_layout.argtypes = [c_int64, c_int64, c_void_p]
+    found.fes_world_tick.argtypes = [c_void_p] * 4
+    return self_test.digest(found) == self_test.EXPECTED
 
 
 class CompiledWorld:
@@ -132,13 +57,13 @@ class CompiledWorld:
 
     def __init__(self, library: ctypes.CDLL, ids: Ints, medium: Medium) -> None:
         self._library, self._ids, self._medium = library, ids, medium
-        self._settings = _Settings(dt=medium.dt)
+        self._settings = Settings(dt=medium.dt)
         self._settings.key0, self._settings.key1 = (int(word) for word in medium.fading.key)
         self._config: RadioConfig | None = None
         self._is_usable = False
-        self._input = _Input(robots=len(ids))
+        self._input = Input(robots=len(ids))
         self._addresses = ctypes.addressof(self._settings), ctypes.addressof(self._input)
-        self._layouts: dict[int, _Layout] = {}
+        self._layouts: dict[int, Layout] = {}
         self._candidates: Candidates | None = None
         """Those to which the input points."""
         self._last: tuple[Proximity, Radio] | None = None
@@ -185,7 +110,7 @@ class CompiledWorld:
     def _point(self, candidates: Candidates) -> None:
         """Let the input name new candidates."""
         positions = candidates.positions
-        self._input.now = _Candidates(
+        self._input.now = CandidateList(
             len(candidates.a),
             candidates.a.ctypes.data,
             candidates.b.ctypes.data,
@@ -206,7 +131,7 @@ class CompiledWorld:
         proximity = Proximity(
             candidates, view(after, "mask", p), edges, view(after, "pair", m), view(after, "separation", p)
         )
-        now = Radio(edges, *(view(after, name, m) for name in _LEDGER))
+        now = Radio(edges, *(view(after, name, m) for name in LEDGER))
         sent, decoded = view(after, "totals", 2).tolist()  # SENT, HEARD
         self._last, self._buffer, self._input.before = (proximity, now), after, self._input.now
         return Moved(read_only(view(after, "poses", (n, 3))), proximity, now, sent, decoded)
@@ -217,7 +142,7 @@ class CompiledWorld:
         layout = self._layout(count)
         self._buffer = np.zeros(layout.length, np.uint8)
         arrays = {"separation": near.separation, "begin": edges.begins, "peers": edges.peers, "pair": near.pair}
-        for name, values in (arrays | {name: getattr(radio, name) for name in _LEDGER}).items():
+        for name, values in (arrays | {name: getattr(radio, name) for name in LEDGER}).items():
             layout.view(self._buffer, name, values.shape)[...] = values
         layout.view(self._buffer, "totals", TOTALS)[DRAWN] = -1  # no random words
         self._point(near.candidates)
@@ -233,11 +158,11 @@ class CompiledWorld:
         settings.exponent = config.path_loss_exponent
         settings.midpoint, settings.width = config.logistic_midpoint, config.logistic_width
 
-    def _layout(self, candidates: int) -> _Layout:
+    def _layout(self, candidates: int) -> Layout:
         if candidates not in self._layouts:
             if len(self._layouts) > 64:
                 self._layouts.clear()
-            self._layouts[candidates] = _Layout(self._library, len(self._ids), candidates)
+            self._layouts[candidates] = Layout(self._library, len(self._ids), candidates)
         return self._layouts[candidates]
 
 
