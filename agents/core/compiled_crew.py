@@ -15,8 +15,8 @@ from agents.core.buffer import Layout, Stored
 from agents.core.constants import ALONE, POOLED, CrewConstants
 from agents.core.structures import BeaconArrays, Input
 from fes.arithmetic.core import library
-from fes.arrays.edges import Edges, no_edges
-from fes.arrays.types import Bools, Bytes, Floats
+from fes.arrays.edges import Edges
+from fes.arrays.types import Bools, Bytes, Floats, Ints
 from fes.model.sensing import Beacons, Observations, Telemetry
 
 NEW_LINKS = 2
@@ -36,6 +36,8 @@ def _passes(found: ctypes.CDLL) -> bool:
     found.fes_crew_layout.restype = found.fes_crew_tick.restype = c_int64
     found.fes_crew_layout.argtypes = [c_void_p, c_int64, c_void_p]
     found.fes_crew_tick.argtypes = [c_void_p, c_void_p, c_void_p, c_int64, c_void_p, c_int64, c_void_p]
+    found.fes_agent_tick.restype = c_int64
+    found.fes_agent_tick.argtypes = [c_void_p, c_void_p, c_void_p, c_void_p, c_int64, c_void_p, c_void_p, c_void_p]
     return self_test.digest(found) == self_test.EXPECTED
 
 
@@ -55,7 +57,9 @@ class CompiledCrew:
     """A crew's state in a buffer, and the call that moves it from tick to tick."""
 
     def __init__(self, library: ctypes.CDLL, crew: Crew, own: CrewConstants) -> None:
-        self._library, self._crew, self._own = library, crew, own
+        self._library, self.crew, self._own = library, crew, own
+        self.statistics: int = own.constants.statistics
+        """Numbers in each beacon, q."""
         self._constants = ctypes.addressof(own.constants)
         self._layouts: dict[int, Layout] = {}
         self._input = Input()
@@ -70,13 +74,14 @@ class CompiledCrew:
         n, kind = len(crew.ids), own.constants.seeking
         self._learnt = 2 if kind in (POOLED, ALONE) else 0
         self._nothing = np.zeros((n, 0)), np.zeros((n, 0), np.uint8), np.zeros((n, 0))
-        self._links = no_edges(crew.ids)
+        self._links: Edges | None = None
+        """The links in the state; None if they must be read from there."""
         self._scratch = np.zeros(2 * n)
 
     @property
     def state(self) -> CrewState:
         """The state as the numpy code has it."""
-        return buffer.unpacked(self.stored, self._crew, self._own)
+        return buffer.unpacked(self.stored, self.crew, self._own)
 
     @state.setter
     def state(self, state: CrewState) -> None:
@@ -85,7 +90,7 @@ class CompiledCrew:
 
     def forget(self, restarted: Bools) -> None:
         """Let the robots `restarted` [n] know nothing."""
-        self.state = numpy_crew.forget(self._crew, self.state, restarted)
+        self.state = numpy_crew.forget(self.crew, self.state, restarted)
 
     def step(self, observations: Observations, beacons: Beacons) -> Sent:
         """One tick. Raises Failed where a twist is not finite; the state is then that before the tick."""
@@ -94,9 +99,8 @@ class CompiledCrew:
         given, tick = self._input, observations.tick
         poses, reception = np.ascontiguousarray(observations.poses), observations.reception
         given.tick, given.poses, given.reception = tick, poses.ctypes.data, reception.ctypes.data
-        if not self._crew.clocks.is_exact:
-            skew = clocks.ahead(self._crew.clocks, tick)
-            given.skew = skew.ctypes.data
+        skew = self.skew(tick)
+        given.skew = None if skew is None else skew.ctypes.data
         if beacons is not self._sent:
             self._hear(beacons)
         layout = self._layouts[self._capacity]
@@ -116,6 +120,29 @@ class CompiledCrew:
         self.stored = Stored(after, layout)
         return self._output(tick, flags, address)
 
+    def skew(self, tick: int) -> Floats | None:
+        """Skew of each robot's clock at a tick [n] [s]; None if all are exact."""
+        return None if self.crew.clocks.is_exact else clocks.ahead(self.crew.clocks, tick)
+
+    def step_bytes(self, messages: int, given: int, capacity: int, in_range: Ints) -> int:
+        """One tick by the messages at an address, for `agents.core.byte_crew`; returns the result of fes_agent_tick."""
+        layout, before = self._layout(capacity), self.stored
+        self._fit(capacity)
+        after: Bytes = np.empty(layout.length, np.uint8)
+        flags: int = self._library.fes_agent_tick(
+            self._constants,
+            messages,
+            given,
+            before.buffer.ctypes.data,
+            before.layout.capacity,
+            after.ctypes.data,
+            self._scratch.ctypes.data,
+            in_range.ctypes.data,
+        )
+        if flags >= 0:
+            self.stored, self._links, self._sent = Stored(after, layout), None, None
+        return flags
+
     def _range(self, in_range: Edges) -> None:
         """Point to the peers in range."""
         begins, peers = np.ascontiguousarray(in_range.begins), np.ascontiguousarray(in_range.peers)
@@ -123,7 +150,11 @@ class CompiledCrew:
         self._input.begin, self._input.in_range = begins.ctypes.data, peers.ctypes.data
         self._capacity = len(in_range)
         self._layout(self._capacity)
-        needed = 2 * len(self._crew.ids) + self._capacity
+        self._fit(self._capacity)
+
+    def _fit(self, capacity: int) -> None:
+        """Make the scratch large enough for `capacity` contacts."""
+        needed = 2 * len(self.crew.ids) + capacity
         if len(self._scratch) < needed:
             self._scratch = np.zeros(needed)
 
@@ -148,12 +179,12 @@ class CompiledCrew:
 
     def _output(self, tick: int, flags: int, address: int) -> Sent:
         """The beacons, twists and telemetry in the buffer; the next tick hears these beacons."""
-        crew, (buffer_, layout) = self._crew, self.stored
+        crew, (buffer_, layout) = self.crew, self.stored
         n, places = len(crew.ids), layout.places
-        if flags & NEW_LINKS:
+        links = None if flags & NEW_LINKS else self._links
+        if links is None:
             count = int(layout.view(buffer_, "link_begin", n + 1)[n])
-            self._links = buffer.link_edges(crew.ids, self.stored, count)
-        links = self._links
+            links = self._links = buffer.link_edges(crew.ids, self.stored, count)
         count = len(links)
         poses: Floats = np.ndarray((n, 3), np.float64, buffer_, places["sent_poses"])
         estimates: Floats = np.ndarray(count, np.float64, buffer_, places["sent"])

@@ -13,7 +13,8 @@ static double reported(const Input *input, const Contacts *contacts, i64 first, 
     i64 sender = 0;
     for (i64 pair = first; pair < last; pair++) {
         if (contacts->heard[pair] != input->tick - 1) continue;
-        while (beacons->ids[sender] < contacts->peers[pair]) sender++;
+        while (sender < beacons->count && beacons->ids[sender] < contacts->peers[pair]) sender++;
+        if (sender == beacons->count) break;
         i64 begin = beacons->begin[sender], end = beacons->begin[sender + 1];
         double sum = 0.0;
         for (i64 link = begin; link < end; link++) sum += beacons->estimates[link];

@@ -108,3 +108,33 @@ class Input(ctypes.Structure):
         ("reception", c_void_p),
         ("beacons", BeaconArrays),
     )
+
+
+class Messages(ctypes.Structure):
+    """The messages of one process at a tick: `Messages` in wire.h."""
+
+    _fields_ = (
+        ("version", c_int64),
+        ("since", c_void_p),
+        ("observations", c_void_p),
+        ("observation_lengths", c_void_p),
+        ("senders", c_int64),
+        ("beacons", c_void_p),
+        ("beacon_lengths", c_void_p),
+        ("pairs", c_int64),
+        ("links", c_int64),
+        ("poses", c_void_p),
+        ("begin", c_void_p),
+        ("in_range", c_void_p),
+        ("reception", c_void_p),
+        ("sender_ids", c_void_p),
+        ("link_begin", c_void_p),
+        ("link_peers", c_void_p),
+        ("sender_poses", c_void_p),
+        ("estimates", c_void_p),
+        ("statistics", c_void_p),
+        ("selected", c_void_p),
+        ("is_model_free", c_int64),
+        ("out", c_void_p),
+        ("ends", c_void_p),
+    )

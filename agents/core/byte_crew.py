@@ -1,0 +1,116 @@
+"""A crew whose tick is one call of the compiled core, from the bytes of its messages to those of its answers."""
+
+import ctypes
+from collections.abc import Sequence
+from ctypes import addressof, c_char_p, c_int64
+
+import numpy as np
+
+from agents.core.compiled_crew import CompiledCrew
+from agents.core.structures import Input, Messages
+from fes.arrays.types import Ints
+
+NEW_RANGE, FAILED, TOO_LITTLE_ROOM = 4, -1, -2
+"""Results of fes_agent_tick."""
+
+ROOM = 32
+"""Room for pairs at first; it doubles where messages have more."""
+
+Answer = tuple[int, bytes, bytes]
+"""A robot, and the payloads of its beacon and its command."""
+
+
+class ByteCrew:
+    """The messages of one process, and the call that answers them."""
+
+    def __init__(self, crew: CompiledCrew, version: int) -> None:
+        """`version` is that of the protocol."""
+        self._crew = crew
+        self._ids = crew.crew.ids.tolist()
+        self._messages, self._input = Messages(version=version), Input()
+        self._room = ROOM
+        self._senders = 0
+        self.peers: set[int] = set()
+        """The peers in range of any robot, at the last tick that was answered."""
+        self._make_room(0)
+
+    def step(
+        self,
+        tick: int,
+        observations: Sequence[bytes],
+        beacons: Sequence[bytes],
+        since: Ints,
+        is_model_free: bool | None,
+    ) -> list[Answer] | None:
+        """The answers to the observations of a tick, of the robots in their order.
+
+        `beacons` are those of the tick before, one per sender, by ascending sender. None, and no change, where a
+        message is unusual in any way: it must then be read by `fes.protocol.messages`. `since` [n] are the ticks from
+        which the robots take part.
+        """
+        if len(beacons) > self._senders:
+            self._make_room(len(beacons))
+        messages, skew = self._messages, self._crew.skew(tick)
+        self._input.tick, self._input.skew = tick, None if skew is None else skew.ctypes.data
+        messages.since = since.ctypes.data
+        messages.is_model_free = -1 if is_model_free is None else is_model_free
+        sensed, lengths = _addresses(observations)
+        heard, heard_lengths = _addresses(beacons)
+        messages.observations, messages.observation_lengths = addressof(sensed), addressof(lengths)
+        messages.senders = len(beacons)
+        messages.beacons, messages.beacon_lengths = addressof(heard), addressof(heard_lengths)
+        flags = self._call()
+        while flags == TOO_LITTLE_ROOM:
+            self._room *= 2
+            self._make_room(self._senders)
+            flags = self._call()
+        if flags < 0:
+            return None
+        if flags & NEW_RANGE:
+            count = int(self._begin[len(self._ids)])
+            self.peers = set(self._in_range[:count].tolist())
+        return self._answers()
+
+    def _call(self) -> int:
+        return self._crew.step_bytes(addressof(self._messages), addressof(self._input), self._room, self._range)
+
+    def _answers(self) -> list[Answer]:
+        """The payloads in the buffer."""
+        ends, out, n = self._ends.tolist(), self._out.ctypes.data, len(self._ids)
+        begins = [0, *ends]
+        parts = [ctypes.string_at(out + a, b - a) for a, b in zip(begins, ends, strict=False)]
+        return list(zip(self._ids, parts[:n], parts[n:], strict=True))
+
+    def _make_room(self, senders: int) -> None:
+        """Let the messages point to arrays with room for all pairs, links and senders."""
+        n, room, self._senders = len(self._ids), self._room, max(senders, self._senders, 8)
+        count, q = self._senders, self._crew.statistics
+        links = 4 * room + 16 * count
+        self._begin, self._in_range = np.zeros(n + 1, np.int64), np.zeros(room, np.int64)
+        self._range = np.full(n + 1 + room, -1, np.int64)
+        self._out, self._ends = np.zeros(n * (256 + 8 * q) + 64 * room, np.uint8), np.zeros(2 * n, np.int64)
+        arrays = {
+            "poses": np.zeros(3 * n),
+            "begin": self._begin,
+            "in_range": self._in_range,
+            "reception": np.zeros(room, np.uint8),
+            "sender_ids": np.zeros(count, np.int64),
+            "link_begin": np.zeros(count + 1, np.int64),
+            "link_peers": np.zeros(links, np.int64),
+            "sender_poses": np.zeros(3 * count),
+            "estimates": np.zeros(links),
+            "statistics": np.zeros(count * q),
+            "selected": np.zeros(links, np.uint8),
+            "out": self._out,
+            "ends": self._ends,
+        }
+        self._arrays = arrays
+        self._messages.pairs, self._messages.links = room, links
+        for name, array in arrays.items():
+            setattr(self._messages, name, array.ctypes.data)
+
+
+def _addresses(payloads: Sequence[bytes]) -> tuple["ctypes.Array[c_char_p]", "ctypes.Array[c_int64]"]:
+    """Pointers to payloads, and their lengths."""
+    count = len(payloads)
+    return (c_char_p * count)(*payloads), (c_int64 * count)(*map(len, payloads))
