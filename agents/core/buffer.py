@@ -1,7 +1,7 @@
 """The buffer of a crew's state: the place of each of its arrays, and conversion from and to `CrewState`."""
 
 import ctypes
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,11 @@ from agents.laws import packet_counting
 from agents.laws.packet_counting import ReceptionFit
 from agents.laws.seeking_measured import Measured
 from fes.arrays.edges import Edges
-from fes.arrays.types import Bytes, Ints
+from fes.arrays.types import Ints
 from fes.model.contacts import Contacts
 
 Array = NDArray[Any]
+Buffer: TypeAlias = "ctypes.Array[ctypes.c_char]"
 
 _FIELDS: dict[str, type] = {
     "poses": np.float64,
@@ -62,14 +63,13 @@ class Layout:
     def __init__(self, library: ctypes.CDLL, constants: CrewConstants, capacity: int) -> None:
         places = (ctypes.c_int64 * len(_FIELDS))()
         self.capacity = capacity
-        self.length: int = library.fes_crew_layout(
-            ctypes.addressof(constants.constants), capacity, places
-        )
-        """Length of a buffer [bytes]."""
+        length: int = library.fes_crew_layout(ctypes.addressof(constants.constants), capacity, places)
+        self.buffer = ctypes.c_char * length
+        """Class of a buffer, of zeros: its address is known, and numpy arrays can lie in it."""
         self.places = dict(zip(_FIELDS, places, strict=True))
         """Place of each array [bytes]."""
 
-    def view(self, buffer: Bytes, name: str, shape: int | tuple[int, ...]) -> Array:
+    def view(self, buffer: Buffer, name: str, shape: int | tuple[int, ...]) -> Array:
         """The first numbers of one array of a buffer, as an array of this shape."""
         return np.ndarray(shape, _FIELDS[name], buffer, self.places[name])
 
@@ -77,8 +77,13 @@ class Layout:
 class Stored(NamedTuple):
     """A state in a buffer."""
 
-    buffer: Bytes
+    buffer: Buffer
     layout: Layout
+
+    @property
+    def address(self) -> int:
+        """The address of the buffer."""
+        return ctypes.addressof(self.buffer)
 
 
 def unpacked(stored: Stored, crew: Crew, constants: CrewConstants) -> CrewState:
@@ -113,7 +118,7 @@ def unpacked(stored: Stored, crew: Crew, constants: CrewConstants) -> CrewState:
 
 def packed(state: CrewState, layout: Layout) -> Stored:
     """The state in a new buffer of a layout with room for its contacts."""
-    buffer = np.zeros(layout.length, np.uint8)
+    buffer = layout.buffer()
 
     def put(name: str, values: Array) -> None:
         layout.view(buffer, name, values.shape)[...] = values

@@ -16,7 +16,7 @@ from agents.core.constants import ALONE, POOLED, CrewConstants
 from agents.core.structures import BeaconArrays, Input
 from fes.arithmetic.core import library
 from fes.arrays.edges import Edges
-from fes.arrays.types import Bools, Bytes, Floats, Ints
+from fes.arrays.types import Bools, Floats, Ints
 from fes.model.sensing import Beacons, Observations, Telemetry
 
 NEW_LINKS = 2
@@ -76,7 +76,10 @@ class CompiledCrew:
         self._nothing = np.zeros((n, 0)), np.zeros((n, 0), np.uint8), np.zeros((n, 0))
         self._links: Edges | None = None
         """The links in the state; None if they must be read from there."""
-        self._scratch = np.zeros(2 * n)
+        self._poses, self._reception = np.zeros((n, 3)), np.zeros(0, np.uint8)
+        self._input.poses = self._poses.ctypes.data
+        self._scratch, self._scratch_address = np.zeros(0), 0
+        self._fit(0)
 
     @property
     def state(self) -> CrewState:
@@ -97,28 +100,28 @@ class CompiledCrew:
         if observations.in_range is not self._in_range:
             self._range(observations.in_range)
         given, tick = self._input, observations.tick
-        poses, reception = np.ascontiguousarray(observations.poses), observations.reception
-        given.tick, given.poses, given.reception = tick, poses.ctypes.data, reception.ctypes.data
-        skew = self.skew(tick)
-        given.skew = None if skew is None else skew.ctypes.data
+        self._poses[...], self._reception[...] = observations.poses, observations.reception
+        given.tick = tick
+        if not self.crew.clocks.is_exact:
+            skew = self.skew(tick)
+            given.skew = None if skew is None else skew.ctypes.data
         if beacons is not self._sent:
             self._hear(beacons)
-        layout = self._layouts[self._capacity]
-        after: Bytes = np.empty(layout.length, np.uint8)
-        before, address = self.stored, after.ctypes.data
+        layout, before = self._layouts[self._capacity], self.stored
+        after = layout.buffer()
         flags = self._library.fes_crew_tick(
             self._constants,
             self._address,
-            before.buffer.ctypes.data,
+            ctypes.addressof(before.buffer),
             before.layout.capacity,
-            address,
+            ctypes.addressof(after),
             layout.capacity,
-            self._scratch.ctypes.data,
+            self._scratch_address,
         )
         if flags < 0:
             raise Failed
         self.stored = Stored(after, layout)
-        return self._output(tick, flags, address)
+        return self._output(tick, flags)
 
     def skew(self, tick: int) -> Floats | None:
         """Skew of each robot's clock at a tick [n] [s]; None if all are exact."""
@@ -128,15 +131,15 @@ class CompiledCrew:
         """One tick by the messages at an address, for `agents.core.byte_crew`; returns the result of fes_agent_tick."""
         layout, before = self._layout(capacity), self.stored
         self._fit(capacity)
-        after: Bytes = np.empty(layout.length, np.uint8)
+        after = layout.buffer()
         flags: int = self._library.fes_agent_tick(
             self._constants,
             messages,
             given,
-            before.buffer.ctypes.data,
+            before.address,
             before.layout.capacity,
-            after.ctypes.data,
-            self._scratch.ctypes.data,
+            ctypes.addressof(after),
+            self._scratch_address,
             in_range.ctypes.data,
         )
         if flags >= 0:
@@ -148,6 +151,8 @@ class CompiledCrew:
         begins, peers = np.ascontiguousarray(in_range.begins), np.ascontiguousarray(in_range.peers)
         self._in_range, self._held = in_range, (begins, peers)
         self._input.begin, self._input.in_range = begins.ctypes.data, peers.ctypes.data
+        self._reception = np.zeros(len(peers), np.uint8)
+        self._input.reception = self._reception.ctypes.data
         self._capacity = len(in_range)
         self._layout(self._capacity)
         self._fit(self._capacity)
@@ -157,6 +162,7 @@ class CompiledCrew:
         needed = 2 * len(self.crew.ids) + capacity
         if len(self._scratch) < needed:
             self._scratch = np.zeros(needed)
+            self._scratch_address = self._scratch.ctypes.data
 
     def _hear(self, beacons: Beacons) -> None:
         """Point to beacons that are not the crew's own last ones."""
@@ -177,7 +183,7 @@ class CompiledCrew:
         self._heard = arrays
         self._input.beacons = BeaconArrays(len(beacons.ids), *(values.ctypes.data for values in arrays))
 
-    def _output(self, tick: int, flags: int, address: int) -> Sent:
+    def _output(self, tick: int, flags: int) -> Sent:
         """The beacons, twists and telemetry in the buffer; the next tick hears these beacons."""
         crew, (buffer_, layout) = self.crew, self.stored
         n, places = len(crew.ids), layout.places
@@ -195,11 +201,7 @@ class CompiledCrew:
             statistics = np.ndarray((n, 5), np.float64, buffer_, places["sent_statistics"])
         learnt: Floats = np.ndarray((self._learnt, count), np.float64, buffer_, places["learnt"])
         beacons = Beacons(tick, crew.ids, poses, links, estimates, selected, statistics, declared)
-        own = self._input.beacons
-        own.count, own.ids, own.poses = n, self._own.constants.ids, address + places["sent_poses"]
-        own.begin, own.peers = address + places["link_begin"], address + places["link_peers"]
-        own.estimates, own.selected = address + places["sent"], address + places["selected"]
-        own.statistics = address + places["sent_statistics"]
+        self._input.beacons.count = -1  # these
         self._sent = beacons
         return Sent(beacons, twists, Telemetry(links, estimates, learnt, details))
 

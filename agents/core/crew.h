@@ -77,7 +77,7 @@ typedef struct {
 
 /* Beacons of one tick: fes.model.sensing.Beacons. */
 typedef struct {
-    i64 count;
+    i64 count;                          /* -1: those that the crew itself has sent */
     const i64 *ids;
     const double *poses;
     const i64 *begin, *peers; /* of the links */

@@ -61,14 +61,25 @@ static int are_equal(const i64 *begin, const i64 *peers, const i64 *other_begin,
            !memcmp(peers, other_peers, (size_t)begin[robots] * size);
 }
 
+/* The beacons that the crew itself has sent at the tick before. */
+static Beacons own_beacons(const Crew *crew, const State *before) {
+    const Links *links = &before->links;
+    Beacons beacons = {crew->robots, crew->ids,   before->sent_poses, links->begin,
+                       links->peers, links->sent, links->selected,    before->sent_statistics};
+    return beacons;
+}
+
 /* The next state in `after`, of `capacity` contacts, from the state in `before`. Returns flags that say which pairs
  * changed, or FES_FAILED if a twist is not finite. `scratch` holds 2 n + capacity doubles. */
-FES_API i64 fes_crew_tick(const Crew *crew, const Input *input, u8 *before_buffer, i64 before_capacity, u8 *after_buffer,
+FES_API i64 fes_crew_tick(const Crew *crew, const Input *given, u8 *before_buffer, i64 before_capacity, u8 *after_buffer,
                           i64 capacity, double *scratch) {
     State before, now;
     double *pull = scratch, *desired = scratch + 2 * crew->robots;
     state_at(crew, before_capacity, before_buffer, &before);
     state_at(crew, capacity, after_buffer, &now);
+    Input hears = *given;
+    const Input *input = &hears;
+    if (given->beacons.count < 0) hears.beacons = own_beacons(crew, &before);
     begin(crew, input, &before, &now);
     contacts_update(crew, input, &before, &now.contacts);
     u8 *selected = (u8 *)desired;

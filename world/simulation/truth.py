@@ -102,7 +102,6 @@ def start(world: World) -> State:
     return _changed(world, state)
 
 
-@np.errstate(over="ignore", invalid="ignore")  # a robot may be driven anywhere: at infinity it is out of range
 def step(world: World, state: State, twists: Floats) -> State:
     """The state one tick later, with the bodies holding `twists` [n, 2] [m/s, rad/s]; see `held`."""
     factor = None if state.transmission is None else state.transmission.reception_factor
@@ -111,8 +110,9 @@ def step(world: World, state: State, twists: Floats) -> State:
     if world.core is not None and world.core.can(state.channel):
         bodies, moved = None, world.core.step(state.channel, robots, state.radio, twists)
     else:
-        bodies = world.dynamics.step(state.bodies, twists, world.scenario.run.dt)
-        moved = _moved(world, state, robots, read_only(world.dynamics.poses(bodies)))
+        with np.errstate(over="ignore", invalid="ignore"):  # a robot at infinity is out of range
+            bodies = world.dynamics.step(state.bodies, twists, world.scenario.run.dt)
+            moved = _moved(world, state, robots, read_only(world.dynamics.poses(bodies)))
     after = State(
         state.tick + 1,
         moved.poses,

@@ -3,13 +3,13 @@
 import ctypes
 from ctypes import c_int64, c_void_p
 from functools import cache
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from fes.arithmetic.core import library
 from fes.arrays.edges import Edges
-from fes.arrays.types import Bytes, Floats, Ints, read_only
+from fes.arrays.types import Bools, Floats, Ints, read_only
 from fes.model import outage
 from world.config.radio import RadioConfig
 from world.simulation import neighbor_list
@@ -25,6 +25,9 @@ NEW_PAIRS, CANDIDATES_TOO_OLD = 1, -1
 """Results of fes_world_tick."""
 
 _MODELS = {"rayleigh": 0, "logistic": 1, "perfect": 2}
+
+Buffer: TypeAlias = "ctypes.Array[ctypes.c_char]"
+
 
 class Moved(NamedTuple):
     """The world one tick later."""
@@ -61,13 +64,15 @@ class CompiledWorld:
         self._settings.key0, self._settings.key1 = (int(word) for word in medium.fading.key)
         self._config: RadioConfig | None = None
         self._is_usable = False
-        self._input = Input(robots=len(ids))
+        self._poses, self._twists = np.zeros((len(ids), 3)), np.zeros((len(ids), 2))
+        self._present: Bools | None = None
+        self._input = Input(robots=len(ids), poses=self._poses.ctypes.data, twists=self._twists.ctypes.data)
         self._addresses = ctypes.addressof(self._settings), ctypes.addressof(self._input)
         self._layouts: dict[int, Layout] = {}
         self._candidates: Candidates | None = None
         """Those to which the input points."""
         self._last: tuple[Proximity, Radio] | None = None
-        self._buffer: Bytes = np.zeros(0, np.uint8)
+        self._buffer: Buffer = (ctypes.c_char * 1)()
         """The tick of `_last`."""
 
     def can(self, config: RadioConfig) -> bool:
@@ -83,29 +88,28 @@ class CompiledWorld:
     def step(self, config: RadioConfig, robots: RadioInput, radio: Radio, twists: Floats) -> Moved:
         """The world one tick later, with the bodies holding `twists` [n, 2]; only if it `can`."""
         given, near, factor = self._input, robots.proximity, robots.reception_factor
-        candidates = near.candidates
         if self._last is None or self._last[0] is not near or self._last[1] is not radio:
             self._store(near, radio)
-        before = self._buffer
-        poses, twists = np.ascontiguousarray(robots.poses), np.ascontiguousarray(twists)
-        given.tick, given.poses, given.twists = robots.tick, poses.ctypes.data, twists.ctypes.data
-        given.present = robots.present.ctypes.data
-        given.factor = None if factor is None else factor.ctypes.data
-        reach = config.communication_range
-        after, flags = self._call(before, candidates)
+        self._poses[...], self._twists[...] = robots.poses, twists
+        if robots.present is not self._present:
+            self._present = np.ascontiguousarray(robots.present)
+            given.present = self._present.ctypes.data
+        given.tick, given.factor = robots.tick, None if factor is None else factor.ctypes.data
+        candidates, reach = near.candidates, config.communication_range
+        after, flags = self._call(candidates)
         if flags == CANDIDATES_TOO_OLD or (candidates.positions is not None and candidates.reach != reach):
-            layout = self._layout(len(candidates.a))
-            candidates = neighbor_list.find(layout.view(after, "poses", (len(self._ids), 3)), reach)
-            after, flags = self._call(before, candidates)
-        return self._moved(after, candidates, flags, near, radio)
+            poses = self._layout(len(candidates.a)).view(after, "poses", self._poses.shape)
+            candidates = neighbor_list.find(poses, reach)
+            after, flags = self._call(candidates)
+        return self._moved(after, candidates, flags, near)
 
-    def _call(self, before: Bytes, candidates: Candidates) -> tuple[Bytes, int]:
+    def _call(self, candidates: Candidates) -> tuple[Buffer, int]:
         """The next tick in a new buffer, with these candidates, and the flags."""
         if candidates is not self._candidates:
             self._point(candidates)
-        after: Bytes = np.empty(self._layout(len(candidates.a)).length, np.uint8)
-        flags = self._library.fes_world_tick(*self._addresses, before.ctypes.data, after.ctypes.data)
-        return after, flags
+        after = self._layout(len(candidates.a)).buffer()
+        before, address = ctypes.addressof(self._buffer), ctypes.addressof(after)
+        return after, self._library.fes_world_tick(*self._addresses, before, address)
 
     def _point(self, candidates: Candidates) -> None:
         """Let the input name new candidates."""
@@ -119,10 +123,10 @@ class CompiledWorld:
         )
         self._candidates = candidates
 
-    def _moved(self, after: Bytes, candidates: Candidates, flags: int, near: Proximity, radio: Radio) -> Moved:
+    def _moved(self, after: Buffer, candidates: Candidates, flags: int, near: Proximity) -> Moved:
         """The arrays in a buffer."""
-        layout, n, p = self._layout(len(candidates.a)), len(self._ids), len(candidates.a)
-        edges = near.edges
+        p, edges = len(candidates.a), near.edges
+        layout, n = self._layout(p), len(self._ids)
         if flags & NEW_PAIRS:
             m = int(layout.view(after, "begin", n + 1)[n])
             rows, peers = layout.view(after, "rows", m).copy(), layout.view(after, "peers", m).copy()
@@ -131,16 +135,20 @@ class CompiledWorld:
         proximity = Proximity(
             candidates, view(after, "mask", p), edges, view(after, "pair", m), view(after, "separation", p)
         )
-        now = Radio(edges, *(view(after, name, m) for name in LEDGER))
-        sent, decoded = view(after, "totals", 2).tolist()  # SENT, HEARD
-        self._last, self._buffer, self._input.before = (proximity, now), after, self._input.now
-        return Moved(read_only(view(after, "poses", (n, 3))), proximity, now, sent, decoded)
+        age, sent, decoded, gap, longest_gap = layout.rows(after, "age", "longest_gap", m)
+        probability, outage_sum = layout.rows(after, "probability", "outage_sum", m)
+        reception, burst = layout.rows(after, "reception", "burst", m)
+        now = Radio(edges, age, reception, sent, decoded, probability, outage_sum, gap, longest_gap, burst)
+        given = self._input
+        self._last, self._buffer = (proximity, now), after
+        if near.candidates is not candidates:
+            given.before = given.now
+        return Moved(read_only(view(after, "poses", (n, 3))), proximity, now, given.sent, given.decoded)
 
     def _store(self, near: Proximity, radio: Radio) -> None:
         """Store a tick that numpy has computed, or that has been changed since."""
-        count, edges = len(near.candidates.a), near.edges
-        layout = self._layout(count)
-        self._buffer = np.zeros(layout.length, np.uint8)
+        layout, edges = self._layout(len(near.candidates.a)), near.edges
+        self._buffer = layout.buffer()
         arrays = {"separation": near.separation, "begin": edges.begins, "peers": edges.peers, "pair": near.pair}
         for name, values in (arrays | {name: getattr(radio, name) for name in LEDGER}).items():
             layout.view(self._buffer, name, values.shape)[...] = values

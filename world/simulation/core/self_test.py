@@ -6,7 +6,6 @@ from ctypes import addressof
 
 import numpy as np
 
-from fes.arrays.types import Bytes
 from world.simulation.core.structures import DRAWN, TOTALS, CandidateList, Input, Layout, Settings
 
 EXPECTED = "eacf4c643c66"
@@ -28,7 +27,7 @@ def _last(library: ctypes.CDLL, settings: Settings) -> bytes:
     robots, present = np.arange(n), np.ones(n, np.uint8)
     a, b = np.triu_indices(n, 1)
     layout = Layout(library, n, len(a))
-    before: Bytes = np.zeros(layout.length, np.uint8)
+    before = layout.buffer()
     layout.view(before, "totals", TOTALS)[DRAWN] = -1
     poses = layout.view(before, "poses", (n, 3))
     poses[:] = np.stack([45.0 * (robots % 4), 60.0 * (robots // 4), 0.5 * robots], axis=1)
@@ -36,9 +35,9 @@ def _last(library: ctypes.CDLL, settings: Settings) -> bytes:
     listed = CandidateList(len(a), a.ctypes.data, b.ctypes.data, None, 0.0)
     given = Input(n, 0, 0, twists.ctypes.data, present.ctypes.data, None, listed, listed)
     for tick in range(_TICKS):
-        after: Bytes = np.zeros(layout.length, np.uint8)
-        given.tick, given.poses = tick, before.ctypes.data + layout.places["poses"]
-        library.fes_world_tick(addressof(settings), addressof(given), before.ctypes.data, after.ctypes.data)
+        after = layout.buffer()
+        given.tick, given.poses = tick, addressof(before) + layout.places["poses"]
+        library.fes_world_tick(addressof(settings), addressof(given), addressof(before), addressof(after))
         before = after
     pairs = int(layout.view(before, "begin", n + 1)[n])
     shapes = {"poses": 3 * n, "separation": len(a), "decoded": pairs, "peers": pairs, "outage_sum": pairs}

@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fes.arrays.types import Bytes
-
 SENT, HEARD, DRAWN, TOTALS = range(4)
 """Totals of a tick."""
 
@@ -22,19 +20,19 @@ _FIELDS: dict[str, type] = {
     "peers": np.int64,
     "pair": np.int64,
     "age": np.int64,
-    "reception": np.uint8,
     "sent": np.int64,
     "decoded": np.int64,
-    "probability": np.float64,
-    "outage_sum": np.float64,
     "gap": np.int64,
     "longest_gap": np.int64,
+    "probability": np.float64,
+    "outage_sum": np.float64,
+    "reception": np.uint8,
     "burst": np.uint8,
 }
 """The arrays of a tick, in the order of fes_world_layout, and their types."""
 
 LEDGER = tuple(_FIELDS)[8:]
-"""The arrays of the contacts, in the order of the fields of `Radio`."""
+"""The arrays of the contacts."""
 
 
 class Settings(ctypes.Structure):
@@ -78,6 +76,8 @@ class Input(ctypes.Structure):
         ("factor", c_void_p),
         ("before", CandidateList),
         ("now", CandidateList),
+        ("sent", c_int64),
+        ("decoded", c_int64),
     )
 
 
@@ -86,11 +86,21 @@ class Layout:
 
     def __init__(self, library: ctypes.CDLL, robots: int, candidates: int) -> None:
         places = (c_int64 * len(_FIELDS))()
-        self.length: int = library.fes_world_layout(robots, candidates, places)
-        """Length of a buffer [bytes]."""
+        length: int = library.fes_world_layout(robots, candidates, places)
+        self.buffer = ctypes.c_char * length
+        """Class of a buffer, of zeros: its address is known, and numpy arrays can lie in it."""
         self.places = dict(zip(_FIELDS, places, strict=True))
         """Place of each array [bytes]."""
 
-    def view(self, buffer: Bytes, name: str, shape: int | tuple[int, ...]) -> NDArray[Any]:
+    def view(self, buffer: "ctypes.Array[ctypes.c_char]", name: str, shape: int | tuple[int, ...]) -> NDArray[Any]:
         """The first numbers of one array of a buffer, as an array of this shape."""
         return np.ndarray(shape, _FIELDS[name], buffer, self.places[name])
+
+    def rows(self, buffer: "ctypes.Array[ctypes.c_char]", first: str, last: str, length: int) -> NDArray[Any]:
+        """The first `length` numbers of all arrays from `first` to `last`, which have one type, as rows."""
+        names = list(_FIELDS)
+        begin, end = names.index(first), names.index(last)
+        place, dtype = self.places[first], _FIELDS[first]
+        stride = self.places[names[begin + 1]] - place
+        shape, strides = (end - begin + 1, length), (stride, np.dtype(dtype).itemsize)
+        return np.ndarray(shape, dtype, buffer, place, strides)

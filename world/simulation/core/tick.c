@@ -11,6 +11,7 @@ typedef struct {
     const u8 *present;
     const double *factor;               /* of each robot's transmitter; NULL where all are healthy */
     Candidates before, now;             /* the same, unless a new list was made */
+    i64 sent, decoded;                  /* of the tick, over the pairs in range: filled in */
 } Input;
 
 /* Takes `count` numbers of `size` bytes from the buffer; each array begins at a multiple of eight bytes. */
@@ -35,13 +36,13 @@ static i64 world_at(i64 robots, i64 candidates, u8 *buffer, World *world) {
     NUMBERS(world->pairs.peers, pairs);
     NUMBERS(world->pairs.pair, pairs);
     NUMBERS(ledger->age, pairs);
-    CODES(ledger->reception, pairs);
     NUMBERS(ledger->sent, pairs);
     NUMBERS(ledger->decoded, pairs);
-    NUMBERS(ledger->probability, pairs);
-    NUMBERS(ledger->outage_sum, pairs);
     NUMBERS(ledger->gap, pairs);
     NUMBERS(ledger->longest_gap, pairs);
+    NUMBERS(ledger->probability, pairs);
+    NUMBERS(ledger->outage_sum, pairs);
+    CODES(ledger->reception, pairs);
     CODES(ledger->burst, pairs);
     NUMBERS(ledger->words, WORDS * pairs);
     NUMBERS(world->chance, candidates);
@@ -56,8 +57,8 @@ FES_API i64 fes_world_layout(i64 robots, i64 candidates, i64 *places) {
     const Ledger *ledger = &world.ledger;
     const void *arrays[] = {
         world.poses, world.totals, world.separation, world.mask, world.pairs.begin, world.pairs.rows,
-        world.pairs.peers, world.pairs.pair, ledger->age, ledger->reception, ledger->sent, ledger->decoded,
-        ledger->probability, ledger->outage_sum, ledger->gap, ledger->longest_gap, ledger->burst,
+        world.pairs.peers, world.pairs.pair, ledger->age, ledger->sent, ledger->decoded, ledger->gap,
+        ledger->longest_gap, ledger->probability, ledger->outage_sum, ledger->reception, ledger->burst,
     };
     for (i64 i = 0; i < (i64)(sizeof arrays / sizeof arrays[0]); i++) places[i] = (i64)((const u8 *)arrays[i] - buffer);
     return length;
@@ -65,7 +66,7 @@ FES_API i64 fes_world_layout(i64 robots, i64 candidates, i64 *places) {
 
 /* The next tick in `after`, from the tick in `before`. Returns flags, or CANDIDATES_TOO_OLD: then the caller makes a
  * new list for the poses in `after`, and calls again. */
-FES_API i64 fes_world_tick(const Settings *settings, const Input *input, u8 *before_buffer, u8 *after_buffer) {
+FES_API i64 fes_world_tick(const Settings *settings, Input *input, u8 *before_buffer, u8 *after_buffer) {
     World before, now;
     world_at(input->robots, input->before.count, before_buffer, &before);
     world_at(input->robots, input->now.count, after_buffer, &now);
@@ -74,6 +75,8 @@ FES_API i64 fes_world_tick(const Settings *settings, const Input *input, u8 *bef
     proximity_measure(settings, &input->now, input->robots, &now);
     radio_transmit(settings, input->robots, input->before.count, input->tick, input->present, input->factor,
                    &before, &now);
+    input->sent = now.totals[SENT];
+    input->decoded = now.totals[HEARD];
     const Pairs *old = &before.pairs, *pairs = &now.pairs;
     size_t size = sizeof(i64);
     int is_same = !memcmp(pairs->begin, old->begin, (size_t)(input->robots + 1) * size) &&
