@@ -85,7 +85,7 @@ def is_supported() -> bool:
 
 
 def platform_tag() -> str:
-    """The platform of a wheel with the core: $FES_PLATFORM where a compiler for another one was named, or this one."""
+    """The platform of a wheel with the core: $FES_PLATFORM where the compiler is for another one, or this one."""
     return os.environ.get("FES_PLATFORM") or sysconfig.get_platform().replace("-", "_").replace(".", "_")
 
 
@@ -93,7 +93,9 @@ def main() -> int:
     """Build in place; returns an exit code."""
     cc = compiler()
     if cc is None or not is_supported():
-        print("no core was built: " + ("no C compiler was found" if cc is None else "it is not meant for this machine"))
+        print(
+            "no core was built: " + ("no C compiler was found" if cc is None else "it is not meant for this machine")
+        )
         return 1
     try:
         for library in build(cc.split()):

@@ -1,7 +1,7 @@
 """The buffer of a crew's state: the place of each of its arrays, and conversion from and to `CrewState`."""
 
 import ctypes
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +12,12 @@ from agents.core.constants import ALONE, POOLED, CrewConstants
 from agents.laws import packet_counting
 from agents.laws.packet_counting import ReceptionFit
 from agents.laws.seeking_measured import Measured
+from fes.arithmetic.core.library import Buffer
 from fes.arrays.edges import Edges
 from fes.arrays.types import Ints
 from fes.model.contacts import Contacts
 
 Array = NDArray[Any]
-Buffer: TypeAlias = "ctypes.Array[ctypes.c_char]"
 
 _FIELDS: dict[str, type] = {
     "poses": np.float64,
@@ -97,9 +97,9 @@ def unpacked(stored: Stored, crew: Crew, constants: CrewConstants) -> CrewState:
     begins, link_begins = view("contact_begin", n + 1), view("link_begin", n + 1)
     m, links = int(begins[n]), int(link_begins[n])
     edges = Edges(crew.ids, np.repeat(np.arange(n), np.diff(begins)), view("contact_peers", m))
-    beacon = (view(name, m) for name in ("heard", "x", "y", "heading", "estimates", "selected_by_peer"))
-    measured = (view(name, m) for name in ("heard_separation", "known", "dx", "dy", "separation"))
-    contacts = Contacts(edges, *beacon, view("statistics", m, q), np.zeros((m, 0), np.uint8), *measured)
+    names = (name for name in Contacts._fields if name not in ("edges", "statistics", "declared"))
+    columns = {name: view(name, m) for name in names}
+    contacts = Contacts(edges, **columns, statistics=view("statistics", m, q), declared=np.zeros((m, 0), np.uint8))
     of_links = Edges(crew.ids, view("link_rows", links), view("link_peers", links))
     used = Links(view("is_link", m), view("contact", links), of_links)
     seeking: Any
@@ -155,4 +155,3 @@ def link_edges(ids: Ints, stored: Stored, count: int) -> Edges:
     rows: Ints = stored.layout.view(stored.buffer, "link_rows", count).copy()
     peers: Ints = stored.layout.view(stored.buffer, "link_peers", count).copy()
     return Edges(ids, rows, peers)
-

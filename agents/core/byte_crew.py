@@ -3,8 +3,10 @@
 import ctypes
 from collections.abc import Sequence
 from ctypes import addressof, c_char_p, c_int64
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from agents.core.compiled_crew import CompiledCrew
 from agents.core.structures import Input, Messages
@@ -89,7 +91,7 @@ class ByteCrew:
         self._begin, self._in_range = np.zeros(n + 1, np.int64), np.zeros(room, np.int64)
         self._range = np.full(n + 1 + room, -1, np.int64)
         self._out, self._ends = np.zeros(n * (256 + 8 * q) + 64 * room, np.uint8), np.zeros(2 * n, np.int64)
-        arrays = {
+        arrays: dict[str, NDArray[Any]] = {
             "poses": np.zeros(3 * n),
             "begin": self._begin,
             "in_range": self._in_range,

@@ -128,7 +128,7 @@ class CompiledCrew:
         return None if self.crew.clocks.is_exact else clocks.ahead(self.crew.clocks, tick)
 
     def step_bytes(self, messages: int, given: int, capacity: int, in_range: Ints) -> int:
-        """One tick by the messages at an address, for `agents.core.byte_crew`; returns the result of fes_agent_tick."""
+        """One tick by the messages at an address, for `agents.core.byte_crew`: the result of fes_agent_tick."""
         layout, before = self._layout(capacity), self.stored
         self._fit(capacity)
         after = layout.buffer()
@@ -168,7 +168,7 @@ class CompiledCrew:
         """Point to beacons that are not the crew's own last ones."""
         q = self._own.constants.statistics
         statistics = beacons.statistics if beacons.statistics.shape[1] == q else np.zeros((len(beacons.ids), q))
-        arrays: list[np.ndarray] = [  # type: ignore[type-arg]
+        arrays = [
             np.ascontiguousarray(values)
             for values in (
                 beacons.ids,
@@ -216,4 +216,3 @@ def of(crew: Crew) -> CompiledCrew | None:
     library = load()
     own = constants.of(crew) if library is not None else None
     return None if library is None or own is None else CompiledCrew(library, crew, own)
-

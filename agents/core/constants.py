@@ -38,7 +38,7 @@ def of(crew: Crew) -> CrewConstants | None:
     rule = RULES.get(type(crew.rule))
     if rule is None or type(crew.formation) is not PaperFormation or crew.transmitters.late:
         return None
-    seeking = crew.seeking
+    seeking: Any = crew.seeking
     result, owned = Constants(rule=rule), list[Any]()
     if isinstance(seeking, PerturbationSeeking):
         known = _perturbation(result, seeking, owned)

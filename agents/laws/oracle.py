@@ -176,7 +176,7 @@ class OracleSeeking(PerturbationSeeking):
         self._weighted = partial(FormulaIndex, context.objective, channel, transform)
 
     def compiled_index(self) -> tuple[int, Any] | None:
-        """The address of the compiled index, and its settings; None where numpy computes, or for a class of others."""
+        """The address of the compiled index, and its settings; None where numpy computes, and for other classes."""
         index = self.seeker.index
         if type(self) is not OracleSeeking or type(index) is not FormulaIndex:
             return None

@@ -3,6 +3,7 @@
 tick_source           the ticks at which an agent steps.
 beacon_subscriptions  subscriptions to the beacons of peers.
 outbox                publishes beacons and commands, and keeps two ticks for retransmission.
+crew_run              a crew during a run, moved by the compiled core or by numpy.
 marshalling           conversion between messages and arrays.
 reception             applies the verdict of the radio: a crew gets only beacons that decoded.
 membership            joins a run, and confirms later that the robots are still assigned.

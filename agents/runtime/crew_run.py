@@ -47,5 +47,5 @@ class CrewRun:
             except Failed:  # numpy knows the reason
                 self._state, self._compiled = self._compiled.state, None
         received = self._receiver.receive(observations, beacons, self._state.contacts.edges)
-        self._state, *sent = crew.step(self.crew, self._state, observations.sensed, received)
-        return Sent(*sent)
+        self._state, sent, twists, telemetry = crew.step(self.crew, self._state, observations.sensed, received)
+        return Sent(sent, twists, telemetry)

@@ -2,10 +2,15 @@
 
 import sys
 
+from fes.arithmetic.core import library
+
 FORMULA = ("agents.laws.oracle", "fes.model.outage")
 """Modules that know the channel's formula; a law that is told the channel loads the second."""
 
+LIBRARIES = frozenset({"formula_index", "world"})
+"""Compiled libraries that know it."""
+
 
 def is_model_free() -> bool:
-    """True if this process has loaded no module that knows the channel's formula."""
-    return not any(name in sys.modules for name in FORMULA)
+    """True if this process has loaded no module or library that knows the channel's formula."""
+    return not any(name in sys.modules for name in FORMULA) and not library.used(LIBRARIES)

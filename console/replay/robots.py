@@ -8,8 +8,8 @@ import numpy as np
 from agents.control import crew, transmitter
 from agents.runtime import marshalling as agent_marshalling
 from agents.runtime import reception
+from agents.runtime.crew_run import CrewRun
 from agents.runtime.marshalling import MessageAssembler
-from agents.runtime.reception import Receiver
 from console.replay.difference import of_payloads
 from console.replay.log import Log
 from console.replay.recorded import Mismatch, decoded
@@ -29,9 +29,8 @@ class ReplayedRobots:
                 f"{log.path} is of the live clock: the log does not show which inputs a robot received in time"
             )
         robots = np.array(sorted(ids), dtype=np.int64)
-        self._crew = crew.create(agent_config(log.scenario), robots)
-        self._state = crew.start(self._crew)
-        self._stack, self._receiver = MessageAssembler(robots), Receiver()
+        self._crew = CrewRun(crew.create(agent_config(log.scenario), robots))
+        self._stack = MessageAssembler(robots)
         self._robots = robots.tolist()
         self._log = log
         self._before: LoggedTick | None = None
@@ -44,7 +43,7 @@ class ReplayedRobots:
         )
         restarted = np.array([robot in sensed and sensed[robot].since == tick.number for robot in self._robots])
         if restarted.any():
-            self._state = crew.forget(self._crew, self._state, restarted)
+            self._crew.forget(restarted)
         observations = self._stack.observations(
             [sensed.get(robot) or _absent(tick.number, robot) for robot in self._robots]
         )
@@ -56,10 +55,9 @@ class ReplayedRobots:
         if reception.missing(observations, [beacon.robot for beacon in received]):
             raise FesError(f"tick {tick.number - 1}: a Beacon that was decoded is not in the log")
         beacons = self._stack.beacons(tick.number - 1, received)
-        arrived = self._receiver.receive(observations, beacons, self._state.contacts.edges)
-        self._state, sent, twists, telemetry = crew.step(self._crew, self._state, observations.sensed, arrived)
+        sent, twists, telemetry = self._crew.step(observations, beacons)
         telemetry = telemetry._replace(is_model_free=_stated(tick, sensing))
-        broken = transmitter.damaging(self._crew.transmitters, tick.number)
+        broken = transmitter.damaging(self._crew.crew.transmitters, tick.number)
         for robot, encoded, command in agent_marshalling.encode_tick(sent, twists, telemetry):
             if robot not in sensed:
                 continue

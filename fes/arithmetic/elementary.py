@@ -5,13 +5,11 @@ processor and every numpy. No table, so that a compiler can compute several valu
 golden digests depend on them. The compiled core repeats these bits where it was built.
 """
 
-from typing import Any
-
 from fes.arithmetic import angle, exponential, logarithm, trigonometry
 from fes.arithmetic import power as powers
 from fes.arithmetic.core import functions
 
-_core: Any = functions.load()
+_core = functions.load()
 
 atan2 = angle.atan2 if _core is None else _core.atan2
 exp = exponential.exp if _core is None else _core.exp

@@ -89,6 +89,7 @@ def _is_valid(candidates: Candidates, poses: Floats, reach: float) -> bool:
 
 
 def find(poses: Floats, reach: float) -> Candidates:
+    """A list of candidates for `reach` [m], of robots at `poses` [n, 3]."""
     n = len(poses)
     if n <= SMALL:
         a, b = np.triu_indices(n, 1)

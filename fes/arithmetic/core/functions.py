@@ -151,4 +151,4 @@ def _numbers(x: Floats) -> Floats:
 
 def _as_numpy(result: Floats) -> Floats:
     """A result, without an axis as a number: as numpy returns it."""
-    return result[()] if result.ndim == 0 else result  # type: ignore[no-any-return]
+    return result[()] if result.ndim == 0 else result

@@ -7,8 +7,9 @@ same digits.
 
 import ctypes
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
+from typing import Any, TypeAlias
 
 from fes.errors import FesError
 
@@ -19,11 +20,19 @@ SUFFIX = ".so"
 
 C, NUMPY = "c", "numpy"
 
+Buffer: TypeAlias = Any
+"""An array of bytes of ctypes. Its address is known, and numpy arrays can lie in it; numpy has no type for it."""
+
 Test = Callable[[ctypes.CDLL], bool]
 """True if a library computes what it must."""
 
 state: dict[str, str] = {}
 """Library -> `c`, or the reason why numpy computes instead; only of libraries that were asked for."""
+
+
+def used(names: Collection[str]) -> bool:
+    """True if this process computes with one of these libraries."""
+    return any(state.get(name) == C for name in names)
 
 
 def choice() -> str:

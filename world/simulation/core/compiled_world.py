@@ -3,11 +3,12 @@
 import ctypes
 from ctypes import c_int64, c_void_p
 from functools import cache
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
 from fes.arithmetic.core import library
+from fes.arithmetic.core.library import Buffer
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats, Ints, read_only
 from fes.model import outage
@@ -25,8 +26,6 @@ NEW_PAIRS, CANDIDATES_TOO_OLD = 1, -1
 """Results of fes_world_tick."""
 
 _MODELS = {"rayleigh": 0, "logistic": 1, "perfect": 2}
-
-Buffer: TypeAlias = "ctypes.Array[ctypes.c_char]"
 
 
 class Moved(NamedTuple):

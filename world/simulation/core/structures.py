@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fes.arithmetic.core.library import Buffer
+
 SENT, HEARD, DRAWN, TOTALS = range(4)
 """Totals of a tick."""
 
@@ -92,11 +94,11 @@ class Layout:
         self.places = dict(zip(_FIELDS, places, strict=True))
         """Place of each array [bytes]."""
 
-    def view(self, buffer: "ctypes.Array[ctypes.c_char]", name: str, shape: int | tuple[int, ...]) -> NDArray[Any]:
+    def view(self, buffer: Buffer, name: str, shape: int | tuple[int, ...]) -> NDArray[Any]:
         """The first numbers of one array of a buffer, as an array of this shape."""
         return np.ndarray(shape, _FIELDS[name], buffer, self.places[name])
 
-    def rows(self, buffer: "ctypes.Array[ctypes.c_char]", first: str, last: str, length: int) -> NDArray[Any]:
+    def rows(self, buffer: Buffer, first: str, last: str, length: int) -> NDArray[Any]:
         """The first `length` numbers of all arrays from `first` to `last`, which have one type, as rows."""
         names = list(_FIELDS)
         begin, end = names.index(first), names.index(last)
