@@ -53,11 +53,7 @@ def probe(choice: str) -> Core:
 
 
 def resolve(choice: str, name: str) -> Core:
-    """The core of a choice that a process reports as `name`.
-
-    >>> resolve("c", "numpy").reason
-    'the compiled core is not built'
-    """
+    """The core of a choice that a process reports as `name`."""
     if choice not in (UNSET, name) and name == NUMPY:
         return Core(choice, choice, "the compiled core is not built")
     return Core(choice, name)

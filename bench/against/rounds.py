@@ -17,9 +17,5 @@ def alternate(sides: Mapping[Side, Callable[[], Number]], rounds: int) -> dict[S
 
 
 def ratios(ours: list[float], theirs: list[float]) -> list[float]:
-    """The ratio of each round.
-
-    >>> ratios([3.0, 8.0], [2.0, 4.0])
-    [1.5, 2.0]
-    """
+    """The ratio of each round."""
     return [one / other for one, other in zip(ours, theirs, strict=True)]

@@ -27,11 +27,7 @@ class Wanted:
         return value >= bound if self.at_least else value <= bound
 
     def text(self, is_compiled: bool) -> str:
-        """The bound as it is printed.
-
-        >>> Wanted(60.0, 60.0, at_least=False, unit=" MB").text(True)
-        '≤ 60 MB'
-        """
+        """The bound as it is printed."""
         return f"{'≥' if self.at_least else '≤'} {self.bound(is_compiled):g}{self.unit}"
 
 
@@ -46,7 +42,7 @@ class Line:
     ours: tuple[float, ...] = ()
     """Rate or cost of fes in each round."""
     theirs: tuple[float, ...] = ()
-    """That of the other side."""
+    """Rate or cost of the other side."""
     values: tuple[float, ...] = ()
     """Ratio or quantity of each round, to be compared with the wanted one."""
     reason: str = ""
@@ -68,11 +64,7 @@ class Line:
 
 
 def amount(values: Iterable[float]) -> str:
-    """The median of numbers, with about three digits.
-
-    >>> amount([1234.5, 1300.0, 99.0]), amount([0.2345]), amount([])
-    ('1,234', '0.234', '')
-    """
+    """The median of numbers, with about three digits."""
     numbers = list(values)
     if not numbers:
         return ""
