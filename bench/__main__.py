@@ -54,7 +54,10 @@ def main() -> None:
     lines = []
     for row in rows:
         print(f"measures {row.name}: {row.what}", flush=True)
-        lines += choice.lines(row, plan)
+        measured = choice.lines(row, plan)
+        for line in measured:
+            print(f"  {line.core}: {line.result}", flush=True)
+        lines += measured
     print(f"\n{markdown(lines)}")
 
 

@@ -51,11 +51,15 @@ class Line:
         """The cells of the row."""
         wanted = self.wanted.text(self.is_compiled)
         if not self.values:
-            return self.what, self.core, "", "", f"not measured: {self.reason}", wanted, ""
+            return self.what, self.core, "", "", self.result, wanted, ""
         verdict = "met" if self.wanted.is_met(median(self.values), self.is_compiled) else "**not met**"
-        return self.what, self.core, amount(self.ours), amount(self.theirs), self._spread(), wanted, verdict
+        return self.what, self.core, amount(self.ours), amount(self.theirs), self.result, wanted, verdict
 
-    def _spread(self) -> str:
+    @property
+    def result(self) -> str:
+        """The median and the spread of the rounds, or the reason why they are missing."""
+        if not self.values:
+            return f"not measured: {self.reason}"
         digits = 2 if not self.wanted.unit else 0
         middle, low, high = (
             f"{value:.{digits}f}" for value in (median(self.values), min(self.values), max(self.values))
