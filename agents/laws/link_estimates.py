@@ -41,14 +41,17 @@ def first_estimates(config: LinkSeekingConfig, draws: Draws, links: Edges) -> Fl
 
 
 def of_new_links(
-    config: LinkSeekingConfig, draws: Draws, old: Edges, estimates: Floats, new: Edges, entry: Entry
+    config: LinkSeekingConfig, draws: Draws, old: Edges, estimates: Floats, begun: Edges, entry: Entry
 ) -> Floats:
-    """Estimates with which links begin, for all links `new` [l'] [m]; `estimates` [l] [m] are those of `old`.
+    """Estimates with which the new links `begun` [b] begin [b] [m]; `estimates` [l] [m] are those of the links `old`.
 
     A new link begins with its robot's own mean estimate. A fresh robot, or one without an estimate, takes the
-    reported mean instead, and a seeded draw where none was reported.
+    reported mean instead, and a seeded draw where none was reported. Only the links that need one get a draw.
     """
-    mean = (old.sum(estimates) / np.maximum(old.counts, 1)).take(new.rows)
-    without_mean = (entry.is_fresh | (old.counts == 0)).take(new.rows)
-    reported, first = entry.reported.take(new.rows), first_estimates(config, draws, new)
-    return np.where(without_mean, np.where(np.isfinite(reported), reported, first), mean)
+    mean = old.sum(estimates) / np.maximum(old.counts, 1)
+    has_mean = ~entry.is_fresh & (old.counts > 0)
+    first = np.where(has_mean, mean, entry.reported).take(begun.rows)
+    is_drawn = ~(has_mean | np.isfinite(entry.reported)).take(begun.rows)
+    if is_drawn.any():
+        first[is_drawn] = first_estimates(config, draws, begun.select(is_drawn))
+    return first

@@ -98,8 +98,9 @@ def relink(seeker: Seeker, draws: Draws, old: Edges, state: Floats, new: Edges, 
     transition = new.after(old)
     result, is_new = transition.carry(state, np.nan, axis=1), transition.is_new
     if is_new.any():
-        estimates = link_estimates.of_new_links(seeker.config, draws, old, state[ESTIMATE], new, entry)
-        result[:WEIGHT, is_new] = begin(seeker, entry.tick, estimates[is_new])
+        begun = new.select(is_new)
+        estimates = link_estimates.of_new_links(seeker.config, draws, old, state[ESTIMATE], begun, entry)
+        result[:WEIGHT, is_new] = begin(seeker, entry.tick, estimates)
         result[WEIGHT:, is_new] = 1.0
     return result
 

@@ -55,12 +55,14 @@ class MeasuredSeeking:
 
     def relink(self, state: Measured, old: Edges, new: Edges, entry: Entry) -> Measured:
         """The state over the links `new`."""
-        transition = new.after(old)
-        estimates = transition.carry(state.estimates, np.nan)
-        if transition.is_new.any():
-            first = link_estimates.of_new_links(self.config, self.context.draws, old, state.estimates, new, entry)
-            estimates = np.where(transition.is_new, first, estimates)
-        return Measured(estimates, self._learners.ahead(new), self._learners.carry(state.fit, old, new))
+        config, draws, transition = self.config, self.context.draws, new.after(old)
+        estimates, ahead = transition.carry(state.estimates, np.nan), transition.carry(state.ahead, 0.0)
+        is_new = transition.is_new
+        if is_new.any():
+            begun = new.select(is_new)
+            estimates[is_new] = link_estimates.of_new_links(config, draws, old, state.estimates, begun, entry)
+            ahead[is_new] = self._learners.ahead(begun)
+        return Measured(estimates, ahead, self._learners.carry(state.fit, old, new))
 
     def desired(self, state: Measured, tick: int, links: Edges) -> Floats:
         """The estimates, with the dither of each robot's clock."""

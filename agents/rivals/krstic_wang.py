@@ -86,13 +86,20 @@ class KrsticWang:
         """The state over the links `new`. A new link begins with the mean estimate of its robot, or with a draw."""
         transition = new.after(old)
         result, is_new = transition.carry(state, 0.0, axis=1), transition.is_new
-        low, high = self._parameters.initial_estimate
-        drawn = low + (high - low) * self._context.draws(FIRST_ESTIMATE, new.robots, new.peers)
-        mean = (old.sum(state[ESTIMATE]) / np.maximum(old.counts, 1)).take(new.rows)
-        first = np.where((entry.is_fresh | (old.counts == 0)).take(new.rows), drawn, mean)
-        result[ESTIMATE] = np.where(is_new, first, result[ESTIMATE])
-        result[BASELINE] = np.where(is_new, preference(first, self._context.objective), result[BASELINE])
+        if is_new.any():
+            begun = new.select(is_new)
+            first = (old.sum(state[ESTIMATE]) / np.maximum(old.counts, 1)).take(begun.rows)
+            is_drawn = (entry.is_fresh | (old.counts == 0)).take(begun.rows)
+            if is_drawn.any():
+                first[is_drawn] = self._drawn(begun.select(is_drawn))
+            result[ESTIMATE, is_new] = first
+            result[BASELINE, is_new] = preference(first, self._context.objective)
         return result
+
+    def _drawn(self, links: Edges) -> Floats:
+        """Seeded first estimates [l] [m]."""
+        low, high = self._parameters.initial_estimate
+        return low + (high - low) * self._context.draws(FIRST_ESTIMATE, links.robots, links.peers)
 
     def desired(self, state: Floats, tick: int, links: Edges) -> Floats:
         """The estimates with the dither [l] [m]."""

@@ -16,6 +16,9 @@ CONFIGS = Path("configs")
 SIZES = (10, 100, 1_000, 10_000)
 SPACING = 78.0
 
+FLAT = 1.5
+"""Wanted ratio of the cost per robot-tick of a larger team to that of 100 robots, at most."""
+
 
 def rate(scenario: Scenario, ticks: int, skip: int) -> float:
     """In-process ticks per second over `ticks` ticks, after `skip`."""
@@ -53,7 +56,7 @@ def main() -> None:
         per_second = rate(scenario, ticks, ticks // 2)
         cost = 1e6 / per_second / n
         first = cost if n == 100 else first
-        flat = f"    {cost / first:.2f}x that of 100 robots (budget <= 2x)" if first and n > 100 else ""
+        flat = f"    {cost / first:.2f}x that of 100 robots (budget <= {FLAT}x)" if first and n > 100 else ""
         print(f"  {n:6,} robots: {per_second * n:11,.0f} robot-ticks/s, {cost:6.2f} us per robot-tick{flat}")
     print("    budget >= 500,000 robot-ticks/s for many robots or stacked runs")
 

@@ -1,18 +1,37 @@
 """The first estimates of links: carried over, the robot's own mean, a reported mean, or a seeded draw."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from agents.laws import link_estimates, perturbation
 from agents.laws.perturbation import BASELINE, DRIFT, ESTIMATE, Seeker
+from agents.laws.seeking_measured import LinkSeeking, PooledSeeking
+from agents.rivals.krstic_wang import KrsticWang, KrsticWangParameters
 from fes.arrays.edges import Edges
-from fes.arrays.types import Floats
+from fes.arrays.types import Floats, Ints
 from fes.extension.context import SeededDraws
 from fes.extension.neighborhood import Entry
-from fes.model.seeking import OracleConfig
+from fes.model.seeking import MeasuredConfig, OracleConfig
+from tests.support import laws
 from tests.support.layouts import edges
 
 DRAWS = SeededDraws(11)
+
+
+class RecordedDraws:
+    """The draws of a seed, and the pairs of each call."""
+
+    def __init__(self) -> None:
+        self.calls: list[tuple[str, list[tuple[int, int]]]] = []
+
+    def __call__(self, stream: str, robots: Ints, peers: Ints) -> Floats:
+        self.calls.append((stream, list(zip(robots.tolist(), peers.tolist(), strict=True))))
+        return DRAWS(stream, robots, peers)
+
+    def own_ids(self, ids: Ints) -> Ints:
+        return ids
 
 
 class Constant:
@@ -29,6 +48,7 @@ class Constant:
 
 
 CONFIG = OracleConfig(index_gain=10.0, initial_estimate=(50.0, 90.0))
+MEASURED = MeasuredConfig(index="measured")
 SEEKER = Seeker(CONFIG, Constant(), 0.02)
 NO_STATE = np.zeros((3, 0))
 
@@ -105,3 +125,52 @@ def test_a_robot_that_joins_late_begins_with_what_its_neighbors_report() -> None
     estimates = relinked(old, NO_STATE, new, entry(900, True, True, reported=reported))[ESTIMATE]
     drawn = link_estimates.first_estimates(CONFIG, DRAWS, new)
     assert estimates.tolist() == [71.5, 71.5, drawn[2]]
+
+
+# Robot 0 has a mean, 1 is fresh, 2 has no link yet but heard a mean, and 3 has neither.
+OLD = edges(range(4), [(0, 1), (1, 0)])
+NEW = edges(range(4), [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1), (3, 0)])
+MIXED = entry(9, False, True, False, False, reported=np.array([np.nan, np.nan, 71.5, np.nan]))
+
+
+def test_only_new_links_without_a_mean_are_drawn() -> None:
+    recorded = RecordedDraws()
+    estimates = perturbation.relink(SEEKER, recorded, OLD, state_of(60.0, 80.0), NEW, MIXED)[ESTIMATE]
+    assert recorded.calls == [(link_estimates.FIRST_ESTIMATE, [(1, 2), (3, 0)])]
+    drawn = link_estimates.first_estimates(CONFIG, DRAWS, NEW)
+    assert estimates.tolist() == [60.0, 60.0, 80.0, drawn[3], 71.5, 71.5, drawn[6]]
+
+
+def test_links_that_all_have_a_mean_are_not_drawn() -> None:
+    recorded = RecordedDraws()
+    more = edges([0, 1], [(0, 2), (0, 3), (1, 2), (1, 3)])
+    perturbation.relink(
+        SEEKER, recorded, more.select(more.peers == 2), state_of(1.0, 2.0), more, entry(9, False, False)
+    )
+    assert recorded.calls == []
+
+
+@pytest.mark.parametrize("law", [PooledSeeking, LinkSeeking])
+def test_a_measured_law_draws_for_the_new_links_only(law: type[PooledSeeking] | type[LinkSeeking]) -> None:
+    recorded = RecordedDraws()
+    seeking = law(MEASURED, replace(laws.context(np.arange(4)), draws=recorded))
+    calm = entry(2, *[False] * 4)
+    state = seeking.relink(seeking.start(), edges(range(4), []), OLD, calm)
+    recorded.calls.clear()
+    relinked = seeking.relink(state, OLD, NEW, MIXED)
+    staggered = [(link_estimates.STAGGER, [(0, 2), (1, 2), (0, 2), (1, 2), (0, 3)])] if law is LinkSeeking else []
+    assert recorded.calls == [(link_estimates.FIRST_ESTIMATE, [(1, 2), (3, 0)]), *staggered]
+    assert relinked.estimates[[0, 2]].tolist() == state.estimates.tolist()
+    drawn = link_estimates.first_estimates(MEASURED, DRAWS, NEW)
+    assert relinked.estimates[[3, 6]].tolist() == drawn[[3, 6]].tolist()
+    if law is LinkSeeking:
+        assert relinked.ahead.tolist() == link_estimates.stagger(MEASURED, DRAWS, NEW).tolist()
+
+
+def test_the_law_of_krstic_and_wang_draws_for_the_new_links_only() -> None:
+    recorded = RecordedDraws()
+    law = KrsticWang(KrsticWangParameters(), replace(laws.context(np.arange(4)), draws=recorded))
+    state = law.relink(law.start(), edges(range(4), []), OLD, entry(2, *[False] * 4))
+    recorded.calls.clear()
+    law.relink(state, OLD, NEW, MIXED)
+    assert [pairs for _, pairs in recorded.calls] == [[(1, 2), (2, 0), (2, 1), (3, 0)]]
