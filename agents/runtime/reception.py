@@ -62,13 +62,14 @@ class Receiver:
             heard = self._places.take(pairs)
             sender, link = sender.take(pairs), link.take(pairs)
         estimates, selected = _of_links(beacons, link)
+        poses = beacons.poses.take(sender, axis=0)
         return Received(
             observations.tick - 1,
             edges,
             heard,
-            beacons.poses[:, geometry.X].take(sender),
-            beacons.poses[:, geometry.Y].take(sender),
-            beacons.poses[:, geometry.HEADING].take(sender),
+            poses[:, geometry.X],
+            poses[:, geometry.Y],
+            poses[:, geometry.HEADING],
             estimates,
             selected,
             _rows(beacons.statistics, sender),

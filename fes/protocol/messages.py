@@ -3,6 +3,7 @@
 A decoder raises MessageError, and nothing else, on any bytes.
 """
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -108,15 +109,17 @@ class Command(NamedTuple):
 
 def encode_observation(message: Observation) -> bytes:
     """The payload of an Observation."""
-    return wire.pack(
-        message.tick,
-        message.robot,
-        *message.pose,
-        wire.id_bytes(message.in_range),
-        message.reception.tobytes(),
-        message.over,
-        message.since,
+    in_range, reception = wire.id_bytes(message.in_range), message.reception.tobytes()
+    return pack_observation(
+        message.tick, message.robot, message.pose, in_range, reception, message.over, message.since
     )
+
+
+def pack_observation(
+    tick: int, robot: int, pose: Iterable[float], in_range: bytes, reception: bytes, over: bool, since: int
+) -> bytes:
+    """The payload of an Observation whose arrays are bytes already."""
+    return wire.pack(tick, robot, *pose, in_range, reception, over, since)
 
 
 def decode_observation(payload: bytes) -> Observation:
@@ -136,16 +139,30 @@ def decode_observation(payload: bytes) -> Observation:
 
 def encode_beacon(message: Beacon) -> bytes:
     """The payload of a Beacon."""
-    return wire.pack(
+    return pack_beacon(
         message.tick,
         message.robot,
-        *message.pose,
+        message.pose,
         wire.id_bytes(message.links),
         message.estimates.tobytes(),
         message.selected.tobytes(),
         message.statistics.tobytes(),
         message.declared,
     )
+
+
+def pack_beacon(
+    tick: int,
+    robot: int,
+    pose: Iterable[float],
+    links: bytes,
+    estimates: bytes,
+    selected: bytes,
+    statistics: bytes,
+    declared: bytes,
+) -> bytes:
+    """The payload of a Beacon whose arrays are bytes already."""
+    return wire.pack(tick, robot, *pose, links, estimates, selected, statistics, declared)
 
 
 def decode_beacon(payload: bytes) -> Beacon:
@@ -166,16 +183,30 @@ def decode_beacon(payload: bytes) -> Beacon:
 
 def encode_command(message: Command) -> bytes:
     """The payload of a Command."""
-    return wire.pack(
+    return pack_command(
         message.tick,
         message.robot,
-        *message.twist,
+        message.twist,
         wire.id_bytes(message.links),
         message.estimates.tobytes(),
         message.learnt.tobytes(),
         message.details.tobytes(),
         message.is_model_free,
     )
+
+
+def pack_command(
+    tick: int,
+    robot: int,
+    twist: Iterable[float],
+    links: bytes,
+    estimates: bytes,
+    learnt: bytes,
+    details: bytes,
+    is_model_free: bool | None,
+) -> bytes:
+    """The payload of a Command whose arrays are bytes already."""
+    return wire.pack(tick, robot, *twist, links, estimates, learnt, details, is_model_free)
 
 
 def decode_command(payload: bytes) -> Command:
