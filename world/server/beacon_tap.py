@@ -12,7 +12,7 @@ import numpy as np
 
 from fes.arrays.types import Bools
 from fes.errors import MessageError, Overloaded, Rejected, Unavailable
-from fes.protocol import keys, messages, wire
+from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon
 from fes.transport.bus import MAILBOX, Bus, Query
 from fes.transport.drop_log import DropLog, shown
@@ -109,17 +109,16 @@ class BeaconTap:
             if sample is None:
                 return
             payload = sample[1]
-            stamp = wire.peek(payload) if payload is not None else None
-            if stamp is not None and stamp[1] == robot and stamp[0] > tick + 1:
-                if self._guarded:  # a peer may have stored it for that later tick
-                    self._faults.setdefault(tick, {})[robot] = f"it sent a beacon ahead of its time at tick {tick}"
-                continue
-            if stamp is not None and stamp[0] < tick - 1:
-                continue
             try:
                 beacon = self._decoded(payload, robot)
             except MessageError:
                 continue  # its peers count and log it
+            if beacon.tick > tick + 1:
+                if self._guarded:  # a peer may have stored it for that later tick
+                    self._faults.setdefault(tick, {})[robot] = f"it sent a beacon ahead of its time at tick {tick}"
+                continue
+            if beacon.tick < tick - 1:
+                continue
             assert payload is not None
             first = self._payloads.setdefault(beacon.tick, {}).setdefault(robot, payload)
             if payload != first:
