@@ -9,7 +9,7 @@ from agents.control.transmitter import RobotPayloads
 from fes.arrays.edges import Stack
 from fes.arrays.types import Bytes, Floats, Ints
 from fes.model.sensing import Beacons, Observations, Telemetry, no_beacons
-from fes.protocol import messages, wire
+from fes.protocol import packing, wire
 from fes.protocol.messages import Beacon, Observation
 
 Number = TypeVar("Number", bound=np.generic)
@@ -88,7 +88,7 @@ def encode_tick(beacons: Beacons, twists: Floats, telemetry: Telemetry) -> list[
     robots = zip(beacons.ids.tolist(), beacons.poses.tolist(), twists.tolist(), links.spans, own.spans, strict=True)
     for row, (robot, pose, twist, span, own_span) in enumerate(robots):
         begin, end = span.start, span.stop
-        beacon = messages.pack_beacon(
+        beacon = packing.pack_beacon(
             beacons.tick,
             robot,
             pose,
@@ -99,7 +99,7 @@ def encode_tick(beacons: Beacons, twists: Floats, telemetry: Telemetry) -> list[
             declared[b * row : b * row + b],
         )
         begin, end = own_span.start, own_span.stop
-        command = messages.pack_command(
+        command = packing.pack_command(
             beacons.tick,
             robot,
             twist,

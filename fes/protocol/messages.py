@@ -3,7 +3,6 @@
 A decoder raises MessageError, and nothing else, on any bytes.
 """
 
-from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +20,7 @@ from fes.model.sensing import (
     MAX_STATISTICS,
     MAX_TWIST,
 )
-from fes.protocol import wire
+from fes.protocol import packing, wire
 
 MAX_AGENT = 2**62
 """Largest number of an agent in a Join."""
@@ -110,16 +109,9 @@ class Command(NamedTuple):
 def encode_observation(message: Observation) -> bytes:
     """The payload of an Observation."""
     in_range, reception = wire.id_bytes(message.in_range), message.reception.tobytes()
-    return pack_observation(
+    return packing.pack_observation(
         message.tick, message.robot, message.pose, in_range, reception, message.over, message.since
     )
-
-
-def pack_observation(
-    tick: int, robot: int, pose: Iterable[float], in_range: bytes, reception: bytes, over: bool, since: int
-) -> bytes:
-    """The payload of an Observation whose arrays are bytes already."""
-    return wire.pack(tick, robot, *pose, in_range, reception, over, since)
 
 
 def decode_observation(payload: bytes) -> Observation:
@@ -139,7 +131,7 @@ def decode_observation(payload: bytes) -> Observation:
 
 def encode_beacon(message: Beacon) -> bytes:
     """The payload of a Beacon."""
-    return pack_beacon(
+    return packing.pack_beacon(
         message.tick,
         message.robot,
         message.pose,
@@ -149,20 +141,6 @@ def encode_beacon(message: Beacon) -> bytes:
         message.statistics.tobytes(),
         message.declared,
     )
-
-
-def pack_beacon(
-    tick: int,
-    robot: int,
-    pose: Iterable[float],
-    links: bytes,
-    estimates: bytes,
-    selected: bytes,
-    statistics: bytes,
-    declared: bytes,
-) -> bytes:
-    """The payload of a Beacon whose arrays are bytes already."""
-    return wire.pack(tick, robot, *pose, links, estimates, selected, statistics, declared)
 
 
 def decode_beacon(payload: bytes) -> Beacon:
@@ -183,7 +161,7 @@ def decode_beacon(payload: bytes) -> Beacon:
 
 def encode_command(message: Command) -> bytes:
     """The payload of a Command."""
-    return pack_command(
+    return packing.pack_command(
         message.tick,
         message.robot,
         message.twist,
@@ -193,20 +171,6 @@ def encode_command(message: Command) -> bytes:
         message.details.tobytes(),
         message.is_model_free,
     )
-
-
-def pack_command(
-    tick: int,
-    robot: int,
-    twist: Iterable[float],
-    links: bytes,
-    estimates: bytes,
-    learnt: bytes,
-    details: bytes,
-    is_model_free: bool | None,
-) -> bytes:
-    """The payload of a Command whose arrays are bytes already."""
-    return wire.pack(tick, robot, *twist, links, estimates, learnt, details, is_model_free)
 
 
 def decode_command(payload: bytes) -> Command:
