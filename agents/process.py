@@ -105,9 +105,10 @@ class Agent:
         for received in ticks:
             observations = crew.observe(received)
             heard = self.radio.heard(observations.tick - 1)
+            senders = [beacon.robot for beacon in heard]
             if not lockstep:  # the live clock does not wait for late beacons
-                self._late += reception.missing(observations, [beacon.robot for beacon in heard])
-            elif reception.decoded(observations).difference([beacon.robot for beacon in heard]):
+                self._late += reception.missing(observations, senders)
+            elif reception.absent(observations, senders):
                 return observations, heard
             self._publish(crew, observations, heard)
         return None
@@ -117,7 +118,7 @@ class Agent:
         payloads = crew.answer(observations, heard)
         if observations.in_range is not self._subscribed:
             self._subscribed = observations.in_range
-            self.radio.update(set(self._subscribed.peers.tolist()))
+            self.radio.update(self._subscribed.peer_set)
         self._outbox.publish(observations.tick, payloads)
 
     async def _complete(self, observations: Observations, heard: list[Beacon]) -> list[Beacon]:
@@ -127,8 +128,8 @@ class Agent:
         slower path than the tick, or a router died with it. A busy world is asked again while it is reachable.
         """
         world = self.membership.world
-        while absent := reception.decoded(observations) - {beacon.robot for beacon in heard}:
-            recalled, rejected = await self.radio.recall(observations.tick - 1, sorted(absent))
+        while absent := reception.absent(observations, [beacon.robot for beacon in heard]):
+            recalled, rejected = await self.radio.recall(observations.tick - 1, absent)
             heard = sorted([*heard, *recalled], key=lambda beacon: beacon.robot)
             if len(recalled) == len(absent):
                 break

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Collection
+from collections.abc import Set as AbstractSet
 
 from fes.errors import MessageError, Overloaded, Rejected, Unavailable
 from fes.protocol import keys, messages
@@ -33,7 +34,7 @@ class BeaconSubscriptions:
         """The peers to whose beacons this process is subscribed, ascending."""
         return list(self._boxes)
 
-    def update(self, peers: set[int]) -> None:
+    def update(self, peers: AbstractSet[int]) -> None:
         """Subscribe to `peers`, and to no others.
 
         In lockstep the beacons of every later tick are received: peers step only after this robot's next command.

@@ -1,6 +1,6 @@
 """Application of the radio's verdict: a crew gets only the beacons that decoded."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -93,9 +93,14 @@ class Receiver:
         return edges
 
 
-def decoded(observations: Observations) -> set[int]:
-    """Ids of the peers whose beacon of the previous tick decoded at a robot of this crew."""
-    return set(observations.in_range.peers[observations.reception == DECODED].tolist())
+def absent(observations: Observations, senders: Collection[int]) -> list[int]:
+    """Peers whose beacon of the previous tick decoded at a robot of this crew, and which are not among the `senders`.
+
+    They are ascending.
+    """
+    if observations.in_range.peer_set.issubset(senders):  # the usual tick
+        return []
+    return sorted(set(observations.in_range.peers[observations.reception == DECODED].tolist()).difference(senders))
 
 
 def missing(observations: Observations, senders: Sequence[int]) -> int:
