@@ -8,31 +8,33 @@ import argparse
 import asyncio
 import logging
 import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
-import numpy as np
-
-from agents.control import crew, transmitter
-from agents.runtime import marshalling, reception
+from agents.runtime import reception
 from agents.runtime.beacon_subscriptions import BeaconSubscriptions
-from agents.runtime.marshalling import MessageAssembler
+from agents.runtime.hosted_crew import HostedCrew
 from agents.runtime.membership import PATIENCE, Membership
-from agents.runtime.model_freedom import is_model_free
 from agents.runtime.outbox import Outbox
-from agents.runtime.reception import Receiver
 from agents.runtime.tick_source import TickSource
 from fes import command_line, process
+from fes.arrays.edges import Edges
 from fes.errors import FesError, Rejected, Unavailable
 from fes.model.sensing import Observations
 from fes.protocol import keys, messages
-from fes.protocol.messages import Beacon, Welcome
+from fes.protocol.messages import Beacon, Observation, Welcome
 from fes.system import output
 from fes.transport import bus, identity
 from fes.transport.bus import Bus
 from fes.transport.drop_log import DropLog
 from fes.transport.endpoints import Endpoints
 from fes.transport.identity import Identity
-from fes.transport.inbox import Inbox
+from fes.transport.inbox import ThreadInbox
+
+T = TypeVar("T")
 
 AUTO = "auto"
 """Value of --id that stands for the lowest free robot."""
@@ -49,10 +51,13 @@ class Agent:
         self._bus = opened
         self._run = run
         self._robots = robots
-        self._inbox = Inbox(asyncio.get_running_loop())
+        self._inbox = ThreadInbox()
         self.membership = Membership(opened, run, robots, self._inbox, lambda: self._ticks.tick)
         self._outbox = Outbox(opened, run, robots, self.drops, self.membership.join.mark)
-        self._ticks = TickSource(robots, self._inbox, self._outbox, self.drops, self.membership.on_quiet)
+        self._ticks = TickSource(robots, self._inbox, self._outbox, self.drops, self._on_quiet)
+        self._loop = asyncio.get_running_loop()
+        self._subscribed: Edges | None = None
+        """The pairs in range for which the beacon subscriptions are declared."""
         self._late = 0
 
     async def join(self, timeout: float) -> Welcome:
@@ -61,39 +66,60 @@ class Agent:
 
     async def live(self, welcome: Welcome) -> None:
         """Step the crew at each tick, until the world ends the run; raises Unavailable or Rejected."""
-        ids = np.array(welcome.robots, dtype=np.int64)
-        robots = crew.create(welcome.config, ids)
-        state = crew.start(robots)
-        stack, receiver = MessageAssembler(ids), Receiver()
+        crew = HostedCrew(welcome)
         for robot in self._robots:
             self._bus.declare_subscriber(keys.observation(self._run, robot), self._inbox.put)
         for robot in self._robots:  # last: a token promises that all subscriptions are declared
             self._bus.declare_token(keys.robot_alive(self._run, robot))
         self.logger.info("ready")
-        world = self.membership.world
-        subscribed, since = None, np.zeros(len(ids), dtype=np.int64)
-        lockstep = welcome.config.clock == "lockstep"
-        async for received in self._ticks.lockstep(world) if lockstep else self._ticks.live(world):
-            observations = stack.observations(received)
-            joined = np.array([message.since for message in received])
-            if (joined != since).any():  # these robots were absent
-                state, since = crew.forget(robots, state, joined != since), joined
-            heard = self.radio.heard(observations.tick - 1)
-            if lockstep:
-                heard = await self._complete(observations, heard)
-            else:  # the live clock does not wait for late beacons
-                self._late += reception.missing(observations, [beacon.robot for beacon in heard])
-            beacons = stack.beacons(observations.tick - 1, heard)
-            received_beacons = receiver.receive(observations, beacons, state.contacts.edges)
-            state, sent, twists, telemetry = crew.step(robots, state, observations.sensed, received_beacons)
-            if observations.in_range is not subscribed:
-                subscribed = observations.in_range
-                self.radio.update(set(subscribed.peers.tolist()))
-            telemetry = telemetry._replace(is_model_free=is_model_free())
-            payloads = list(marshalling.encode_tick(sent, twists, telemetry))
-            payloads = transmitter.on_air(robots.transmitters, observations.tick, payloads)
-            self._outbox.publish(observations.tick, payloads)
+        lockstep, world = welcome.config.clock == "lockstep", self.membership.world
+        ticks = self._ticks.lockstep(world) if lockstep else self._ticks.live(world)
+        with ThreadPoolExecutor(1, "ticks") as thread:
+            while incomplete := await self._in(thread, partial(self._answer, crew, ticks, lockstep)):
+                observations, heard = incomplete
+                self._publish(crew, observations, await self._complete(observations, heard))
         self.membership.close()
+
+    def _on_quiet(self) -> None:
+        """Confirm the membership after a silence; called in the thread of the ticks."""
+        self._loop.call_soon_threadsafe(self.membership.on_quiet)
+
+    async def _in(self, thread: ThreadPoolExecutor, work: Callable[[], T]) -> T:
+        """The result of `work` in a thread, which ends first if this task is cancelled: the inbox closes."""
+        running = self._loop.run_in_executor(thread, work)
+        try:
+            return await asyncio.shield(running)
+        except asyncio.CancelledError:
+            self._inbox.close(Unavailable("the agent is stopped"))
+            await asyncio.gather(running, return_exceptions=True)
+            raise
+
+    def _answer(
+        self, crew: HostedCrew, ticks: Iterator[list[Observation]], lockstep: bool
+    ) -> tuple[Observations, list[Beacon]] | None:
+        """Answer tick after tick, until the run is over, or a beacon is missing: only the loop can recall it.
+
+        Runs in a thread of its own, which wakes at a lower cost than the loop. Returns None, or the
+        observations of the tick that is not answered yet, and the beacons that have arrived for it.
+        """
+        for received in ticks:
+            observations = crew.observe(received)
+            heard = self.radio.heard(observations.tick - 1)
+            senders = [beacon.robot for beacon in heard]
+            if not lockstep:  # the live clock does not wait for late beacons
+                self._late += reception.missing(observations, senders)
+            elif reception.absent(observations, senders):
+                return observations, heard
+            self._publish(crew, observations, heard)
+        return None
+
+    def _publish(self, crew: HostedCrew, observations: Observations, heard: list[Beacon]) -> None:
+        """Step the crew, subscribe to the peers that are now in range, and publish beacons and commands."""
+        payloads = crew.answer(observations, heard)
+        if observations.in_range is not self._subscribed:
+            self._subscribed = observations.in_range
+            self.radio.update(self._subscribed.peer_set)
+        self._outbox.publish(observations.tick, payloads)
 
     async def _complete(self, observations: Observations, heard: list[Beacon]) -> list[Beacon]:
         """All beacons that decoded, ordered by sender. Raises Unavailable if one stays missing: digits would change.
@@ -102,8 +128,8 @@ class Agent:
         slower path than the tick, or a router died with it. A busy world is asked again while it is reachable.
         """
         world = self.membership.world
-        while absent := reception.decoded(observations) - {beacon.robot for beacon in heard}:
-            recalled, rejected = await self.radio.recall(observations.tick - 1, sorted(absent))
+        while absent := reception.absent(observations, [beacon.robot for beacon in heard]):
+            recalled, rejected = await self.radio.recall(observations.tick - 1, absent)
             heard = sorted([*heard, *recalled], key=lambda beacon: beacon.robot)
             if len(recalled) == len(absent):
                 break

@@ -2,9 +2,10 @@
 
 import asyncio
 from collections.abc import Collection
+from collections.abc import Set as AbstractSet
 
 from fes.errors import MessageError, Overloaded, Rejected, Unavailable
-from fes.protocol import keys, messages, wire
+from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon
 from fes.transport import bus
 from fes.transport.bus import Bus, Mailbox
@@ -23,6 +24,8 @@ class BeaconSubscriptions:
         self._run, self._robots = run, robots
         self._drops = drops
         self._boxes: dict[int, Mailbox] = {}
+        self._keys: dict[int, str] = {}
+        """Key of each peer's beacons."""
         self._early: dict[int, Beacon] = {}
         """Beacon of the tick after the last one read, by peer."""
 
@@ -31,22 +34,29 @@ class BeaconSubscriptions:
         """The peers to whose beacons this process is subscribed, ascending."""
         return list(self._boxes)
 
-    def update(self, peers: set[int]) -> None:
+    def update(self, peers: AbstractSet[int]) -> None:
         """Subscribe to `peers`, and to no others.
 
         In lockstep the beacons of every later tick are received: peers step only after this robot's next command.
         """
         for peer in self._boxes.keys() - peers:
             self._boxes.pop(peer).close()
+            del self._keys[peer]
             self._early.pop(peer, None)
         for peer in peers - self._boxes.keys():
-            self._boxes[peer] = self._bus.mailbox(keys.beacon(self._run, peer))
+            key = self._keys[peer] = keys.beacon(self._run, peer)
+            self._boxes[peer] = self._bus.mailbox(key)
         self._boxes = dict(sorted(self._boxes.items()))
 
     def heard(self, tick: int) -> list[Beacon]:
         """The beacons of `tick` that have arrived, ordered by sender; older ones are dropped."""
-        beacons = (self._beacon(peer, box, tick) for peer, box in self._boxes.items())
-        return [beacon for beacon in beacons if beacon is not None]
+        heard = []
+        for peer, box in self._boxes.items():
+            early = self._early.pop(peer, None) if self._early else None
+            beacon = early if early is not None and early.tick == tick else self._first(peer, box, tick)
+            if beacon is not None:
+                heard.append(beacon)
+        return heard
 
     async def recall(self, tick: int, peers: Collection[int]) -> tuple[list[Beacon], bool]:
         """The beacons of `peers` from `tick` that the world resends, and True if it does not have one of them.
@@ -74,34 +84,34 @@ class BeaconSubscriptions:
         )
         return beacon
 
-    def _beacon(self, peer: int, box: Mailbox, tick: int) -> Beacon | None:
-        """The first beacon of `tick` in a box. Beacons beyond the next tick are dropped, as the world drops them too.
+    def _first(self, peer: int, box: Mailbox, tick: int) -> Beacon | None:
+        """The first beacon of `tick` in a box; what follows it stays there.
 
-        At most a full box is read, since a sender may fill it while it is emptied.
+        The beacon of the next tick is stored, as that of `tick` may still follow it. Beacons beyond the next tick are
+        dropped, as the world drops them too. At most a full box is read, since a sender may fill it while it is
+        emptied.
         """
-        early = self._early.pop(peer, None)
-        first = early if early is not None and early.tick == tick else None
         for _ in range(bus.MAILBOX):
             sample = box.take()
             if sample is None:
                 break
-            stamp = wire.peek(sample[1]) if sample[1] is not None else None
-            if stamp is not None and stamp[0] > tick + 1:
-                self._drops.reject("Beacon: from the future", f"a beacon of robot {peer} from tick {stamp[0]}")
-                continue
             beacon = self._read(peer, *sample)
-            if beacon is not None and beacon.tick == tick:
-                first = first or beacon
-            elif beacon is not None and beacon.tick == tick + 1:
+            if beacon is None:
+                continue
+            if beacon.tick == tick:
+                return beacon
+            if beacon.tick == tick + 1:
                 self._early.setdefault(peer, beacon)
-        return first
+            elif beacon.tick > tick:
+                self._drops.reject("Beacon: from the future", f"a beacon of robot {peer} from tick {beacon.tick}")
+        return None
 
     def _read(self, peer: int, key: str, payload: bytes | None) -> Beacon | None:
         try:
             if payload is None:
                 raise MessageError("Beacon", "a deletion is not a beacon")
             beacon = messages.decode_beacon(payload)
-            if beacon.robot != peer or keys.robot_of(key) != peer:
+            if beacon.robot != peer or key != self._keys[peer]:
                 raise MessageError("Beacon", "came on another robot's key", key)
         except MessageError as error:
             self._drops.unread(key, error)

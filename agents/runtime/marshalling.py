@@ -1,14 +1,18 @@
 """Marshalling between messages and a crew's arrays."""
 
-from collections.abc import Iterator
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
+from agents.control.transmitter import RobotPayloads
 from fes.arrays.edges import Stack
 from fes.arrays.types import Bytes, Floats, Ints
 from fes.model.sensing import Beacons, Observations, Telemetry, no_beacons
-from fes.protocol import messages
-from fes.protocol.messages import Beacon, Command, Observation
+from fes.protocol import packing, wire
+from fes.protocol.messages import Beacon, Observation
+
+Number = TypeVar("Number", bound=np.generic)
 
 
 class MessageAssembler:
@@ -25,7 +29,7 @@ class MessageAssembler:
         """The observations of one tick as arrays; one per robot of the crew, in id order."""
         edges = self._in_range.edges(self._ids, [message.in_range for message in received])
         poses = np.array([message.pose for message in received])
-        reception = np.concatenate([message.reception for message in received])
+        reception = _joined([message.reception for message in received])
         return Observations(received[0].tick, poses, edges, reception)
 
     def beacons(self, tick: int, received: list[Beacon]) -> Beacons:
@@ -41,8 +45,8 @@ class MessageAssembler:
             self._sender_ids,
             np.array([message.pose for message in received]),
             links,
-            np.concatenate([message.estimates for message in received]),
-            np.concatenate([message.selected for message in received]).view(np.bool_),
+            _joined([message.estimates for message in received]),
+            _joined([message.selected for message in received]).view(np.bool_),
             self._statistics([message.statistics for message in received]),
             self._declared([message.declared for message in received]),
         )
@@ -51,7 +55,9 @@ class MessageAssembler:
     def _statistics(received: list[Floats]) -> Floats:
         """Statistics [n, q], with q the largest number received; zeros for a sender with fewer, as if unmeasured."""
         q = max(map(len, received))
-        return np.array([row if len(row) == q else np.zeros(q) for row in received]).reshape(len(received), q)
+        if not q:
+            return np.empty((len(received), 0))
+        return _joined([row if len(row) == q else np.zeros(q) for row in received]).reshape(len(received), q)
 
     @staticmethod
     def _declared(received: list[bytes]) -> Bytes:
@@ -61,18 +67,47 @@ class MessageAssembler:
         return np.frombuffer(b"".join(rows), dtype=np.uint8).reshape(len(received), b)
 
 
-def encode_tick(beacons: Beacons, twists: Floats, telemetry: Telemetry) -> Iterator[tuple[int, bytes, bytes]]:
-    """Id, beacon payload and command payload of each robot."""
-    selected = beacons.selected.view(np.uint8)
-    spans = zip(beacons.links.spans, telemetry.links.spans, strict=True)  # a late transmitter sends other links
-    robots = zip(beacons.ids.tolist(), beacons.poses.tolist(), twists.tolist(), strict=True)
-    laws = zip(beacons.statistics, beacons.declared, telemetry.details, strict=True)
-    for (robot, pose, twist), (sent, own), (statistics, declared, details) in zip(robots, spans, laws, strict=True):
-        links, estimates = beacons.links.peers[sent], beacons.estimates[sent]
-        numbers = statistics, declared.tobytes()
-        beacon = Beacon(beacons.tick, robot, tuple(pose), links, estimates, selected[sent], *numbers)
-        links, estimates = telemetry.links.peers[own], telemetry.estimates[own]
-        learnt = telemetry.learnt[:, own].ravel()
-        own_numbers = links, estimates, learnt, details
-        command = Command(beacons.tick, robot, tuple(twist), *own_numbers, telemetry.is_model_free)
-        yield robot, messages.encode_beacon(beacon), messages.encode_command(command)
+def _joined(rows: list[NDArray[Number]]) -> NDArray[Number]:
+    """The rows, one after the other; not copied if there is only one."""
+    return rows[0] if len(rows) == 1 else np.concatenate(rows)
+
+
+def encode_tick(beacons: Beacons, twists: Floats, telemetry: Telemetry) -> list[RobotPayloads]:
+    """Id, beacon payload and command payload of each robot.
+
+    Each array becomes bytes once, and each robot gets its share of them.
+    """
+    links, own = beacons.links, telemetry.links  # a late transmitter sends other links than its robot has
+    peers, estimates = wire.id_bytes(links.peers), beacons.estimates.tobytes()
+    selected, declared = beacons.selected.tobytes(), beacons.declared.tobytes()
+    statistics, details = beacons.statistics.tobytes(), telemetry.details.tobytes()
+    own_peers, own_estimates = wire.id_bytes(own.peers), telemetry.estimates.tobytes()
+    q, b, j = 8 * beacons.statistics.shape[1], beacons.declared.shape[1], 8 * telemetry.details.shape[1]
+    k, learnt = len(telemetry.learnt), telemetry.learnt
+    payloads = []
+    robots = zip(beacons.ids.tolist(), beacons.poses.tolist(), twists.tolist(), links.spans, own.spans, strict=True)
+    for row, (robot, pose, twist, span, own_span) in enumerate(robots):
+        begin, end = span.start, span.stop
+        beacon = packing.pack_beacon(
+            beacons.tick,
+            robot,
+            pose,
+            peers[4 * begin : 4 * end],
+            estimates[8 * begin : 8 * end],
+            selected[begin:end],
+            statistics[q * row : q * row + q],
+            declared[b * row : b * row + b],
+        )
+        begin, end = own_span.start, own_span.stop
+        command = packing.pack_command(
+            beacons.tick,
+            robot,
+            twist,
+            own_peers[4 * begin : 4 * end],
+            own_estimates[8 * begin : 8 * end],
+            learnt[:, own_span].tobytes() if k else b"",
+            details[j * row : j * row + j],
+            telemetry.is_model_free,
+        )
+        payloads.append((robot, beacon, command))
+    return payloads

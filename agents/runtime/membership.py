@@ -12,7 +12,7 @@ from fes.protocol import keys, messages
 from fes.protocol.messages import MAX_AGENT, Join, Welcome
 from fes.system import fingerprint
 from fes.transport.bus import Bus
-from fes.transport.inbox import Inbox
+from fes.transport.inbox import ThreadInbox
 
 ANSWER_TIMEOUT = 5.0
 """Time [s] that a request waits for the answer of the world. Then it is repeated."""
@@ -31,7 +31,9 @@ class Membership:
     The agent requests them once. It confirms them whenever the world may have assigned them to another agent.
     """
 
-    def __init__(self, bus: Bus, run: str, robots: tuple[int, ...], inbox: Inbox, tick: Callable[[], int]) -> None:
+    def __init__(
+        self, bus: Bus, run: str, robots: tuple[int, ...], inbox: ThreadInbox, tick: Callable[[], int]
+    ) -> None:
         """`tick` returns the last tick that this agent answered. A rejection after the join fails the `inbox`."""
         self.join = Join(robots, secrets.randbelow(MAX_AGENT), fingerprint.text())
         self.world = WorldLiveliness(f"the world of run '{run}'", inbox)

@@ -35,8 +35,8 @@ class Outbox:
         self._beacons[tick] = {robot: beacon for robot, beacon, _ in payloads}
         self._commands[tick] = {robot: command for robot, _, command in payloads}
         for stored in (self._beacons, self._commands):
-            for old in [earlier for earlier in stored if earlier <= tick - REMEMBERED]:
-                del stored[old]
+            while (oldest := next(iter(stored))) <= tick - REMEMBERED:
+                del stored[oldest]
         for robot, beacon, _ in payloads:
             self._beacon[robot](beacon)
         for robot, _, command in payloads:
@@ -61,9 +61,10 @@ class Outbox:
                 self._drops.unread(key, error)
                 query.reply_err(str(error))
                 return
-            if tick not in self._beacons:
+            beacon = self._beacons.get(tick, {}).get(robot)  # the thread of the ticks may delete it meanwhile
+            if beacon is None:
                 query.reply_err(f"robot {robot} does not remember its beacon of tick {tick}")
                 return
-            query.reply(self._beacons[tick][robot], "fes.Beacon")
+            query.reply(beacon, "fes.Beacon")
 
         bus.declare_queryable(key, on_query)

@@ -1,6 +1,6 @@
 """Application of the radio's verdict: a crew gets only the beacons that decoded."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -62,13 +62,14 @@ class Receiver:
             heard = self._places.take(pairs)
             sender, link = sender.take(pairs), link.take(pairs)
         estimates, selected = _of_links(beacons, link)
+        poses = beacons.poses.take(sender, axis=0)
         return Received(
             observations.tick - 1,
             edges,
             heard,
-            beacons.poses[:, geometry.X].take(sender),
-            beacons.poses[:, geometry.Y].take(sender),
-            beacons.poses[:, geometry.HEADING].take(sender),
+            poses[:, geometry.X],
+            poses[:, geometry.Y],
+            poses[:, geometry.HEADING],
             estimates,
             selected,
             _rows(beacons.statistics, sender),
@@ -92,9 +93,14 @@ class Receiver:
         return edges
 
 
-def decoded(observations: Observations) -> set[int]:
-    """Ids of the peers whose beacon of the previous tick decoded at a robot of this crew."""
-    return set(observations.in_range.peers[observations.reception == DECODED].tolist())
+def absent(observations: Observations, senders: Collection[int]) -> list[int]:
+    """Peers whose beacon of the previous tick decoded at a robot of this crew, and which are not among the `senders`.
+
+    They are ascending.
+    """
+    if observations.in_range.peer_set.issubset(senders):  # the usual tick
+        return []
+    return sorted(set(observations.in_range.peers[observations.reception == DECODED].tolist()).difference(senders))
 
 
 def missing(observations: Observations, senders: Sequence[int]) -> int:

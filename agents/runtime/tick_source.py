@@ -1,7 +1,7 @@
 """The ticks at which an agent steps: every tick in lockstep, the newest with a live clock."""
 
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import Callable, Iterator
 
 from agents.control.ticks import Behind, End, LiveTicks, LockstepTicks, Reject, Resend
 from agents.runtime.outbox import Outbox
@@ -10,7 +10,7 @@ from fes.errors import MessageError, Unavailable
 from fes.protocol import keys, messages
 from fes.protocol.messages import Observation
 from fes.transport.drop_log import DropLog
-from fes.transport.inbox import Inbox
+from fes.transport.inbox import ThreadInbox
 
 SILENCE_TIMEOUT = 3600.0
 """An agent that receives nothing from a living world for this long [s] exits."""
@@ -20,12 +20,15 @@ QUIET = 5.0
 
 
 class TickSource:
-    """Iterators over the ticks to answer. Each tick is a list of observations, one per robot in id order."""
+    """Iterators over the ticks to answer. Each tick is a list of observations, one per robot in id order.
+
+    An iterator blocks its thread until the next tick has arrived.
+    """
 
     def __init__(
         self,
         robots: tuple[int, ...],
-        inbox: Inbox,
+        inbox: ThreadInbox,
         outbox: Outbox,
         drops: DropLog,
         on_quiet: Callable[[], None] = lambda: None,
@@ -46,31 +49,32 @@ class TickSource:
         """Number of ticks that the live clock skipped, because a newer one had arrived."""
         return self._ticks.skipped
 
-    async def lockstep(self, world: WorldLiveliness) -> AsyncIterator[list[Observation]]:
+    def lockstep(self, world: WorldLiveliness) -> Iterator[list[Observation]]:
         """Yield every tick, until the run is over; answer a repeated tick from the outbox. Raises Unavailable."""
         self._ticks = ticks = LockstepTicks[Observation](self._robots)
         while True:
-            async for key, observation in self._received(ticks.missing):
+            for key, observation in self._received(ticks.missing):
                 action = ticks.receive(observation, world.is_new, self._outbox.has(observation.tick))
                 if isinstance(action, End):
                     return
-                self._perform(action, key)
+                if action is not None:
+                    self._perform(action, key)
             if step := ticks.step():
                 world.is_new = False
                 yield step.observations
 
-    async def live(self, world: WorldLiveliness) -> AsyncIterator[list[Observation]]:
+    def live(self, world: WorldLiveliness) -> Iterator[list[Observation]]:
         """Yield the newest tick of which all observations have arrived, until the run is over. Raises Unavailable."""
         self._ticks = ticks = LiveTicks[Observation](self._robots)
         while True:
-            async for _, observation in self._received(ticks.missing):
+            for _, observation in self._received(ticks.missing):
                 if ticks.receive(observation, world.is_new):
                     return
                 world.is_new = False
             if step := ticks.step():
                 yield step.observations
 
-    def _perform(self, action: Resend | Reject | Behind | None, key: str) -> None:
+    def _perform(self, action: Resend | Reject | Behind, key: str) -> None:
         """Do what the observation that came on `key` asks for. Raises Unavailable if the agent is behind."""
         match action:
             case Resend(tick, robot):
@@ -80,17 +84,21 @@ class TickSource:
             case Behind(reason):
                 raise Unavailable(reason)
 
-    async def _received(self, count: int) -> AsyncIterator[tuple[str, Observation]]:
-        """Wait for `count` messages; yield key and content of all messages that have arrived and can be decoded."""
-        end = time.monotonic() + SILENCE_TIMEOUT
-        while not await self._inbox.wait(count, QUIET):
+    def _received(self, count: int) -> list[tuple[str, Observation]]:
+        """Wait for `count` messages; key and content of all messages that have arrived and can be decoded."""
+        if not self._inbox.wait(count, QUIET):
+            self._outlast_silence(count)
+        read = [(key, self._read(key, payload)) for key, payload in self._inbox.drain()]
+        return [(key, observation) for key, observation in read if observation is not None]
+
+    def _outlast_silence(self, count: int) -> None:
+        """Wait on for `count` messages after QUIET; raises Unavailable after SILENCE_TIMEOUT."""
+        end = time.monotonic() + SILENCE_TIMEOUT - QUIET
+        self._on_quiet()
+        while not self._inbox.wait(count, QUIET):
             if time.monotonic() >= end:
                 raise Unavailable(f"the world sent nothing for {SILENCE_TIMEOUT:g} s after tick {self.tick}")
             self._on_quiet()
-        for key, payload in self._inbox.drain():
-            observation = self._read(key, payload)
-            if observation is not None:
-                yield key, observation
 
     def _read(self, key: str, payload: bytes | None) -> Observation | None:
         try:

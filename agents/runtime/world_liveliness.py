@@ -4,7 +4,7 @@ import asyncio
 import logging
 
 from fes.errors import Unavailable
-from fes.transport.inbox import Inbox
+from fes.transport.inbox import ThreadInbox
 
 GRACE = 5.0
 """Time [s] after the world's return in which other processes may still not see it."""
@@ -16,7 +16,7 @@ RETRY = 0.2
 class WorldLiveliness:
     """The world's liveliness token. While the world is absent, the robots of an agent stand still."""
 
-    def __init__(self, name: str, inbox: Inbox) -> None:
+    def __init__(self, name: str, inbox: ThreadInbox) -> None:
         self.is_new = False
         """True if the world has returned, but has not resumed the run yet."""
         self.was_seen = False

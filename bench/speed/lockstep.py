@@ -1,10 +1,11 @@
 """Rates of fes and of the bare message pattern, measured alternately on the same machine in the same minute."""
 
 import json
+import resource
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,8 @@ ROUNDS = 3
 PAYLOAD = 110  # bytes; a beacon of a robot with three links has 104, an observation with six peers 75
 BUDGET, BUDGET_NUMPY = 0.75, 0.35
 """Wanted ratios to the bare messages, with the compiled core and without."""
+SHORT = 25
+"""Ticks of a run that measures the CPU time of the start."""
 
 
 def bare(n: int, ticks: int, peers: list[list[int]], agent: float = 0.0, world: float = 0.0) -> float:
@@ -66,8 +69,16 @@ def in_range(scenario: Path) -> list[list[int]]:
     return [edges.peers[span].tolist() for span in edges.spans]
 
 
+def spent(run: Callable[[], float]) -> tuple[float, float]:
+    """The rate that `run` returns, and the CPU time of all its processes [s], their start included."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    rate = run()
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return rate, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
 def main() -> None:
-    """Print rates and their ratio, round by round."""
+    """Print rates, CPU times per tick without the start, and their ratios, round by round."""
     scenario = Path("configs/paper.toml")
     peers = in_range(scenario)
     n, duration = len(peers), 60.0
@@ -78,17 +89,27 @@ def main() -> None:
         f"lockstep, {n} robots in {n} processes, {np.mean([len(p) for p in peers]):.1f} peers in range each [ticks/s]"
     )
     print("  bare: the messages alone; busy: the same, spinning for as long as a warm fes computes")
+    _, bare_start = spent(lambda: bare(n, SHORT, peers))
+    _, fes_start = spent(lambda: fes(scenario, SHORT * duration / ticks))
     for _ in range(ROUNDS):
-        alone, busy = bare(n, ticks, peers), bare(n, ticks, peers, costs.robot, costs.world_tick)
-        ours = fes(scenario, duration)
-        rates.append((ours / alone, ours / busy))
+        alone, alone_cpu = spent(lambda: bare(n, ticks, peers))
+        busy = bare(n, ticks, peers, costs.robot, costs.world_tick)
+        ours, ours_cpu = spent(lambda: fes(scenario, duration))
+        per_tick = 1e3 * (np.array([alone_cpu, ours_cpu]) - (bare_start, fes_start)) / (ticks - SHORT)
+        rates.append((ours / alone, ours / busy, per_tick[0] / per_tick[1]))
         print(
             f"  bare {alone:6.0f}    busy {busy:6.0f}    fes {ours:6.0f}    "
-            f"fes/bare {ours / alone:.2f}    fes/busy {ours / busy:.2f}"
+            f"fes/bare {ours / alone:.2f}    fes/busy {ours / busy:.2f}    "
+            f"CPU per tick: bare {per_tick[0]:.1f} ms, fes {per_tick[1]:.1f} ms"
         )
+<<<<<<< HEAD
     to_bare, to_busy = np.median(rates, axis=0)
     budget = f"budget >= {BUDGET}, without the compiled core {BUDGET_NUMPY}; paper.toml, with sub-steps"
     print(f"  median fes/bare {to_bare:.2f} ({budget}), fes/busy {to_busy:.2f}")
+=======
+    to_bare, to_busy, of_cpu = np.median(rates, axis=0)
+    print(f"  median bare/fes of CPU time {of_cpu:.2f}")
+    print(f"  median fes/bare {to_bare:.2f} (budget >= {BUDGET}, paper.toml, with sub-steps), fes/busy {to_busy:.2f}")
 
 
 if __name__ == "__main__":

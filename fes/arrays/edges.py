@@ -87,6 +87,11 @@ class Edges:
         return shares
 
     @cached_property
+    def peer_set(self) -> frozenset[int]:
+        """Ids of the peers of all robots."""
+        return frozenset(self.peers.tolist())
+
+    @cached_property
     def spans(self) -> list[slice]:
         """Positions of each robot's pairs [n]."""
         ends = np.cumsum(self.counts)

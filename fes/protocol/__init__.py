@@ -3,6 +3,7 @@
 keys            every key expression, in one table
 wire            fields of a payload, packed and checked
 messages        Welcome, Observation, Beacon and Command
+packing         payloads of the messages of each tick, from bytes
 report          Report: the state of the team, for observers
 world_info      the world's description of itself
 channel_change  a request to change the channel, and its result

@@ -22,6 +22,7 @@ keys (`world/server/access.py`).
 
 import re
 from collections.abc import Sequence
+from functools import lru_cache
 
 from fes.errors import FesError
 
@@ -29,9 +30,12 @@ DEFAULT_RUN = "main"
 MAX_ROBOTS = 100_000
 """Largest number of robots in a run; ids are below it."""
 
+LONGEST_KEY = 128
+"""A robot's own key is shorter [characters]: the name of its run has at most 64."""
+
 _RUN = re.compile(r"[A-Za-z0-9_.-]{1,64}")
 _NUMBER = re.compile("[0-9]{1,9}")
-_ROBOT = re.compile(r"fes/[^/]+/robot/(0|[1-9][0-9]{0,9})/[a-z]+")
+_ROBOT = re.compile(r"fes/[^/]{1,64}/robot/(0|[1-9][0-9]{0,9})/[a-z]+")
 
 
 def check_run(run: str) -> str:
@@ -148,5 +152,10 @@ def robot_of(key: str) -> int | None:
     >>> robot_of("fes/main/robot/3/beacon"), robot_of("fes/main/robot/*/beacon")
     (3, None)
     """
+    return _robot_of(key) if len(key) <= LONGEST_KEY else None
+
+
+@lru_cache(maxsize=4096)
+def _robot_of(key: str) -> int | None:
     match = _ROBOT.fullmatch(key)
     return int(match[1]) if match else None

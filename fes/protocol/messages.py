@@ -20,7 +20,7 @@ from fes.model.sensing import (
     MAX_STATISTICS,
     MAX_TWIST,
 )
-from fes.protocol import wire
+from fes.protocol import packing, wire
 
 MAX_AGENT = 2**62
 """Largest number of an agent in a Join."""
@@ -108,14 +108,9 @@ class Command(NamedTuple):
 
 def encode_observation(message: Observation) -> bytes:
     """The payload of an Observation."""
-    return wire.pack(
-        message.tick,
-        message.robot,
-        *message.pose,
-        wire.id_bytes(message.in_range),
-        message.reception.tobytes(),
-        message.over,
-        message.since,
+    in_range, reception = wire.id_bytes(message.in_range), message.reception.tobytes()
+    return packing.pack_observation(
+        message.tick, message.robot, message.pose, in_range, reception, message.over, message.since
     )
 
 
@@ -136,10 +131,10 @@ def decode_observation(payload: bytes) -> Observation:
 
 def encode_beacon(message: Beacon) -> bytes:
     """The payload of a Beacon."""
-    return wire.pack(
+    return packing.pack_beacon(
         message.tick,
         message.robot,
-        *message.pose,
+        message.pose,
         wire.id_bytes(message.links),
         message.estimates.tobytes(),
         message.selected.tobytes(),
@@ -166,10 +161,10 @@ def decode_beacon(payload: bytes) -> Beacon:
 
 def encode_command(message: Command) -> bytes:
     """The payload of a Command."""
-    return wire.pack(
+    return packing.pack_command(
         message.tick,
         message.robot,
-        *message.twist,
+        message.twist,
         wire.id_bytes(message.links),
         message.estimates.tobytes(),
         message.learnt.tobytes(),

@@ -8,7 +8,7 @@ from fes.arrays.edges import Stack
 from fes.arrays.types import Bools, Floats, Ints
 from fes.errors import MessageError
 from fes.model.sensing import Observations, Telemetry
-from fes.protocol import keys, messages
+from fes.protocol import keys, messages, packing, wire
 from fes.protocol.messages import Command, Observation
 
 
@@ -17,23 +17,19 @@ def observations(sensed: Observations, present: Bools, since: Ints) -> list[byte
 
     `since` [n] is the tick since which each takes part.
     """
+    peers, reception = wire.id_bytes(sensed.in_range.peers), sensed.reception.tobytes()
     rows = zip(sensed.poses.tolist(), sensed.in_range.spans, present.tolist(), since.tolist(), strict=True)
-    return [
-        messages.encode_observation(
-            Observation(
-                sensed.tick,
-                robot,
-                tuple(pose),
-                sensed.in_range.peers[span],
-                sensed.reception[span],
-                over=False,
-                since=begun,
+    payloads = []
+    for robot, (pose, span, addressed, begun) in enumerate(rows):
+        payload = b""
+        if addressed:
+            begin, end = span.start, span.stop
+            in_range = peers[4 * begin : 4 * end]
+            payload = packing.pack_observation(
+                sensed.tick, robot, pose, in_range, reception[begin:end], over=False, since=begun
             )
-        )
-        if addressed
-        else b""
-        for robot, (pose, span, addressed, begun) in enumerate(rows)
-    ]
+        payloads.append(payload)
+    return payloads
 
 
 def farewells(tick: int, poses: Floats) -> list[bytes]:
@@ -94,12 +90,14 @@ class CommandBatch:
         """The numbers learnt [k, l]; none unless all robots with links have learnt equally many per link."""
         rows = {len(command.learnt) // len(command.links) for command in commands if len(command.links)}
         if len(rows) != 1 or rows == {0}:
-            return np.zeros((0, sum(len(command.links) for command in commands)))
+            return np.empty((0, sum([len(command.links) for command in commands])))
         [k] = rows
         return np.concatenate([command.learnt.reshape(k, -1) for command in commands], axis=1)
 
     def _details(self, commands: list[Command]) -> Floats:
         """Further numbers [n, j]; NaN for a robot that sent fewer than others."""
-        j = max((len(command.details) for command in commands), default=0)
+        j = max([len(command.details) for command in commands], default=0)
+        if not j:
+            return np.empty((len(commands), 0))
         rows = [command.details if len(command.details) == j else np.full(j, np.nan) for command in commands]
         return np.array(rows).reshape(len(commands), j)

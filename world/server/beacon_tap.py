@@ -12,7 +12,7 @@ import numpy as np
 
 from fes.arrays.types import Bools
 from fes.errors import MessageError, Overloaded, Rejected, Unavailable
-from fes.protocol import keys, messages, wire
+from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon
 from fes.transport.bus import MAILBOX, Bus, Query
 from fes.transport.drop_log import DropLog, shown
@@ -65,15 +65,15 @@ class BeaconTap:
         return payloads
 
     def _collect(self, tick: int, decodable: Bools) -> list[bytes]:
-        for robot in np.flatnonzero(decodable).tolist():
-            self._read(robot, tick)
+        heard = decodable.tolist()
+        for robot, is_decodable in enumerate(heard):
+            if is_decodable:
+                self._read(robot, tick)
         for old in [known for known in self._payloads if known < tick - 1]:
             del self._payloads[old]
             self._faults.pop(old, None)
         payloads = self._payloads.get(tick, {})
-        return [
-            payloads.get(robot, b"") if is_decodable else b"" for robot, is_decodable in enumerate(decodable.tolist())
-        ]
+        return [payloads.get(robot, b"") if is_decodable else b"" for robot, is_decodable in enumerate(heard)]
 
     async def judge(self, tick: int, decodable: Bools) -> tuple[list[bytes], Faults]:
         """The payload of each robot's Beacon of `tick`, in id order, and the `decodable` [n] robots at fault.
@@ -81,7 +81,11 @@ class BeaconTap:
         A robot whose beacon is missing is asked for it once, since junk may have pushed it out of the mailbox.
         """
         payloads = self._collect(tick, decodable)
-        missing = [robot for robot in np.flatnonzero(decodable).tolist() if not payloads[robot]]
+        missing: list[int] = []
+        if not all(payloads):
+            missing = [robot for robot in np.flatnonzero(decodable).tolist() if not payloads[robot]]
+        if not (missing or self._faults):
+            return payloads, {}
         answers = await asyncio.gather(*(self._recall(robot, tick) for robot in missing))
         faults = dict(self._faults.pop(tick - 1, {}))  # of a beacon that arrived after the judgement of its tick
         for robot, answer in zip(missing, answers, strict=True):
@@ -109,17 +113,16 @@ class BeaconTap:
             if sample is None:
                 return
             payload = sample[1]
-            stamp = wire.peek(payload) if payload is not None else None
-            if stamp is not None and stamp[1] == robot and stamp[0] > tick + 1:
-                if self._guarded:  # a peer may have stored it for that later tick
-                    self._faults.setdefault(tick, {})[robot] = f"it sent a beacon ahead of its time at tick {tick}"
-                continue
-            if stamp is not None and stamp[0] < tick - 1:
-                continue
             try:
                 beacon = self._decoded(payload, robot)
             except MessageError:
                 continue  # its peers count and log it
+            if beacon.tick > tick + 1:
+                if self._guarded:  # a peer may have stored it for that later tick
+                    self._faults.setdefault(tick, {})[robot] = f"it sent a beacon ahead of its time at tick {tick}"
+                continue
+            if beacon.tick < tick - 1:
+                continue
             assert payload is not None
             first = self._payloads.setdefault(beacon.tick, {}).setdefault(robot, payload)
             if payload != first:

@@ -78,6 +78,7 @@ class Lockstep:
         barrier, begun = self._barrier, time.monotonic()
         barrier.begin(participation.participants(state), begun)
         self._pace.begin(begun)
+        awaited = barrier.missing
         while barrier.missing:
             # The inbox only counts messages, so junk may end the wait too: each pass checks the time.
             await self._inbox.wait(barrier.missing, max(0.0, barrier.deadline - time.monotonic()))
@@ -91,7 +92,9 @@ class Lockstep:
                     self._observe[robot](sent[robot])
                 if action.silent is not None:
                     participation.hang(self._lifecycle, action.silent)
-        await asyncio.sleep(self._pace.rest(time.monotonic()))  # lets the loop run even if no robot takes part
+        rest = self._pace.rest(time.monotonic())
+        if rest or not awaited:  # the loop must run even if no robot takes part
+            await asyncio.sleep(rest)
         return answers, state.present & np.array([answer is not None for answer in answers])
 
     def _read(self, state: State, key: str, payload: bytes | None) -> Command | None:

@@ -176,7 +176,9 @@ def test_a_beacon_that_decoded_but_did_not_arrive_counts_as_not_heard() -> None:
     observations = sensed(3, near, {(0, 1), (0, 2)})
     received = Receiver().receive(observations, without(sent(2), 2), contacts)
     assert heard(received) == layouts.pairs_of(received.edges) == {(0, 1)}
-    assert reception.decoded(observations) == {1, 2}
+    assert reception.absent(observations, []) == [1, 2]
+    assert reception.absent(observations, [2, 7]) == [1]
+    assert reception.absent(observations, [2, 1]) == []
     assert reception.missing(observations, [0, 1, 3]) == 1
     assert reception.missing(observations, [1, 2]) == 0
     assert heard(Receiver().receive(observations, no_beacons(), contacts)) == set()
@@ -184,7 +186,7 @@ def test_a_beacon_that_decoded_but_did_not_arrive_counts_as_not_heard() -> None:
 
 def test_missing_counts_each_robot_at_which_the_beacon_decoded() -> None:
     observations = sensed(3, near_of({0, 1}), {(0, 2), (1, 2), (1, 0)})
-    assert reception.decoded(observations) == {0, 2}
+    assert reception.absent(observations, []) == [0, 2]
     assert reception.missing(observations, [0]) == 2
     assert reception.missing(observations, []) == 3
 

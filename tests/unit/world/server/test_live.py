@@ -16,7 +16,7 @@ from fes.protocol import keys, messages
 from fes.protocol.messages import Command, Join, Observation
 from fes.protocol.report import decode_report, encode_report
 from fes.transport.drop_log import DropLog
-from fes.transport.inbox import Inbox
+from fes.transport.inbox import Inbox, ThreadInbox
 from tests.support import jumping_clock
 from tests.support.frames import a_report
 from tests.support.loop import load
@@ -115,8 +115,7 @@ def test_late_and_missed_commands_are_counted_and_silent_robots_excluded() -> No
 
 def test_an_agent_answers_the_newest_tick_and_counts_those_it_skipped() -> None:
     async def main() -> tuple[list[int], TickSource]:
-        loop = asyncio.get_running_loop()
-        inbox = Inbox(loop)
+        inbox = ThreadInbox()
         ticks = TickSource((0, 1), inbox, Outbox.__new__(Outbox), DropLog(logging.getLogger("test")))
         world = WorldLiveliness("the world", inbox)
 
@@ -129,7 +128,7 @@ def test_an_agent_answers_the_newest_tick_and_counts_those_it_skipped() -> None:
             sense(0, tick)
         sense(1, 0)
         sense(1, 1)  # robot 1's observation of tick 2 is on its way
-        async for observations in ticks.live(world):
+        for observations in ticks.live(world):
             assert {observation.tick for observation in observations} == {ticks.tick}
             answered.append(ticks.tick)
             if ticks.tick == 1:
