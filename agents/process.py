@@ -54,10 +54,10 @@ class Agent:
         self._inbox = ThreadInbox()
         self.membership = Membership(opened, run, robots, self._inbox, lambda: self._ticks.tick)
         self._outbox = Outbox(opened, run, robots, self.drops, self.membership.join.mark)
-        self._ticks = TickSource(robots, self._inbox, self._outbox, self.drops, self._on_quiet)
+        self._ticks = TickSource(run, robots, self._inbox, self._outbox, self.drops, self._on_quiet)
         self._loop = asyncio.get_running_loop()
-        self._subscribed: Edges | None = None
-        """The pairs in range for which the beacon subscriptions are declared."""
+        self._subscribed: Edges | frozenset[int] | None = None
+        """The pairs or peers in range for which the beacon subscriptions are declared."""
         self._late = 0
 
     async def join(self, timeout: float) -> Welcome:
@@ -73,7 +73,8 @@ class Agent:
             self._bus.declare_token(keys.robot_alive(self._run, robot))
         self.logger.info("ready")
         lockstep, world = welcome.config.clock == "lockstep", self.membership.world
-        ticks = self._ticks.lockstep(world) if lockstep else self._ticks.live(world)
+        answer = partial(self._answer_bytes, crew) if crew.can_read else None
+        ticks = self._ticks.lockstep(world, answer) if lockstep else self._ticks.live(world)
         with ThreadPoolExecutor(1, "ticks") as thread:
             while incomplete := await self._in(thread, partial(self._answer, crew, ticks, lockstep)):
                 observations, heard = incomplete
@@ -113,12 +114,25 @@ class Agent:
             self._publish(crew, observations, heard)
         return None
 
+    def _answer_bytes(self, crew: HostedCrew, tick: int, observations: list[bytes]) -> bool:
+        """Answer a tick in one call of the compiled core; False if a message is unusual, and nothing was done."""
+        beacons = self.radio.payloads(tick - 1)
+        payloads = crew.answer_bytes(tick, observations, beacons)
+        if payloads is None:
+            return False
+        self.radio.use(beacons)
+        if crew.peers is not self._subscribed:
+            self._subscribed = crew.peers
+            self.radio.update(crew.peers)
+        self._outbox.publish(tick, payloads)
+        return True
+
     def _publish(self, crew: HostedCrew, observations: Observations, heard: list[Beacon]) -> None:
         """Step the crew, subscribe to the peers that are now in range, and publish beacons and commands."""
         payloads = crew.answer(observations, heard)
         if observations.in_range is not self._subscribed:
             self._subscribed = observations.in_range
-            self.radio.update(self._subscribed.peer_set)
+            self.radio.update(observations.in_range.peer_set)
         self._outbox.publish(observations.tick, payloads)
 
     async def _complete(self, observations: Observations, heard: list[Beacon]) -> list[Beacon]:

@@ -118,6 +118,15 @@ class LockstepTicks(Generic[Item]):
         self.tick += 1
         return Step(observations)
 
+    @property
+    def is_between(self) -> bool:
+        """True if no observation of the next tick was received yet, and the run is not over."""
+        return not self._waiting and not self._is_over
+
+    def answered(self) -> None:
+        """The next tick was answered by other means, while `is_between`. From then on the world is not new."""
+        self.tick += 1
+
     def _forget(self, tick: int) -> Action | None:
         """Handle a request for a tick that is not stored: the second one for the same tick ends the agent."""
         if tick == self.tick:  # it passed while the robot was absent

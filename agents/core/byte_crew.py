@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.control.transmitter import RobotPayloads
 from agents.core.compiled_crew import CompiledCrew
 from agents.core.structures import Input, Messages
 from fes.arrays.types import Ints
@@ -18,9 +19,6 @@ NEW_RANGE, FAILED, TOO_LITTLE_ROOM = 4, -1, -2
 ROOM = 32
 """Room for pairs at first; it doubles where messages have more."""
 
-Answer = tuple[int, bytes, bytes]
-"""A robot, and the payloads of its beacon and its command."""
-
 
 class ByteCrew:
     """The messages of one process, and the call that answers them."""
@@ -30,10 +28,11 @@ class ByteCrew:
         self._crew = crew
         self._ids = crew.crew.ids.tolist()
         self._messages, self._input = Messages(version=version), Input()
+        self._since: Ints | None = None
         self._room = ROOM
         self._senders = 0
-        self.peers: set[int] = set()
-        """The peers in range of any robot, at the last tick that was answered."""
+        self.peers: frozenset[int] = frozenset()
+        """The peers in range of any robot, at the last tick that was answered; one object while they are the same."""
         self._make_room(0)
 
     def step(
@@ -43,7 +42,7 @@ class ByteCrew:
         beacons: Sequence[bytes],
         since: Ints,
         is_model_free: bool | None,
-    ) -> list[Answer] | None:
+    ) -> list[RobotPayloads] | None:
         """The answers to the observations of a tick, of the robots in their order.
 
         `beacons` are those of the tick before, one per sender, by ascending sender. None, and no change, where a
@@ -54,7 +53,8 @@ class ByteCrew:
             self._make_room(len(beacons))
         messages, skew = self._messages, self._crew.skew(tick)
         self._input.tick, self._input.skew = tick, None if skew is None else skew.ctypes.data
-        messages.since = since.ctypes.data
+        if since is not self._since:
+            self._since, messages.since = since, since.ctypes.data
         messages.is_model_free = -1 if is_model_free is None else is_model_free
         sensed, lengths = _addresses(observations)
         heard, heard_lengths = _addresses(beacons)
@@ -70,15 +70,17 @@ class ByteCrew:
             return None
         if flags & NEW_RANGE:
             count = int(self._begin[len(self._ids)])
-            self.peers = set(self._in_range[:count].tolist())
+            self.peers = frozenset(self._in_range[:count].tolist())
         return self._answers()
 
     def _call(self) -> int:
-        return self._crew.step_bytes(addressof(self._messages), addressof(self._input), self._room, self._range)
+        return self._crew.step_bytes(
+            addressof(self._messages), addressof(self._input), self._room, self._range_address
+        )
 
-    def _answers(self) -> list[Answer]:
+    def _answers(self) -> list[RobotPayloads]:
         """The payloads in the buffer."""
-        ends, out, n = self._ends.tolist(), self._out.ctypes.data, len(self._ids)
+        ends, out, n = self._ends.tolist(), self._messages.out, len(self._ids)
         begins = [0, *ends]
         parts = [ctypes.string_at(out + a, b - a) for a, b in zip(begins, ends, strict=False)]
         return list(zip(self._ids, parts[:n], parts[n:], strict=True))
@@ -90,6 +92,7 @@ class ByteCrew:
         links = 4 * room + 16 * count
         self._begin, self._in_range = np.zeros(n + 1, np.int64), np.zeros(room, np.int64)
         self._range = np.full(n + 1 + room, -1, np.int64)
+        self._range_address: int = self._range.ctypes.data
         self._out, self._ends = np.zeros(n * (256 + 8 * q) + 64 * room, np.uint8), np.zeros(2 * n, np.int64)
         arrays: dict[str, NDArray[Any]] = {
             "poses": np.zeros(3 * n),

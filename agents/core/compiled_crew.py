@@ -16,7 +16,7 @@ from agents.core.constants import ALONE, POOLED, CrewConstants
 from agents.core.structures import BeaconArrays, Input
 from fes.arithmetic.core import library
 from fes.arrays.edges import Edges
-from fes.arrays.types import Bools, Floats, Ints
+from fes.arrays.types import Bools, Floats
 from fes.model.sensing import Beacons, Observations, Telemetry
 
 NEW_LINKS = 2
@@ -127,7 +127,7 @@ class CompiledCrew:
         """Skew of each robot's clock at a tick [n] [s]; None if all are exact."""
         return None if self.crew.clocks.is_exact else clocks.ahead(self.crew.clocks, tick)
 
-    def step_bytes(self, messages: int, given: int, capacity: int, in_range: Ints) -> int:
+    def step_bytes(self, messages: int, given: int, capacity: int, in_range: int) -> int:
         """One tick by the messages at an address, for `agents.core.byte_crew`: the result of fes_agent_tick."""
         layout, before = self._layout(capacity), self.stored
         self._fit(capacity)
@@ -140,7 +140,7 @@ class CompiledCrew:
             before.layout.capacity,
             ctypes.addressof(after),
             self._scratch_address,
-            in_range.ctypes.data,
+            in_range,
         )
         if flags >= 0:
             self.stored, self._links, self._sent = Stored(after, layout), None, None

@@ -5,7 +5,7 @@ from collections.abc import Collection
 from collections.abc import Set as AbstractSet
 
 from fes.errors import MessageError, Overloaded, Rejected, Unavailable
-from fes.protocol import keys, messages
+from fes.protocol import keys, messages, packing
 from fes.protocol.messages import Beacon
 from fes.transport import bus
 from fes.transport.bus import Bus, Mailbox
@@ -26,8 +26,12 @@ class BeaconSubscriptions:
         self._boxes: dict[int, Mailbox] = {}
         self._keys: dict[int, str] = {}
         """Key of each peer's beacons."""
+        self._codes: dict[int, bytes] = {}
+        """Id of each peer as it stands in its beacons."""
         self._early: dict[int, Beacon] = {}
         """Beacon of the tick after the last one read, by peer."""
+        self._taken: dict[int, tuple[str, bytes | None]] = {}
+        """Key and payload that were taken from the mailbox of a peer, and not read yet."""
 
     @property
     def peers(self) -> list[int]:
@@ -41,10 +45,12 @@ class BeaconSubscriptions:
         """
         for peer in self._boxes.keys() - peers:
             self._boxes.pop(peer).close()
-            del self._keys[peer]
+            del self._keys[peer], self._codes[peer]
             self._early.pop(peer, None)
+            self._taken.pop(peer, None)
         for peer in peers - self._boxes.keys():
             key = self._keys[peer] = keys.beacon(self._run, peer)
+            self._codes[peer] = packing.robot_code(peer)
             self._boxes[peer] = self._bus.mailbox(key)
         self._boxes = dict(sorted(self._boxes.items()))
 
@@ -57,6 +63,33 @@ class BeaconSubscriptions:
             if beacon is not None:
                 heard.append(beacon)
         return heard
+
+    def payloads(self, tick: int) -> list[bytes]:
+        """The payloads of the beacons of `tick` that have arrived, ordered by sender; unread but for their heads.
+
+        What was taken from the mailboxes stays for `heard`, until `tick` is over.
+        """
+        head, found = packing.beacon_head(tick), []
+        for peer, box in self._boxes.items():
+            sample = self._taken.get(peer)
+            if sample is None and peer not in self._early:
+                sample = box.take()
+                if sample is not None:
+                    self._taken[peer] = sample
+            if sample is None:
+                continue
+            key, payload = sample
+            if payload is not None and key == self._keys[peer] and payload.startswith(head + self._codes[peer]):
+                found.append(payload)
+        return found
+
+    def use(self, payloads: list[bytes]) -> None:
+        """Drop these payloads, which `payloads` has returned: they were used."""
+        if len(payloads) == len(self._taken):
+            self._taken.clear()
+        else:
+            used = set(map(id, payloads))
+            self._taken = {peer: sample for peer, sample in self._taken.items() if id(sample[1]) not in used}
 
     async def recall(self, tick: int, peers: Collection[int]) -> tuple[list[Beacon], bool]:
         """The beacons of `peers` from `tick` that the world resends, and True if it does not have one of them.
@@ -92,7 +125,7 @@ class BeaconSubscriptions:
         emptied.
         """
         for _ in range(bus.MAILBOX):
-            sample = box.take()
+            sample = self._taken.pop(peer, None) or box.take()
             if sample is None:
                 break
             beacon = self._read(peer, *sample)

@@ -14,24 +14,20 @@ class CrewRun:
 
     def __init__(self, robots: Crew) -> None:
         self.crew = robots
-        self._compiled = compiled_crew.of(robots)
+        self.compiled = compiled_crew.of(robots)
+        """The compiled crew; None where numpy moves it."""
         self._state, self._receiver = crew.start(robots), Receiver()
         """Of a crew that numpy moves."""
 
     @property
-    def is_compiled(self) -> bool:
-        """True if the compiled core moves this crew."""
-        return self._compiled is not None
-
-    @property
     def state(self) -> CrewState:
         """The state now."""
-        return self._state if self._compiled is None else self._compiled.state
+        return self._state if self.compiled is None else self.compiled.state
 
     def forget(self, restarted: Bools) -> None:
         """Let the robots `restarted` [n] know nothing, as if their process had just started."""
-        if self._compiled is not None:
-            self._compiled.forget(restarted)
+        if self.compiled is not None:
+            self.compiled.forget(restarted)
         else:
             self._state = crew.forget(self.crew, self._state, restarted)
 
@@ -41,11 +37,11 @@ class CrewRun:
 
         Raises FesError for a twist that is not finite.
         """
-        if self._compiled is not None:
+        if self.compiled is not None:
             try:
-                return self._compiled.step(observations, beacons)
+                return self.compiled.step(observations, beacons)
             except Failed:  # numpy knows the reason
-                self._state, self._compiled = self._compiled.state, None
+                self._state, self.compiled = self.compiled.state, None
         received = self._receiver.receive(observations, beacons, self._state.contacts.edges)
         self._state, sent, twists, telemetry = crew.step(self.crew, self._state, observations.sensed, received)
         return Sent(sent, twists, telemetry)

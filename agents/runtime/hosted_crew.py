@@ -1,14 +1,18 @@
 """The crew of a process: from the observations and beacons of a tick to the payloads that answer it."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from agents.control import crew, transmitter
 from agents.control.transmitter import RobotPayloads
+from agents.core.byte_crew import ByteCrew
 from agents.runtime import marshalling
+from agents.runtime.crew_run import CrewRun
 from agents.runtime.marshalling import MessageAssembler
 from agents.runtime.model_freedom import is_model_free
-from agents.runtime.reception import Receiver
 from fes.model.sensing import Observations
+from fes.protocol import wire
 from fes.protocol.messages import Beacon, Observation, Welcome
 
 
@@ -17,18 +21,43 @@ class HostedCrew:
 
     def __init__(self, welcome: Welcome) -> None:
         ids = np.array(welcome.robots, dtype=np.int64)
-        self._crew = crew.create(welcome.config, ids)
-        self._state = crew.start(self._crew)
-        self._assembler, self._receiver = MessageAssembler(ids), Receiver()
-        self._since = [0] * len(ids)
-        """Tick from which each robot takes part."""
+        self._crew = CrewRun(crew.create(welcome.config, ids))
+        self._assembler = MessageAssembler(ids)
+        self._since = np.zeros(len(ids), dtype=np.int64)
+        """Tick from which each robot takes part [n]."""
+        compiled = self._crew.compiled
+        self._bytes = None if compiled is None else ByteCrew(compiled, wire.PROTOCOL)
+
+    @property
+    def can_read(self) -> bool:
+        """True if `answer_bytes` is worth a try."""
+        return self._bytes is not None and self._crew.compiled is not None
+
+    @property
+    def peers(self) -> frozenset[int]:
+        """The peers in range of any robot, at the last tick that `answer_bytes` answered; one object while they are
+        the same."""
+        return frozenset() if self._bytes is None else self._bytes.peers
+
+    def answer_bytes(
+        self, tick: int, observations: Sequence[bytes], beacons: Sequence[bytes]
+    ) -> list[RobotPayloads] | None:
+        """The payloads that answer the observations of a tick, of the robots in id order, in one call of the core.
+
+        `beacons` are those of the tick before, ordered by sender. None, and no change, where a message is unusual in
+        any way, a robot was absent, or a beacon is missing: `observe` and `answer` are for all ticks.
+        """
+        if self._bytes is None:
+            return None
+        payloads = self._bytes.step(tick, observations, beacons, self._since, is_model_free())
+        return None if payloads is None else transmitter.on_air(self._crew.crew.transmitters, tick, payloads)
 
     def observe(self, received: list[Observation]) -> Observations:
         """The observations of one tick, one per robot in id order, as arrays; robots that were absent start anew."""
-        joined = [message.since for message in received]
-        if joined != self._since:
-            was_absent = np.array(joined) != np.array(self._since)
-            self._state, self._since = crew.forget(self._crew, self._state, was_absent), joined
+        joined = np.array([message.since for message in received], dtype=np.int64)
+        if (was_absent := joined != self._since).any():
+            self._crew.forget(was_absent)
+            self._since = joined
         return self._assembler.observations(received)
 
     def answer(self, observations: Observations, heard: list[Beacon]) -> list[RobotPayloads]:
@@ -37,8 +66,7 @@ class HostedCrew:
         The beacons are ordered by sender. Raises FesError for a twist that is not finite.
         """
         beacons = self._assembler.beacons(observations.tick - 1, heard)
-        received = self._receiver.receive(observations, beacons, self._state.contacts.edges)
-        self._state, sent, twists, telemetry = crew.step(self._crew, self._state, observations.sensed, received)
+        sent, twists, telemetry = self._crew.step(observations, beacons)
         telemetry = telemetry._replace(is_model_free=is_model_free())
         payloads = marshalling.encode_tick(sent, twists, telemetry)
-        return transmitter.on_air(self._crew.transmitters, observations.tick, payloads)
+        return transmitter.on_air(self._crew.crew.transmitters, observations.tick, payloads)

@@ -8,6 +8,21 @@ from collections.abc import Iterable
 
 from fes.protocol import wire
 
+_ARRAY = 0x90
+"""First byte of a msgpack array of fewer than 16 fields, without their number."""
+
+_BEACON_FIELDS = 11
+
+
+def beacon_head(tick: int) -> bytes:
+    """The bytes with which every Beacon of a tick begins; its robot follows, as `robot_code` packs it."""
+    return bytes([_ARRAY + _BEACON_FIELDS]) + wire.pack(tick)[1:]
+
+
+def robot_code(robot: int) -> bytes:
+    """The id of a robot as it stands in a message."""
+    return wire.pack(robot)[len(wire.pack()) :]
+
 
 def pack_observation(
     tick: int, robot: int, pose: Iterable[float], in_range: bytes, reception: bytes, over: bool, since: int

@@ -45,7 +45,7 @@ def play(scene: Scene, live: bool = False) -> tuple[list[int], TickPayloads, Dro
 
     async def main() -> None:
         inbox = ThreadInbox()
-        ticks, world = TickSource((3,), inbox, outbox, drops), WorldLiveliness("the world", inbox)  # type: ignore[arg-type]
+        ticks, world = TickSource("test", (3,), inbox, outbox, drops), WorldLiveliness("the world", inbox)  # type: ignore[arg-type]
 
         def sense(tick: int, since: int = 0, over: bool = False) -> None:
             sensed = Observation(tick, 3, (0.0, 0.0, 0.0), NOTHING, NOTHING.astype(np.uint8), over, since)

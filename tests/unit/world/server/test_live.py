@@ -116,7 +116,7 @@ def test_late_and_missed_commands_are_counted_and_silent_robots_excluded() -> No
 def test_an_agent_answers_the_newest_tick_and_counts_those_it_skipped() -> None:
     async def main() -> tuple[list[int], TickSource]:
         inbox = ThreadInbox()
-        ticks = TickSource((0, 1), inbox, Outbox.__new__(Outbox), DropLog(logging.getLogger("test")))
+        ticks = TickSource("test", (0, 1), inbox, Outbox.__new__(Outbox), DropLog(logging.getLogger("test")))
         world = WorldLiveliness("the world", inbox)
 
         def sense(robot: int, tick: int, since: int = 0, over: bool = False) -> None:
