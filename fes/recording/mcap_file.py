@@ -137,14 +137,18 @@ class McapFile:
         """Close the file, with a record of metadata and an index."""
         self.settle(at_once=True)
         if self._broken:
-            with contextlib.suppress(OSError):
-                self._file.close()
+            self.close()
             return
         with self._writing(), contextlib.closing(self._file):
             self._writer.add_metadata(name, metadata)
             self._writer.finish()
             self._file.flush()
             self.loss = hashed_file.loss(self._path, self.fileno, self._file.size)
+
+    def close(self) -> None:
+        """Close the file as it is: without its end, and without messages that are in no chunk yet."""
+        with contextlib.suppress(OSError):
+            self._file.close()
 
     def _register(self, topic: str, schema: Schema) -> int:
         if isinstance(schema, dict):

@@ -49,7 +49,7 @@ class LogWriter:
         self._frames = deque[bytes]()
         self._given = self._handed = self._woken = 0
         self._wake = queue.SimpleQueue[bool]()  # its methods can be interrupted at any place
-        self._is_lost = self._is_over = False
+        self._is_lost = self._is_over = self._is_stuck = False
         self._requests = 0
         self._splitter = frames.Splitter()
         try:
@@ -113,7 +113,7 @@ class LogWriter:
             stalled = stalled + _PAUSE if self._handed == before else 0.0
             before = self._handed
             if stalled > PATIENCE:
-                self._process.kill()
+                self._kill()
         if self._is_lost:
             raise self._failure()
         self._frames.append(frame)
@@ -136,7 +136,7 @@ class LogWriter:
                     return result
             stalled = stalled + 10 * PERIOD if self._handed == before else 0.0
             before = self._handed
-        self._process.kill()
+        self._kill()
         raise self._failure()
 
     def _received(self, timeout: float) -> list[list[Any]]:
@@ -160,7 +160,14 @@ class LogWriter:
         told = [str(text) for request, text in answers if request == frames.FAILED]
         code = self._end()
         how = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
+        if self._is_stuck:
+            how = f"made no progress for {PATIENCE} s"
         return FesError(told[0] if told else f"cannot write {self._path}: the process that writes it {how}")
+
+    def _kill(self) -> None:
+        """End a writer that makes no progress."""
+        self._is_stuck = True
+        self._process.kill()
 
     def _end(self) -> int:
         """End the thread, and the writer with its pipe; returns its exit code."""

@@ -70,6 +70,10 @@ class LogFile:
         self._file.finish(SUMMARY, ended)
         return self._file.loss
 
+    def close(self) -> None:
+        """Close the file without its end, if it is open."""
+        self._file.close()
+
     def _scenario(self, text: bytes) -> None:
         self._file.put("/scenario", schemas.SCENARIO, text, self._time, self._tick)
 

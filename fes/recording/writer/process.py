@@ -4,9 +4,11 @@ A run that is killed ends that input. Then this process writes all ticks that it
 log, and exits. Stop signals do not reach it: a Ctrl-C goes to every process of a terminal, and the run ends in order.
 """
 
+import contextlib
 import os
 import select
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +26,18 @@ PERIOD = 0.5
 
 def serve(log: LogFile, incoming: int, outgoing: int) -> None:
     """Write the frames that arrive at one file number, and send answers to another, to the end of the first."""
+    with contextlib.closing(log):
+        for request, method, *arguments in _frames(log, incoming):
+            result = getattr(log, method)(*arguments)
+            if request:
+                _send(outgoing, frames.pack(request, result))
+            if method == "finish":
+                return
+        log.position()
+
+
+def _frames(log: LogFile, incoming: int) -> Iterator[list[Any]]:
+    """The frames that arrive, to the end of their pipe; closes old chunks of the log in the meantime."""
     splitter = frames.Splitter()
     while True:
         if not select.select([incoming], [], [], PERIOD)[0]:
@@ -31,14 +45,8 @@ def serve(log: LogFile, incoming: int, outgoing: int) -> None:
             continue
         piece = os.read(incoming, PIECE)
         if not piece:
-            log.position()
             return
-        for request, method, *arguments in splitter.feed(piece):
-            result = getattr(log, method)(*arguments)
-            if request:
-                _send(outgoing, frames.pack(request, result))
-            if method == "finish":
-                return
+        yield from splitter.feed(piece)
 
 
 def main() -> None:
