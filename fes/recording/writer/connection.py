@@ -157,12 +157,12 @@ class LogWriter:
         with contextlib.suppress(OSError):  # what it sent before its end
             while select.select([self._answers], [], [], PATIENCE)[0] and (piece := os.read(self._answers, _PIECE)):
                 answers += self._splitter.feed(piece)
-        told = [str(text) for request, text in answers if request == frames.FAILED]
+        texts = [str(text) for request, text in answers if request == frames.FAILED]
         code = self._end()
         how = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
         if self._is_stuck:
             how = f"made no progress for {PATIENCE} s"
-        return FesError(told[0] if told else f"cannot write {self._path}: the process that writes it {how}")
+        return FesError(texts[0] if texts else f"cannot write {self._path}: the process that writes it {how}")
 
     def _kill(self) -> None:
         """End a writer that makes no progress."""
