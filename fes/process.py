@@ -7,6 +7,7 @@ import logging
 import os
 import signal
 import sys
+import threading
 from collections.abc import Callable, Coroutine, Iterator
 from typing import NoReturn, TypeVar
 
@@ -20,6 +21,11 @@ FORCED = 130
 """Exit code after a second signal."""
 
 T = TypeVar("T")
+
+_received: list[list[int]] = []
+"""Signals that each block of `interruptible` has received."""
+_uninterrupted: list[bool] = []
+"""One entry in a block of `uninterrupted`."""
 
 Service = Callable[[], Coroutine[None, None, int]]
 """A main coroutine function, which returns the exit code."""
@@ -84,12 +90,33 @@ def interruptible() -> Iterator[None]:
         received.append(number)
         if len(received) > 1:
             signals.force(FORCED)
+        if _uninterrupted:
+            return
         raise Stopped(f"stopped by {signal.Signals(number).name}")
 
     with signals.restored():
         for number in signals.heard():
             signal.signal(number, stop)
+        _received.append(received)
+        try:
+            yield
+        finally:
+            _received.remove(received)
+
+
+@contextlib.contextmanager
+def uninterrupted() -> Iterator[None]:
+    """A short block of `interruptible` at whose end Stopped is raised, if a signal has come meanwhile."""
+    if not _received or _uninterrupted or threading.current_thread() is not threading.main_thread():
         yield
+        return
+    _uninterrupted.append(True)
+    try:
+        yield
+    finally:
+        _uninterrupted.clear()
+    if _received[-1]:
+        raise Stopped(f"stopped by {signal.Signals(_received[-1][0]).name}")
 
 
 async def _until_stopped(main: Callable[[], Coroutine[None, None, T]], exit_with_stdin: bool) -> T:

@@ -10,6 +10,7 @@ import numpy as np
 from agents.control import crew
 from agents.runtime import marshalling as agent_marshalling
 from agents.runtime.crew_run import CrewRun
+from fes import process
 from fes.arrays.types import Floats
 from fes.errors import FesError, ScenarioError
 from fes.model.sensing import Beacons, Telemetry, no_beacons, telemetry_of
@@ -104,10 +105,11 @@ def run(
 
     try:
         for done, tick in enumerate(ticks(scenario), 1):
-            metrics.add(tick.state, tick.twists, tick.telemetry)
-            now = time.perf_counter()
-            if recorder is not None:
-                recorder.add(metrics, tick.twists, payloads(tick), alive, now - begun)
+            with process.uninterrupted():  # metrics and log have the same ticks
+                metrics.add(tick.state, tick.twists, tick.telemetry)
+                now = time.perf_counter()
+                if recorder is not None:
+                    recorder.add(metrics, tick.twists, payloads(tick), alive, now - begun)
             if collect is not None:
                 collect(tick)
             if watch is not None and (now - report_time >= report_builder.PERIOD or done == scenario.ticks):

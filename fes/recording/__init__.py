@@ -9,5 +9,6 @@ reader         a log with its scenario and summary
 viewer_topics  messages for viewers, made from a Report
 protobuf       message types described, and messages read within bounds
 messages_pb2   message types of the log, generated from messages.proto
+writer         the process that writes the log of a run
 hashed_file    files hashed while they are written, and checked at the end
 """

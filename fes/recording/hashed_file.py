@@ -12,9 +12,10 @@ from pathlib import Path
 class HashedFile:
     """A new file, with the hash of all bytes written to it."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, fileno: int | None = None) -> None:
+        """`fileno` is the number of the file if it is open already; it is closed with this object."""
         self.path = path
-        self._file = open(path, "wb", opener=append)  # noqa: SIM115
+        self._file = open(path if fileno is None else fileno, "wb", opener=append)  # noqa: SIM115
         self._hash = hashlib.sha256()
         self.size = 0
         """Number of bytes written."""

@@ -29,8 +29,9 @@ CHUNK = 1 << 21
 """A chunk is closed when it holds this much [bytes, uncompressed], about 400 ticks of ten robots. The index of all
 chunks stays in memory until the end, about 2 kB per chunk."""
 
-CHUNK_AGE = 2.0
-"""A chunk is closed when it is this old [s; wall clock]: a run that is killed loses at most this much."""
+CHUNK_AGE = 1.5
+"""A chunk is closed when it is this old [s; wall clock]. A run that is killed together with the writer of its log
+loses this much, and the time until its last ticks reach the writer: less than two seconds."""
 
 LARGEST = records.LIMIT - (records.LIMIT >> 6)
 """A chunk holds at most this much [bytes, uncompressed]. So a reader accepts it even if it does not compress."""
@@ -44,7 +45,8 @@ Schema = type[Message] | dict[str, Any]
 class McapFile:
     """A file of messages, in the order in which they are put; raises FesError if it cannot be written."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, fileno: int | None = None) -> None:
+        """`fileno` is the number of the file if it is open already."""
         self._path = path
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, int] = {}
@@ -54,7 +56,7 @@ class McapFile:
         self.loss: str | None = None
         """Damage by other programs to the finished file, in words; None without any, or before the end."""
         with self._writing():
-            self._file = HashedFile(path)
+            self._file = HashedFile(path, fileno)
             # Chunks are closed by `settle`, between two ticks, and not by the library in the middle of one.
             self._writer = Writer(
                 cast(IO[bytes], self._file),
@@ -78,7 +80,8 @@ class McapFile:
         """Close the chunk if it is large or old enough, or `at_once`: from then on a reader finds its messages."""
         if self._broken:
             return  # the error was raised before
-        if at_once or self._waiting >= CHUNK or time.monotonic() - self._begun >= CHUNK_AGE:
+        is_old = self._waiting > 0 and time.monotonic() - self._begun >= CHUNK_AGE
+        if at_once or is_old or self._waiting >= CHUNK:
             self._check_size()
             with self._writing():
                 self._writer.flush()
@@ -134,14 +137,18 @@ class McapFile:
         """Close the file, with a record of metadata and an index."""
         self.settle(at_once=True)
         if self._broken:
-            with contextlib.suppress(OSError):
-                self._file.close()
+            self.close()
             return
         with self._writing(), contextlib.closing(self._file):
             self._writer.add_metadata(name, metadata)
             self._writer.finish()
             self._file.flush()
             self.loss = hashed_file.loss(self._path, self.fileno, self._file.size)
+
+    def close(self) -> None:
+        """Close the file as it is: without its end, and without messages that are in no chunk yet."""
+        with contextlib.suppress(OSError):
+            self._file.close()
 
     def _register(self, topic: str, schema: Schema) -> int:
         if isinstance(schema, dict):

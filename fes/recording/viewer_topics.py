@@ -1,4 +1,4 @@
-"""Messages on the topics for viewers, made from a Report: frames, scenes, remarks and states.
+"""Messages on the topics for viewers, made from the arrays of a Report: frames, scenes, remarks and states.
 
 Frames are after ROS REP 103 and 105: `map`, x to the east and z up, and `robot_3/base_link`, x forward.
 """
@@ -6,6 +6,7 @@ Frames are after ROS REP 103 and 105: `map`, x to the east and z up, and `robot_
 import math
 from collections.abc import Iterator
 from functools import cache
+from typing import NamedTuple, Self
 
 import numpy as np
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
@@ -14,15 +15,10 @@ from foxglove_schemas_protobuf.Log_pb2 import Log
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.timestamp_pb2 import Timestamp
 
-from fes.arrays.types import Floats
-from fes.model.sensing import Telemetry
-from fes.protocol.report import Report
-from fes.recording import messages_pb2
+from fes.arrays.types import Floats, Ints
 from fes.recording.messages_pb2 import LinkState, RobotState
 
 MAP = "map"
-
-INFO, WARNING = Log.INFO, Log.WARNING
 
 _ORIGIN: dict[str, dict[str, float]] = {"position": {}, "orientation": {"w": 1.0}}
 _BODY_COLOR = {"r": 0.25, "g": 0.6, "b": 1.0, "a": 1.0}
@@ -30,6 +26,34 @@ _SHADES = 15  # of the links' colors: few, because each distinct number takes by
 _COLORS = [{"r": shade / _SHADES, "g": 1.0 - shade / _SHADES, "b": 0.2, "a": 1.0} for shade in range(_SHADES + 1)]
 _ROBOT_FIELDS = tuple(field.name for field in RobotState.DESCRIPTOR.fields)
 _LINK_FIELDS = tuple(field.name for field in LinkState.DESCRIPTOR.fields)
+_OUTAGE = _LINK_FIELDS.index("outage")
+
+
+class View(NamedTuple):
+    """The arrays that viewers see, of n robots and l links in use."""
+
+    poses: Floats
+    """True poses [n, 3] [m, m, rad; world frame]."""
+    twists: Floats
+    """[n, 2] [m/s, rad/s]"""
+    counts: Floats
+    """Links of each robot [n]."""
+    totals: Floats
+    """Sum of the estimates of each robot, over its links [n] [m]."""
+    a: Ints
+    """Links: the lower id [l]."""
+    b: Ints
+    """The higher id [l]."""
+    states: Floats
+    """Fields of a LinkState, in their order [10, l]."""
+
+    @classmethod
+    def of(cls, poses: bytes, twists: bytes, counts: bytes, totals: bytes, a: bytes, b: bytes, states: bytes) -> Self:
+        """The view in the bytes of its arrays: int64 for ids, else float64."""
+        lower, higher = np.frombuffer(a, dtype=np.int64), np.frombuffer(b, dtype=np.int64)
+        poses_, twists_ = np.frombuffer(poses).reshape(-1, 3), np.frombuffer(twists).reshape(-1, 2)
+        states_ = np.frombuffer(states).reshape(len(_LINK_FIELDS), len(lower))
+        return cls(poses_, twists_, np.frombuffer(counts), np.frombuffer(totals), lower, higher, states_)
 
 
 def timestamp(nanoseconds: int) -> Timestamp:
@@ -37,11 +61,11 @@ def timestamp(nanoseconds: int) -> Timestamp:
     return Timestamp(seconds=nanoseconds // 1_000_000_000, nanos=nanoseconds % 1_000_000_000)
 
 
-def transforms(report: Report, time: Timestamp) -> FrameTransforms:
+def transforms(view: View, time: Timestamp) -> FrameTransforms:
     """The pose of each robot's frame in the map."""
     message = FrameTransforms()
-    half = 0.5 * report.poses[:, 2]
-    columns = (report.poses[:, 0], report.poses[:, 1], np.sin(half), np.cos(half))
+    half = 0.5 * view.poses[:, 2]
+    columns = (view.poses[:, 0], view.poses[:, 1], np.sin(half), np.cos(half))
     for robot, (x, y, sine, cosine) in enumerate(np.column_stack(columns).tolist()):
         message.transforms.add(
             timestamp=time,
@@ -77,10 +101,10 @@ def bodies(robots: int, time: Timestamp) -> SceneUpdate:
     return message
 
 
-def links(report: Report, time: Timestamp) -> SceneUpdate:
+def links(view: View, time: Timestamp) -> SceneUpdate:
     """The links in use: green where all beacons decode, red where none does."""
-    ends = np.stack([report.a, report.b], axis=1).reshape(-1)
-    shades = np.rint(np.nan_to_num(report.outage, nan=1.0) * _SHADES).astype(int).tolist()
+    ends = np.stack([view.a, view.b], axis=1).reshape(-1)
+    shades = np.rint(np.nan_to_num(view.states[_OUTAGE], nan=1.0) * _SHADES).astype(int).tolist()
     message = SceneUpdate()
     entity = message.entities.add(timestamp=time, frame_id=MAP, id="links")
     entity.lines.add(
@@ -88,7 +112,7 @@ def links(report: Report, time: Timestamp) -> SceneUpdate:
         pose=_ORIGIN,
         thickness=2.0,
         scale_invariant=True,
-        points=[{"x": x, "y": y} for x, y in report.poses[ends, :2].tolist()],
+        points=[{"x": x, "y": y} for x, y in view.poses[ends, :2].tolist()],
         colors=[_COLORS[shade] for shade in shades for _ in range(2)],
     )
     return message
@@ -99,47 +123,17 @@ def remark(time: Timestamp, level: "Log.Level.ValueType", text: str) -> Log:
     return Log(timestamp=time, level=level, message=text, name="fes-world")
 
 
-def team(report: Report, payload: bytes) -> messages_pb2.Report:
-    """The Report itself, and its numbers for the team."""
-    return messages_pb2.Report(
-        tick=report.tick,
-        payload=payload,
-        optimal_separation=report.optimal_separation,
-        mean_estimate_error=report.mean_estimate_error,
-        disagreement=report.disagreement,
-        estimate_error_max=report.estimate_error_max,
-        separation_error_max=report.separation_error_max,
-        links=len(report.a),
-        beacons_sent=report.beacons_sent,
-        beacons_decoded=report.beacons_decoded,
-    )
-
-
-def robots(report: Report, twists: Floats, telemetry: Telemetry) -> Iterator[RobotState]:
-    """The state of each robot, in id order; `twists` [n, 2]."""
-    counts = telemetry.links.counts
-    totals = telemetry.links.sum(telemetry.estimates)
-    means = np.divide(totals, counts, out=np.full(len(counts), math.nan), where=counts > 0)
-    for row in np.column_stack([report.poses, twists, means, counts]).tolist():
+def robots(view: View) -> Iterator[RobotState]:
+    """The state of each robot, in id order."""
+    counts = view.counts
+    means = np.divide(view.totals, counts, out=np.full(len(counts), math.nan), where=counts > 0)
+    for row in np.column_stack([view.poses, view.twists, means, counts]).tolist():
         yield RobotState(**dict(zip(_ROBOT_FIELDS, row, strict=True)))
 
 
-def pairs(report: Report) -> Iterator[tuple[int, int, LinkState]]:
+def pairs(view: View) -> Iterator[tuple[int, int, LinkState]]:
     """Lower id, higher id and state of each link in use."""
-    columns = (
-        report.separation,
-        report.estimate_ab,
-        report.estimate_ba,
-        report.outage,
-        report.sent,
-        report.decoded,
-        report.longest_gap,
-        report.learnt_reception,
-        report.learnt_level,
-        report.learnt_exponent,
-    )
-    rows = np.column_stack(columns).tolist()
-    for a, b, row in zip(report.a.tolist(), report.b.tolist(), rows, strict=True):
+    for a, b, row in zip(view.a.tolist(), view.b.tolist(), view.states.T.tolist(), strict=True):
         yield a, b, LinkState(**dict(zip(_LINK_FIELDS, row, strict=True)))
 
 

@@ -10,6 +10,7 @@ from mcap.writer import Writer
 
 from console.backends import inprocess
 from fes.recording.messages_pb2 import Commands
+from fes.recording.writer.log_file import LogFile
 from world.config.scenario import Scenario
 from world.execution.recorder import Recorder
 
@@ -18,8 +19,8 @@ Edit = Callable[[str, int, bytes], bytes | None]
 
 
 def record(path: Path, scenario: Scenario, name: str = "test") -> dict[str, Any]:
-    """Record a run in one loop; returns its summary."""
-    with Recorder(path, scenario, name, "inprocess") as recorder:
+    """Record a run in one loop, without another process; returns its summary."""
+    with Recorder(path, scenario, name, "inprocess", writer=LogFile) as recorder:
         summary = inprocess.run(scenario, name, recorder=recorder)
         recorder.conclude(summary)
     return summary

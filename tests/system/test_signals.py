@@ -26,6 +26,16 @@ with process.interruptible():
     sys.stdin.readline()
 """
 
+UNINTERRUPTED = """
+import sys
+from fes import process
+with process.interruptible():
+    with process.uninterrupted():
+        print("ready", flush=True)
+        print(sys.stdin.readline(), flush=True)
+    print("not reached", flush=True)
+"""
+
 WITH_LOOP = """
 import asyncio, sys
 from fes import process
@@ -64,6 +74,22 @@ def test_a_signal_that_a_program_was_started_to_ignore_does_not_stop_it(program:
     running.send_signal(signal.SIGTERM)
     _, err = running.communicate(timeout=PATIENCE)
     assert running.returncode == 1
+    assert err.endswith("fes.errors.Stopped: stopped by SIGTERM\n")
+
+
+def test_a_signal_waits_for_the_end_of_an_uninterrupted_block() -> None:
+    running = subprocess.Popen(
+        [sys.executable, "-c", UNINTERRUPTED], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        text=True,
+    )  # fmt: skip
+    assert running.stdin is not None
+    assert running.stdout is not None
+    assert running.stdout.readline() == "ready\n"
+    running.send_signal(signal.SIGTERM)
+    running.stdin.write("it runs\n")
+    out, err = running.communicate(timeout=PATIENCE)
+    assert out.split("\n")[0] == "it runs"
+    assert "not reached" not in out
     assert err.endswith("fes.errors.Stopped: stopped by SIGTERM\n")
 
 

@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from console.replay import command as replay_command
 from console.replay import log
 from fes.errors import FesError
 from fes.recording.layout import NAME
+from fes.recording.writer.log_file import LogFile
 from tests.support.loop import load
 from tests.support.paths import PAIR
 from tests.support.processes import fes, start, until
@@ -147,8 +149,8 @@ def test_a_log_set_aside_stays_until_its_copy_was_read_back(tmp_path: Path) -> N
 
     # A copy with other content is rejected, and the original stays in its place.
     with pytest.MonkeyPatch.context() as broken:
-        broken.setattr(Recorder, "add", lambda *words: None)
         broken.setattr("fes.recording.mcap_file.McapFile._add_copy", lambda *words: None)
+        broken.setattr("world.execution.resume.Recorder", partial(Recorder, writer=LogFile))
         with pytest.raises(FesError, match=r"cannot be continued: .*run\.mcap does not hold what was copied to it$"):
             resume.recorder(run, kept)
     assert (run / NAME).read_bytes() == original

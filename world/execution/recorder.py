@@ -2,34 +2,40 @@
 
 The order is canonical (see docs/reference/log.md). A tick begins with its Observations, Beacons and Commands, each
 with the payloads of all robots in id order. Events follow. Ten times per simulated second a Report and the topics
-for viewers end the tick. A chunk never divides a tick, and is handed to the operating system when it is closed.
-So the file can be read up to its last chunk, however this process ends.
+for viewers end the tick.
+
+The messages of a tick are one frame, which a process of its own writes (`fes.recording.writer`). It also writes what
+it has received when this process is killed.
 """
 
 import logging
 import platform
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import tomli_w
-from foxglove_schemas_protobuf.Log_pb2 import Log
-from google.protobuf.message import Message
 
 from fes.arrays.types import Bytes, Floats
 from fes.errors import FesError
 from fes.model import counts
 from fes.protocol import world_info
 from fes.protocol.report import encode_report
-from fes.recording import messages_pb2, schemas, viewer_topics
-from fes.recording.layout import AT_ITS_END, MAX_JSON, SUMMARY, TickPayloads
-from fes.recording.mcap_file import McapFile, Schema
+from fes.recording import schemas
+from fes.recording.layout import AT_ITS_END, MAX_JSON, TickPayloads
+from fes.recording.writer import frames
+from fes.recording.writer.connection import LogWriter
+from fes.recording.writer.frames import BODIES, EVENT, INFO, PAYLOADS, REMARK, REPORT, SCENARIO, WARNING
 from fes.system import fingerprint, strict_json
 from world.config.outside import extensions
 from world.config.scenario import Scenario
 from world.metrics import report_builder
 from world.metrics.collector import MetricsCollector
+
+if TYPE_CHECKING:
+    from fes.recording.writer.log_file import LogFile
 
 _ENDED = 4096  # bytes reserved beside a summary for the reason why the run ended
 
@@ -69,12 +75,13 @@ class Recorder:
         name: str,
         backend: str,
         before: tuple[Path, LogPosition] | None = None,
+        writer: "Callable[[Path], LogWriter | LogFile]" = LogWriter,
     ) -> None:
-        """`before` is the log so far of a resumed run, in another file."""
+        """`before` is the log so far of a resumed run, in another file. A LogFile as `writer` needs no process."""
         self.path = path
         self._scenario, self._name = scenario, name
         self._changes = scenario.changes
-        self._period = report_period(scenario)
+        self._period, self._last = report_period(scenario), scenario.ticks - 1
         self._viewed = scenario.robots.number <= MAX_VIEWED
         self._summary: dict[str, Any] | None = None
         self._pending: list[tuple[int, str, Any]] = []
@@ -82,12 +89,12 @@ class Recorder:
         self._excluded: dict[int, list[tuple[list[int], str]]] = {}
         self._tick = -1
         self._reported = (0, 0.0)
-        self._file = McapFile(path)
+        self._log = writer(path)
         if before is None:
             self._begin(backend)
             return
         source, position = before
-        self._file.copy(source, position.size)
+        self._log.copy(source, position.size)
         self._tick, self._reported = position.tick, position.reported
         self._pending, self._present = list(position.pending), dict(position.present)
         self._excluded = dict(position.excluded)
@@ -97,11 +104,11 @@ class Recorder:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> None:
         if error is None:
-            self._end(None)
+            damage = self._end(None)
         else:
-            self._end(str(error) if isinstance(error, FesError) else "it was stopped")
-        if self._file.loss is not None:
-            loss = f"{self.path} {self._file.loss} during the run: the log is incomplete"
+            damage = self._end(str(error) if isinstance(error, FesError) else "it was stopped")
+        if damage is not None:
+            loss = f"{self.path} {damage} during the run: the log is incomplete"
             if error is None:
                 raise FesError(loss)
             logging.getLogger("world").warning("%s", loss)
@@ -113,23 +120,21 @@ class Recorder:
 
         `twists` [n, 2]; `alive` [n] is 1 for each robot with a token; `elapsed` [s; wall clock] since tick 0.
         """
-        tick = self._tick = metrics.state.tick
-        for name, payloads in zip(("Observations", "Beacons", "Commands"), tick_payloads, strict=True):
-            self._put_message(f"/{name.lower()}", getattr(messages_pb2, name)(tick=tick, payloads=payloads))
+        tick = metrics.state.tick
+        messages: list[list[Any]] = [[PAYLOADS, *tick_payloads]]
         for path, value in self._changes.get(tick, {}).items():
-            self._set(tick, "schedule", path, value)
-        self._set_by_persons(tick)
+            messages += _set(tick, "schedule", path, value)
+        messages += self._set_by_persons(tick)
         for robots, reason in self._excluded.pop(tick, []):
-            event = {"tick": tick, "what": "excluded", "robots": robots, "reason": reason}
-            self._put("/events", schemas.EVENT, strict_json.dumps(event).encode())
-            self._remark(viewer_topics.WARNING, f"robots {robots} are excluded from tick {tick} on: {reason}")
+            messages.append(_event({"tick": tick, "what": "excluded", "robots": robots, "reason": reason}))
+            messages.append([REMARK, WARNING, f"robots {robots} are excluded from tick {tick} on: {reason}"])
         for robots in self._present.pop(tick, []):
-            event = {"tick": tick, "what": "present", "robots": robots}
-            self._put("/events", schemas.EVENT, strict_json.dumps(event).encode())
-            self._remark(viewer_topics.WARNING, f"{len(robots)} robots take part from tick {tick} on: {robots}")
-        if tick % self._period == 0 or tick == self._scenario.ticks - 1:
-            self._report(metrics, twists, alive, elapsed)
-        self._file.settle()
+            messages.append(_event({"tick": tick, "what": "present", "robots": robots}))
+            messages.append([REMARK, WARNING, f"{len(robots)} robots take part from tick {tick} on: {robots}"])
+        if tick % self._period == 0 or tick == self._last:
+            messages.append(self._report(metrics, twists, alive, elapsed))
+        self._write(tick, messages)
+        self._tick = tick
 
     def change(self, tick: int, path: str, value: Any) -> None:
         """Note that a person set a field of the channel from `tick` on, which has not been added yet."""
@@ -146,13 +151,12 @@ class Recorder:
     @property
     def fileno(self) -> int:
         """The number of the open file."""
-        return self._file.fileno
+        return self._log.fileno
 
     def pause(self) -> LogPosition:
         """Close the chunk; returns the position after the last tick, up to which a reader can now read."""
         return LogPosition(
-            self._file.close_chunk(),
-            self._file.sha256,
+            *self._log.position(),
             self._tick,
             self._reported,
             list(self._pending),
@@ -181,68 +185,60 @@ class Recorder:
                 "machine": platform.machine(),
             },
         }
-        self._put("/scenario", schemas.SCENARIO, strict_json.dumps(head).encode())
         robots = self._scenario.robots.number
         seed, ticks = self._scenario.run.seed, self._scenario.ticks
-        self._remark(viewer_topics.INFO, f"{self._name}: {robots} robots, seed {seed}, {ticks} ticks")
-        if self._viewed:
-            self._put_message("/scene/robots", viewer_topics.bodies(robots, viewer_topics.timestamp(0)))
-        self._file.settle(at_once=True)
+        messages: list[list[Any]] = [
+            [SCENARIO, strict_json.dumps(head).encode()],
+            [REMARK, INFO, f"{self._name}: {robots} robots, seed {seed}, {ticks} ticks"],
+            *([[BODIES, robots]] if self._viewed else []),
+        ]
+        self._write(0, messages)
 
-    def _end(self, reason: str | None) -> None:
+    def _end(self, reason: str | None) -> str | None:
+        """Write the end of the run; returns damage by other programs, in words."""
         ticks = self._tick = self._tick + 1
-        self._set_by_persons(ticks)
         reason = reason[: _ENDED // 8] if reason else None
-        event = {"tick": ticks, "what": "end", **({"reason": reason} if reason else {})}
-        self._put("/events", schemas.EVENT, strict_json.dumps(event).encode())
         because = f": {reason}" if reason else ""
-        level = viewer_topics.WARNING if reason else viewer_topics.INFO
-        self._remark(level, f"the run is over after {ticks} ticks{because}")
+        level = WARNING if reason else INFO
+        messages = [
+            *self._set_by_persons(ticks),
+            _event({"tick": ticks, "what": "end", **({"reason": reason} if reason else {})}),
+            [REMARK, level, f"the run is over after {ticks} ticks{because}"],
+        ]
+        self._write(ticks, messages)
         ended = {"ended": reason or AT_ITS_END}
         summary = strict_json.dumps(self._summary)
         if self._summary is not None and len(summary) <= MAX_JSON - _ENDED:
             ended["summary"] = summary
-        self._file.finish(SUMMARY, ended)
+        return self._log.finish(ended)
 
-    def _set_by_persons(self, tick: int) -> None:
+    def _set_by_persons(self, tick: int) -> list[list[Any]]:
+        messages: list[list[Any]] = []
         while self._pending and self._pending[0][0] <= tick:
             since, path, value = self._pending.pop(0)
-            self._set(since, "person", path, value)
+            messages += _set(since, "person", path, value)
+        return messages
 
-    def _set(self, tick: int, by: str, path: str, value: Any) -> None:
-        event = {"tick": tick, "what": "set", "by": by, "path": path, "value": value}
-        self._put("/events", schemas.EVENT, strict_json.dumps(event).encode())
-        self._remark(viewer_topics.INFO, f"{path} = {value}, by {by}")
-
-    def _report(self, metrics: MetricsCollector, twists: Floats, alive: Bytes, elapsed: float) -> None:
+    def _report(self, metrics: MetricsCollector, twists: Floats, alive: Bytes, elapsed: float) -> list[Any]:
         (ticks_before, before), ticks = self._reported, metrics.link_errors.ticks
         self._reported = ticks, elapsed
         rate = (ticks - ticks_before) / (elapsed - before) if elapsed > before else 0.0
         report = report_builder.build(metrics, self._name, alive, elapsed, rate)
-        self._put_message("/report", viewer_topics.team(report, encode_report(report)))
-        if not self._viewed:
-            return
-        time = viewer_topics.timestamp(self._now)
-        self._put_message("/tf", viewer_topics.transforms(report, time))
-        self._put_message("/scene/links", viewer_topics.links(report, time))
-        for robot, state in enumerate(viewer_topics.robots(report, twists, metrics.telemetry)):
-            self._put_message(f"/robot/{robot}/state", state)
-        for a, b, state in viewer_topics.pairs(report):
-            self._put_message(f"/link/{a}-{b}/state", state)
+        arrays = frames.arrays(report, twists, metrics.telemetry) if self._viewed else None
+        return [REPORT, encode_report(report), frames.numbers(report), arrays]
 
-    def _remark(self, level: "Log.Level.ValueType", text: str) -> None:
-        self._put_message("/log", viewer_topics.remark(viewer_topics.timestamp(self._now), level, text))
+    def _write(self, tick: int, messages: list[list[Any]]) -> None:
+        self._log.write(tick, round(tick * self._scenario.run.dt * 1e9), messages)
 
-    @property
-    def _now(self) -> int:
-        """Simulated time of the last tick [ns]."""
-        return round(max(0, self._tick) * self._scenario.run.dt * 1e9)
 
-    def _put_message(self, topic: str, message: Message) -> None:
-        self._put(topic, type(message), message.SerializeToString())
+def _event(event: dict[str, Any]) -> list[Any]:
+    return [EVENT, strict_json.dumps(event).encode()]
 
-    def _put(self, topic: str, schema: Schema, payload: bytes) -> None:
-        self._file.put(topic, schema, payload, self._now, max(0, self._tick))
+
+def _set(tick: int, by: str, path: str, value: Any) -> list[list[Any]]:
+    """The messages about a field that was set."""
+    event = {"tick": tick, "what": "set", "by": by, "path": path, "value": value}
+    return [_event(event), [REMARK, INFO, f"{path} = {value}, by {by}"]]
 
 
 def report_period(scenario: Scenario) -> int:

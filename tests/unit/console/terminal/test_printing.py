@@ -20,6 +20,7 @@ from console.replay import log
 from console.terminal import printing
 from fes import process
 from fes.errors import FesError
+from fes.recording.writer.log_file import LogFile
 from fes.system import output, signals
 from tests.support import recordings
 from tests.support.frames import a_history, a_report
@@ -85,7 +86,7 @@ def crafted(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     recordings.record(where / "run.mcap", pair)
 
     def stop() -> None:
-        with Recorder(where / "evil.mcap", pair, EVIL, EVIL) as recorder:
+        with Recorder(where / "evil.mcap", pair, EVIL, EVIL, writer=LogFile) as recorder:
             recorder.conclude(inprocess.run(pair, EVIL, recorder=recorder) | {"backend": EVIL})
             raise FesError(EVIL)
 
