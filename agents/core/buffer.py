@@ -62,9 +62,7 @@ class Layout:
     def __init__(self, library: ctypes.CDLL, constants: CrewConstants, capacity: int) -> None:
         places = (ctypes.c_int64 * len(_FIELDS))()
         self.capacity = capacity
-        self.length: int = library.fes_crew_layout(
-            ctypes.addressof(constants.constants), capacity, places
-        )
+        self.length: int = library.fes_crew_layout(ctypes.addressof(constants.constants), capacity, places)
         """Length of a buffer [bytes]."""
         self.places = dict(zip(_FIELDS, places, strict=True))
         """Place of each array [bytes]."""
@@ -150,4 +148,3 @@ def link_edges(ids: Ints, stored: Stored, count: int) -> Edges:
     rows: Ints = stored.layout.view(stored.buffer, "link_rows", count).copy()
     peers: Ints = stored.layout.view(stored.buffer, "link_peers", count).copy()
     return Edges(ids, rows, peers)
-

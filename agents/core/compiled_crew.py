@@ -183,4 +183,3 @@ def of(crew: Crew) -> CompiledCrew | None:
     library = load()
     own = constants.of(crew) if library is not None else None
     return None if library is None or own is None else CompiledCrew(library, crew, own)
-

@@ -26,6 +26,7 @@ NEW_PAIRS, CANDIDATES_TOO_OLD = 1, -1
 
 _MODELS = {"rayleigh": 0, "logistic": 1, "perfect": 2}
 
+
 class Moved(NamedTuple):
     """The world one tick later."""
 
