@@ -1,12 +1,14 @@
 """Entry point of fes-agent: handles stop signals before it imports the rest."""
 
+from fes.process import loading
 from fes.system import signals
 
 
 def main() -> None:
     """Run fes-agent."""
     signals.hold(0)  # a service that stops on request exits with success
-    from agents import process
+    with loading("fes-agent"):
+        from agents import process
 
     process.main()
 

@@ -1,12 +1,14 @@
 """Entry point of fes, which handles stop signals before it imports the rest."""
 
+from fes.process import loading
 from fes.system import signals
 
 
 def main() -> None:
     """Run fes."""
     signals.hold(1, "fes")
-    from console import cli
+    with loading("fes"):
+        from console import cli
 
     try:
         cli.main()

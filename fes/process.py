@@ -31,6 +31,16 @@ Service = Callable[[], Coroutine[None, None, int]]
 """A main coroutine function, which returns the exit code."""
 
 
+@contextlib.contextmanager
+def loading(name: str) -> Iterator[None]:
+    """Around the imports of a program: a core that FES_CORE demands, and that is not here, ends it in one line."""
+    try:
+        yield
+    except FesError as error:
+        complain(name, str(error))
+        raise SystemExit(error.exit_code) from None
+
+
 def run(name: str, main: Service, *, exit_with_stdin: bool = False) -> NoReturn:
     """Run the service `main` to its exit code, and end the process.
 

@@ -1,12 +1,14 @@
 """Entry point of fes-world: handles stop signals before it imports the rest."""
 
+from fes.process import loading
 from fes.system import signals
 
 
 def main() -> None:
     """Run fes-world."""
     signals.hold(0)  # a service that stops on request exits with success
-    from world import process
+    with loading("fes-world"):
+        from world import process
 
     process.main()
 

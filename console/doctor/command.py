@@ -11,7 +11,7 @@ from rich.table import Table
 from console.connect import run_directory
 from console.connect.options import Cfg, Config, Connect, ObserverKeys
 from console.connect.run_directory import Address, Client
-from console.doctor import installation, machine, network
+from console.doctor import core, installation, machine, network
 from console.doctor.finding import Finding, Status, warning
 from console.terminal import printing, progress
 from console.terminal.printing import cell
@@ -85,7 +85,8 @@ async def examine(target: Endpoints | Finding, run: str, is_requested: bool) -> 
 
 def _local() -> list[Finding]:
     """The slower checks, of the installation and of the clock."""
-    return [machine.python(), *installation.own(), *machine.packages(), machine.arithmetic(), machine.clock()]
+    installed = [machine.python(), *installation.own(), *machine.packages()]
+    return [*installed, machine.arithmetic(), core.core(), machine.clock()]
 
 
 def with_announcement(finding: Finding, path: Path, address: Address) -> Finding:

@@ -12,13 +12,11 @@ from functools import cache
 import numpy as np
 
 from fes.arithmetic import elementary, logarithm
+from fes.arithmetic.core import functions, library
 from fes.arrays.types import Floats
 
 EXPECTED = "171eaa011704"
 """The fingerprint of every machine. It changes only with an elementary function, and so with all digests."""
-
-CORE = "numpy"
-"""The implementation that computes a run; every implementation gives the same bits."""
 
 _EVENLY = 1_500
 """Number of samples over the usual range; the others are at the ends of the ranges and near 0 and 1."""
@@ -33,8 +31,9 @@ Arithmetic = Mapping[str, str]
 
 
 def table() -> dict[str, str]:
-    """The arithmetic of this process."""
-    return {"fingerprint": _own(), "numpy": np.__version__, "core": CORE}
+    """The arithmetic of this process. Its core computes the elementary functions: every core gives the same bits."""
+    core = library.NUMPY if functions.load() is None else library.C
+    return {"fingerprint": _own(), "numpy": np.__version__, "core": core}
 
 
 def text(arithmetic: Arithmetic | None = None) -> str:

@@ -67,7 +67,7 @@ def test_a_name_that_does_not_resolve_is_a_finding_with_its_own_remedy(tmp_path:
 
 
 CHECKS = [
-    *("python", "our names", "packages", "arithmetic", "clock", "open files", "run directory"),
+    *("python", "our names", "packages", "arithmetic", "core", "clock", "open files", "run directory"),
     *("loopback", "port", "loopback only", "endpoint"),
 ]
 

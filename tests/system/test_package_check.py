@@ -15,7 +15,7 @@ from console import cli
 from fes.errors import FesError
 from fes.protocol import world_info
 from fes.system import distribution, signals
-from tests.support.commands import complaint, with_path
+from tests.support.commands import call, complaint, with_path
 from tests.support.paths import CONFIGS, ROOT
 from tests.support.source import imports
 
@@ -32,6 +32,15 @@ def test_a_package_that_python_finds_before_ours_ends_every_command_in_one_line(
     line = complaint(with_path(tmp_path / "elsewhere", tmp_path, command, *COMMANDS[command]), command)
     assert f"the package '{package}' is that of another project: {tmp_path / 'elsewhere' / package}" in line
     assert line.endswith(distribution.separate())
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_an_unknown_core_ends_every_command_in_one_line(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FES_CORE", "rust")
+    line = complaint(call(tmp_path, command, *COMMANDS[command]), command)
+    assert line == "FES_CORE must be 'c' or 'numpy', got 'rust'"
 
 
 @pytest.mark.parametrize("module", ["fcntl", "termios", "resource"])

@@ -23,6 +23,9 @@ C, NUMPY = "c", "numpy"
 Buffer: TypeAlias = Any
 """An array of bytes of ctypes. Its address is known, and numpy arrays can lie in it; numpy has no type for it."""
 
+NOT_BUILT = "it was not built"
+"""Reason why numpy computes: the installation found no C compiler."""
+
 Test = Callable[[ctypes.CDLL], bool]
 """True if a library computes what it must."""
 
@@ -63,7 +66,7 @@ def load(module: str, name: str, test: Test) -> ctypes.CDLL | None:
 def _tested(path: Path, test: Test) -> tuple[ctypes.CDLL | None, str]:
     """The library of a file, or None and the reason."""
     if not path.exists():
-        return None, "it was not built"
+        return None, NOT_BUILT
     try:
         library = ctypes.CDLL(str(path))
         if not test(library):
