@@ -97,7 +97,8 @@ def slow_down(
         sine, cosine = elementary.sin_cos(np.stack([heading + half_turn, half_turn]))
         sense = np.sign(speed) * np.where(sine[1] * half_turn < 0.0, -1.0, 1.0)
         bounds = _speed_bounds(sense * cosine[0], sense * sine[0], peers)
-        speed = np.minimum(np.maximum(speed, -bounds), bounds)
+        # Processors differ in the sign of the smaller of two zeros.
+        speed = np.where(bounds == 0.0, 0.0, np.minimum(np.maximum(speed, -bounds), bounds))
     result[:, geometry.LINEAR] = speed
     return result
 

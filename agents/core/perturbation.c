@@ -69,8 +69,11 @@ FES_WIDE static void sub_step(const Crew *crew, const Step *step, Nodes wave, co
     memcpy(start[2], block->peer, sizeof start[2]);
     for (int row = 0; row <= NODES; row++)
         for (int lane = 0; lane < LANES; lane++)
-            held[row][lane] = step->washout_start[row] * block->state[BASELINE][lane];
+            held[row][lane] = step->washout_start[row] * block->state[BASELINE][lane] + 0.0;
     RESPOND(drift, NODES + 2, step->path_start, 3, start)
+    /* numpy begins each sum with 0.0, so that none is -0.0; the sums of a sweep are added to these */
+    for (int row = 0; row < NODES + 2; row++)
+        for (int lane = 0; lane < LANES; lane++) drift[row][lane] = drift[row][lane] + 0.0;
     memcpy(path, drift, sizeof path);
     for (int node = 0; node < NODES; node++)
         for (int lane = 0; lane < LANES; lane++) {

@@ -1,16 +1,27 @@
 /* Neighbor rules: the contacts that a robot selects as neighbors. Twin: agents/laws/neighbor_rules.py. */
 #include "laws.h"
 
-/* The two nearest contacts; among equals those of the lowest ids. */
+/* Separation of a contact; an unknown one is infinitely far. */
+static double reach(const Contacts *contacts, i64 pair) {
+    return contacts->known[pair] ? contacts->separation[pair] : infinity();
+}
+
+/* The two nearest contacts; among equals those of the lowest ids. As numpy sorts, NaN comes last, and unknown contacts
+ * take a place. */
 static void two_nearest(const Contacts *contacts, i64 first, i64 last, u8 *selected) {
     for (int choice = 0; choice < 2; choice++) {
         i64 nearest = -1;
-        for (i64 pair = first; pair < last; pair++)
-            if (contacts->known[pair] && !selected[pair] &&
-                (nearest < 0 || contacts->separation[pair] < contacts->separation[nearest]))
-                nearest = pair;
+        double least = 0.0;
+        for (i64 pair = first; pair < last; pair++) {
+            double value = reach(contacts, pair);
+            int is_less = value < least || (least != least && value == value);
+            if (selected[pair] || (nearest >= 0 && !is_less)) continue;
+            nearest = pair;
+            least = value;
+        }
         if (nearest >= 0) selected[nearest] = 1;
     }
+    for (i64 pair = first; pair < last; pair++) selected[pair] &= contacts->known[pair];
 }
 
 /* True if max(d_ik, d_jk) < d_ij, for the positions of (i, j) and (i, k). */

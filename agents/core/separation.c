@@ -104,7 +104,7 @@ void separation_slow_down(const Crew *crew, const Input *input, const State *now
             }
             bound = smaller(bound, speed_bound(&near, cosine, sine));
         }
-        if (has_peers) speed = smaller(larger(speed, -bound), bound);
+        if (has_peers) speed = bound == 0.0 ? 0.0 : smaller(larger(speed, -bound), bound);
         twist[LINEAR] = speed;
     }
 }

@@ -157,10 +157,9 @@ class Edges:
             return self.rows
         least = np.minimum.reduceat(values, self.starts)
         positions: Ints = np.equal(values, least.take(self.groups)).nonzero()[0]
-        if len(positions) > len(self.starts):
-            rows = self.rows.take(positions)
-            positions = positions[np.concatenate(([True], rows[1:] != rows[:-1]))]
-        return positions
+        rows = self.rows.take(positions)
+        is_tie = rows[1:] == rows[:-1]  # a count would miss ties beside robots whose values are NaN
+        return positions[np.concatenate(([True], ~is_tie))] if np.count_nonzero(is_tie) else positions
 
     def smallest(self, values: Floats, k: int) -> Ints:
         """Positions of each robot's `k` smallest `values` [m]; among equals the lowest peer id first.

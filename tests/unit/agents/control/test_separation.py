@@ -198,6 +198,16 @@ def test_the_speed_is_bounded_no_more_than_needed() -> None:
         assert backward[0, 0] == pytest.approx(-min(wanted, LIMIT), rel=1e-12)
 
 
+def test_a_robot_that_may_not_close_stands_with_a_zero_of_one_sign() -> None:
+    # Processors differ in the sign of the smaller of two zeros, and a digest shows it.
+    where = np.array([[0.0, 0.0, 0.0], [5.0, 0.0, 0.0]])
+    none = np.zeros(2, dtype=np.bool_)
+    for speed in (1.0, -1.0):
+        slowed = separation.slow_down(np.full((2, 2), [speed, 0.0]), peers(where), np.zeros(2), none, DT, CONFIG)
+        assert not np.signbit(slowed[slowed == 0.0]).any()
+        assert 0.0 in slowed[:, 0]
+
+
 @given(seed=st.integers(0, 200), n=st.integers(2, 14), age=st.integers(1, 30))
 def test_the_digits_of_a_robot_do_not_depend_on_its_crew(seed: int, n: int, age: int) -> None:
     where, pull = crowd(seed, n, 25.0)

@@ -113,6 +113,12 @@ def test_smallest_finds_one_of_values_that_are_all_infinite() -> None:
     assert among.first_smallest(np.full(3, np.inf)).tolist() == [0, 2]
 
 
+def test_ties_are_broken_beside_a_robot_whose_values_are_nan() -> None:
+    # The digits of a robot must not depend on those of another one in its process.
+    among = edges([0, 1], [(0, 1), (1, 0), (1, 2)])
+    assert among.first_smallest(np.array([np.nan, 3.0, 3.0])).tolist() == [1]
+
+
 @given(pairs=pair_sets)
 def test_select_keeps_the_marked_pairs(pairs: set[tuple[int, int]]) -> None:
     ordered = sorted(pairs)

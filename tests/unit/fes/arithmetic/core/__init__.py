@@ -1,0 +1,1 @@
+"""The compiled elementary functions against numpy's, to the bit."""
