@@ -198,7 +198,7 @@ def test_numbers_for_many_ticks_are_those_of_philox_with_either_core(monkeypatch
     assert not bits.differences(draws.uniform_ticks(key, 8, 16, senders, receivers), compiled)
     expected = [
         np.concatenate([philox(key, 2 + block, *pair) for block in range(4)])
-        for pair in zip(senders, receivers, strict=True)
+        for pair in zip(senders.tolist(), receivers.tolist(), strict=True)
     ]
     assert not bits.differences(compiled, np.stack(expected, axis=1))
 
