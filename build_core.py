@@ -57,7 +57,7 @@ def wanted() -> str:
 
 
 def compiler() -> list[str]:
-    """The C compiler and its flags: $CC, or the first of cc, gcc and clang that is found. Raises NotBuilt without one."""
+    """The C compiler and its flags: $CC, or the first one of cc, gcc and clang. Raises NotBuilt without one."""
     if named := shlex.split(os.environ.get("CC", "")):
         return named
     if found := next((name for name in ("cc", "gcc", "clang") if shutil.which(name)), None):

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fes.arrays import draws
+from fes.arithmetic import draws
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Bytes, Floats, Ints
 from fes.errors import MessageError

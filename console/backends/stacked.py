@@ -19,7 +19,7 @@ from agents.control.state import Crew
 from agents.runtime.crew_run import CrewRun
 from console.backends import inprocess
 from console.backends.inprocess import Tick
-from fes.arrays import draws
+from fes.arithmetic import draws
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
 from fes.extension.context import SeededDraws

@@ -84,7 +84,7 @@ def page() -> list[str]:
 
 def _functions() -> list[str]:
     """A table of the elementary functions and of the sums."""
-    named = [("elementary", getattr(elementary, name)) for name in elementary.__all__]
+    named = [("elementary", elementary.NUMPY[name]) for name in elementary.__all__]
     named += [("sums", function) for _, function in inspect.getmembers(sums, inspect.isfunction)]
     rows = []
     for module, function in named:

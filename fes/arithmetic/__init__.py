@@ -1,4 +1,4 @@
-"""Elementary functions as fixed sequences of IEEE 754 operations: the same bits on every processor.
+"""Elementary functions as fixed sequences of IEEE 754 operations, and random numbers: the same bits everywhere.
 
 elementary    all functions, on one page
 exponential   exp(x) and 1 - exp(-a)
@@ -9,4 +9,5 @@ angle         atan2
 polynomial    polynomials
 sums          sums and matrix products in a fixed order
 exact         rounding to an integer, bits, and errors of products
+draws         random numbers as a function of (seed, stream, tick, sender, receiver)
 """

@@ -5,11 +5,29 @@ processor and every numpy. No table, so that a compiler can compute several valu
 golden digests depend on them. The compiled core repeats these bits where it was built.
 """
 
+from collections.abc import Callable
+from typing import Any
+
 from fes.arithmetic import angle, exponential, logarithm, trigonometry
 from fes.arithmetic import power as powers
 from fes.arithmetic.core import functions
 
 _core = functions.load()
+
+NUMPY: dict[str, Callable[..., Any]] = {
+    "atan2": angle.atan2,
+    "exp": exponential.exp,
+    "exp_and_rise": exponential.exp_and_rise,
+    "log": logarithm.log,
+    "log1p": logarithm.log1p,
+    "log_sum_exp": logarithm.log_sum_exp,
+    "one_minus_exp": exponential.one_minus_exp,
+    "power": powers.power,
+    "product": powers.product,
+    "real_power": powers.real_power,
+    "sin_cos": trigonometry.sin_cos,
+}
+"""The definition of each function."""
 
 atan2 = angle.atan2 if _core is None else _core.atan2
 exp = exponential.exp if _core is None else _core.exp

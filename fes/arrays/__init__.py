@@ -1,7 +1,6 @@
-"""Arrays, geometry and random draws that both sides share.
+"""Arrays and geometry that both sides share.
 
 types     type aliases for the arrays in signatures
 edges     directed pairs (robot, peer) of a crew, and sums over them in a fixed order
 geometry  angle wrapping, separation, line of sight
-draws     random numbers as a function of (seed, stream, tick, sender, receiver)
 """

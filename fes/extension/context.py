@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from fes.arrays import draws
+from fes.arithmetic import draws
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
 from fes.model.config import ChannelConfig, ObjectiveConfig

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fes.arrays import draws
+from fes.arithmetic import draws
 from tests.support import loop, reference
 from tests.support.loop import History, Pair
 from world.config import scenario

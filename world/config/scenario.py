@@ -5,7 +5,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, ValidationError, field_validator, model_validator
 
-from fes.arrays import draws
+from fes.arithmetic import draws
 from fes.arrays.types import Floats
 from fes.errors import FesError, ScenarioError
 from fes.extension import crew_laws, registry

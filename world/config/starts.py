@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from fes.arrays import draws
+from fes.arithmetic import draws
 from fes.arrays.types import Floats
 from fes.model.table import Choice, NonNegative, Positive, Table
 from fes.protocol.keys import MAX_ROBOTS

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fes.arithmetic import elementary
-from fes.arrays import draws, geometry
+from fes.arithmetic import draws, elementary
+from fes.arrays import geometry
 from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Bools, Bytes, Floats, Ints
 from fes.extension.context import WorldContext

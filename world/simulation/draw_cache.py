@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fes.arrays import draws
+from fes.arithmetic import draws
 from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Floats, Ints
 

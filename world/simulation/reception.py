@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from functools import lru_cache
 from typing import Any
 
-from fes.arrays import draws
+from fes.arithmetic import draws
 from fes.extension import registry
 from fes.extension.context import SeededDraws, WorldContext
 from fes.extension.kinds import CHANNEL

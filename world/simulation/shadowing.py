@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fes.arithmetic import elementary, sums
-from fes.arrays import draws, geometry
+from fes.arithmetic import draws, elementary, sums
+from fes.arrays import geometry
 from fes.arrays.types import Floats, Ints
 from world.config.radio import ShadowingConfig
 

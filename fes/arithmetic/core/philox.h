@@ -1,5 +1,5 @@
 /* Uniform random numbers by a counter: Philox 4x64 with ten rounds (Salmon and others 2011), as numpy's Philox.
- * Twin: fes/arrays/draws.py. */
+ * Twin: fes/arithmetic/draws.py. */
 #ifndef FES_PHILOX_H
 #define FES_PHILOX_H
 

@@ -22,7 +22,7 @@ MEMORY = 1.0 - 1.0 / 8.0 - 1.0 / 24.0
 
 
 def chains(chains: int, ticks: int, **config: Any) -> Floats:
-    """States of independent chains [ticks, chains]; numbers of numpy's own, not of `fes.arrays.draws`."""
+    """States of independent chains [ticks, chains]; numbers of numpy's own, not of `fes.arithmetic.draws`."""
     rng, law = np.random.default_rng(8), BurstConfig.model_validate({**BURSTS, **config})
     states = [np.full(chains, UNKNOWN, dtype=np.uint8)]
     for _ in range(ticks):

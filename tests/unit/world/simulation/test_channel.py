@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from fes.arrays import draws
+from fes.arithmetic import draws
 from fes.arrays.types import Floats
 from fes.model.sensing import CLOSED, DECODED, LOST
 from tests.support import layouts

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fes.arrays import draws
+from fes.arithmetic import draws
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
 from tests.support.layouts import edges

@@ -15,7 +15,7 @@ from agents.runtime.reception import Receiver
 from bench.size.crowd import dense
 from console import cli
 from console.backends import inprocess
-from fes.arrays import draws
+from fes.arithmetic import draws
 from fes.arrays.types import Bools, Floats
 from fes.errors import ScenarioError
 from fes.model.contacts import Contacts

@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fes.arithmetic import angle, exponential, logarithm, power, trigonometry
+from fes.arithmetic import angle, draws, exponential, logarithm, power, trigonometry
 from fes.arithmetic.core import functions
-from fes.arrays import draws
 from fes.arrays.types import Floats
 from tests.support import bits, cores
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fes.arrays import draws
+from fes.arithmetic import draws
 from fes.arrays.types import Floats, Ints
 from tests.support import reference as witness
 
