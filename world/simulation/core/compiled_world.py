@@ -75,7 +75,7 @@ class CompiledWorld:
         if config is not self._config:
             self._config = config
             others = config.shadowing or config.bursts or config.jammers or config.partition
-            self._is_usable = isinstance(self._medium.reception.of(config), Formula) and not others
+            self._is_usable = type(self._medium.reception.of(config)) is Formula and not others
             if self._is_usable:
                 self._set(config)
         return self._is_usable
@@ -96,15 +96,20 @@ class CompiledWorld:
         if flags == CANDIDATES_TOO_OLD or (candidates.positions is not None and candidates.reach != reach):
             layout = self._layout(len(candidates.a))
             candidates = neighbor_list.find(layout.view(after, "poses", (len(self._ids), 3)), reach)
-            after, flags = self._call(before, candidates)
+            after, flags = self._call(before, candidates, is_new=True)
         return self._moved(after, candidates, flags, near, radio)
 
-    def _call(self, before: Bytes, candidates: Candidates) -> tuple[Bytes, int]:
-        """The next tick in a new buffer, with these candidates, and the flags."""
+    def _call(self, before: Bytes, candidates: Candidates, *, is_new: bool = False) -> tuple[Bytes, int]:
+        """The next tick in a new buffer, with these candidates, and the flags; a list that `is_new` is not checked."""
         if candidates is not self._candidates:
             self._point(candidates)
         after: Bytes = np.empty(self._layout(len(candidates.a)).length, np.uint8)
+        listed = self._input.now
+        positions = listed.positions
+        if is_new:  # a robot at infinity would have moved from any position
+            listed.positions = None
         flags = self._library.fes_world_tick(*self._addresses, before.ctypes.data, after.ctypes.data)
+        listed.positions = positions
         return after, flags
 
     def _point(self, candidates: Candidates) -> None:
