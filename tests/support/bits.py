@@ -9,12 +9,10 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 
-SPECIAL = np.array(
-    "0 1 0.5 2 5e-324 1e-310 2.2250738585072014e-308 1e-300 1e-17 1.1102230246251565e-16 1e6 1e12 4503599627370496 "
-    "1e154 1e300 0.7071067811865476 709.78 709.79 745.13 745.2 746 40 1.7976931348623157e308 inf".split(),
-    dtype=np.float64,
-)
-SPECIAL = np.concatenate([SPECIAL, -SPECIAL, [np.nan]])
+_MAGNITUDES = """0 1 0.5 2 5e-324 1e-310 2.2250738585072014e-308 1e-300 1e-17 1.1102230246251565e-16 1e6 1e12
+4503599627370496 1e154 1e300 0.7071067811865476 709.78 709.79 745.13 745.2 746 40 1.7976931348623157e308 inf"""
+
+SPECIAL = np.array([sign * float(word) for word in _MAGNITUDES.split() for sign in (1.0, -1.0)] + [np.nan])
 """Zeros of both signs, denormals, bounds of functions, huge numbers, infinities and NaN."""
 
 

@@ -79,7 +79,7 @@ class CompiledWorld:
         if config is not self._config:
             self._config = config
             others = config.shadowing or config.bursts or config.jammers or config.partition
-            self._is_usable = isinstance(self._medium.reception.of(config), Formula) and not others
+            self._is_usable = type(self._medium.reception.of(config)) is Formula and not others
             if self._is_usable:
                 self._set(config)
         return self._is_usable
@@ -99,16 +99,21 @@ class CompiledWorld:
         if flags == CANDIDATES_TOO_OLD or (candidates.positions is not None and candidates.reach != reach):
             poses = self._layout(len(candidates.a)).view(after, "poses", self._poses.shape)
             candidates = neighbor_list.find(poses, reach)
-            after, flags = self._call(candidates)
+            after, flags = self._call(candidates, is_new=True)
         return self._moved(after, candidates, flags, near)
 
-    def _call(self, candidates: Candidates) -> tuple[Buffer, int]:
-        """The next tick in a new buffer, with these candidates, and the flags."""
+    def _call(self, candidates: Candidates, *, is_new: bool = False) -> tuple[Buffer, int]:
+        """The next tick in a new buffer, with these candidates, and the flags; a list that `is_new` is not checked."""
         if candidates is not self._candidates:
             self._point(candidates)
-        after = self._layout(len(candidates.a)).buffer()
+        after, listed = self._layout(len(candidates.a)).buffer(), self._input.now
+        positions = listed.positions
+        if is_new:  # a robot at infinity would have moved from any position
+            listed.positions = None
         before, address = ctypes.addressof(self._buffer), ctypes.addressof(after)
-        return after, self._library.fes_world_tick(*self._addresses, before, address)
+        flags = self._library.fes_world_tick(*self._addresses, before, address)
+        listed.positions = positions
+        return after, flags
 
     def _point(self, candidates: Candidates) -> None:
         """Let the input name new candidates."""

@@ -1,0 +1,1 @@
+"""The compiled kernels of the robots against numpy's, to the bit."""

@@ -1,0 +1,1 @@
+"""The compiled tick of the world against numpy's, to the bit."""
