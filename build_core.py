@@ -2,14 +2,20 @@
 
 `pip install` calls it through hatch_build.py. From a clone, `python build_core.py` builds the libraries in place.
 It imports nothing but the standard library: it runs before the dependencies are installed.
+
+CC            a compiler, with further flags; by default cc, gcc or clang
+FES_PLATFORM  the platform of the wheel, if that compiler builds for another one
+FES_CORE      `c`: no wheel without the core; `numpy`: no core; by default a core if a compiler is found
 """
 
 import os
 import platform
+import shlex
 import shutil
 import subprocess
 import sys
 import sysconfig
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -41,11 +47,22 @@ FLAGS = (
 )
 
 
-def compiler() -> str | None:
-    """The C compiler: $CC, or the first of cc, gcc and clang on the path; None without one."""
-    if named := os.environ.get("CC"):
+class NotBuilt(Exception):
+    """No core was built; the text gives the reason."""
+
+
+def wanted() -> str:
+    """The core that FES_CORE asks for: `c`, `numpy`, or an empty text."""
+    return os.environ.get("FES_CORE", "")
+
+
+def compiler() -> list[str]:
+    """The C compiler and its flags: $CC, or the first of cc, gcc and clang on the path. Raises NotBuilt."""
+    if named := shlex.split(os.environ.get("CC", "")):
         return named
-    return next((name for name in ("cc", "gcc", "clang") if shutil.which(name)), None)
+    if found := next((name for name in ("cc", "gcc", "clang") if shutil.which(name)), None):
+        return [found]
+    raise NotBuilt("there is no C compiler")
 
 
 def libraries(root: Path = ROOT) -> dict[Path, list[Path]]:
@@ -56,27 +73,34 @@ def libraries(root: Path = ROOT) -> dict[Path, list[Path]]:
     }
 
 
-def build(command: Sequence[str], root: Path = ROOT, into: Path | None = None) -> list[Path]:
-    """Compile all libraries of a tree by `command`, a compiler and further flags; returns their files.
+def build(root: Path = ROOT, into: Path | None = None) -> list[Path]:
+    """Compile all libraries of a tree; returns their files, in their packages or under the folder `into`.
 
-    They come into their packages, or under the folder `into`. Raises OSError or subprocess.CalledProcessError.
+    Raises NotBuilt.
     """
+    if not is_supported():
+        raise NotBuilt("it is meant for Linux and macOS, on machines of 64 bits with the lowest byte first")
+    command = [*compiler(), *FLAGS, f"-I{root}"]
     built = []
     for library, sources in libraries(root).items():
-        if not sources:
-            continue
         target = library if into is None else into / library.relative_to(root)
         target.parent.mkdir(parents=True, exist_ok=True)
-        fresh = target.with_suffix(f".{os.getpid()}")  # a process that has the old library open keeps it
-        try:
-            subprocess.run(
-                [*command, *FLAGS, f"-I{root}", "-o", str(fresh), *map(str, sources)], check=True, capture_output=True
-            )
-            fresh.replace(target)
-        finally:
-            fresh.unlink(missing_ok=True)
+        # In a folder of its own: a process that has the old library open keeps it, and the new one names no path.
+        with tempfile.TemporaryDirectory(prefix=".core-", dir=target.parent) as folder:
+            _run([*command, "-o", target.name, *map(str, sources)], folder)
+            (Path(folder) / target.name).replace(target)
         built.append(target)
     return built
+
+
+def _run(command: Sequence[str], folder: str) -> None:
+    """Run a compiler in a folder. Raises NotBuilt."""
+    try:
+        done = subprocess.run(command, cwd=folder, capture_output=True, check=False)
+    except OSError as error:
+        raise NotBuilt(f"{command[0]}: {error.strerror}") from None
+    if done.returncode != 0:
+        raise NotBuilt(f"{shlex.join(command)}\n{done.stderr.decode(errors='replace')}")
 
 
 def is_supported() -> bool:
@@ -85,24 +109,17 @@ def is_supported() -> bool:
 
 
 def platform_tag() -> str:
-    """The platform of a wheel with the core: $FES_PLATFORM where a compiler for another one was named, or this one."""
+    """The platform of a wheel with the core: $FES_PLATFORM if the compiler builds for another one, or this one."""
     return os.environ.get("FES_PLATFORM") or sysconfig.get_platform().replace("-", "_").replace(".", "_")
 
 
 def main() -> int:
     """Build in place; returns an exit code."""
-    cc = compiler()
-    if cc is None or not is_supported():
-        print("no core was built: " + ("no C compiler was found" if cc is None else "it is not meant for this machine"))
-        return 1
     try:
-        for library in build(cc.split()):
+        for library in build():
             print(library.relative_to(ROOT))
-    except subprocess.CalledProcessError as error:
-        print(f"no core was built: {error.stderr.decode(errors='replace')}")
-        return 1
-    except OSError as error:
-        print(f"no core was built: {error}")
+    except NotBuilt as reason:
+        print(f"no core was built: {reason}")
         return 1
     return 0
 

@@ -1,8 +1,8 @@
 """The check of the compiled core: which of its libraries compute here, and why numpy does otherwise."""
 
-from console.doctor.finding import Finding, ok, warning
 from agents.core import compiled_crew
 from agents.laws.core import formula_index
+from console.doctor.finding import Finding, ok, warning
 from fes.arithmetic.core import functions, library
 from fes.system import distribution
 from world.simulation.core import compiled_world
