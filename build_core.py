@@ -57,7 +57,7 @@ def wanted() -> str:
 
 
 def compiler() -> list[str]:
-    """The C compiler and its flags: $CC, or the first one of cc, gcc and clang. Raises NotBuilt without one."""
+    """The C compiler and its flags: $CC, or the first of cc, gcc and clang on the path. Raises NotBuilt."""
     if named := shlex.split(os.environ.get("CC", "")):
         return named
     if found := next((name for name in ("cc", "gcc", "clang") if shutil.which(name)), None):
@@ -109,7 +109,7 @@ def is_supported() -> bool:
 
 
 def platform_tag() -> str:
-    """The platform of a wheel with the core: $FES_PLATFORM where the compiler is for another one, or this one."""
+    """The platform of a wheel with the core: $FES_PLATFORM if the compiler builds for another one, or this one."""
     return os.environ.get("FES_PLATFORM") or sysconfig.get_platform().replace("-", "_").replace(".", "_")
 
 

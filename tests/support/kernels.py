@@ -48,12 +48,12 @@ class Kernels:
         before = self.stored(one.before, len(one.before.contacts.edges))
         given, arrays = self._input(one.observations, one.beacons)
         pointers = (0 if values is None else values.ctypes.data for values in (numbers, more))
-        sizes = before.layout.capacity, after.buffer.ctypes.data, after.layout.capacity
+        sizes = before.layout.capacity, after.address, after.layout.capacity
         code = self.library.fes_crew_kernel(
             kernel,
             ctypes.addressof(self.own.constants),
             ctypes.addressof(given),
-            before.buffer.ctypes.data,
+            before.address,
             *sizes,
             *pointers,
         )
@@ -114,7 +114,7 @@ class Kernels:
     def measured(self, one: Round) -> Any:
         """The seeking state after the beacons were counted."""
         after = self.relinked(one)
-        capacity, length = after.layout.capacity, after.layout.length
+        capacity, length = after.layout.capacity, len(after.buffer)
         transition = one.known.edges.after(one.before.contacts.edges)
         m = len(one.known.edges)
         heard = np.ndarray(m, np.int64, after.buffer, length - 16 * capacity)

@@ -103,7 +103,7 @@ class CompiledWorld:
         return self._moved(after, candidates, flags, near)
 
     def _call(self, candidates: Candidates, *, is_new: bool = False) -> tuple[Buffer, int]:
-        """The next tick in a new buffer, with these candidates, and the flags; a list that `is_new` is not checked."""
+        """The next tick in a new buffer, with these candidates, and flags; a list that `is_new` is not checked."""
         if candidates is not self._candidates:
             self._point(candidates)
         after, listed = self._layout(len(candidates.a)).buffer(), self._input.now
