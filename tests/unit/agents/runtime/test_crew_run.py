@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from agents.control import crew as crews
+from agents.control.state import Crew
 from agents.core import compiled_crew
 from agents.runtime.crew_run import CrewRun
 from fes.arrays.edges import Edges
@@ -38,12 +39,12 @@ def _quiet() -> Iterator[None]:
         yield
 
 
-def both(crew: crews.Crew) -> tuple[CrewRun, CrewRun]:
+def both(crew: Crew) -> tuple[CrewRun, CrewRun]:
     """The crew on the compiled core, and on numpy."""
     compiled = CrewRun(crew)
     with cores.only_numpy():
         numpy = CrewRun(crew)
-    assert (compiled.is_compiled, numpy.is_compiled) == (True, False)
+    assert (compiled.compiled is not None, numpy.compiled is not None) == (True, False)
     return compiled, numpy
 
 
@@ -67,7 +68,7 @@ def test_a_crew_sends_the_same_and_has_the_same_state_after_every_tick(name: str
         assert not bits.differences(sent, expected), tick
         assert not bits.differences(compiled.state, numpy.state), tick
         state = truth.step(world, state, sent.twists)
-    assert compiled.is_compiled
+    assert compiled.compiled is not None
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -115,7 +116,7 @@ def test_a_twist_that_is_not_finite_is_the_error_of_numpy_and_leaves_the_state_b
     with pytest.raises(FesError) as error:
         compiled.step(given, last.beacons)
     assert str(error.value) == str(expected.value)
-    assert not compiled.is_compiled
+    assert compiled.compiled is None
     assert not bits.differences(compiled.state, before)
 
 
