@@ -6,6 +6,4 @@ buffer         the buffer of a state, and conversion from and to numpy.
 constants      the constants of a crew for the core, where the core has its laws.
 structures     the structures of the C code.
 self_test      the test of a library when it is loaded.
-
-The C files bear the names of what they compute; each function names its twin in numpy.
 """

@@ -96,7 +96,7 @@ def unpacked(stored: Stored, crew: Crew, constants: CrewConstants) -> CrewState:
 
     begins, link_begins = view("contact_begin", n + 1), view("link_begin", n + 1)
     m, links = int(begins[n]), int(link_begins[n])
-    edges = Edges(crew.ids, np.repeat(np.arange(n), np.diff(begins)), view("contact_peers", m))
+    edges = Edges(crew.ids, np.repeat(np.arange(n), begins[1:] - begins[:-1]), view("contact_peers", m))
     names = (name for name in Contacts._fields if name not in ("edges", "statistics", "declared"))
     columns = {name: view(name, m) for name in names}
     contacts = Contacts(edges, **columns, statistics=view("statistics", m, q), declared=np.zeros((m, 0), np.uint8))

@@ -31,14 +31,14 @@ def load() -> ctypes.CDLL | None:
     return library.load(__file__, NAME, _passes)
 
 
-def _passes(found: ctypes.CDLL) -> bool:
+def _passes(loaded: ctypes.CDLL) -> bool:
     """True if the kernels compute what they must."""
-    found.fes_crew_layout.restype = found.fes_crew_tick.restype = c_int64
-    found.fes_crew_layout.argtypes = [c_void_p, c_int64, c_void_p]
-    found.fes_crew_tick.argtypes = [c_void_p, c_void_p, c_void_p, c_int64, c_void_p, c_int64, c_void_p]
-    found.fes_agent_tick.restype = c_int64
-    found.fes_agent_tick.argtypes = [c_void_p, c_void_p, c_void_p, c_void_p, c_int64, c_void_p, c_void_p, c_void_p]
-    return self_test.digest(found) == self_test.EXPECTED
+    loaded.fes_crew_layout.restype = loaded.fes_crew_tick.restype = c_int64
+    loaded.fes_crew_layout.argtypes = [c_void_p, c_int64, c_void_p]
+    loaded.fes_crew_tick.argtypes = [c_void_p, c_void_p, c_void_p, c_int64, c_void_p, c_int64, c_void_p]
+    loaded.fes_agent_tick.restype = c_int64
+    loaded.fes_agent_tick.argtypes = [c_void_p, c_void_p, c_void_p, c_void_p, c_int64, c_void_p, c_void_p, c_void_p]
+    return self_test.digest(loaded) == self_test.EXPECTED
 
 
 class Failed(Exception):

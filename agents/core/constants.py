@@ -97,15 +97,15 @@ def _streams(result: Constants, context: LawContext, owned: list[Any]) -> bool:
         return False
     for field, name in (("estimate_keys", link_estimates.FIRST_ESTIMATE), ("stagger_keys", link_estimates.STAGGER)):
         keys, first = streams(name, context.ids)
-        setattr(result, field, _kept(keys, owned))
-        result.first = _kept(first, owned)
+        setattr(result, field, _address(keys, owned))
+        result.first = _address(first, owned)
     return True
 
 
 def _common(result: Constants, crew: Crew, context: LawContext, owned: list[Any]) -> None:
     config, formation = crew.config, crew.config.formation
     seeking: Any = config.seeking
-    result.robots, result.ids = len(crew.ids), _kept(crew.ids, owned)
+    result.robots, result.ids = len(crew.ids), _address(crew.ids, owned)
     result.dt, result.timeout = config.dt, crew.contact_timeout
     if type(crew.rule) is neighbor_rules.TolerantRelativeNeighborhood:
         result.tolerance = formation.link_tolerance
@@ -124,7 +124,7 @@ def _common(result: Constants, crew: Crew, context: LawContext, owned: list[Any]
     result.safe_separation = formation.safe_separation if is_safe else -1.0
 
 
-def _kept(values: Ints, owned: list[Any]) -> int:
+def _address(values: Ints, owned: list[Any]) -> int:
     """The address of an array that lives as long as the constants."""
     values = np.ascontiguousarray(values)
     owned.append(values)

@@ -11,4 +11,5 @@ link_estimates        the first estimates of links, and their dither.
 perturbation          extremum seeking by perturbation, with consensus (18).
 collocation           solution of the linear filters over one step.
 packet_counting       packet reception ratio, and the optimum it implies.
+core                  the compiled index of the oracle.
 """

@@ -67,9 +67,9 @@ class BeaconSubscriptions:
     def payloads(self, tick: int) -> list[bytes]:
         """The payloads of the beacons of `tick` that have arrived, ordered by sender; unread but for their heads.
 
-        What was taken from the mailboxes stays for `heard`, until `tick` is over.
+        Beacons that were taken from the mailboxes stay for `heard`, until `use` drops them.
         """
-        head, found = packing.beacon_head(tick), []
+        head, payloads = packing.beacon_head(tick), []
         for peer, box in self._boxes.items():
             sample = self._taken.get(peer)
             if sample is None and peer not in self._early:
@@ -80,8 +80,8 @@ class BeaconSubscriptions:
                 continue
             key, payload = sample
             if payload is not None and key == self._keys[peer] and payload.startswith(head + self._codes[peer]):
-                found.append(payload)
-        return found
+                payloads.append(payload)
+        return payloads
 
     def use(self, payloads: list[bytes]) -> None:
         """Drop these payloads, which `payloads` has returned: they were used."""

@@ -10,4 +10,5 @@ polynomial    polynomials
 sums          sums and matrix products in a fixed order
 exact         rounding to an integer, bits, and errors of products
 draws         random numbers as a function of (seed, stream, tick, sender, receiver)
+core          the compiled elementary functions, and the choice of the core
 """

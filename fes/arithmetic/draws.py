@@ -42,7 +42,7 @@ def uniform_ticks(stream_key: Ints, first: int, count: int, senders: Ints, recei
     if (core := functions.load()) is not None:
         numbers = np.empty((count, len(senders)))
         for row, tick in enumerate(range(first, first + count)):
-            numbers[row] = core.uniform(stream_key, tick, senders, receivers)
+            numbers[row] = core.random_numbers(stream_key, tick, senders, receivers)
         return numbers
     words = np.empty((count, len(senders)), dtype=np.uint64)
     counter = np.zeros(4, dtype=np.uint64)

@@ -34,6 +34,7 @@ LAYERS = (
     {"fes.command_line"},
     {"agents.configuration", "agents.laws", "agents.rivals", "world.config"},
     {"agents.control", "world.simulation"},
+    {"agents.core"},
     {"agents.runtime", "world.metrics"},
     {"agents.process", "world.execution"},
     {"agents.__main__", "world.flags", "world.server"},

@@ -12,4 +12,5 @@ trace          the reception model of a recorded trace, by pair and time.
 shadowing      spatially correlated, reciprocal shadowing.
 bursts         losses in a row.
 draw_cache     the radio's uniform numbers.
+core           the compiled core of the world.
 """

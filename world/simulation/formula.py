@@ -14,6 +14,11 @@ class Formula:
     def __init__(self, parameters: ChannelConfig, context: WorldContext) -> None:
         self._channel = parameters
 
+    @property
+    def scale(self) -> float:
+        """c [m^-nu] of the reception probability exp(-c r^nu); 0 for a channel that is not of this form."""
+        return 0.0 if self._channel.model == "logistic" else outage.exponent_scale(self._channel)
+
     def probability(self, separation: Floats) -> Floats:
         """Probability that a beacon decodes at `separation` [m], of the same shape."""
         return outage.reception_probability(separation, self._channel)

@@ -38,26 +38,26 @@ class Formula(ctypes.Structure):
 @cache
 def load() -> ctypes.CDLL | None:
     """The library; None where numpy computes."""
-    return library.load(__file__, NAME, lambda found: digest(found) == EXPECTED)
+    return library.load(__file__, NAME, lambda loaded: digest(loaded) == EXPECTED)
 
 
-def digest(found: ctypes.CDLL) -> str:
+def digest(loaded: ctypes.CDLL) -> str:
     """Hash of the index and its slopes at 200 separations, of each channel and with both transforms."""
-    found.fes_formula_index.argtypes = [c_void_p, c_int64, *[c_void_p] * 5]
-    found.fes_formula_index.restype = None
+    loaded.fes_formula_index.argtypes = [c_void_p, c_int64, *[c_void_p] * 5]
+    loaded.fes_formula_index.restype = None
     separation, result = np.arange(1, 201) * 0.75, hashlib.sha256()
     for is_logistic, is_log, shape in ((0, 1, 4.0), (0, 0, 2.5), (1, 1, 3.3)):
         settings = Formula(50.0, shape, 0.0625, 2e-7, 3.0, 80.0, 12.0, is_logistic, is_log, 0.1, math.inf)
         results = np.empty((4, len(separation)))
         rows = (row.ctypes.data for row in results)
-        found.fes_formula_index(ctypes.addressof(settings), len(separation), separation.ctypes.data, *rows)
+        loaded.fes_formula_index(ctypes.addressof(settings), len(separation), separation.ctypes.data, *rows)
         result.update(results.astype("<f8").tobytes())
     return result.hexdigest()[:12]
 
 
 def compiled(settings: Formula) -> tuple[int, Any] | None:
     """The address of the compiled index, and its settings; None where numpy computes."""
-    found = load()
-    if found is None:
+    loaded = load()
+    if loaded is None:
         return None
-    return ctypes.cast(found.fes_formula_index, ctypes.c_void_p).value or 0, settings
+    return ctypes.cast(loaded.fes_formula_index, ctypes.c_void_p).value or 0, settings

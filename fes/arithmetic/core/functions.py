@@ -17,11 +17,11 @@ NAME = "elementary"
 EXPECTED = "d87bb0dc0d18"
 """Hash of the results of the self-test."""
 
-_ONE = ("exp", "one_minus_exp", "log", "log1p", "log_sum_exp", "wrap")
+_UNARY = ("exp", "one_minus_exp", "log", "log1p", "log_sum_exp", "wrap")
 """Functions of one number."""
 
 _SIGNATURES: dict[str, list[Any]] = {
-    **{name: [c_int64, c_void_p, c_void_p] for name in _ONE},
+    **{name: [c_int64, c_void_p, c_void_p] for name in _UNARY},
     "sin_cos": [c_int64, c_void_p, c_void_p, c_void_p],
     "atan2": [c_int64, c_void_p, c_void_p, c_void_p],
     "power": [c_int64, c_void_p, c_double, c_void_p],
@@ -34,10 +34,10 @@ _SIGNATURES: dict[str, list[Any]] = {
 class Functions:
     """The functions of a library, with the arguments and the shapes of `fes.arithmetic.elementary`."""
 
-    def __init__(self, found: ctypes.CDLL) -> None:
+    def __init__(self, loaded: ctypes.CDLL) -> None:
         self._call: dict[str, Callable[..., None]] = {}
         for name, arguments in _SIGNATURES.items():
-            function = getattr(found, f"fes_each_{name}")
+            function = getattr(loaded, f"fes_each_{name}")
             function.argtypes, function.restype = arguments, None
             self._call[name] = function
 
@@ -100,7 +100,7 @@ class Functions:
         """x^y for normal positive x, shapes that broadcast."""
         return self._both("real_power", x, np.asarray(y, dtype=np.float64))
 
-    def uniform(self, key: Ints, tick: int, senders: Ints, receivers: Ints) -> Floats:
+    def random_numbers(self, key: Ints, tick: int, senders: Ints, receivers: Ints) -> Floats:
         """Uniform numbers in [0, 1) of a tick for each (sender, receiver) [m]."""
         low, high = (np.ascontiguousarray(ids, dtype=np.int64) for ids in (senders, receivers))
         result = np.empty(len(low))
@@ -118,8 +118,8 @@ class Functions:
 @cache
 def load() -> Functions | None:
     """The functions of the compiled core; None where numpy computes."""
-    found = library.load(__file__, NAME, lambda found: digest(Functions(found)) == EXPECTED)
-    return None if found is None else Functions(found)
+    loaded = library.load(__file__, NAME, lambda loaded: digest(Functions(loaded)) == EXPECTED)
+    return None if loaded is None else Functions(loaded)
 
 
 def digest(functions: Any) -> str:
@@ -138,7 +138,7 @@ def digest(functions: Any) -> str:
         *functions.sin_cos(signed[:200]),
         functions.atan2(signed[:200], signed[199::-1]),
         *(functions.power(positive, exponent) for exponent in (3.0, 2.5, 1.7)),
-        functions.uniform(np.array([12, 34]), 5, count, count[::-1]),
+        functions.random_numbers(np.array([12, 34]), 5, count, count[::-1]),
     ]
     finite = (np.where(np.isnan(values), 0.5, values).astype("<f8").tobytes() for values in results)
     return hashlib.sha256(b"".join(finite)).hexdigest()[:12]

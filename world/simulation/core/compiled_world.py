@@ -11,7 +11,6 @@ from fes.arithmetic.core import library
 from fes.arithmetic.core.library import Buffer
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats, Ints, read_only
-from fes.model import outage
 from world.config.radio import RadioConfig
 from world.simulation import neighbor_list
 from world.simulation.channel import Medium, Radio, RadioInput
@@ -46,12 +45,12 @@ def load() -> ctypes.CDLL | None:
     return library.load(__file__, NAME, _passes)
 
 
-def _passes(found: ctypes.CDLL) -> bool:
+def _passes(loaded: ctypes.CDLL) -> bool:
     """True if the kernels compute what they must."""
-    found.fes_world_layout.restype = found.fes_world_tick.restype = c_int64
-    found.fes_world_layout.argtypes = [c_int64, c_int64, c_void_p]
-    found.fes_world_tick.argtypes = [c_void_p] * 4
-    return self_test.digest(found) == self_test.EXPECTED
+    loaded.fes_world_layout.restype = loaded.fes_world_tick.restype = c_int64
+    loaded.fes_world_layout.argtypes = [c_int64, c_int64, c_void_p]
+    loaded.fes_world_tick.argtypes = [c_void_p] * 4
+    return self_test.digest(loaded) == self_test.EXPECTED
 
 
 class CompiledWorld:
@@ -79,9 +78,10 @@ class CompiledWorld:
         if config is not self._config:
             self._config = config
             others = config.shadowing or config.bursts or config.jammers or config.partition
-            self._is_usable = type(self._medium.reception.of(config)) is Formula and not others
+            model = self._medium.reception.of(config)
+            self._is_usable = type(model) is Formula and not others
             if self._is_usable:
-                self._set(config)
+                self._set(config, model.scale)
         return self._is_usable
 
     def step(self, config: RadioConfig, robots: RadioInput, radio: Radio, twists: Floats) -> Moved:
@@ -161,12 +161,12 @@ class CompiledWorld:
         self._input.before = self._input.now
         self._last = near, radio
 
-    def _set(self, config: RadioConfig) -> None:
+    def _set(self, config: RadioConfig, scale: float) -> None:
         """Let the settings name a channel."""
         settings = self._settings
         settings.communication_range, settings.is_certain = config.communication_range, config.is_certain
         settings.model = _MODELS[str(config.model)]
-        settings.scale = 0.0 if config.model == "logistic" else outage.exponent_scale(config)
+        settings.scale = scale
         settings.exponent = config.path_loss_exponent
         settings.midpoint, settings.width = config.logistic_midpoint, config.logistic_width
 
@@ -180,5 +180,5 @@ class CompiledWorld:
 
 def of(ids: Ints, medium: Medium) -> CompiledWorld | None:
     """The compiled world of robots `ids` [n] that are unicycles; None where numpy computes."""
-    found = load()
-    return None if found is None else CompiledWorld(found, ids, medium)
+    loaded = load()
+    return None if loaded is None else CompiledWorld(loaded, ids, medium)

@@ -120,7 +120,7 @@ def test_a_twist_that_is_not_finite_is_the_error_of_numpy_and_leaves_the_state_b
     assert not bits.differences(compiled.state, before)
 
 
-def test_after_an_error_numpy_goes_on_with_the_same_digits() -> None:
+def test_after_an_error_numpy_continues_with_the_same_digits() -> None:
     crew = random_teams.crew_of("paper", 12)
     compiled, numpy = both(crew)
     for index, one in enumerate(random_teams.rounds(crew, Size(12, 6, 12), seed=5)):

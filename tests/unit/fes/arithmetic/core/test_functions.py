@@ -180,7 +180,9 @@ def test_a_uniform_number_is_that_of_philox_of_numpy() -> None:
         for first in range(4 * (tick // 4), 4 * (tick // 4) + 8, 4):
             expected = np.array([philox(key, first // 4, *pair) for pair in zip(*ends, strict=True)])
             for offset in range(4):
-                assert not bits.differences(COMPILED.uniform(key, first + offset, *ends), expected[:, offset].copy())
+                assert not bits.differences(
+                    COMPILED.random_numbers(key, first + offset, *ends), expected[:, offset].copy()
+                )
 
 
 def philox(key: Any, counter: int, sender: int, receiver: int) -> Floats:

@@ -1,4 +1,4 @@
-"""The compiled world repeats numpy's to the bit, whatever the robots do and whatever happens to the channel."""
+"""The compiled world repeats numpy's to the bit, for all motions of the robots and all changes of the channel."""
 
 from collections.abc import Callable
 from dataclasses import replace
