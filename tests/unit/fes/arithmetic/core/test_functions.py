@@ -211,4 +211,4 @@ def test_the_results_that_the_self_test_expects_are_those_of_numpy() -> None:
 
     twins = {name: twin for name, (twin, _) in ONE.items()}
     others = {"atan2": angle.atan2, "power": power.power, "product": power.product, "real_power": power.real_power}
-    assert functions.digest(SimpleNamespace(**twins, **others, uniform=uniform)) == functions.EXPECTED
+    assert functions.digest(SimpleNamespace(**twins, **others, random_numbers=uniform)) == functions.EXPECTED

@@ -1,0 +1,1 @@
+"""The compiled index of the oracle against numpy's, to the bit."""
