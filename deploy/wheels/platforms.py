@@ -20,11 +20,18 @@ MACOS = (11, 0)
 class Platform(NamedTuple):
     """A system and a machine."""
 
-    name: str
+    system: str
+    machine: str
+    """As in the tags."""
     tags: tuple[str, ...]
     """Platform tags of its wheel."""
     target: str
     """Zig's name."""
+
+    @property
+    def name(self) -> str:
+        """The name as a word of the command."""
+        return f"{self.system}-{self.machine}"
 
     def compiler(self, python: str) -> str:
         """The value of CC: a compiler for the platform, started by a Python that has zig."""
@@ -34,11 +41,11 @@ class Platform(NamedTuple):
 def _linux(machine: str) -> Platform:
     glibc = "{}.{}".format(*GLIBC)
     tags = f"manylinux_{glibc.replace('.', '_')}_{machine}", f"manylinux2014_{machine}"
-    return Platform(f"linux-{machine}", tags, f"{machine}-linux-gnu.{glibc}")
+    return Platform("linux", machine, tags, f"{machine}-linux-gnu.{glibc}")
 
 
 def _macos(machine: str, target: str) -> Platform:
-    return Platform(f"macos-{machine}", ("macosx_{}_{}_{}".format(*MACOS, machine),), target)
+    return Platform("macos", machine, ("macosx_{}_{}_{}".format(*MACOS, machine),), target)
 
 
 PLATFORMS = {

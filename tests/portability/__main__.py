@@ -8,115 +8,53 @@ import os
 import signal
 import sys
 import tempfile
-import time
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
-from tests.portability import settings
-from tests.portability.downloads import Unavailable
-from tests.portability.interpreters import STOPPED, Interpreter, Workshop, is_stopped, stop
+from tests.portability import settings, wheels
+from tests.portability.comparison import SHORT, Comparison, say
+from tests.portability.downloads import ROOT, Unavailable
+from tests.portability.interpreters import STOPPED, Interpreter, is_stopped, stop
 from tests.portability.settings import Setting
 from tests.portability.verdict import Output
 from tests.support import golden
-from world.config import builtin
 
 FAILED, SKIPPED = 1, 77
-SHORT = "2"
-"""Simulated seconds of each case in the short form, and of each log in every form."""
 
 LONGEST = 1e4
 """Most simulated seconds that can be asked for."""
 
-BEGUN = time.monotonic()
 
+class Settings(Comparison):
+    """All settings of one call."""
 
-def say(text: str) -> None:
-    """Print a line with the time since the start."""
-    print(f"portability: [{time.monotonic() - BEGUN:.0f} s] {text}", flush=True)
-
-
-class Comparison:
-    """All settings of one call, and what came of them."""
-
-    def __init__(self, form: str, folder: Path, outputs: Path) -> None:
-        self.workshop = Workshop(folder)
-        self.outputs = outputs
-        self.is_short, self.is_whole = form == "short", form == "whole"
-        self.words = ["--seconds", form]
-        if self.is_short:
-            self.words = ["--seconds", SHORT, "--emulated"]
-        elif self.is_whole:
-            self.words = ["--whole", *builtin.names()]
-        self.failed: list[str] = []
-        self.missing: list[str] = []
-        self.equal = 0
-
-    def digests(self, setting: Setting, *words: str) -> Output | None:
-        """The output under a setting; None if it failed, which is said."""
-        path = self.outputs / f"{setting.name.replace(' ', '-')}.txt"
-        words = ("-m", "tests.portability.digests", *self.words, *words)
-        code = setting.interpreter.run(path, *words, **setting.environment)
-        if code != 0:
-            self.fail(f"{setting.name}: exit code {code}: {(path.read_text().splitlines() or [''])[-1]}")
-            return None
-        return Output.read(path)
-
-    def fail(self, text: str) -> None:
-        """Note a failure, and say it."""
-        if is_stopped():
-            return
-        self.failed.append(text)
-        say(f"FAILED: {text}")
-
-    def miss(self, text: str) -> None:
-        """Note what could not be run, and say it."""
-        if is_stopped():
-            return
-        self.missing.append(text)
-        say(f"!! SKIPPED: {text}")
-
-    def compare(self, base: Output, setting: Setting, *words: str) -> None:
-        """Run under a setting, and compare with `base`."""
-        if (output := self.digests(setting, *words)) is None:
-            return
-        about = f"{setting.name}: {setting.describe()} {output.effect(base)}".replace(":  ", ": ")
-        if found := output.differences(base):
-            self.fail(f"{about}; these differ: {', '.join(found)}")
-        else:
-            self.equal += 1
-            say(f"{about}; {len(output.lines)} cases are equal")
-            say(f"    {output.about['machine']}; numpy {output.about['numpy']}; {output.about['features']}")
-
-    def logs(self, here: Interpreter, there: Interpreter) -> None:
-        """Logs that `here` records, executed by `there`, and the reverse."""
-        for first, second in ((here, there), (there, here)):
-            folder, path = self.outputs / f"logs-of-{first.name}", self.outputs / f"logs-of-{first.name}.txt"
-            for interpreter, word in ((first, "record"), (second, "execute")):
-                words = ("-m", "tests.portability.logs", word, str(folder), "--seconds", SHORT)
-                if code := interpreter.run(path, *words):
-                    self.fail(f"logs of {first.name}, {word} by {interpreter.name}: code {code}\n{path.read_text()}")
-                    return
-            self.equal += 1
-            number = len(path.read_text().splitlines())
-            say(f"{number} logs of {first.name} are executed by {second.name}, bit for bit")
-
-    def attempt(self, name: str, what: Callable[[], None]) -> None:
-        """Do something that needs a download; say if that is not possible."""
-        try:
-            what()
-        except Unavailable as reason:
-            self.miss(f"{name}: {reason}")
-
-    def emulated(self, base: Output, own: Interpreter) -> None:
+    def emulated(self, base: Output, own: Interpreter, other: "Future[Interpreter]") -> None:
         """Another kind of processor."""
 
         def both() -> None:
-            other = self.workshop.emulated()
-            self.compare(base, settings.plain(other), *([] if self.is_short or self.is_whole else ["--emulated"]))
-            self.logs(own, other)
+            self.compare(base, settings.plain(other.result()), *self.few)
+            self.logs(own, other.result())
 
         self.attempt("aarch64", both)
+
+    def build(self) -> dict[str, Path]:
+        """Wheels with the compiled core, by machine."""
+        return wheels.build(self.workshop.folder, wheels.ALL if self.is_whole else wheels.FEW)
+
+    def compiled(
+        self, base: Output, own: Interpreter, other: "Future[Interpreter]", built: "Future[dict[str, Path]]"
+    ) -> None:
+        """The compiled core of this clone, and those of the wheels."""
+        if (ROOT / "fes/arithmetic/core/libelementary.so").exists():
+            self.compare(base, settings.compiled(own))
+        else:
+            self.miss("the compiled core of this clone was not built: python build_core.py")
+        machine = self.workshop.machine
+        self.attempt(f"wheel for {machine}", lambda: self.wheel(base, own, machine, built.result().get(machine)))
+        self.attempt(
+            "wheel for aarch64",
+            lambda: self.wheel(base, other.result(), "aarch64", built.result().get("aarch64"), *self.few),
+        )
 
     def others(self, base: Output) -> None:
         """The oldest numpy, and other Pythons."""
@@ -158,9 +96,11 @@ class Comparison:
         if not self.is_short:
             changed.append(settings.together(changed))
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-            done = [pool.submit(self.emulated, base, own)]  # the longest first
+            other, built = pool.submit(self.workshop.emulated), pool.submit(self.build)
+            done = [pool.submit(self.emulated, base, own, other)]  # the longest first
             done += [pool.submit(self.compare, base, setting) for setting in changed]
             done.append(pool.submit(self.others, base))
+            done.append(pool.submit(self.compiled, base, own, other, built))
         for one in done:
             one.result()
         if is_stopped():
@@ -201,7 +141,7 @@ def main() -> int:
         for place in (folder, outputs):
             place.mkdir(parents=True, exist_ok=True)
         try:
-            return Comparison(form, folder, outputs).all()
+            return Settings(form, folder, outputs).all()
         except Unavailable as reason:
             say(f"skipped, because {reason}")
             return SKIPPED

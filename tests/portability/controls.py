@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from console.doctor import core
 from fes.system import fingerprint
 
 FEATURES = ("SSE42", "AVX", "FMA3", "AVX2", "AVX512F", "AVX512_SKX", "X86_V3", "X86_V4", "NEON", "ASIMD")
@@ -22,7 +23,7 @@ LOOPS = (np.log, np.log1p, np.tanh, np.sin, np.arctan, lambda x: np.exp(-x))
 
 
 def table() -> dict[str, str]:
-    """Versions, features and hashes of results, by name."""
+    """Versions, features, libraries of the compiled core and hashes of results, by name."""
     x = np.ldexp(np.arange(1, 200_004) * 2_654_435_761 % 2**32 + 0.5, np.arange(1, 200_004) % 37 - 62)
     waves = x[:200_002].view(np.complex128)
     few, square = x[:20_000].tolist(), x[: 64 * 64].reshape(64, 64)
@@ -30,6 +31,7 @@ def table() -> dict[str, str]:
         "machine": f"{platform.machine()}, Python {platform.python_version()}, {' '.join(platform.libc_ver())}",
         "numpy": np.__version__,
         "features": " ".join(name for name in FEATURES if _features().get(name)),
+        "core": " ".join(f"{name}={state}" for name, state in core.libraries().items()),
         "fingerprint": fingerprint.table()["fingerprint"],
         "loops": _hash([*(function(x) for function in LOOPS), np.power(x, 0.3), (waves * waves).view(np.float64)]),
         "libm": _hash([function(value) for value in few] for function in (math.exp, math.log, math.sin, math.log1p)),

@@ -46,15 +46,17 @@ class Interpreter:
     words: tuple[str, ...]
     """The beginning of its command lines."""
     environment: tuple[tuple[str, str], ...]
+    folder: Path = ROOT
+    """Where it runs: modules of this folder come before all others."""
 
     def run(self, output: Path, *words: str, **environment: str) -> int:
-        """Run `python WORDS` to its end, in the clone; its output goes to a file. Returns its exit code."""
+        """Run `python WORDS` to its end, in its folder; its output goes to a file. Returns its exit code."""
         names = {key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "VIRTUAL_ENV"))}
         with output.open("w") as file:
             if _stopped.is_set():
                 return STOPPED
             child = subprocess.Popen(
-                [*self.words, *words], cwd=ROOT, env=names | dict(self.environment) | environment, stdout=file,
+                [*self.words, *words], cwd=self.folder, env=names | dict(self.environment) | environment, stdout=file,
                 stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
             )  # fmt: skip
         _children.append(child)

@@ -6,6 +6,7 @@ Each takes a part of the processor away, as an older one lacks it. Whether it ha
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from fes.arithmetic.core import library
 from tests.portability.interpreters import Interpreter
 
 NUMPY, GLIBC, OPENBLAS = "NPY_DISABLE_CPU_FEATURES", "GLIBC_TUNABLES", "OPENBLAS_CORETYPE"
@@ -75,6 +76,11 @@ def together(settings: list[Setting]) -> Setting:
 def plain(interpreter: Interpreter) -> Setting:
     """The interpreter as it is."""
     return Setting(interpreter.name, interpreter, {})
+
+
+def compiled(interpreter: Interpreter) -> Setting:
+    """The compiled core instead of numpy; it fails where a library of it cannot be used."""
+    return Setting(f"{interpreter.name}, compiled core", interpreter, {library.VARIABLE: library.C})
 
 
 def _setting(interpreter: Interpreter, name: str, environment: dict[str, str]) -> Setting:
