@@ -23,7 +23,7 @@ EXPORTED = {
             *("power", "product", "real_power", "remainder", "uniform"),
         )
     },
-    "robots": {"fes_crew_layout", "fes_crew_tick", "fes_crew_kernel"},
+    "robots": {"fes_crew_layout", "fes_crew_tick", "fes_agent_tick", "fes_crew_kernel"},
     "formula_index": {"fes_formula_index"},
     "world": {"fes_world_layout", "fes_world_tick"},
 }
@@ -53,7 +53,7 @@ def built(name: str) -> Path:
 
 
 def loaded_by(code: str, core: str = "") -> list[str]:
-    """What a fresh interpreter prints, then the libraries that it has loaded."""
+    """The lines that a fresh interpreter prints, then the libraries that it has loaded."""
     code = f"{code}\nfrom fes.arithmetic.core import library\nprint(*sorted(library.state))"
     environment = os.environ | {library.VARIABLE: core}
     done = subprocess.run(
@@ -112,8 +112,8 @@ def test_only_the_oracle_imports_the_compiled_formula() -> None:
     assert naming <= allowed | {"agents.runtime.model_freedom"}
 
 
-def test_only_the_world_imports_its_core() -> None:
-    assert all(name.startswith("world.") for name in importers("world.simulation.core"))
+def test_no_robot_imports_the_core_of_the_world() -> None:
+    assert not any(name.startswith(("agents.", "fes.")) for name in importers("world.simulation.core"))
 
 
 CREW = """

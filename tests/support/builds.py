@@ -30,7 +30,8 @@ def build(compiler: str, into: Path, flags: Iterable[str], without: Iterable[str
     kept = [flag for flag in build_core.FLAGS if flag not in without]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(build_core, "FLAGS", (*kept, *flags))
-        built = build_core.build([compiler], into=into)
+        patch.setenv("CC", compiler)
+        built = build_core.build(into=into)
     return {path.stem.removeprefix("lib"): path for path in built}
 
 
