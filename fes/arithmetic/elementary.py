@@ -10,8 +10,18 @@ from typing import Any
 from fes.arithmetic import angle, exponential, logarithm, trigonometry
 from fes.arithmetic import power as powers
 from fes.arithmetic.core import functions
+from fes.errors import FesError
 
-_core: Any = functions.load()
+
+def _loaded() -> Any:
+    """The compiled functions, or None. An import cannot report an error of FES_CORE in one line; each run can."""
+    try:
+        return functions.load()
+    except FesError:
+        return None
+
+
+_core = _loaded()
 
 atan2 = angle.atan2 if _core is None else _core.atan2
 exp = exponential.exp if _core is None else _core.exp
