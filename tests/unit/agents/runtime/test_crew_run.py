@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from agents.control import crew as crews
+from agents.control.state import Crew
 from agents.core import compiled_crew
 from agents.runtime.crew_run import CrewRun
 from fes.arrays.edges import Edges
@@ -38,7 +39,7 @@ def _quiet() -> Iterator[None]:
         yield
 
 
-def both(crew: crews.Crew) -> tuple[CrewRun, CrewRun]:
+def both(crew: Crew) -> tuple[CrewRun, CrewRun]:
     """The crew on the compiled core, and on numpy."""
     compiled = CrewRun(crew)
     with cores.only_numpy():
@@ -119,7 +120,7 @@ def test_a_twist_that_is_not_finite_is_the_error_of_numpy_and_leaves_the_state_b
     assert not bits.differences(compiled.state, before)
 
 
-def test_after_an_error_numpy_goes_on_with_the_same_digits() -> None:
+def test_after_an_error_numpy_continues_with_the_same_digits() -> None:
     crew = random_teams.crew_of("paper", 12)
     compiled, numpy = both(crew)
     for index, one in enumerate(random_teams.rounds(crew, Size(12, 6, 12), seed=5)):

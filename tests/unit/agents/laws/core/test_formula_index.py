@@ -13,6 +13,7 @@ from agents.laws.oracle import FormulaIndex
 from fes.arrays.types import Floats
 from fes.extension.told_channel import ToldChannel
 from fes.model.config import ChannelConfig, ObjectiveConfig
+from fes.model.seeking import OracleConfig
 from tests.support import bits, cores, laws
 
 LIBRARY = formula_index.load()
@@ -43,7 +44,7 @@ def separations(count: int) -> Floats:
 
 
 def compiled(index: FormulaIndex, separation: Floats, with_slope: bool) -> list[Floats]:
-    """What the library gives: the value, and perhaps the slope, the bend and the trusted length."""
+    """Results of the library: the value, and perhaps the slope, the bend and the trusted length."""
     found = formula_index.compiled(index.settings)
     assert found is not None
     address, settings = found
@@ -73,6 +74,6 @@ def test_only_the_oracle_itself_has_a_compiled_index() -> None:
 
     context = laws.context(np.arange(3), ChannelConfig())
     assert isinstance(context.channel, ToldChannel)
-    parameters = oracle.OracleConfig()
+    parameters = OracleConfig()
     assert oracle.OracleSeeking(parameters, context).compiled_index() is not None
     assert Derived(parameters, context).compiled_index() is None

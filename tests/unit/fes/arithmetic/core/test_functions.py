@@ -10,7 +10,7 @@ import pytest
 from fes.arithmetic import angle, exponential, logarithm, power, trigonometry
 from fes.arithmetic.core import functions
 from fes.arrays import draws
-from fes.arrays.types import Floats
+from fes.arrays.types import Floats, Ints
 from tests.support import bits, cores
 
 COMPILED: Any = functions.load()
@@ -198,15 +198,17 @@ def test_numbers_for_many_ticks_are_those_of_philox_with_either_core(monkeypatch
     assert not bits.differences(draws.uniform_ticks(key, 8, 16, senders, receivers), compiled)
     expected = [
         np.concatenate([philox(key, 2 + block, *pair) for block in range(4)])
-        for pair in zip(senders, receivers, strict=True)
+        for pair in zip(senders.tolist(), receivers.tolist(), strict=True)
     ]
     assert not bits.differences(compiled, np.stack(expected, axis=1))
 
 
 def test_the_results_that_the_self_test_expects_are_those_of_numpy() -> None:
-    def uniform(key: Any, tick: int, senders: Any, receivers: Any) -> Floats:
-        pairs = zip(senders, receivers, strict=True)
-        return np.array([philox(key.astype(np.uint64), tick // 4, *pair)[tick % 4] for pair in pairs])
+    def uniform(key: Any, tick: int, senders: Ints, receivers: Ints) -> Floats:
+        pairs = zip(senders.tolist(), receivers.tolist(), strict=True)
+        return np.array(
+            [philox(key.astype(np.uint64), tick // 4, int(low), int(high))[tick % 4] for low, high in pairs]
+        )
 
     twins = {name: twin for name, (twin, _) in ONE.items()}
     others = {"atan2": angle.atan2, "power": power.power, "product": power.product, "real_power": power.real_power}
