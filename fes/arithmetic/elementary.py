@@ -11,8 +11,18 @@ from typing import Any
 from fes.arithmetic import angle, exponential, logarithm, trigonometry
 from fes.arithmetic import power as powers
 from fes.arithmetic.core import functions
+from fes.errors import FesError
 
-_core = functions.load()
+
+def _loaded() -> functions.Functions | None:
+    """The compiled functions, or None. An import cannot report an error of FES_CORE in one line; each run can."""
+    try:
+        return functions.load()
+    except FesError:
+        return None
+
+
+_core = _loaded()
 
 NUMPY: dict[str, Callable[..., Any]] = {
     "atan2": angle.atan2,

@@ -53,7 +53,7 @@ def built(name: str) -> Path:
 
 
 def loaded_by(code: str, core: str = "") -> list[str]:
-    """The lines that a fresh interpreter prints, then the libraries that it has loaded."""
+    """Lines that a fresh interpreter prints, then the libraries that it has loaded."""
     code = f"{code}\nfrom fes.arithmetic.core import library\nprint(*sorted(library.state))"
     environment = os.environ | {library.VARIABLE: core}
     done = subprocess.run(

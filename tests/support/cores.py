@@ -1,4 +1,4 @@
-"""The compiled core in tests: needed by some, and excluded from others."""
+"""The compiled core in tests: some need it, and some exclude it."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

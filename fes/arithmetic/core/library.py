@@ -7,6 +7,7 @@ same digits.
 
 import ctypes
 import os
+import struct
 from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -25,6 +26,15 @@ Buffer: TypeAlias = Any
 
 NOT_BUILT = "it was not built"
 """Reason why numpy computes: the installation found no C compiler."""
+
+_ELF = b"\x7fELF\x02\x01"
+"""The first bytes of an ELF file of 64 bits, with the lowest byte first."""
+
+_HEADER = 64
+"""Length of its header [bytes]."""
+
+_LOADED = 1
+"""Type of a part of the file that is mapped."""
 
 Test = Callable[[ctypes.CDLL], bool]
 """True if a library computes what it must."""
@@ -68,9 +78,23 @@ def _tested(path: Path, test: Test) -> tuple[ctypes.CDLL | None, str]:
     if not path.exists():
         return None, NOT_BUILT
     try:
+        if not _is_whole(path):
+            return None, "its file is cut off"
         library = ctypes.CDLL(str(path))
         if not test(library):
             return None, "it computes other digits than numpy: it was compiled wrongly"
     except (OSError, AttributeError) as error:
         return None, f"it cannot be loaded ({error})"
     return library, C
+
+
+def _is_whole(path: Path) -> bool:
+    """False for an ELF file of 64 bits without all parts that are mapped: to load it would end this process."""
+    data = path.read_bytes()
+    if not data.startswith(_ELF) or len(data) < _HEADER:
+        return not data.startswith(_ELF)
+    start, (size, count) = struct.unpack_from("<Q", data, 32)[0], struct.unpack_from("<HH", data, 54)
+    if start + size * count > len(data):
+        return False
+    segments = (struct.unpack_from("<IIQQQQ", data, start + size * index) for index in range(count))
+    return all(kind != _LOADED or offset + length <= len(data) for kind, _, offset, _, _, length in segments)

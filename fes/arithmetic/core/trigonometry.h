@@ -93,7 +93,7 @@ FES_INLINE double fes_atan2(double y, double x) {
     double n_low = num - (n + less), d_low = more - (d - den);
     double q = n / d, product = q * d;
     double error = ((((n - product) - product_error(q, d, product)) + n_low) - q * d_low) / d;
-    error = magnitude(q) > 3.872591914849318e-121 ? error : 0.0; /* 2^-400 */
+    error = magnitude(q) > 3.8725919148493183e-121 ? error : 0.0; /* 2^-400 */
     double z = q * q, tail;
     tail = POLYNOMIAL(ANGLE_SERIES, z);
     tail = tail * z * q + (error - z * error);

@@ -44,7 +44,7 @@ def separations(count: int) -> Floats:
 
 
 def compiled(index: FormulaIndex, separation: Floats, with_slope: bool) -> list[Floats]:
-    """The result of the library: the value, and perhaps the slope, the bend and the trusted length."""
+    """Results of the library: the value, and perhaps the slope, the bend and the trusted length."""
     found = formula_index.compiled(index.settings)
     assert found is not None
     address, settings = found

@@ -9,7 +9,7 @@ import pytest
 
 from fes.arithmetic import angle, draws, exponential, logarithm, power, trigonometry
 from fes.arithmetic.core import functions
-from fes.arrays.types import Floats
+from fes.arrays.types import Floats, Ints
 from tests.support import bits, cores
 
 COMPILED: Any = functions.load()
@@ -205,9 +205,11 @@ def test_numbers_for_many_ticks_are_those_of_philox_with_either_core(monkeypatch
 
 
 def test_the_results_that_the_self_test_expects_are_those_of_numpy() -> None:
-    def uniform(key: Any, tick: int, senders: Any, receivers: Any) -> Floats:
-        pairs = zip(senders, receivers, strict=True)
-        return np.array([philox(key.astype(np.uint64), tick // 4, *pair)[tick % 4] for pair in pairs])
+    def uniform(key: Any, tick: int, senders: Ints, receivers: Ints) -> Floats:
+        pairs = zip(senders.tolist(), receivers.tolist(), strict=True)
+        return np.array(
+            [philox(key.astype(np.uint64), tick // 4, int(low), int(high))[tick % 4] for low, high in pairs]
+        )
 
     twins = {name: twin for name, (twin, _) in ONE.items()}
     others = {"atan2": angle.atan2, "power": power.power, "product": power.product, "real_power": power.real_power}

@@ -1,4 +1,4 @@
-"""The compiled world repeats numpy's to the bit, for all motions of the robots and all changes of the channel."""
+"""The compiled world repeats numpy's to the bit, for all motions of robots and all changes of the channel."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -113,7 +113,7 @@ def test_participation_and_faults_of_transmitters_change_both_alike(channel: str
 
 @pytest.mark.parametrize("unknown", UNKNOWN)
 @pytest.mark.parametrize("robots", [10, 70])
-def test_a_channel_that_the_core_lacks_is_numpys_and_the_core_goes_on_after_it(robots: int, unknown: str) -> None:
+def test_a_channel_that_the_core_lacks_is_numpys_and_the_core_resumes_after_it(robots: int, unknown: str) -> None:
     channels = [scenario(robots, **channel).channel for channel in (*CHANNELS.values(), UNKNOWN[unknown])]
     channels += [scenario(robots, communication_range=reach).channel for reach in (80.0, 250.0)]
     pair, generator = Pair(scenario(robots)), np.random.default_rng(3)
