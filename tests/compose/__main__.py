@@ -45,8 +45,9 @@ def formation(network: Network) -> None:
     up = team.start("up", "--build", "--no-color")
     all_ready(team)
     checks = team.compose("run", "--rm", "-T", "dashboard", "fes", "doctor", "-e", "tcp/world:7447", "--json")
-    alive = next(check["seen"] for check in json.loads(checks[checks.index("[") :]) if check["check"] == "alive")
-    claim("robots 0-9 of 10" in alive, f"fes doctor: {alive}")
+    seen = {check["check"]: check["seen"] for check in json.loads(checks[checks.index("[") :])}
+    claim("robots 0-9 of 10" in seen["alive"], f"fes doctor: {seen['alive']}")
+    claim(seen["core"].startswith("compiled: "), f"fes doctor: {seen['core']}")
     walls.hardened(team, "agent")
     walls.closed(team, network, "agent", 7447)
     crash(team)

@@ -8,7 +8,7 @@ import sysconfig
 import venv
 from pathlib import Path
 
-from hatchling.build import build_wheel
+from hatchling.build import build_sdist, build_wheel
 
 
 def wheel_of(project: Path, folder: Path) -> Path:
@@ -17,6 +17,16 @@ def wheel_of(project: Path, folder: Path) -> Path:
     os.chdir(project)
     try:
         return folder / build_wheel(str(folder))
+    finally:
+        os.chdir(before)
+
+
+def source_of(project: Path, folder: Path) -> Path:
+    """The source distribution of the project in a folder, built into another folder."""
+    before = Path.cwd()
+    os.chdir(project)
+    try:
+        return folder / build_sdist(str(folder))
     finally:
         os.chdir(before)
 
@@ -30,17 +40,19 @@ class Environment:
         self.packages = Path(sysconfig.get_path("purelib", "venv", {"base": str(folder)}))
         (self.packages / "libraries.pth").write_text(sysconfig.get_path("purelib") + "\n")
 
-    def install(self, wheel: Path) -> None:
-        """Install a wheel without its dependencies."""
-        python = str(self.programs / "python")
-        words = ["--python", python, "install", "-q", "--no-deps", "--no-index", "--disable-pip-version-check"]
-        subprocess.run([sys.executable, "-m", "pip", *words, str(wheel)], check=True, timeout=120)
+    def install(self, file: Path, **variables: str) -> None:
+        """Install a wheel or a source distribution without its dependencies."""
+        words = ["--python", str(self.programs / "python"), "install", "-q", "--no-deps", "--no-index"]
+        words += ["--no-build-isolation", "--disable-pip-version-check", str(file)]
+        environment = {name: value for name, value in os.environ.items() if name not in ("CC", "FES_CORE")}
+        subprocess.run([sys.executable, "-m", "pip", *words], env=environment | variables, check=True, timeout=300)
 
-    def call(self, where: Path, *words: str) -> "subprocess.CompletedProcess[str]":
-        """Outcome of one of its commands in the folder `where`."""
+    def call(self, where: Path, *words: str, **variables: str) -> "subprocess.CompletedProcess[str]":
+        """Outcome of one of its commands in the folder `where`, with further environment variables."""
         return subprocess.run(
             [str(self.programs / words[0]), *words[1:]],
-            cwd=where, env=_variables(), stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120,
+            cwd=where, env=_variables() | variables, stdin=subprocess.DEVNULL, capture_output=True, text=True,
+            timeout=120,
         )  # fmt: skip
 
     def start(self, where: Path, *words: str) -> "subprocess.Popen[str]":
@@ -51,14 +63,24 @@ class Environment:
             text=True,
         )  # fmt: skip
 
+    def digest(self, where: Path, **variables: str) -> str:
+        """The digest of `pair` in one loop, at its whole length."""
+        words = ("run", "pair", "--backend", "inprocess", "--headless", "--json")
+        return str(json.loads(self.call(where, "fes", *words, **variables).stdout)["digest"])
+
     def names(self, where: Path) -> dict[str, str]:
         """The finding of its doctor on our names."""
+        return self.finding(where, "our names")
+
+    def finding(self, where: Path, check: str) -> dict[str, str]:
+        """The finding of its doctor in a check."""
         findings = json.loads(self.call(where, "fes", "doctor", "--json").stdout)
-        [finding] = [finding for finding in findings if finding["check"] == "our names"]
+        [finding] = [finding for finding in findings if finding["check"] == check]
         return finding  # type: ignore[no-any-return]
 
 
 def _variables() -> dict[str, str]:
-    """The environment variables of its commands: without a path to the clone."""
+    """The environment variables of its commands: without a path to the clone, or a choice of the core."""
     locale = "PYTHONUTF8", "PYTHONCOERCECLOCALE"  # as for the tests, which decode its output
-    return {key: value for key, value in os.environ.items() if key in locale or not key.startswith("PYTHON")}
+    own = ("PYTHON", "FES_CORE")
+    return {key: value for key, value in os.environ.items() if key in locale or not key.startswith(own)}

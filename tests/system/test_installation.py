@@ -3,15 +3,19 @@
 import base64
 import hashlib
 import json
+import shutil
 import zipfile
 from pathlib import Path
 
 import pytest
 
+from deploy.wheels import contents
+from deploy.wheels.platforms import SOURCE
 from fes.protocol import world_info
 from fes.system import distribution
+from tests.support import golden
 from tests.support.commands import complaint, with_path
-from tests.support.environments import Environment, wheel_of
+from tests.support.environments import Environment, source_of, wheel_of
 from tests.support.paths import ROOT
 from world.config import builtin
 
@@ -99,6 +103,37 @@ def test_a_wheel_states_its_systems_and_that_it_is_typed(wheel: Path) -> None:
         assert {f"{package}/py.typed" for package in distribution.PACKAGES} <= set(archive.namelist())
     for system in ("MacOS", "POSIX :: Linux"):
         assert f"Classifier: Operating System :: {system}\n" in text
+
+
+@pytest.fixture(scope="module")
+def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return source_of(ROOT, tmp_path_factory.mktemp("source"))
+
+
+def test_the_source_distribution_holds_the_files_in_c_and_nothing_compiled(source: Path) -> None:
+    assert contents.problems(source, SOURCE) == []
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
+def test_an_installation_from_source_builds_the_core_where_a_compiler_is(source: Path, tmp_path: Path) -> None:
+    environment = Environment(tmp_path / "venv")
+    environment.install(source)
+    result = environment.finding(tmp_path, "core")
+    assert (result["status"], result["seen"].partition(":")[0]) == ("ok", "compiled")
+    assert environment.digest(tmp_path, FES_CORE="c") == environment.digest(tmp_path, FES_CORE="numpy")
+
+
+def test_an_installation_from_source_without_a_compiler_succeeds_and_the_doctor_says_so(
+    source: Path, tmp_path: Path
+) -> None:
+    environment = Environment(tmp_path / "venv")
+    environment.install(source, PATH=str(tmp_path))
+    assert not list(environment.packages.rglob("core/*.so"))
+    result = environment.finding(tmp_path, "core")
+    assert (result["status"], result["seen"].partition(": ")[2]) == ("warning", "the compiled core was not built")
+    assert "apt-get install gcc" in result["remedy"]
+    assert environment.digest(tmp_path) == golden.stored()["pair"]
 
 
 def test_a_package_of_ours_that_another_project_overwrote_is_a_failure(wheel: Path, tmp_path: Path) -> None:
