@@ -36,7 +36,7 @@ def needs(content: bytes) -> Needs:
         return Needs("linux", machine, max(versions, default=(0, 0)), False, "")
     if content[:4] == b"\xcf\xfa\xed\xfe":
         return _of_macos(content)
-    raise ValueError("it is no library of Linux or macOS with 64 bits")
+    raise ValueError("not a library of Linux or macOS with 64 bits")
 
 
 def _of_macos(content: bytes) -> Needs:

@@ -124,7 +124,7 @@ def test_an_installation_from_source_builds_the_core_where_a_compiler_is(source:
     assert environment.digest(tmp_path, FES_CORE="c") == environment.digest(tmp_path, FES_CORE="numpy")
 
 
-def test_an_installation_from_source_without_a_compiler_succeeds_and_the_doctor_says_so(
+def test_an_installation_from_source_without_a_compiler_succeeds_and_the_doctor_warns(
     source: Path, tmp_path: Path
 ) -> None:
     environment = Environment(tmp_path / "venv")

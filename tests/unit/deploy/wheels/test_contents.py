@@ -36,7 +36,7 @@ def test_a_wheel_with_all_libraries_of_its_platform_breaks_no_rule(tmp_path: Pat
     [
         (ELF + b"GLIBC_2.34", "it needs version (2, 34) of the system, and the oldest is (2, 17)"),
         (ELF[:18] + b"\xb7" + ELF[19:], "it is for linux-aarch64"),
-        (b"text", "it is no library of Linux or macOS with 64 bits"),
+        (b"text", "not a library of Linux or macOS with 64 bits"),
     ],
 )
 def test_each_library_that_the_platform_cannot_load_is_named(content: bytes, problem: str, tmp_path: Path) -> None:

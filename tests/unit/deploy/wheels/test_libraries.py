@@ -52,5 +52,5 @@ def test_a_library_of_macos_has_its_version_name_and_signature_in_its_load_comma
     "content", [b"", b"\x7fELF\x01\x01", b"MZ" + bytes(100)], ids=["empty", "32 bits", "Windows"]
 )
 def test_any_other_file_is_rejected(content: bytes) -> None:
-    with pytest.raises(ValueError, match="no library of Linux or macOS"):
+    with pytest.raises(ValueError, match="not a library of Linux or macOS"):
         needs(content)

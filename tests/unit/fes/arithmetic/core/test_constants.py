@@ -3,6 +3,7 @@
 import ctypes
 import math
 import re
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,13 +11,14 @@ import numpy as np
 import pytest
 
 from agents.control import crew, separation
-from agents.core import compiled_crew, constants
+from agents.core import byte_crew, compiled_crew, constants
 from agents.core import structures as robots
 from agents.laws import collocation, neighbor_rules, oracle, packet_counting, perturbation
 from agents.laws.core.formula_index import Formula
 from fes.arithmetic import angle, exact, exponential, logarithm, power, trigonometry
 from fes.arrays import geometry
 from fes.model import beacon_slots, contacts, sensing
+from fes.protocol import wire
 from tests.support import kernels
 from tests.support.paths import ROOT
 from world.simulation import bursts
@@ -61,6 +63,13 @@ NAMED: dict[str, dict[str, Any]] = {
         "SWEEPS": perturbation.SWEEPS, "MAX_EXTRAPOLATION": perturbation.MAX_EXTRAPOLATION, "LANES": 8
     },
     "separation.c": {"SWEEPS": separation.SWEEPS},
+    "agent.c": {
+        "FES_NEW_RANGE": byte_crew.NEW_RANGE, "FES_TOO_LITTLE_ROOM": byte_crew.TOO_LITTLE_ROOM, "FES_UNUSUAL": -3
+    },
+    "wire.c": {
+        "MAX_TICK": wire.MAX_TICK - 1, "MAX_ID": wire.MAX_ID, "LARGEST_NUMBER": sys.float_info.max,
+        "MAX_DECLARED": sensing.MAX_DECLARED,
+    },
     "agents/core/tick.c": {
         "FES_NEW_CONTACTS": 1, "FES_NEW_LINKS": compiled_crew.NEW_LINKS, "FES_FAILED": -1
     },
@@ -86,6 +95,7 @@ COUNTED: dict[str, dict[str, int]] = {
         **{name: getattr(perturbation, name) for name in ("ESTIMATE", "DRIFT", "BASELINE")},
         "ROWS": perturbation.WEIGHT, "NODES": collocation.NODES, "STATISTICS": packet_counting.STATISTICS,
     },
+    "wire.h": {"READ": 0, "TOO_LITTLE_ROOM": 1, "UNUSUAL": 2},
     "kernels.c": {name: getattr(kernels, name) for name in (
         "CONTACTS", "RULE", "LINKS", "PULL", "GIVE_WAY", "TWISTS", "SLOW_DOWN", "MEASURED", "MEASURED_SEEK",
         "PERTURBATION_SEEK",
@@ -106,6 +116,7 @@ STRUCTURES: dict[tuple[str, str], type[ctypes.Structure]] = {
     ("crew.h", "Crew"): robots.Constants,
     ("crew.h", "Beacons"): robots.BeaconArrays,
     ("crew.h", "Input"): robots.Input,
+    ("wire.h", "Messages"): robots.Messages,
     ("formula_index.c", "Formula"): Formula,
     ("world.h", "Settings"): world.Settings,
     ("world.h", "Candidates"): world.CandidateList,
@@ -179,7 +190,7 @@ def test_a_structure_has_the_fields_of_its_twin_in_their_order(file: str, name: 
     for declaration in filter(None, map(str.strip, body.split(";"))):
         kind, names = re.fullmatch(r"((?:const )?\w+ )(.*)", declaration, re.DOTALL).groups()  # type: ignore[union-attr]
         for field in map(str.strip, names.split(",")):
-            declared.append((field.lstrip("*").partition("[")[0], kind.strip(), "*" in field))
+            declared.append((field.lstrip("*").removeprefix("const *").partition("[")[0], kind.strip(), "*" in field))
     twin = STRUCTURES[file, name]._fields_
     assert [field for field, *_ in declared] == [field for field, *_ in twin]
     plain = {"double": ctypes.c_double, "i64": ctypes.c_int64, "u64": ctypes.c_uint64}
