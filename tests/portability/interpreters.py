@@ -47,11 +47,7 @@ class Interpreter:
     """The beginning of its command lines."""
     environment: tuple[tuple[str, str], ...]
     folder: Path = ROOT
-<<<<<<< HEAD
-    """Its folder: modules of this folder come before all others."""
-=======
     """The folder in which it runs, whose modules come before all others."""
->>>>>>> fd6e599e2978ac892668d42b358c6176e40d3ede
 
     def run(self, output: Path, *words: str, **environment: str) -> int:
         """Run `python WORDS` to its end, in its folder; its output goes to a file. Returns its exit code."""

@@ -1,4 +1,4 @@
-"""An agent's tick from bytes to bytes: the same bytes as by way of arrays, and no message read that Python rejects."""
+"""An agent's tick from bytes to bytes: the same bytes as by way of arrays. It reads no message that Python rejects."""
 
 from collections.abc import Iterator
 from typing import Any
