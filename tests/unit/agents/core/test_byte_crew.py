@@ -1,4 +1,4 @@
-"""An agent's tick from bytes to bytes: the same bytes as by way of arrays. It reads no message that Python rejects."""
+"""An agent's tick from bytes to bytes: the bytes are those by way of arrays, and junk is left to Python."""
 
 from collections.abc import Iterator
 from typing import Any
