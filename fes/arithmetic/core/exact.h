@@ -59,19 +59,20 @@ FES_INLINE double clipped(double x, double low, double high) { return smaller(la
 /* A small integer as a double, by bits: few processors convert several at once. */
 FES_INLINE double as_double(i64 n) { return from_bits((u64)n + ROUND_BITS) - ROUND; }
 
-/* 2^n for n from -1022 to 1023. */
-FES_INLINE double power_of_two(i64 n) { return from_bits((u64)(n + 1023) << 52); }
+/* 2^n for n modulo 2^64, from -1022 to 1023. */
+FES_INLINE double power_of_two(u64 n) { return from_bits((n + 1023) << 52); }
 
 /* x 2^n for a normal x near 1 and n from -1100 to 1100: rounded once, where the result is subnormal. */
 FES_INLINE double scaled(double x, i64 n) {
-    i64 half = (i64)((u64)(n + 2048) >> 1) - 1024; /* a logical shift: registers of 32 bytes have no other */
-    return x * power_of_two(half) * power_of_two(n - half);
+    /* a logical shift: registers of 32 bytes have no other; any n, that of NaN too, must not overflow */
+    u64 half = (((u64)n + 2048) >> 1) - 1024;
+    return x * power_of_two(half) * power_of_two((u64)n - half);
 }
 
 /* x 2^n for any finite x and n from -1074 to 1100: rounded once. */
 FES_INLINE double scaled_any(double x, i64 n) {
     if (n < -1022) return x * from_bits((u64)1 << (n + 1074));
-    return n > 1023 ? x * power_of_two(1023) * power_of_two(n - 1023) : x * power_of_two(n);
+    return n > 1023 ? x * power_of_two(1023) * power_of_two((u64)n - 1023) : x * power_of_two((u64)n);
 }
 
 /* a b - product, where product is a b rounded (Dekker 1971). */

@@ -39,7 +39,7 @@ FES_INLINE double fes_exp(double x) {
 FES_INLINE double fes_one_minus_exp(double a) {
     i64 n;
     double p = exp_reduced(larger(-a, -40.0), &n);
-    double f = power_of_two(n);
+    double f = power_of_two((u64)n);
     return (1.0 - f) - p * f;
 }
 
