@@ -100,7 +100,7 @@ class CompiledWorld:
         return self._moved(after, candidates, flags, near, radio)
 
     def _call(self, before: Bytes, candidates: Candidates, *, is_new: bool = False) -> tuple[Bytes, int]:
-        """The next tick in a new buffer, with these candidates, and the flags; a list that `is_new` is not checked."""
+        """The next tick in a new buffer, with these candidates, and the flags; a new list is not checked."""
         if candidates is not self._candidates:
             self._point(candidates)
         after: Bytes = np.empty(self._layout(len(candidates.a)).length, np.uint8)
