@@ -13,10 +13,10 @@ from tests.portability import cases
 from tests.support import cores, golden
 from tests.support.paths import ROOT
 
-SECONDS = 2.0
+SECONDS = 1.6
 """Simulated length of a run: the faults of the variants come within 1.5 s."""
 
-SHORT = ("pair", "paper")
+SHORT = ("pair",)
 """Scenarios that a process without the core runs at their whole length."""
 
 
