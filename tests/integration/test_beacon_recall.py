@@ -19,12 +19,16 @@ from world.server.server import Server
 
 
 def deaf_at_tick_40(monkeypatch: pytest.MonkeyPatch) -> None:
-    heard = BeaconSubscriptions.heard
+    heard, payloads = BeaconSubscriptions.heard, BeaconSubscriptions.payloads
 
     def hear(radio: BeaconSubscriptions, tick: int) -> list[Beacon]:
         return [beacon for beacon in heard(radio, tick) if tick != 40]
 
+    def take(radio: BeaconSubscriptions, tick: int) -> list[bytes]:
+        return [payload for payload in payloads(radio, tick) if tick != 40]
+
     monkeypatch.setattr(BeaconSubscriptions, "heard", hear)
+    monkeypatch.setattr(BeaconSubscriptions, "payloads", take)
 
 
 def test_a_beacon_that_does_not_arrive_is_recalled(monkeypatch: pytest.MonkeyPatch) -> None:
