@@ -11,6 +11,7 @@ import threading
 from collections.abc import Callable, Coroutine, Iterator
 from typing import NoReturn, TypeVar
 
+from fes.arithmetic.core import functions
 from fes.errors import FesError, Stopped, no_memory, reason
 from fes.system import output, signals
 
@@ -59,6 +60,7 @@ def leave(name: str, main: Service, *, exit_with_stdin: bool = False, needs_its_
     With `needs_its_end` a signal is a failure, because the result of `main` is missing.
     """
     try:
+        functions.load()  # an error of FES_CORE ends the process before it waits for others
         code = supervise(main, exit_with_stdin=exit_with_stdin)
     except Stopped as stopped:
         code = SUCCESS  # a service that was told to stop, and stopped
