@@ -1,4 +1,4 @@
-"""What a deployment is made of.
+"""The parts of a deployment.
 
 wheels      the files of a release, for each platform
 systemd     units for a world and agents as services

@@ -1,4 +1,4 @@
-"""What a compiled library needs, from its header: the machine, and the oldest system."""
+"""The machine and the oldest system that a compiled library needs, read from its header."""
 
 import re
 import struct

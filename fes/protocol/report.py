@@ -13,7 +13,7 @@ import numpy as np
 from fes.arrays.types import Bytes, Floats, Ints
 from fes.protocol import wire
 
-_LINK_ARRAYS = (
+LINK_ARRAYS = (
     "separation",
     "estimate_ab",
     "estimate_ba",
@@ -25,6 +25,8 @@ _LINK_ARRAYS = (
     "learnt_level",
     "learnt_exponent",
 )
+"""The numbers of each link, in the order of the fields of a LinkState in a log."""
+
 _NUMBERS = (
     "dt",
     "optimal_separation",
@@ -141,7 +143,7 @@ def encode_report(report: Report) -> bytes:
         report.poses.tobytes(),
         report.a.astype("<i4").tobytes(),
         report.b.astype("<i4").tobytes(),
-        [getattr(report, name).tobytes() for name in _LINK_ARRAYS],
+        [getattr(report, name).tobytes() for name in LINK_ARRAYS],
         report.beacons_sent,
         report.beacons_decoded,
         report.disk_connected,
@@ -161,11 +163,11 @@ def decode_report(payload: bytes) -> Report:
     wire.check(name, all(type(value) is float for value in numbers), "expects numbers", numbers)
     wire.check(name, type(alive) is bytes, "expects one code per robot", alive)
     robots = len(alive)
-    wire.check(name, type(arrays) is list and len(arrays) == len(_LINK_ARRAYS), "expects link arrays", arrays)
+    wire.check(name, type(arrays) is list and len(arrays) == len(LINK_ARRAYS), "expects link arrays", arrays)
     lower, higher = _ids(name, a, robots), _ids(name, b, robots)
     wire.check(name, len(lower) == len(higher), "expects two ends per link", len(higher))
     links: dict[str, Any] = {
-        key: _floats(name, blob, len(lower)) for key, blob in zip(_LINK_ARRAYS, arrays, strict=True)
+        key: _floats(name, blob, len(lower)) for key, blob in zip(LINK_ARRAYS, arrays, strict=True)
     }
     return Report(
         scenario=scenario,

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import sysconfig
 import venv
+from collections.abc import Callable
 from pathlib import Path
 
 from hatchling.build import build_sdist, build_wheel
@@ -13,20 +14,20 @@ from hatchling.build import build_sdist, build_wheel
 
 def wheel_of(project: Path, folder: Path) -> Path:
     """The wheel of the project in a folder, built into another folder."""
-    before = Path.cwd()
-    os.chdir(project)
-    try:
-        return folder / build_wheel(str(folder))
-    finally:
-        os.chdir(before)
+    return folder / _built(project, folder, build_wheel)
 
 
 def source_of(project: Path, folder: Path) -> Path:
     """The source distribution of the project in a folder, built into another folder."""
+    return folder / _built(project, folder, build_sdist)
+
+
+def _built(project: Path, folder: Path, build: Callable[[str], str]) -> str:
+    """The name of the file that `build` makes; it works in the current folder."""
     before = Path.cwd()
     os.chdir(project)
     try:
-        return folder / build_sdist(str(folder))
+        return build(str(folder))
     finally:
         os.chdir(before)
 

@@ -7,7 +7,7 @@ come between two of its instructions.
 import argparse
 import random
 import signal
-import time
+import threading
 
 from console.api import background
 from console.api.background import Work, call
@@ -20,18 +20,17 @@ def main() -> None:
     signal.signal(signal.SIGALRM, signal.default_int_handler)
     moments = random.Random(7)
     for _ in range(parser.parse_args().calls):
-        work, shown = Work(), list[int]()
+        work, started = Work(), threading.Event()
 
-        def wait_for_the_stop(work: Work = work, shown: list[int] = shown) -> None:
+        def wait_for_the_stop(work: Work = work, started: threading.Event = started) -> None:
             # No interrupt comes while the thread starts: Python's own wait there can turn it into a RuntimeError.
-            while not shown:
-                time.sleep(1e-4)
+            started.wait()
             signal.setitimer(signal.ITIMER_REAL, moments.uniform(1e-4, 1e-3))
             while True:
                 work.pause(10.0)
 
         try:
-            call(work, wait_for_the_stop, lambda done, _, shown=shown: shown.append(done))  # type: ignore[misc]
+            call(work, wait_for_the_stop, lambda _, __, started=started: started.set())  # type: ignore[misc]
         except KeyboardInterrupt as interrupt:
             if interrupt.__notes__ != [background.INTERRUPTED]:
                 raise

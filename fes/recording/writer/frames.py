@@ -15,7 +15,7 @@ import numpy as np
 
 from fes.arrays.types import Floats
 from fes.model.sensing import Telemetry
-from fes.protocol.report import Report
+from fes.protocol.report import LINK_ARRAYS, Report
 
 SCENARIO, BODIES, PAYLOADS, EVENT, REMARK, REPORT = "scenario", "bodies", "payloads", "event", "remark", "report"
 """Kinds of messages: [SCENARIO, JSON], [BODIES, robots], [PAYLOADS, observations, beacons, commands], [EVENT, JSON],
@@ -33,20 +33,6 @@ _OF_THE_TEAM = (
     "beacons_sent",
     "beacons_decoded",
 )
-
-_OF_LINKS = (
-    "separation",
-    "estimate_ab",
-    "estimate_ba",
-    "outage",
-    "sent",
-    "decoded",
-    "longest_gap",
-    "learnt_reception",
-    "learnt_level",
-    "learnt_exponent",
-)
-"""Fields of a Report, in the order of the fields of a LinkState."""
 
 _LENGTH = struct.Struct("<Q")
 
@@ -97,6 +83,6 @@ def arrays(report: Report, twists: Floats, telemetry: Telemetry) -> list[bytes]:
     """The arrays that viewers see, for `fes.recording.viewer_topics.View.of`; `twists` [n, 2]."""
     links = telemetry.links
     floats = [report.poses, twists, links.counts.astype(np.float64), links.sum(telemetry.estimates)]
-    states = b"".join([getattr(report, name).tobytes() for name in _OF_LINKS])
+    states = b"".join([getattr(report, name).tobytes() for name in LINK_ARRAYS])
     ids = [report.a.astype(np.int64), report.b.astype(np.int64)]
     return [array.tobytes() for array in (*floats, *ids)] + [states]
