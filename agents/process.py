@@ -73,7 +73,7 @@ class Agent:
             self._bus.declare_token(keys.robot_alive(self._run, robot))
         self.logger.info("ready")
         lockstep, world = welcome.config.clock == "lockstep", self.membership.world
-        answer = partial(self._answer_bytes, crew) if crew.can_read else None
+        answer = partial(self._answer_bytes, crew)
         ticks = self._ticks.lockstep(world, answer) if lockstep else self._ticks.live(world)
         with ThreadPoolExecutor(1, "ticks") as thread:
             while incomplete := await self._in(thread, partial(self._answer, crew, ticks, lockstep)):
@@ -116,6 +116,8 @@ class Agent:
 
     def _answer_bytes(self, crew: HostedCrew, tick: int, observations: list[bytes]) -> bool:
         """Answer a tick in one call of the compiled core; False if a message is unusual, and nothing was done."""
+        if not crew.is_compiled:
+            return False
         beacons = self.radio.payloads(tick - 1)
         payloads = crew.answer_bytes(tick, observations, beacons)
         if payloads is None:

@@ -17,7 +17,11 @@ NEW_RANGE, FAILED, TOO_LITTLE_ROOM = 4, -1, -2
 """Results of fes_agent_tick."""
 
 ROOM = 32
-"""Room for pairs at first; it doubles where messages have more."""
+"""Room for pairs at first; it doubles where the world's observations have more."""
+
+LINKS = 128
+"""Links of each sender for which there is room: a beacon with more of them is unusual, so that no peer can slow the
+others down permanently."""
 
 
 class ByteCrew:
@@ -89,7 +93,7 @@ class ByteCrew:
         """Let the messages point to arrays with room for all pairs, links and senders."""
         n, room, self._senders = len(self._ids), self._room, max(senders, self._senders, 8)
         count, q = self._senders, self._crew.statistics
-        links = 4 * room + 16 * count
+        links = LINKS * count
         self._begin, self._in_range = np.zeros(n + 1, np.int64), np.zeros(room, np.int64)
         self._range = np.full(n + 1 + room, -1, np.int64)
         self._range_address: int = self._range.ctypes.data

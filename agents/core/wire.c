@@ -69,7 +69,6 @@ static int read_beacon(const Crew *crew, Messages *messages, i64 tick, i64 row) 
     if (!is_read(&reader) || stamp != tick || declared.length > MAX_DECLARED ||
         (row && messages->sender_ids[row] <= messages->sender_ids[row - 1]))
         return UNUSUAL;
-    if (links.length / 4 > messages->links - first) return TOO_LITTLE_ROOM;
     i64 count = read_ids(links, messages->link_peers + first, messages->links - first);
     if (count < 0 || !read_numbers(estimates, messages->estimates + first, count) ||
         !read_codes(selected, messages->selected + first, count, 1) ||

@@ -29,9 +29,9 @@ class HostedCrew:
         self._bytes = None if compiled is None else ByteCrew(compiled, wire.PROTOCOL)
 
     @property
-    def can_read(self) -> bool:
-        """True if `answer_bytes` is worth a try."""
-        return self._bytes is not None and self._crew.compiled is not None
+    def is_compiled(self) -> bool:
+        """True if the compiled core moves this crew."""
+        return self._crew.compiled is not None
 
     @property
     def peers(self) -> frozenset[int]:
@@ -47,7 +47,7 @@ class HostedCrew:
         `beacons` are those of the tick before, ordered by sender. None, and no change, where a message is unusual in
         any way, a robot was absent, or a beacon is missing: `observe` and `answer` are for all ticks.
         """
-        if self._bytes is None:
+        if self._bytes is None or not self.is_compiled:
             return None
         payloads = self._bytes.step(tick, observations, beacons, self._since, is_model_free())
         return None if payloads is None else transmitter.on_air(self._crew.crew.transmitters, tick, payloads)

@@ -22,6 +22,11 @@ QUIET = 5.0
 """After each silence of this length [s] an agent confirms its membership."""
 
 
+def _answer_nothing(tick: int, observations: list[bytes]) -> bool:
+    """Leave every tick."""
+    return False
+
+
 class TickSource:
     """Iterators over the ticks to answer. Each tick is a list of observations, one per robot in id order.
 
@@ -55,16 +60,16 @@ class TickSource:
         """Number of ticks that the live clock skipped, because a newer one had arrived."""
         return self._ticks.skipped
 
-    def lockstep(self, world: WorldLiveliness, answer: Answer | None = None) -> Iterator[list[Observation]]:
+    def lockstep(self, world: WorldLiveliness, answer: Answer = _answer_nothing) -> Iterator[list[Observation]]:
         """Yield every tick, until the run is over; answer a repeated tick from the outbox. Raises Unavailable.
 
-        With `answer`, yield only the ticks that this function does not answer.
+        It yields only the ticks that `answer` leaves.
         """
         self._ticks = ticks = LockstepTicks[Observation](self._robots)
         while True:
             items = self._arrived(ticks.missing)
-            is_usual = answer is not None and ticks.is_between and self._is_one_each(items)
-            if is_usual and answer is not None and answer(ticks.tick + 1, [payload or b"" for _, payload in items]):
+            is_usual = ticks.is_between and self._is_one_each(items)
+            if is_usual and answer(ticks.tick + 1, [payload or b"" for _, payload in items]):
                 ticks.answered()
                 world.is_new = False
                 continue

@@ -164,3 +164,21 @@ def damaged(
         data = bytearray(everything[int(generator.integers(len(everything)))])
     everything[place] = bytes(data)
     return everything[: len(observed)], everything[len(observed) :]
+
+
+def test_a_beacon_with_too_many_links_is_left_to_python_and_takes_no_memory() -> None:
+    world = world_of("pair")
+    process, other = Process(world, world.ids[:1]), Process(world, world.ids[1:])
+    length = None
+    for one, tick, observed, heard in run(world, [process, other], 6):
+        if one is not process or not heard:
+            continue
+        links = np.arange(byte_crew.LINKS * 100)
+        own = messages.decode_beacon(heard[0])
+        many = own._replace(links=links, estimates=np.zeros(len(links)), selected=np.zeros(len(links), np.uint8))
+        before = process.compiled
+        assert before is not None
+        assert process.by_bytes(tick, observed, [messages.encode_beacon(many)]) is None
+        length = length or len(before.stored.buffer)
+        assert len(before.stored.buffer) == length
+    assert length is not None
