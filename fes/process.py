@@ -34,9 +34,10 @@ Service = Callable[[], Coroutine[None, None, int]]
 
 @contextlib.contextmanager
 def loading(name: str) -> Iterator[None]:
-    """Around the imports of a program: a core that FES_CORE demands, and that is not here, ends it in one line."""
+    """Around the imports of a program: an error of FES_CORE ends it in one line, before it waits for others."""
     try:
         yield
+        functions.load()
     except FesError as error:
         complain(name, str(error))
         raise SystemExit(error.exit_code) from None
@@ -60,7 +61,6 @@ def leave(name: str, main: Service, *, exit_with_stdin: bool = False, needs_its_
     With `needs_its_end` a signal is a failure, because the result of `main` is missing.
     """
     try:
-        functions.load()  # an error of FES_CORE ends the process before it waits for others
         code = supervise(main, exit_with_stdin=exit_with_stdin)
     except Stopped as stopped:
         code = SUCCESS  # a service that was told to stop, and stopped
