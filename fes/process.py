@@ -11,7 +11,6 @@ import threading
 from collections.abc import Callable, Coroutine, Iterator
 from typing import NoReturn, TypeVar
 
-from fes.arithmetic.core import functions
 from fes.errors import FesError, Stopped, no_memory, reason
 from fes.system import output, signals
 
@@ -37,6 +36,8 @@ def loading(name: str) -> Iterator[None]:
     """Around the imports of a program: an error of FES_CORE ends it in one line, before it waits for others."""
     try:
         yield
+        from fes.arithmetic.core import functions  # numpy comes after the handlers of signals
+
         functions.load()
     except FesError as error:
         complain(name, str(error))
