@@ -79,9 +79,9 @@ class TickSource:
                     return
                 if action is not None:
                     self._perform(action, key)
-            if step := ticks.step():
-                world.is_new = False
-                yield step.observations
+                if step := ticks.step():  # an agent for which the world does not wait may have several ticks to answer
+                    world.is_new = False
+                    yield step.observations
 
     def live(self, world: WorldLiveliness) -> Iterator[list[Observation]]:
         """Yield the newest tick of which all observations have arrived, until the run is over. Raises Unavailable."""

@@ -22,6 +22,9 @@ from pathlib import Path
 tasks = Path("/proc/self/task").glob("*/children")
 children = "".join(path.read_text() for path in tasks).split()
 lines = [Path(f"/proc/{child}/cmdline").read_bytes() for child in children]
+for thread in threading.enumerate():
+    if thread.name.startswith("asyncio-waitpid"):
+        thread.join(10)
 print(json.dumps({
     "error": error,
     "threads": [thread.name for thread in threading.enumerate()],
@@ -32,7 +35,8 @@ print(json.dumps({
 """
 """The end of a script: its error, and what a call left behind.
 
-Python's own resource_tracker of multiprocessing ends with the script."""
+Python's own resource_tracker of multiprocessing ends with the script. Python's own thread that waits for a process
+reports the end of the process shortly before its own."""
 
 INTERRUPTED = """
 import fes, sys

@@ -74,6 +74,21 @@ def test_an_early_tick_is_rejected_and_does_not_replace_the_next_one() -> None:
     assert drops.counts == {ODD: 8}
 
 
+def test_ticks_that_arrive_together_are_all_answered_in_their_order() -> None:
+    """The world does not wait for a robot that is dead by schedule, so such a robot can be several ticks late."""
+
+    def scene(tick: int, sense: Sense, world: WorldLiveliness) -> None:
+        if tick == 0:
+            for later in (1, 2, 3):
+                sense(later)
+        if tick == 3:
+            sense(4, over=True)
+
+    answered, _, drops = play(scene)
+    assert answered == [0, 1, 2, 3]
+    assert not drops.counts
+
+
 def test_a_repeated_tick_is_answered_again_and_an_older_one_is_rejected() -> None:
     def scene(tick: int, sense: Sense, world: WorldLiveliness) -> None:
         for late in (0, 1, 2):
