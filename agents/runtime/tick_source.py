@@ -79,7 +79,7 @@ class TickSource:
                     return
                 if action is not None:
                     self._perform(action, key)
-                if step := ticks.step():  # an agent for which the world does not wait may have several ticks to answer
+                if step := ticks.step():  # several ticks, if the world has not waited for this agent
                     world.is_new = False
                     yield step.observations
 
