@@ -11,6 +11,7 @@ from agents.control import crew
 from agents.runtime import marshalling as agent_marshalling
 from agents.runtime.crew_run import CrewRun
 from fes import process
+from fes.arrays import masks
 from fes.arrays.types import Floats
 from fes.errors import FesError, ScenarioError
 from fes.model.sensing import Beacons, Telemetry, no_beacons, telemetry_of
@@ -65,7 +66,7 @@ def ticks(scenario: Scenario) -> Iterator[Tick]:
 def tick(state: State, beacons: Beacons, twists: Floats, telemetry: Telemetry) -> Tick:
     """A tick, from the output of a crew that includes absent robots."""
     present = state.present
-    if not present.all():
+    if not masks.is_full(present):
         telemetry = telemetry_of(telemetry, present)
     return Tick(state, beacons, truth.held(state, twists), telemetry)
 

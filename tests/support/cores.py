@@ -27,8 +27,9 @@ def needs(loaded: object | None) -> pytest.MarkDecorator:
 
 @contextmanager
 def only_numpy() -> Iterator[None]:
-    """Crews and worlds that are created within this block use numpy."""
+    """Crews and worlds that are created within this block use numpy, and so do the errors of links."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(compiled_crew, "of", lambda crew: None)
         patch.setattr(compiled_world, "of", lambda ids, medium: None)
+        patch.setattr(compiled_world, "link_kernels", lambda: None)
         yield

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from fes.arithmetic import sums
+from fes.arrays import masks
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats, Ints, read_only
 from fes.errors import FesError
@@ -88,8 +89,8 @@ class MetricsCollector:
         truth = self._tick_truth(state, twists, telemetry)
         self.link_errors.add(truth)
         self.tracking.add(state.tick, truth.optimal, truth.is_changed, self._team_errors(truth))
-        mean = truth.mean_separation
-        self.separation = np.where(np.isfinite(mean), mean, truth.separation)
+        mean, now = truth.mean_separation, truth.separation
+        self.separation = now if mean is now else np.where(np.isfinite(mean), mean, now)
         if telemetry.is_model_free is not None:
             self.is_model_free = telemetry.is_model_free and self.is_model_free is not False
         self.state, self.telemetry = state, telemetry
@@ -129,16 +130,15 @@ class MetricsCollector:
             self._channel, self._present = state.channel, state.present
             number = int(np.count_nonzero(state.present))
             self.optimal = target.sought_separation(self.scenario, state.channel, number)
-        separation = link_errors.separations(state.poses, *link_errors.ends(telemetry.links))
+        separation = link_errors.link_separations(telemetry.links, state.poses)
         self._period_average.add(telemetry.links, separation)
         return TickTruth(state, twists, telemetry, separation, self._period_average.mean, self.optimal, is_changed)
 
     def _team_errors(self, truth: TickTruth) -> TeamErrors:
         """Errors over all links; rms and index are NaN where the tracking does not need them."""
         links, optimal = truth.telemetry.links, truth.optimal
-        error = rms = index = math.nan
-        if len(links):
-            error = sums.mean(truth.telemetry.estimates) - optimal
+        rms = index = math.nan
+        error = self.link_errors.errors["estimate"] - optimal
         if len(links) and self.tracking.is_settled(truth.state.tick, truth.is_changed):
             mean = truth.mean_separation
             of_old_links = mean[np.isfinite(mean)]  # a younger link has no mean over a period yet
@@ -151,7 +151,7 @@ class MetricsCollector:
         change = self._schedule.get(state.tick)
         if change is not None:
             self._scheduled = events.participating(self._scheduled, change)
-        if not state.present.all():
+        if not masks.is_full(state.present):
             self.unscheduled_absences += int(np.count_nonzero(self._scheduled & ~state.present))
 
 

@@ -32,8 +32,9 @@ class Digest:
 
     def add(self, tick: int, poses: Floats, twists: Floats) -> None:
         """Add a tick: poses [n, 3] and twists [n, 2]."""
-        block = np.int64(tick).astype("<i8").tobytes()
-        block += np.concatenate([poses, twists], axis=1).astype("<f8", copy=False).tobytes()
+        rows = np.empty((len(poses), 5), "<f8")
+        rows[:, :3], rows[:, 3:] = poses, twists
+        block = tick.to_bytes(8, "little", signed=True) + rows.tobytes()
         self._hash.update(block)
         self.length += len(block)
         if self._input is not None:

@@ -15,9 +15,14 @@ from fes.model.sensing import OPENING_TICKS, Telemetry
 from world.metrics import graphs
 from world.metrics.digest import Digest
 from world.metrics.tick_truth import TickTruth
+from world.simulation.core import compiled_world
 
 HOLD = 10.0
 """An error has reached its level at the first time from which it stays below it for this long [s], or to the end."""
+
+
+NUMBERS = "disagreement", "estimate_error", "separation_error", "estimate"
+"""Sum of the differences of two estimates of one link, largest errors of estimates and separations, mean estimate."""
 
 
 @dataclass(eq=False)
@@ -43,7 +48,7 @@ class LinkErrors:
     dt: float
     ticks: int = 0
     errors: dict[str, float] = field(default_factory=dict)
-    """Errors at the last tick [m]: disagreement, estimate_error, separation_error; NaN without links."""
+    """Numbers of the last tick [m], as `link_errors` gives them."""
     digest: Digest = field(default_factory=Digest)
     disk_now: bool = False
     """True if the disk graph is connected at the last tick."""
@@ -104,7 +109,6 @@ class LinkErrors:
         return {name: None if tick is None else round(tick * self.dt, 9) for name, tick in ticks.items()}
 
     def _update_levels(self) -> None:
-        hold = counts.ticks_within(HOLD, self.dt)
         for name, (error, level) in LEVELS.items():
             if name in self._reached:
                 continue
@@ -113,7 +117,7 @@ class LinkErrors:
                 self._since[name] = None
             elif since is None:
                 self._since[name] = self.ticks
-            elif self.ticks - since >= hold:
+            elif self.ticks - since >= counts.ticks_within(HOLD, self.dt):
                 self._reached[name] = since
 
 
@@ -129,14 +133,29 @@ def separations(poses: Floats, a: Ints, b: Ints) -> Floats:
     return geometry.separation(x.take(a) - x.take(b), y.take(a) - y.take(b))
 
 
+def link_separations(links: Edges, poses: Floats) -> Floats:
+    """True separation of each of `links.undirected` [u] [m]."""
+    kernels = compiled_world.link_kernels()
+    return separations(poses, *ends(links)) if kernels is None else kernels.separations(links, poses)
+
+
 def link_errors(telemetry: Telemetry, separation: Floats, optimal: float) -> dict[str, float]:
-    """Disagreement and largest errors over the links in use [m]; NaN without links."""
+    """Disagreement, largest errors, and mean estimate over the links in use [m]; NaN without links."""
     links, estimates = telemetry.links, telemetry.estimates
     if len(links) == 0:
-        return dict.fromkeys(("disagreement", "estimate_error", "separation_error"), math.nan)
+        return dict.fromkeys(NUMBERS, math.nan)
+    kernels = compiled_world.link_kernels()
+    numbers = _numbers if kernels is None else kernels.errors
+    *errors, total = numbers(links, estimates, separation, optimal)
+    return dict(zip(NUMBERS, (*errors, total / len(links)), strict=True))
+
+
+def _numbers(links: Edges, estimates: Floats, separation: Floats, optimal: float) -> list[float]:
+    """Disagreement, largest errors, and sum of the estimates: the definition of the compiled numbers."""
     mutual = links.mutual
-    return {
-        "disagreement": sums.total(np.abs(estimates.take(mutual) - estimates.take(links.reverse.take(mutual)))),
-        "estimate_error": float(np.abs(estimates - optimal).max()),
-        "separation_error": float(np.abs(separation - optimal).max()),
-    }
+    return [
+        sums.total(np.abs(estimates.take(mutual) - estimates.take(links.reverse.take(mutual)))),
+        float(np.abs(estimates - optimal).max()),
+        float(np.abs(separation - optimal).max()),
+        sums.total(estimates),
+    ]

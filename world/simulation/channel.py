@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fes.arithmetic import draws, elementary
-from fes.arrays import geometry
+from fes.arrays import geometry, masks
 from fes.arrays.edges import Edges, no_edges
 from fes.arrays.types import Bools, Bytes, Floats, Ints
 from fes.extension.context import WorldContext
@@ -119,7 +119,7 @@ def transmit(medium: Medium, config: RadioConfig, radio: Radio, robots: RadioInp
     before, present, factor = robots.proximity, robots.present, robots.reception_factor
     edges, age = before.edges, radio.age + 1
     is_open = age >= OPENING_TICKS
-    on_air = is_open if present.all() else is_open & among(edges, present)
+    on_air = is_open if masks.is_full(present) else is_open & among(edges, present)
     probability = reception_probability(medium, config, robots, before)
     if factor is not None:
         probability = probability * factor.take(_senders(edges))

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fes.arrays import geometry
+from fes.arrays import geometry, masks
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats, Ints
 
@@ -107,10 +107,12 @@ def smallest(near: Proximity, poses: Floats, present: Bools, below: float) -> fl
     `near` are the pairs in range at these poses. The candidates contain all pairs within the range of their list. So
     all robots are searched only while no two of them have been in range.
     """
-    candidates, is_closer = near.candidates, near.separation < below
-    if not present.all():
-        is_closer &= present.take(candidates.a) & present.take(candidates.b)
-    least = float(near.separation[is_closer].min()) if is_closer.any() else below
+    candidates, separation = near.candidates, near.separation
+    if not masks.is_full(present):
+        separation = separation[present.take(candidates.a) & present.take(candidates.b)]
+    least = float(np.minimum.reduce(separation, initial=below))
+    if math.isnan(least):  # of robots at infinity; the other pairs count
+        least = float(np.fmin.reduce(separation, initial=below))
     if candidates.positions is None or least <= candidates.reach:
         return least
     return _closest(poses[present], candidates.reach, least)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from fes.arrays import masks
 from fes.arrays.types import Bools, Floats, Ints, read_only
 from fes.extension import registry
 from fes.extension.kinds import DYNAMICS
@@ -134,7 +135,7 @@ def _moved(world: World, state: State, robots: RadioInput, poses: Floats) -> Mov
     near = neighbor_list.measure(world.ids, poses, state.channel.communication_range, state.proximity)
     radio = channel.transmit(world.medium, state.channel, state.radio, robots, near.edges)
     on_air = radio.reception
-    if not state.present.all():
+    if not masks.is_full(state.present):
         on_air = on_air[channel.among(radio.edges, state.present)]
     sent, decoded = np.count_nonzero(on_air), np.count_nonzero(radio.reception == DECODED)
     return Moved(poses, near, radio, int(sent), int(decoded))
@@ -142,7 +143,7 @@ def _moved(world: World, state: State, robots: RadioInput, poses: Floats) -> Mov
 
 def held(state: State, twists: Floats) -> Floats:
     """The `twists` [n, 2] that bodies execute: that of an absent robot is zero."""
-    return twists if state.present.all() else np.where(state.present[:, None], twists, 0.0)
+    return twists if masks.is_full(state.present) else np.where(state.present[:, None], twists, 0.0)
 
 
 def attend(state: State, present: Bools) -> State:

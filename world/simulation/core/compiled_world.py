@@ -15,6 +15,7 @@ from world.config.radio import RadioConfig
 from world.simulation import neighbor_list
 from world.simulation.channel import Medium, Radio, RadioInput
 from world.simulation.core import self_test
+from world.simulation.core.link_kernels import LinkKernels
 from world.simulation.core.structures import DRAWN, LEDGER, TOTALS, CandidateList, Input, Layout, Settings
 from world.simulation.formula import Formula
 from world.simulation.neighbor_list import Candidates, Proximity
@@ -139,9 +140,9 @@ class CompiledWorld:
         proximity = Proximity(
             candidates, view(after, "mask", p), edges, view(after, "pair", m), view(after, "separation", p)
         )
-        age, sent, decoded, gap, longest_gap = layout.rows(after, "age", "longest_gap", m)
-        probability, outage_sum = layout.rows(after, "probability", "outage_sum", m)
-        reception, burst = layout.rows(after, "reception", "burst", m)
+        age, sent, decoded, gap, longest_gap = layout.rows(after, "age", 5, m)
+        probability, outage_sum = layout.rows(after, "probability", 2, m)
+        reception, burst = layout.rows(after, "reception", 2, m)
         now = Radio(edges, age, reception, sent, decoded, probability, outage_sum, gap, longest_gap, burst)
         given = self._input
         self._last, self._buffer = (proximity, now), after
@@ -182,3 +183,10 @@ def of(ids: Ints, medium: Medium) -> CompiledWorld | None:
     """The compiled world of robots `ids` [n] that are unicycles; None where numpy computes."""
     loaded = load()
     return None if loaded is None else CompiledWorld(loaded, ids, medium)
+
+
+@cache
+def link_kernels() -> LinkKernels | None:
+    """The functions for the links; None where numpy computes."""
+    loaded = load()
+    return None if loaded is None else LinkKernels(loaded)

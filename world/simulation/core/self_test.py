@@ -6,19 +6,22 @@ from ctypes import addressof
 
 import numpy as np
 
+from fes.arrays.edges import Edges
+from world.simulation.core.link_kernels import LinkKernels
 from world.simulation.core.structures import DRAWN, TOTALS, CandidateList, Input, Layout, Settings
 
-EXPECTED = "eacf4c643c66"
+EXPECTED = "58d1b5362386"
 """Hash of the results."""
 
 _ROBOTS, _TICKS = 8, 10
 
 
 def digest(library: ctypes.CDLL) -> str:
-    """Hash of the poses, separations and contacts at the last tick, over two channels."""
+    """Hash of the poses, separations and contacts at the last tick, over two channels; and of the errors of links."""
     result = hashlib.sha256()
     for model in (0, 1):
         result.update(_last(library, Settings(0.02, 120.0, model, 0, 4e-7, 3.0, 80.0, 12.0, 12, 34)))
+    result.update(_links(library))
     return result.hexdigest()[:12]
 
 
@@ -42,3 +45,16 @@ def _last(library: ctypes.CDLL, settings: Settings) -> bytes:
     pairs = int(layout.view(before, "begin", n + 1)[n])
     shapes = {"poses": 3 * n, "separation": len(a), "decoded": pairs, "peers": pairs, "outage_sum": pairs}
     return b"".join(layout.view(before, name, shape).tobytes() for name, shape in shapes.items())
+
+
+def _links(library: ctypes.CDLL) -> bytes:
+    kernels = LinkKernels(library)
+    robots = np.arange(_ROBOTS)
+    links = Edges(
+        robots, np.repeat(robots, 2), np.sort([(robots + 1) % _ROBOTS, (robots + 3) % _ROBOTS], 0).T.ravel()
+    )
+    poses = np.stack([45.0 * robots, 7.0 * robots * robots, 0.0 * robots], axis=1)
+    separation = kernels.separations(links, poses)
+    estimates = np.arange(60.0, 60.0 + len(links))
+    numbers = kernels.errors(links, estimates, separation, 66.6)
+    return separation.tobytes() + np.array(numbers).tobytes()

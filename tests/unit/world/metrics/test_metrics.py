@@ -138,6 +138,7 @@ def test_errors_and_disagreement_of_three_robots_are_those_computed_by_hand(
         "disagreement": 2.5 + 1.25,  # a link that one robot uses has no disagreement
         "estimate_error": 7.0,  # it has an estimate
         "separation_error": 36.0,  # it has a separation
+        "estimate": 69.35,
     }
 
 

@@ -1,0 +1,82 @@
+"""The robots' links in the compiled core: their separations and errors. Twin: `world.metrics.link_errors`."""
+
+import ctypes
+from ctypes import c_double, c_int64, c_void_p
+from typing import NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from fes.arithmetic.core.library import Buffer
+from fes.arrays.edges import Edges
+from fes.arrays.types import Floats, Ints
+
+NUMBERS = 4
+"""Disagreement, largest error of the estimates and of the separations, and sum of the estimates."""
+
+
+class Links(ctypes.Structure):
+    """The links in use: `Links` in links.c."""
+
+    _fields_ = (
+        ("links", c_int64),
+        ("pairs", c_int64),
+        ("both", c_int64),
+        ("a", c_void_p),
+        ("b", c_void_p),
+        ("forward", c_void_p),
+        ("backward", c_void_p),
+    )
+
+
+class _Known(NamedTuple):
+    """A set of links as the library sees it."""
+
+    structure: Links
+    address: int
+    arrays: list[Ints]
+    """Those to which the structure points."""
+    buffer: type[Buffer]
+    """Class of a buffer for a number of each link."""
+    robots: int
+    """Number of robots, at least, that these links need."""
+
+
+class LinkKernels:
+    """Two functions of the world's library, and what they need to know of each set of links."""
+
+    def __init__(self, library: ctypes.CDLL) -> None:
+        self._library = library
+        library.fes_world_separations.argtypes = [c_void_p] * 3
+        library.fes_world_link_errors.argtypes = [c_void_p] * 3 + [c_double, c_void_p]
+        library.fes_world_separations.restype = library.fes_world_link_errors.restype = None
+        self._known: WeakKeyDictionary[Edges, _Known] = WeakKeyDictionary()
+        self._numbers = (c_double * NUMBERS)()
+        self._address = ctypes.addressof(self._numbers)
+
+    def separations(self, links: Edges, poses: Floats) -> Floats:
+        """True separation of each of `links.undirected` [u] [m], of robots at `poses` [n, 3]."""
+        known = self._known.get(links) or self._learn(links)
+        if len(poses) < known.robots:
+            raise ValueError(f"links of {known.robots} robots, poses of {len(poses)}")
+        result = known.buffer()
+        self._library.fes_world_separations(known.address, poses.tobytes(), ctypes.addressof(result))
+        return np.ndarray(known.structure.links, np.float64, result)
+
+    def errors(self, links: Edges, estimates: Floats, separation: Floats, optimal: float) -> list[float]:
+        """The NUMBERS of links with `estimates` [m] and `separation` [u], if `optimal` is the right one [m]."""
+        known = self._known.get(links) or self._learn(links)
+        if (len(estimates), len(separation)) != (len(links), known.structure.links):
+            raise ValueError(f"{len(links)} links, {len(estimates)} estimates and {len(separation)} separations")
+        values = estimates.tobytes(), separation.tobytes()  # copies: to ask numpy for an address takes longer
+        self._library.fes_world_link_errors(known.address, *values, optimal, self._address)
+        return self._numbers[:]
+
+    def _learn(self, links: Edges) -> _Known:
+        undirected, mutual = links.undirected, links.mutual
+        arrays = [links.rows[undirected], links.peers[undirected], mutual, links.reverse[mutual]]
+        structure = Links(len(undirected), len(links), len(mutual), *(array.ctypes.data for array in arrays))
+        robots = 1 + max((int(array.max()) for array in arrays[:2] if len(array)), default=-1)
+        buffer = ctypes.c_char * (8 * len(undirected))
+        known = self._known[links] = _Known(structure, ctypes.addressof(structure), arrays, buffer, robots)
+        return known
