@@ -11,7 +11,7 @@ import os
 import subprocess
 import sys
 import time
-from collections import Counter
+from collections import defaultdict
 from importlib import machinery
 from pathlib import Path
 from statistics import median
@@ -42,7 +42,8 @@ def measure(module: str) -> dict[str, Cost]:
     """Cost of each row in this process, which imports `module`; garbage collection waits, as in `fes.process`."""
     start = now()
     gc.disable()
-    times, memory = Counter({PYTHON: start[0]}), Counter({PYTHON: start[1]})
+    times: defaultdict[str, float] = defaultdict(float, {PYTHON: start[0]})
+    memory: defaultdict[str, float] = defaultdict(float, {PYTHON: start[1]})
     rows = [PYTHON]
 
     def charge(row: str) -> None:

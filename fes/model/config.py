@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from fes.model.seeking import SeekingConfig
-from fes.model.table import Choice, Exponent, NonNegative, Positive, OwnTable, Use, chosen
+from fes.model.table import Choice, Exponent, NonNegative, OwnTable, Positive, Use, chosen
 
 Clock = Annotated[
     Literal["lockstep", "live"],

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from fes.model import counts
-from fes.model.table import Cutoff, Positive, OwnTable, Use
+from fes.model.table import Cutoff, OwnTable, Positive, Use
 
 MAX_SUB_STEP_PHASE = 2.0
 """Largest dither phase per step of the integration [rad]; beyond it the integration aliases the dither."""
