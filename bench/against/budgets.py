@@ -130,9 +130,12 @@ def ready(plan: Plan, row: Row) -> list[Line]:
     """The processor time until an agent is ready, and its memory, against the earlier commit."""
     old.python(plan.folder)
     sides = {core.choice: partial(commands.started, core) for core in usable(plan)}
-    measured = alternate({**sides, OTHER: partial(commands.started_old, plan.folder)}, plan.rounds)
-    cpu = {side: [fmean(started.cpu) for started in rounds] for side, rounds in measured.items()}
-    memory = {side: [max(started.memory) for started in rounds] for side, rounds in measured.items()}
+    sides[OTHER] = partial(commands.started_old, plan.folder)
+    for started in sides.values():
+        started()  # the first start stores the bytecode
+    measured = alternate(sides, plan.rounds)
+    cpu = {side: [fmean(agents.cpu) for agents in rounds] for side, rounds in measured.items()}
+    memory = {side: [max(agents.memory) for agents in rounds] for side, rounds in measured.items()}
     size, lines = Wanted(startup.MEMORY, startup.MEMORY, False, " MB"), []
     for core in usable(plan):
         mine, other = cpu[core.choice], cpu[OTHER]

@@ -56,4 +56,4 @@ def started(core: Core) -> Started:
 def started_old(folder: Path) -> Started:
     """Ten agents of the earlier commit."""
     python, place = old.python(folder), old.tree(folder)
-    return startup.start(python, place, environment(old.VARIABLES))
+    return startup.start(python, place, environment(old.VARIABLES), old.AGENT)

@@ -18,6 +18,9 @@ print(compute.rate(load(Path(scenario)), int(ticks), int(skip)))
 """
 """Prints in-process ticks per second of processor time: the commit's own function, with another clock."""
 
+AGENT = "agents.process"
+"""Module of its agent, which its command fes-agent runs."""
+
 VARIABLES = environments.ISOLATED
 """Environment variables of its programs."""
 

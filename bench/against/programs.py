@@ -17,9 +17,13 @@ class NotMeasured(Exception):
     """A row, or a part of it, that cannot be measured; the text is the reason."""
 
 
+BYTECODE = {"PYTHONDONTWRITEBYTECODE": None}
+"""Else each start of a program compiles its modules anew, which no installation does."""
+
+
 def environment(variables: Mapping[str, str | None]) -> dict[str, str]:
-    """The variables of this process with one thread, and with `variables`; None removes one."""
-    merged: dict[str, str | None] = {**os.environ, **ONE_THREAD, **variables}
+    """The variables of this process with one thread and stored bytecode, and with `variables`; None removes one."""
+    merged: dict[str, str | None] = {**os.environ, **ONE_THREAD, **BYTECODE, **variables}
     return {name: value for name, value in merged.items() if value is not None}
 
 

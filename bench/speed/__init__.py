@@ -7,5 +7,6 @@ compute    crew.step, in-process rates, cost per robot-tick from 10 to 10,000 ro
 recording  the lockstep with and without a log: rates, bytes per robot-tick
 secure     cost of TLS, access control and the audit
 startup    time and memory until an agent is ready
+imports    the same of its imports, by package
 functions  cost of the elementary functions, as ratios to numpy's own
 """

@@ -30,11 +30,14 @@ class Started:
 
 
 def start(
-    python: str | Path = sys.executable, folder: Path | None = None, environment: Mapping[str, str] | None = None
+    python: str | Path = sys.executable,
+    folder: Path | None = None,
+    environment: Mapping[str, str] | None = None,
+    program: str = "agents",
 ) -> Started:
     """Start a world and ten agents as `fes run` does, and measure the agents when all are ready.
 
-    `python`, `folder` and `environment` may be those of another version.
+    `python`, `folder`, `environment` and the agent's module `program` may be those of another version.
     """
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     words = [str(python), "-m", "world.process", "configs/paper.toml", "--rtf", "1", "-l", endpoint]
@@ -42,7 +45,7 @@ def start(
     begun = time.perf_counter()
     agents = [
         subprocess.Popen(
-            [str(python), "-m", "agents.process", "--id", str(robot), "-e", endpoint],
+            [str(python), "-m", program, "--id", str(robot), "-e", endpoint],
             stderr=subprocess.DEVNULL,
             cwd=folder,
             env=environment,

@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from fes.model.seeking import SeekingConfig
-from fes.model.table import Choice, Exponent, NonNegative, Positive, Table, Use, chosen
+from fes.model.table import Choice, Exponent, NonNegative, OwnTable, Positive, Use, chosen
 
 Clock = Annotated[
     Literal["lockstep", "live"],
@@ -39,7 +39,7 @@ FORMULAS = ("rayleigh", "logistic", "perfect")
 """Reception models that have a formula."""
 
 
-class ChannelConfig(Table):
+class ChannelConfig(OwnTable):
     """The formula of the radio channel: the truth of the world. An agent gets it for the oracle index only."""
 
     model: Choice = "rayleigh"
@@ -63,7 +63,7 @@ class ChannelConfig(Table):
     """Hard cut-off of the radio [m] (r_x)."""
 
 
-class ObjectiveConfig(Table):
+class ObjectiveConfig(OwnTable):
     """The separations that the team prefers, by equation (16)."""
 
     minimum_separation: Positive = 50.0
@@ -89,7 +89,7 @@ class ObjectiveConfig(Table):
         return self
 
 
-class FormationConfig(Table):
+class FormationConfig(OwnTable):
     """The formation law, its graph, and the motion that follows its pull by (6), (7)."""
 
     law: Choice = "paper"
@@ -162,7 +162,7 @@ class FormationConfig(Table):
         return self
 
 
-class FaultConfig(Table):
+class FaultConfig(OwnTable):
     """Faults of a robot's transmitter and clock from a tick on; a later entry of the same robot replaces them."""
 
     tick: int = Field(ge=0)
@@ -177,7 +177,7 @@ class FaultConfig(Table):
     """Skew of its clock, positive if ahead of the team's [s]; None for the skew drawn from the seed."""
 
 
-class AgentConfig(Table):
+class AgentConfig(OwnTable):
     """The settings that the world sends to an agent when it joins; the agent learns no others."""
 
     dt: Positive

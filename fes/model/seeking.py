@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from fes.model import counts
-from fes.model.table import Cutoff, Positive, Table, Use
+from fes.model.table import Cutoff, OwnTable, Positive, Use
 
 MAX_SUB_STEP_PHASE = 2.0
 """Largest dither phase per step of the integration [rad]; beyond it the integration aliases the dither."""
@@ -30,7 +30,7 @@ REFERENCE_SEPARATION = 75.0
 """Separation at which reports compare reception, unless the law has its own [m]."""
 
 
-class LinkSeekingConfig(Table):
+class LinkSeekingConfig(OwnTable):
     """The settings that all built-in seeking laws share."""
 
     dither_amplitude: Positive = 0.2

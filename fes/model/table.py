@@ -21,10 +21,20 @@ class Table(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
 
-class Use(Table):
+class OwnTable(Table):
+    """A table that fes itself defines. Its validator is built at the first use, not at each start of a process.
+
+    The table that holds it usually contains that validator already. A table of an extension is built at once, so that
+    an error in it is reported when its module is imported.
+    """
+
+    model_config = ConfigDict(defer_build=True)
+
+
+class Use(OwnTable):
     """An extension and its parameters: all keys of the table but `use` are parameters of the extension."""
 
-    model_config = ConfigDict(frozen=True, extra="allow", strict=True)
+    model_config = ConfigDict(extra="allow")
 
     use: str = Field(min_length=1, max_length=200)
     """Name of an extension: a built-in one, one that is installed, or `module:Class`."""

@@ -8,9 +8,10 @@ from typing import Any
 
 import pytest
 import tomli_w
+from pydantic import ValidationError
 
 from fes.errors import ScenarioError
-from fes.model.table import Use
+from fes.model.table import OwnTable, Table, Use
 from world.config import scenario
 
 
@@ -68,3 +69,17 @@ def test_a_table_without_parameters_is_the_name_alone(table: str, key: str, name
         return scenario.parse({**tables, table: {**tables.get(table, {}), key: choice}}, "here")
 
     assert with_choice({"use": name}) == with_choice(name)
+
+
+def test_a_table_of_fes_builds_its_validator_at_the_first_use_and_one_of_an_extension_at_once() -> None:
+    class Own(OwnTable):
+        gain: float = 1.0
+
+    class Parameters(Table):
+        gain: float = 1.0
+
+    assert not Own.__pydantic_complete__
+    assert Parameters.__pydantic_complete__
+    with pytest.raises(ValidationError, match="Input should be a valid number"):
+        Own.model_validate({"gain": "1"})
+    assert Own.__pydantic_complete__
