@@ -1,4 +1,5 @@
-/* One tick of an agent's process, from the bytes of its messages to the bytes of its answers. */
+/* One tick of an agent's process, from the bytes of its messages to the bytes of its answers; and the messages of a
+ * crew that is moved by arrays. */
 #include "laws.h"
 #include "wire.h"
 
@@ -21,11 +22,25 @@ FES_API i64 fes_agent_tick(const Crew *crew, Messages *messages, Input *input, u
     if (flags < 0) return flags;
     State now;
     state_at(crew, messages->pairs, after_buffer, &now);
-    wire_write(crew, messages, input->tick, &now);
+    Sending sending = {messages->out, messages->ends, NULL, NULL};
+    wire_write(crew, messages, input->tick, &now, &sending);
     size_t begins = (size_t)(crew->robots + 1) * sizeof(i64), ids = (size_t)messages->begin[crew->robots] * sizeof(i64);
     i64 *in_range = range + crew->robots + 1;
     if (!memcmp(range, messages->begin, begins) && !memcmp(in_range, messages->in_range, ids)) return flags;
     memcpy(range, messages->begin, begins);
     memcpy(in_range, messages->in_range, ids);
     return flags | FES_NEW_RANGE;
+}
+
+/* Writes the messages of the last tick: observations from its input, beacons and commands from its state in `buffer`.
+ * Robots without a mark have none. Returns the length of all of them; their ends are messages->ends [3 n]. */
+FES_API i64 fes_crew_payloads(const Crew *crew, const Messages *messages, const Input *input, u8 *buffer, i64 capacity,
+                              const u8 *present, const u8 *decodable) {
+    State now;
+    state_at(crew, capacity, buffer, &now);
+    Sending sending = {messages->out, messages->ends, present, decodable};
+    sending.out = wire_write_observations(crew, messages, input, &sending);
+    sending.ends += crew->robots;
+    wire_write(crew, messages, input->tick, &now, &sending);
+    return messages->ends[3 * crew->robots - 1];
 }

@@ -38,6 +38,8 @@ def _passes(loaded: ctypes.CDLL) -> bool:
     loaded.fes_crew_tick.argtypes = [c_void_p, c_void_p, c_void_p, c_int64, c_void_p, c_int64, c_void_p]
     loaded.fes_agent_tick.restype = c_int64
     loaded.fes_agent_tick.argtypes = [c_void_p, c_void_p, c_void_p, c_void_p, c_int64, c_void_p, c_void_p, c_void_p]
+    loaded.fes_crew_payloads.restype = c_int64
+    loaded.fes_crew_payloads.argtypes = [c_void_p, c_void_p, c_void_p, c_void_p, c_int64, c_void_p, c_void_p]
     return self_test.digest(loaded) == self_test.EXPECTED
 
 
@@ -145,6 +147,24 @@ class CompiledCrew:
         if flags >= 0:
             self.stored, self._links, self._sent = Stored(after, layout), None, None
         return flags
+
+    def has_sent(self, beacons: Beacons) -> bool:
+        """True if these are the beacons of the last tick, so that input and state are those of this tick."""
+        return beacons is self._sent
+
+    def write(self, messages: int, present: int, decodable: int) -> int:
+        """The messages of the last tick, for `agents.core.payload_writer`: the result of fes_crew_payloads."""
+        buffer_, layout = self.stored
+        length: int = self._library.fes_crew_payloads(
+            self._constants,
+            messages,
+            self._address,
+            ctypes.addressof(buffer_),
+            layout.capacity,
+            present,
+            decodable,
+        )
+        return length
 
     def _range(self, in_range: Edges) -> None:
         """Point to the peers in range."""

@@ -111,7 +111,7 @@ int wire_read(const Crew *crew, Messages *messages, Input *input) {
     return are_complete(crew, messages) ? READ : UNUSUAL;
 }
 
-/* What a beacon and a command of a robot both begin with. */
+/* What each message of a robot begins with. */
 static Writer started(const Crew *crew, const Messages *messages, i64 tick, i64 robot, u8 *place, int count) {
     Writer writer = {place};
     *writer.next++ = (u8)(0x91 + count);
@@ -151,14 +151,35 @@ static u8 *write_command(const Crew *crew, const Messages *messages, i64 tick, c
     return writer.next;
 }
 
-void wire_write(const Crew *crew, const Messages *messages, i64 tick, const State *now) {
-    u8 *place = messages->out;
+void wire_write(const Crew *crew, const Messages *messages, i64 tick, const State *now, const Sending *sending) {
+    u8 *place = sending->out;
+    i64 *ends = sending->ends;
     for (i64 robot = 0; robot < crew->robots; robot++) {
-        place = write_beacon(crew, messages, tick, now, robot, place);
-        messages->ends[robot] = place - messages->out;
+        if (!sending->decodable || sending->decodable[robot])
+            place = write_beacon(crew, messages, tick, now, robot, place);
+        *ends++ = place - messages->out;
     }
     for (i64 robot = 0; robot < crew->robots; robot++) {
-        place = write_command(crew, messages, tick, now, robot, place);
-        messages->ends[crew->robots + robot] = place - messages->out;
+        if (!sending->present || sending->present[robot])
+            place = write_command(crew, messages, tick, now, robot, place);
+        *ends++ = place - messages->out;
     }
+}
+
+u8 *wire_write_observations(const Crew *crew, const Messages *messages, const Input *input, const Sending *sending) {
+    u8 *place = sending->out;
+    for (i64 robot = 0; robot < crew->robots; robot++) {
+        i64 first = input->begin[robot], count = input->begin[robot + 1] - first;
+        if (sending->present[robot]) {
+            Writer writer = started(crew, messages, input->tick, robot, place, 9);
+            for (int i = 0; i < POSE; i++) write_number(&writer, input->poses[POSE * robot + i]);
+            write_ids(&writer, input->in_range + first, count);
+            write_blob(&writer, input->reception + first, count);
+            *writer.next++ = 0xc2; /* not over */
+            write_integer(&writer, messages->since[robot]);
+            place = writer.next;
+        }
+        sending->ends[robot] = place - messages->out;
+    }
+    return place;
 }

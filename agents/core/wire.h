@@ -30,7 +30,17 @@ enum { READ, TOO_LITTLE_ROOM, UNUSUAL };
 
 /* Reads the observations of the tick of the input, and the beacons of the tick before; READ, or why the caller must read them itself. */
 int wire_read(const Crew *crew, Messages *messages, Input *input);
-/* Writes the beacons and the commands of a tick. */
-void wire_write(const Crew *crew, const Messages *messages, i64 tick, const State *now);
+/* Where messages are written, and of which robots. */
+typedef struct {
+    u8 *out;
+    i64 *ends;             /* of each payload, after messages->out */
+    const u8 *present;     /* marks of the robots with an observation and a command [n]; NULL for all */
+    const u8 *decodable;   /* of those with a beacon */
+} Sending;
+
+/* Writes the beacons of a tick, then its commands. A robot without a mark has a payload of no bytes. */
+void wire_write(const Crew *crew, const Messages *messages, i64 tick, const State *now, const Sending *sending);
+/* Writes the observations of a tick, from the input of the crew; returns their end. */
+u8 *wire_write_observations(const Crew *crew, const Messages *messages, const Input *input, const Sending *sending);
 
 #endif

@@ -4,9 +4,11 @@ from agents.control import crew
 from agents.control.state import Crew, CrewState
 from agents.core import compiled_crew
 from agents.core.compiled_crew import Failed, Sent
+from agents.core.payload_writer import PayloadWriter, Written
 from agents.runtime.reception import Receiver
-from fes.arrays.types import Bools
+from fes.arrays.types import Bools, Ints
 from fes.model.sensing import Beacons, Observations
+from fes.protocol import wire
 
 
 class CrewRun:
@@ -18,6 +20,7 @@ class CrewRun:
         """The compiled crew; None where numpy moves it."""
         self._state, self._receiver = crew.start(robots), Receiver()
         """Of a crew that numpy moves."""
+        self._writer: PayloadWriter | None = None
 
     @property
     def state(self) -> CrewState:
@@ -45,3 +48,14 @@ class CrewRun:
         received = self._receiver.receive(observations, beacons, self._state.contacts.edges)
         self._state, sent, twists, telemetry = crew.step(self.crew, self._state, observations.sensed, received)
         return Sent(sent, twists, telemetry)
+
+    def payloads(self, sent: Sent, since: Ints, present: Bools, decodable: Bools) -> Written | None:
+        """The messages of a tick, as `PayloadWriter.write` has them.
+
+        None where numpy moves the crew, or if `sent` is not the output of its last tick.
+        """
+        if self.compiled is None or not self.compiled.has_sent(sent.beacons):
+            return None
+        if self._writer is None:
+            self._writer = PayloadWriter(self.compiled, wire.PROTOCOL)
+        return self._writer.write(since, present, decodable, sent.telemetry.is_model_free)

@@ -62,7 +62,7 @@ def in_one_loop(ticks: int, recorded: bool) -> None:
         for done, tick in enumerate(inprocess.ticks(scenario), 1):
             metrics.add(tick.state, tick.twists, tick.telemetry)
             if recorder is not None:
-                recorder.add(metrics, tick.twists, inprocess.payloads(tick), alive, 0.0)
+                recorder.add(metrics, tick.twists, inprocess.packed(tick), alive, 0.0)
             if done % 50 == 0:
                 history.add(report_builder.build(metrics, "memory", alive, 0.02 * done, 50.0))
                 paper.print(frame.render(history, 120, 40))

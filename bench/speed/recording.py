@@ -83,7 +83,7 @@ def recorded(scenario: Scenario) -> Cost:
     with (
         tempfile.TemporaryDirectory() as folder,
         _Clock(Recorder, "add") as add,
-        _Clock(inprocess, "payloads") as payloads,
+        _Clock(inprocess, "packed") as payloads,
         _Clock(report_builder, "build") as report,
     ):
         with Recorder(Path(folder) / NAME, scenario, "bench", "inprocess") as recorder:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from agents.control import crew
+from agents.core.compiled_crew import Sent
 from agents.runtime import marshalling as agent_marshalling
 from agents.runtime.crew_run import CrewRun
 from fes import process
@@ -16,7 +17,7 @@ from fes.arrays.types import Floats
 from fes.errors import FesError, ScenarioError
 from fes.model.sensing import Beacons, Telemetry, no_beacons, telemetry_of
 from fes.protocol.report import Report
-from fes.recording.layout import TickPayloads
+from fes.recording.layout import PackedPayloads, TickPayloads
 from world.config.scenario import Scenario, agent_config
 from world.execution import marshalling as world_marshalling
 from world.execution.recorder import Recorder
@@ -39,6 +40,8 @@ class Tick:
     """[n, 2] [m/s, rad/s]"""
     telemetry: Telemetry
     """Telemetry of the robots that are present."""
+    crew: CrewRun | None = None
+    """The crew, which is at this tick until the next one is computed; None if several runs share one."""
 
 
 def check(scenario: Scenario) -> None:
@@ -58,17 +61,17 @@ def ticks(scenario: Scenario) -> Iterator[Tick]:
             robots.forget(state.present & ~present)
             present = state.present
         beacons, twists, telemetry = robots.step(truth.observe(state), beacons)
-        current = tick(state, beacons, twists, telemetry)
+        current = tick(state, beacons, twists, telemetry, robots)
         yield current
         state = truth.step(world, state, current.twists)
 
 
-def tick(state: State, beacons: Beacons, twists: Floats, telemetry: Telemetry) -> Tick:
+def tick(state: State, beacons: Beacons, twists: Floats, telemetry: Telemetry, robots: CrewRun | None = None) -> Tick:
     """A tick, from the output of a crew that includes absent robots."""
     present = state.present
     if not masks.is_full(present):
         telemetry = telemetry_of(telemetry, present)
-    return Tick(state, beacons, truth.held(state, twists), telemetry)
+    return Tick(state, beacons, truth.held(state, twists), telemetry, robots)
 
 
 def payloads(tick: Tick) -> TickPayloads:
@@ -79,6 +82,15 @@ def payloads(tick: Tick) -> TickPayloads:
     beacons = [data if shown else b"" for (_, data, _), shown in zip(encoded, decodable.tolist(), strict=True)]
     commands = [data if shown else b"" for (_, _, data), shown in zip(encoded, present.tolist(), strict=True)]
     return TickPayloads(sensed, beacons, commands)
+
+
+def packed(tick: Tick) -> TickPayloads | PackedPayloads:
+    """The same messages; those of the last tick are packed by the compiled core, where it moves the crew."""
+    state, written = tick.state, None
+    if tick.crew is not None:
+        sent = Sent(tick.beacons, tick.twists, tick.telemetry)
+        written = tick.crew.payloads(sent, state.since, state.present, state.decodable)
+    return payloads(tick) if written is None else PackedPayloads(*written)
 
 
 def run(
@@ -110,7 +122,7 @@ def run(
                 metrics.add(tick.state, tick.twists, tick.telemetry)
                 now = time.perf_counter()
                 if recorder is not None:
-                    recorder.add(metrics, tick.twists, payloads(tick), alive, now - begun)
+                    recorder.add(metrics, tick.twists, packed(tick), alive, now - begun)
             if collect is not None:
                 collect(tick)
             if watch is not None and (now - report_time >= report_builder.PERIOD or done == scenario.ticks):

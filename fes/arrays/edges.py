@@ -128,8 +128,8 @@ class Edges:
         """Position of the pair of each of `keys`, or -1 where these edges lack it."""
         if len(self) == 0:
             return np.full(len(keys), -1, dtype=np.int64)
-        positions = np.minimum(np.searchsorted(self.keys, keys), len(self) - 1)
-        return np.where(self.keys[positions] == keys, positions, -1)
+        positions = self.keys.searchsorted(keys)
+        return np.where(self.keys.take(positions, mode="clip") == keys, positions, -1)
 
     def after(self, old: "Edges") -> "Transition":
         """The transition from the edges `old` to these."""

@@ -1,5 +1,7 @@
 """Names and bounds of a log, on which its writer and its reader agree; docs/reference/log.md describes the format."""
 
+import struct
+from itertools import pairwise
 from typing import NamedTuple
 
 from fes.recording import records
@@ -22,3 +24,22 @@ class TickPayloads(NamedTuple):
     observations: list[bytes]
     beacons: list[bytes]
     commands: list[bytes]
+
+
+class PackedPayloads(NamedTuple):
+    """The same payloads one after the other, as the compiled core writes them."""
+
+    data: bytes
+    ends: bytes
+    """The end of each payload, as int64 [3 n]."""
+
+    def unpacked(self) -> TickPayloads:
+        """The payloads one by one.
+
+        >>> PackedPayloads(b"oobc", struct.pack("=6q", 1, 2, 3, 3, 4, 4)).unpacked()
+        TickPayloads(observations=[b'o', b'o'], beacons=[b'b', b''], commands=[b'c', b''])
+        """
+        count = len(self.ends) // 8
+        parts = [self.data[a:b] for a, b in pairwise((0, *struct.unpack(f"={count}q", self.ends)))]
+        n = count // 3
+        return TickPayloads(parts[:n], parts[n : 2 * n], parts[2 * n :])

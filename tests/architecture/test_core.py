@@ -23,7 +23,7 @@ EXPORTED = {
             *("power", "product", "real_power", "remainder", "uniform"),
         )
     },
-    "robots": {"fes_crew_layout", "fes_crew_tick", "fes_agent_tick", "fes_crew_kernel"},
+    "robots": {"fes_crew_layout", "fes_crew_tick", "fes_crew_payloads", "fes_agent_tick", "fes_crew_kernel"},
     "formula_index": {"fes_formula_index"},
     "world": {"fes_world_layout", "fes_world_tick", "fes_world_separations", "fes_world_link_errors"},
 }

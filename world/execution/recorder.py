@@ -24,10 +24,10 @@ from fes.model import counts
 from fes.protocol import world_info
 from fes.protocol.report import encode_report
 from fes.recording import schemas
-from fes.recording.layout import AT_ITS_END, MAX_JSON, TickPayloads
+from fes.recording.layout import AT_ITS_END, MAX_JSON, PackedPayloads, TickPayloads
 from fes.recording.writer import frames
 from fes.recording.writer.connection import LogWriter
-from fes.recording.writer.frames import BODIES, EVENT, INFO, PAYLOADS, REMARK, REPORT, SCENARIO, WARNING
+from fes.recording.writer.frames import BODIES, EVENT, INFO, PACKED, PAYLOADS, REMARK, REPORT, SCENARIO, WARNING
 from fes.system import fingerprint, strict_json
 from world.config.outside import extensions
 from world.config.scenario import Scenario
@@ -80,7 +80,7 @@ class Recorder:
         """`before` is the log so far of a resumed run, in another file. A LogFile as `writer` needs no process."""
         self.path = path
         self._scenario, self._name = scenario, name
-        self._changes = scenario.changes
+        self._changes, self._dt = scenario.changes, scenario.run.dt
         self._period, self._last = report_period(scenario), scenario.ticks - 1
         self._viewed = scenario.robots.number <= MAX_VIEWED
         self._summary: dict[str, Any] | None = None
@@ -114,17 +114,25 @@ class Recorder:
             logging.getLogger("world").warning("%s", loss)
 
     def add(
-        self, metrics: MetricsCollector, twists: Floats, tick_payloads: TickPayloads, alive: Bytes, elapsed: float
+        self,
+        metrics: MetricsCollector,
+        twists: Floats,
+        payloads: TickPayloads | PackedPayloads,
+        alive: Bytes,
+        elapsed: float,
     ) -> None:
         """Add the last tick of `metrics`, and its messages.
 
         `twists` [n, 2]; `alive` [n] is 1 for each robot with a token; `elapsed` [s; wall clock] since tick 0.
         """
         tick = metrics.state.tick
-        messages: list[list[Any]] = [[PAYLOADS, *tick_payloads]]
-        for path, value in self._changes.get(tick, {}).items():
-            messages += _set(tick, "schedule", path, value)
-        messages += self._set_by_persons(tick)
+        kind = PACKED if isinstance(payloads, PackedPayloads) else PAYLOADS
+        messages: list[list[Any]] = [[kind, *payloads]]
+        if tick in self._changes:
+            for path, value in self._changes[tick].items():
+                messages += _set(tick, "schedule", path, value)
+        if self._pending:
+            messages += self._set_by_persons(tick)
         for robots, reason in self._excluded.pop(tick, []):
             messages.append(_event({"tick": tick, "what": "excluded", "robots": robots, "reason": reason}))
             messages.append([REMARK, WARNING, f"robots {robots} are excluded from tick {tick} on: {reason}"])
@@ -228,7 +236,7 @@ class Recorder:
         return [REPORT, encode_report(report), frames.numbers(report), arrays]
 
     def _write(self, tick: int, messages: list[list[Any]]) -> None:
-        self._log.write(tick, round(tick * self._scenario.run.dt * 1e9), messages)
+        self._log.write(tick, round(tick * self._dt * 1e9), messages)
 
 
 def _event(event: dict[str, Any]) -> list[Any]:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 from google.protobuf.message import Message
 
 from fes.recording import messages_pb2, schemas, viewer_topics
-from fes.recording.layout import SUMMARY
+from fes.recording.layout import SUMMARY, PackedPayloads
 from fes.recording.mcap_file import McapFile
 from fes.recording.viewer_topics import View
-from fes.recording.writer.frames import BODIES, EVENT, PAYLOADS, REMARK, REPORT, SCENARIO
+from fes.recording.writer.frames import BODIES, EVENT, PACKED, PAYLOADS, REMARK, REPORT, SCENARIO
 
 if TYPE_CHECKING:
     from foxglove_schemas_protobuf.Log_pb2 import Log
@@ -36,6 +36,7 @@ class LogFile:
             SCENARIO: self._scenario,
             BODIES: self._bodies,
             PAYLOADS: self._payloads,
+            PACKED: self._packed,
             EVENT: self._event,
             REMARK: self._remark,
             REPORT: self._report,
@@ -89,6 +90,9 @@ class LogFile:
     def _payloads(self, *payloads: list[bytes]) -> None:
         for (topic, message), of_robots in zip(_OF_ALL, payloads, strict=True):
             self._put(topic, message(tick=self._tick, payloads=of_robots))
+
+    def _packed(self, data: bytes, ends: bytes) -> None:
+        self._payloads(*PackedPayloads(data, ends).unpacked())
 
     def _report(self, payload: bytes, numbers: dict[str, Any], arrays: list[bytes] | None) -> None:
         self._put("/report", messages_pb2.Report(tick=self._tick, payload=payload, **numbers))

@@ -1,6 +1,7 @@
 """The writer of a log, without its process: frames in pieces, frames that were cut, and requests."""
 
 import os
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -70,3 +71,17 @@ def test_an_error_of_the_file_ends_the_writer(tmp_path: Path) -> None:
     stream = frames.pack(0, "write", 0, 0, [PAYLOADS]) + frames.pack(1, "position")
     with pytest.raises(FesError, match=r"^cannot write /dev/full: No space left on device$"):
         serve(Path("/dev/full"), stream)
+
+
+def test_packed_payloads_leave_the_same_file(tmp_path: Path) -> None:
+    packed = [frames.PACKED, b"obc", struct.pack("=6q", 1, 1, 2, 2, 3, 3)]
+    for name, messages in (("packed", packed), ("each", PAYLOADS)):
+        stream = b"".join(frames.pack(0, "write", tick, 20 * tick, [messages]) for tick in range(3))
+        serve(tmp_path / name, stream + frames.pack(1, "finish", {"ended": "at its end"}))
+    assert (tmp_path / "packed").read_bytes() == (tmp_path / "each").read_bytes()
+
+
+def test_a_field_that_cannot_be_packed_leaves_no_bytes_in_the_next_frame() -> None:
+    with pytest.raises(TypeError, match="serialize"):
+        frames.pack(0, "write", [b"x" * 40, object()])
+    assert list(frames.Splitter().feed(frames.pack(1, "position"))) == [[1, "position"]]
