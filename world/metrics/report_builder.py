@@ -1,5 +1,8 @@
 """The report to observers: the truth at one tick, and the robots' telemetry."""
 
+from typing import NamedTuple
+from weakref import WeakKeyDictionary
+
 import numpy as np
 
 from fes.arithmetic import elementary
@@ -22,6 +25,31 @@ STEP = 1e-3
 PERIOD = 0.1
 """Wall-clock time between two reports [s]."""
 
+_MOST_LINES = 64
+
+
+class _Places(NamedTuple):
+    """The links of a report [u], and where their numbers are."""
+
+    low: Ints
+    """The robot with the lower id."""
+    high: Ints
+    ab: Ints
+    """Position of the link from `low` to `high` among the directed links, or -1."""
+    ba: Ints
+    """The same, from `high` to `low`."""
+    forward: Ints
+    """Position of the contact from `low` to `high`, or -1."""
+    backward: Ints
+    """The same, from `high` to `low`."""
+
+
+# Links, contacts and channels stay the same objects from report to report while they do not change.
+_known_places: WeakKeyDictionary[Edges, tuple[Edges, _Places]] = WeakKeyDictionary()
+"""Links -> the contacts, and the places for both."""
+_known_lines: dict[tuple[int, float], tuple[RadioConfig, tuple[float, float]]] = {}
+"""Identity of a channel, and a scale -> the channel, and its line."""
+
 
 @np.errstate(over="ignore", invalid="ignore")  # a run may diverge: the report shows that
 def build(metrics: MetricsCollector, name: str, alive: Bytes, elapsed: float, ticks_per_s: float) -> Report:
@@ -30,19 +58,16 @@ def build(metrics: MetricsCollector, name: str, alive: Bytes, elapsed: float, ti
     A robot counts as alive if its agent is `alive` [n] and it takes part; a robot waiting to rejoin takes no part.
     """
     scenario, state, telemetry = metrics.scenario, metrics.state, metrics.telemetry
-    a, b = link_errors.ends(telemetry.links)
-    low, high = np.minimum(a, b), np.maximum(a, b)
-    separation = link_errors.separations(state.poses, low, high)
-    ab, ba = _positions(telemetry.links, low, high), _positions(telemetry.links, high, low)
     radio = state.radio
-    forward, backward = _positions(radio.edges, low, high), _positions(radio.edges, high, low)
+    low, high, ab, ba, forward, backward = _places(telemetry.links, radio.edges)
+    separation = link_errors.link_separations(telemetry.links, state.poses)
     scale = getattr(scenario.seeking, "reference_separation", REFERENCE_SEPARATION)
     learnt = [_mean(_pick(row, ab), _pick(row, ba)) for row in telemetry.learnt]  # other laws learn other numbers
     none = np.zeros(0, dtype=np.int64)
     missed, late = (metrics.deadlines.missed, metrics.deadlines.late) if metrics.deadlines else (none, none)
     fits = isinstance(scenario.seeking, MeasuredConfig) and telemetry.learnt.size
     level, exponent = learnt if fits else [np.full(len(low), np.nan)] * 2
-    true_level, true_exponent = _reception_line(scenario, state.channel, scale)
+    true_level, true_exponent = _known_line(scenario, state.channel, scale)
     return Report(
         **metrics.shared(),
         scenario=name,
@@ -78,9 +103,16 @@ def build(metrics: MetricsCollector, name: str, alive: Bytes, elapsed: float, ti
     )
 
 
-def _positions(links: Edges, robot: Ints, peer: Ints) -> Ints:
-    """Position of each robot's link to `peer`, or -1."""
-    return links.find(links.key(robot, peer))
+def _places(links: Edges, contacts: Edges) -> _Places:
+    """The places of links and of their contacts."""
+    known = _known_places.get(links)
+    if known is None or known[0] is not contacts:
+        a, b = link_errors.ends(links)
+        low, high = np.minimum(a, b), np.maximum(a, b)
+        ahead, back = links.key(low, high), links.key(high, low)
+        positions = links.find(ahead), links.find(back), contacts.find(ahead), contacts.find(back)
+        known = _known_places[links] = contacts, _Places(low, high, *positions)
+    return known[1]
 
 
 def _pick(values: Floats, positions: Ints) -> Floats:
@@ -121,6 +153,17 @@ def _without_beacon(scenario: Scenario, channel: RadioConfig, separation: Floats
         return np.full(len(separation), np.nan)
     lost: Floats = 1.0 - model.probability(separation)
     return lost
+
+
+def _known_line(scenario: Scenario, channel: RadioConfig, scale: float) -> tuple[float, float]:
+    """The reception line, computed once for a channel."""
+    key = id(channel), scale
+    known = _known_lines.get(key)
+    if known is None or known[0] is not channel:
+        if len(_known_lines) >= _MOST_LINES:
+            _known_lines.clear()
+        known = _known_lines[key] = channel, _reception_line(scenario, channel, scale)
+    return known[1]
 
 
 @np.errstate(divide="ignore")  # a channel without loss has no line
