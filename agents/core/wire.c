@@ -1,7 +1,7 @@
 /* Reads observations and beacons, and writes beacons and commands. A message that is unusual in any way is left to the
  * Python code, which knows the reasons to reject it. */
 #include "wire.h"
-#include "msgpack.h"
+#include "fes/arithmetic/core/msgpack.h"
 
 #define MAX_TICK (((i64)1 << 53) - 1)
 #define MAX_ID (((i64)1 << 31) - 1)

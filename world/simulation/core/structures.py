@@ -106,3 +106,25 @@ class Layout:
         stride = self.places[names[begin + 1]] - place
         shape, strides = (end - begin + 1, length), (stride, np.dtype(dtype).itemsize)
         return np.ndarray(shape, dtype, buffer, place, strides)
+
+
+class Batch(ctypes.Structure):
+    """The payloads of one tick: `Batch` in messages.h."""
+
+    _fields_ = (
+        ("version", c_int64),
+        ("tick", c_int64),
+        ("robots", c_int64),
+        ("count", c_int64),
+        ("payloads", c_void_p),
+        ("lengths", c_void_p),
+        ("senders", c_void_p),
+    )
+
+
+class Parts(ctypes.Structure):
+    """What a command holds beside its twist: `Parts` in messages.h."""
+
+    _fields_ = tuple(
+        (name, c_int64) for name in ("links_at", "links_length", "estimates", "learnt", "details", "is_model_free")
+    )
