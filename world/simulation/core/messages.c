@@ -3,10 +3,10 @@
 #include "messages.h"
 
 /* The start of a message of this tick and sender. */
-static Reader started(const Batch *batch, i64 index, int fields) {
-    Reader reader = read_message(batch->payloads[index], batch->lengths[index], batch->version, fields);
+static Reader started(const Batch *batch, Blob payload, i64 sender, int fields) {
+    Reader reader = read_message(payload.data, payload.length, batch->version, fields);
     i64 tick = read_integer(&reader, MAX_TICK), robot = read_integer(&reader, MAX_ID);
-    if (tick != batch->tick || robot != batch->senders[index] || robot >= batch->robots) reader.is_broken = 1;
+    if (tick != batch->tick || robot != sender || robot >= batch->robots) reader.is_broken = 1;
     return reader;
 }
 
@@ -23,7 +23,7 @@ static int are_ids(Blob blob, i64 robots) {
     return before < robots;
 }
 
-/* True for whole numbers of 64 bits within MAX_NUMBER of zero, at most `most` of them. */
+/* True for numbers of 64 bits within MAX_NUMBER of zero, at most `most` of them. */
 static int are_numbers(Blob blob, i64 most) {
     if (blob.length % 8 || blob.length > 8 * most) return 0;
     for (i64 at = 0; at < blob.length; at += 8) {
@@ -41,8 +41,8 @@ static int are_flags(Blob blob, i64 count) {
     return 1;
 }
 
-static int is_beacon(const Batch *batch, i64 index) {
-    Reader reader = started(batch, index, 10);
+static int is_beacon(const Batch *batch, Blob payload, i64 sender) {
+    Reader reader = started(batch, payload, sender, 10);
     for (int i = 0; i < 3; i++) read_number(&reader, MAX_NUMBER);
     Blob links = read_blob(&reader), estimates = read_blob(&reader), selected = read_blob(&reader);
     Blob statistics = read_blob(&reader), declared = read_blob(&reader);
@@ -52,10 +52,12 @@ static int is_beacon(const Batch *batch, i64 index) {
            declared.length <= MAX_DECLARED;
 }
 
-/* True if all payloads are beacons that every peer can read. */
-FES_API i64 fes_world_beacons(const Batch *batch) {
-    for (i64 index = 0; index < batch->count; index++)
-        if (!is_beacon(batch, index)) return 0;
+/* True if all payloads are beacons that every peer can read; `lengths` and `senders` are [count]. */
+FES_API i64 fes_world_beacons(const Batch *batch, const u8 *data, const i64 *lengths, const i64 *senders) {
+    for (i64 index = 0; index < batch->count; data += lengths[index++]) {
+        Blob payload = {data, lengths[index]};
+        if (!is_beacon(batch, payload, senders[index])) return 0;
+    }
     return 1;
 }
 
@@ -64,9 +66,10 @@ static double *copied(Blob blob, double *numbers) {
     return numbers + blob.length / 8;
 }
 
-/* Reads a command; the place after its numbers, or NULL if it is unusual. */
-static double *read_command(const Batch *batch, i64 index, double *twist, Parts *parts, double *numbers) {
-    Reader reader = started(batch, index, 9);
+/* Reads a command that is `at` bytes behind the first; the place after its numbers, or NULL if it is unusual. */
+static double *read_command(const Batch *batch, Blob payload, i64 at, i64 sender, double *twist, Parts *parts,
+                            double *numbers) {
+    Reader reader = started(batch, payload, sender, 9);
     for (int i = 0; i < 2; i++) twist[i] = read_number(&reader, MAX_TWIST);
     Blob links = read_blob(&reader), estimates = read_blob(&reader), learnt = read_blob(&reader);
     Blob details = read_blob(&reader);
@@ -76,15 +79,21 @@ static double *read_command(const Batch *batch, i64 index, double *twist, Parts 
     if (!are_ids(links, batch->robots) || estimates.length != 8 * count || !are_numbers(estimates, count)) return NULL;
     if (!are_numbers(learnt, MAX_LEARNT * count) || !are_numbers(details, MAX_DETAILS)) return NULL;
     if (count && learnt.length / 8 % count) return NULL;
-    i64 at = count ? links.data - batch->payloads[index] : 0;
-    Parts read = {at, links.length, count, learnt.length / 8, details.length / 8, code == 0xc0 ? -1 : code - 0xc2};
-    *parts = read;
+    parts->links_at = count ? at + (links.data - payload.data) : 0;
+    parts->links_length = links.length;
+    parts->estimates = count;
+    parts->learnt = learnt.length / 8;
+    parts->details = details.length / 8;
+    parts->is_model_free = code == 0xc0 ? -1 : code - 0xc2;
     return copied(details, copied(learnt, copied(estimates, numbers)));
 }
 
 /* Reads commands: twists [count, 2], parts [count], and one list of all numbers; true if all commands are usual. */
-FES_API i64 fes_world_commands(const Batch *batch, double *twists, Parts *parts, double *numbers) {
-    for (i64 index = 0; numbers && index < batch->count; index++)
-        numbers = read_command(batch, index, twists + 2 * index, parts + index, numbers);
+FES_API i64 fes_world_commands(const Batch *batch, const u8 *data, const i64 *lengths, const i64 *senders,
+                               double *twists, Parts *parts, double *numbers) {
+    for (i64 index = 0, at = 0; numbers && index < batch->count; at += lengths[index++]) {
+        Blob payload = {data + at, lengths[index]};
+        numbers = read_command(batch, payload, at, senders[index], twists + 2 * index, parts + index, numbers);
+    }
     return numbers != NULL;
 }

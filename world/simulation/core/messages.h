@@ -11,20 +11,17 @@
 
 enum { MAX_STATISTICS = 64, MAX_DECLARED = 256, MAX_LEARNT = 16, MAX_DETAILS = 64 };
 
-/* Payloads of one tick, each from another robot. */
+/* Payloads of one tick, each from another robot. They follow each other, so that one address names them all. */
 typedef struct {
     i64 version;              /* of the protocol */
     i64 tick;
     i64 robots;               /* in the team */
     i64 count;                /* of payloads */
-    const u8 *const *payloads;
-    const i64 *lengths;
-    const i64 *senders;       /* [count] */
 } Batch;
 
 /* What a command holds beside its twist: the place of its links, and the lengths of its lists of numbers. */
 typedef struct {
-    i64 links_at, links_length;         /* [bytes] */
+    i64 links_at, links_length;         /* from the first byte of the batch [bytes] */
     i64 estimates, learnt, details;     /* [numbers] */
     i64 is_model_free;                  /* 1, 0, or -1 if not known */
 } Parts;

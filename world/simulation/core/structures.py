@@ -111,15 +111,7 @@ class Layout:
 class Batch(ctypes.Structure):
     """The payloads of one tick: `Batch` in messages.h."""
 
-    _fields_ = (
-        ("version", c_int64),
-        ("tick", c_int64),
-        ("robots", c_int64),
-        ("count", c_int64),
-        ("payloads", c_void_p),
-        ("lengths", c_void_p),
-        ("senders", c_void_p),
-    )
+    _fields_ = (("version", c_int64), ("tick", c_int64), ("robots", c_int64), ("count", c_int64))
 
 
 class Parts(ctypes.Structure):
