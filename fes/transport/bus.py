@@ -89,7 +89,7 @@ class Mailbox:
         return str(sample.key_expr), _payload(sample)
 
     def payloads(self) -> list[bytes | None]:
-        """The payloads of the samples that wait, without their keys: at most MAILBOX, as more may arrive meanwhile."""
+        """The payloads of the samples that wait, without their keys: MAILBOX at most, as more may arrive."""
         receive, payloads = self._subscriber.try_recv, []
         while len(payloads) < MAILBOX and (sample := receive()) is not None:
             payloads.append(_payload(sample))

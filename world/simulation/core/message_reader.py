@@ -64,7 +64,7 @@ class MessageReader:
 
 
 def _split(tick: int, data: bytes, rows: Any, numbers: Floats) -> list[Command]:
-    """Commands from rows of (sender, twist, parts); their links lie in `data`, and their `numbers` follow each other."""
+    """Commands from rows of (sender, twist, parts). Their links lie in `data`; their `numbers` follow each other."""
     commands, begin = [], 0
     for robot, (linear, angular), (at, length, estimates, learnt, details, is_free) in rows:
         first, second = begin + estimates, begin + estimates + learnt
