@@ -99,7 +99,7 @@ class ByteCrew:
         self._range = np.full(n + 1 + room, -1, np.int64)
         self._range_address: int = self._range.ctypes.data
         self._out, self._ends = np.zeros(n * (256 + 8 * q) + 64 * room, np.uint8), np.zeros(2 * n, np.int64)
-        self._written = memoryview(self._out)
+        self._written = self._out.data
         arrays: dict[str, NDArray[Any]] = {
             "poses": np.zeros(3 * n),
             "begin": self._begin,

@@ -90,7 +90,8 @@ class Mailbox:
 
     def payloads(self) -> list[bytes | None]:
         """The payloads of the samples that wait, without their keys: MAILBOX at most, as more may arrive."""
-        receive, payloads = self._subscriber.try_recv, []
+        payloads: list[bytes | None] = []
+        receive = self._subscriber.try_recv
         while len(payloads) < MAILBOX and (sample := receive()) is not None:
             payloads.append(_payload(sample))
         return payloads

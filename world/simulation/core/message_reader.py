@@ -28,9 +28,9 @@ class MessageReader:
         # The calls are short. To release the interpreter's lock would let a thread of Zenoh in, and then wait for it.
         short = ctypes.PyDLL(None, handle=library._handle)
         self._beacons, self._commands = short.fes_world_beacons, short.fes_world_commands
-        batch = [c_void_p, c_char_p, c_void_p, c_void_p]
-        self._beacons.argtypes, self._beacons.restype = batch, c_int64
-        self._commands.argtypes, self._commands.restype = [*batch, c_void_p, c_void_p, c_void_p], c_int64
+        self._beacons.restype = self._commands.restype = c_int64
+        self._beacons.argtypes = [c_void_p, c_char_p, c_void_p, c_void_p]
+        self._commands.argtypes = [c_void_p, c_char_p, *[c_void_p] * 5]
         self._batch = Batch(version=wire.PROTOCOL, robots=robots)
         self._address = addressof(self._batch)
         self._make_room(robots)
@@ -66,10 +66,10 @@ class MessageReader:
 def _split(tick: int, data: bytes, rows: Any, numbers: Floats) -> list[Command]:
     """Commands from rows of (sender, twist, parts). Their links lie in `data`; their `numbers` follow each other."""
     commands, begin = [], 0
-    for robot, (linear, angular), (at, length, estimates, learnt, details, is_free) in rows:
+    for robot, (linear, angular), (first_byte, length, estimates, learnt, details, is_free) in rows:
         first, second = begin + estimates, begin + estimates + learnt
         end = second + details
-        links, twist = wire.ids("Command", data[at : at + length]), (linear, angular)
+        links, twist = wire.ids("Command", data[first_byte : first_byte + length]), (linear, angular)
         lists = numbers[begin:first], numbers[first:second], numbers[second:end]
         commands.append(Command(tick, robot, twist, links, *lists, _FREE[is_free]))
         begin = end

@@ -115,7 +115,7 @@ class Batch(ctypes.Structure):
 
 
 class Parts(ctypes.Structure):
-    """What a command holds beside its twist: `Parts` in messages.h."""
+    """The parts of a command beside its twist: `Parts` in messages.h."""
 
     _fields_ = tuple(
         (name, c_int64) for name in ("links_at", "links_length", "estimates", "learnt", "details", "is_model_free")

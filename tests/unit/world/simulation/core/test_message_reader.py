@@ -1,4 +1,4 @@
-"""The core reads what `fes.protocol.messages` reads, and leaves it everything else."""
+"""The core reads the messages that `fes.protocol.messages` reads, and leaves all others to it."""
 
 import random
 
@@ -14,7 +14,7 @@ from world.simulation.core.message_reader import MessageReader
 ROBOTS, TICK = 10, 70_000
 SENDERS = list(range(ROBOTS))
 BYTES = (0, 1, 0x7F, 0xC0, 0xC2, 0xC4, 0xCB, 0xFF)
-"""Bytes that mean much in msgpack or in a number."""
+"""Bytes with a meaning in msgpack or in a number."""
 
 
 @pytest.fixture
@@ -97,7 +97,7 @@ def test_links_to_robots_that_do_not_exist_are_left_to_the_decoder() -> None:
     assert not small.are_beacons(TICK, [3], [beacon(3)])
 
 
-def test_what_the_core_takes_of_damaged_messages_the_decoder_takes_too(reader: MessageReader) -> None:
+def test_the_decoder_takes_each_damaged_message_that_the_core_takes(reader: MessageReader) -> None:
     numbers, taken = random.Random(1), 0
     for _ in range(3000):
         robot = numbers.randrange(ROBOTS)
