@@ -13,9 +13,12 @@ i64 fes_crew_tick(const Crew *crew, const Input *input, u8 *before_buffer, i64 b
 /* Reads the messages of a tick, moves the crew from the state in `before` to that in `after`, of as many contacts as
  * the messages have room for, and writes the answers. `range` holds the peers in range of the tick before: n + 1
  * begins, then their ids; it is replaced. Returns flags as fes_crew_tick does, with FES_NEW_RANGE where the peers in
- * range differ. A negative result has changed nothing but `after`: Python then reads the messages. */
+ * range differ. A negative result has changed nothing but `after`: Python then reads the messages. `observations` and
+ * `beacons` are the bytes that the messages name. */
 FES_API i64 fes_agent_tick(const Crew *crew, Messages *messages, Input *input, u8 *before_buffer, i64 before_capacity,
-                           u8 *after_buffer, double *scratch, i64 *range) {
+                           u8 *after_buffer, double *scratch, i64 *range, const u8 *observations, const u8 *beacons) {
+    messages->observations = observations;
+    messages->beacons = beacons;
     int result = wire_read(crew, messages, input);
     if (result != READ) return result == UNUSUAL ? FES_UNUSUAL : FES_TOO_LITTLE_ROOM;
     i64 flags = fes_crew_tick(crew, input, before_buffer, before_capacity, after_buffer, messages->pairs, scratch);

@@ -1,8 +1,8 @@
 """A crew whose tick is one call of the compiled core, from the bytes of its messages to those of its answers."""
 
-import ctypes
+from array import array
 from collections.abc import Sequence
-from ctypes import addressof, c_char_p, c_int64
+from ctypes import addressof
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,7 @@ class ByteCrew:
         self._crew = crew
         self._ids = crew.crew.ids.tolist()
         self._messages, self._input = Messages(version=version), Input()
+        self._addresses = addressof(self._messages), addressof(self._input)
         self._since: Ints | None = None
         self._room = ROOM
         self._senders = 0
@@ -60,16 +61,18 @@ class ByteCrew:
         if since is not self._since:
             self._since, messages.since = since, since.ctypes.data
         messages.is_model_free = -1 if is_model_free is None else is_model_free
-        sensed, lengths = _addresses(observations)
-        heard, heard_lengths = _addresses(beacons)
-        messages.observations, messages.observation_lengths = addressof(sensed), addressof(lengths)
+        lengths, heard_lengths = array("q", map(len, observations)), array("q", map(len, beacons))
+        messages.observation_lengths, messages.beacon_lengths = (
+            lengths.buffer_info()[0],
+            heard_lengths.buffer_info()[0],
+        )
         messages.senders = len(beacons)
-        messages.beacons, messages.beacon_lengths = addressof(heard), addressof(heard_lengths)
-        flags = self._call()
+        sensed, heard = b"".join(observations), b"".join(beacons)
+        flags = self._call(sensed, heard)
         while flags == TOO_LITTLE_ROOM:
             self._room *= 2
             self._make_room(self._senders)
-            flags = self._call()
+            flags = self._call(sensed, heard)
         if flags < 0:
             return None
         if flags & NEW_RANGE:
@@ -77,16 +80,14 @@ class ByteCrew:
             self.peers = frozenset(self._in_range[:count].tolist())
         return self._answers()
 
-    def _call(self) -> int:
-        return self._crew.step_bytes(
-            addressof(self._messages), addressof(self._input), self._room, self._range_address
-        )
+    def _call(self, observations: bytes, beacons: bytes) -> int:
+        return self._crew.step_bytes(*self._addresses, self._room, self._range_address, observations, beacons)
 
     def _answers(self) -> list[RobotPayloads]:
         """The payloads in the buffer."""
-        ends, out, n = self._ends.tolist(), self._messages.out, len(self._ids)
-        begins = [0, *ends]
-        parts = [ctypes.string_at(out + a, b - a) for a, b in zip(begins, ends, strict=False)]
+        ends, n = self._ends.tolist(), len(self._ids)
+        out = bytes(self._written[: ends[-1]])
+        parts = [out[begin:end] for begin, end in zip([0, *ends], ends, strict=False)]
         return list(zip(self._ids, parts[:n], parts[n:], strict=True))
 
     def _make_room(self, senders: int) -> None:
@@ -98,6 +99,7 @@ class ByteCrew:
         self._range = np.full(n + 1 + room, -1, np.int64)
         self._range_address: int = self._range.ctypes.data
         self._out, self._ends = np.zeros(n * (256 + 8 * q) + 64 * room, np.uint8), np.zeros(2 * n, np.int64)
+        self._written = self._out.data
         arrays: dict[str, NDArray[Any]] = {
             "poses": np.zeros(3 * n),
             "begin": self._begin,
@@ -115,11 +117,5 @@ class ByteCrew:
         }
         self._arrays = arrays
         self._messages.pairs, self._messages.links = room, links
-        for name, array in arrays.items():
-            setattr(self._messages, name, array.ctypes.data)
-
-
-def _addresses(payloads: Sequence[bytes]) -> tuple["ctypes.Array[c_char_p]", "ctypes.Array[c_int64]"]:
-    """Pointers to payloads, and their lengths."""
-    count = len(payloads)
-    return (c_char_p * count)(*payloads), (c_int64 * count)(*map(len, payloads))
+        for name, values in arrays.items():
+            setattr(self._messages, name, values.ctypes.data)

@@ -1,7 +1,7 @@
 """A crew whose tick is one call of the compiled core."""
 
 import ctypes
-from ctypes import c_int64, c_void_p
+from ctypes import c_char_p, c_int64, c_void_p
 from functools import cache
 from typing import NamedTuple
 
@@ -37,7 +37,7 @@ def _passes(loaded: ctypes.CDLL) -> bool:
     loaded.fes_crew_layout.argtypes = [c_void_p, c_int64, c_void_p]
     loaded.fes_crew_tick.argtypes = [c_void_p, c_void_p, c_void_p, c_int64, c_void_p, c_int64, c_void_p]
     loaded.fes_agent_tick.restype = c_int64
-    loaded.fes_agent_tick.argtypes = [c_void_p, c_void_p, c_void_p, c_void_p, c_int64, c_void_p, c_void_p, c_void_p]
+    loaded.fes_agent_tick.argtypes = [*[c_void_p] * 4, c_int64, *[c_void_p] * 3, c_char_p, c_char_p]
     loaded.fes_crew_payloads.restype = c_int64
     loaded.fes_crew_payloads.argtypes = [c_void_p, c_void_p, c_void_p, c_void_p, c_int64, c_void_p, c_void_p]
     return self_test.digest(loaded) == self_test.EXPECTED
@@ -129,7 +129,9 @@ class CompiledCrew:
         """Skew of each robot's clock at a tick [n] [s]; None if all are exact."""
         return None if self.crew.clocks.is_exact else clocks.ahead(self.crew.clocks, tick)
 
-    def step_bytes(self, messages: int, given: int, capacity: int, in_range: int) -> int:
+    def step_bytes(
+        self, messages: int, given: int, capacity: int, in_range: int, observations: bytes, beacons: bytes
+    ) -> int:
         """One tick by the messages at an address, for `agents.core.byte_crew`: the result of fes_agent_tick."""
         layout, before = self._layout(capacity), self.stored
         self._fit(capacity)
@@ -143,6 +145,8 @@ class CompiledCrew:
             ctypes.addressof(after),
             self._scratch_address,
             in_range,
+            observations,
+            beacons,
         )
         if flags >= 0:
             self.stored, self._links, self._sent = Stored(after, layout), None, None

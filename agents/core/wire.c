@@ -1,7 +1,7 @@
 /* Reads observations and beacons, and writes beacons and commands. A message that is unusual in any way is left to the
  * Python code, which knows the reasons to reject it. */
 #include "wire.h"
-#include "msgpack.h"
+#include "fes/arithmetic/core/msgpack.h"
 
 #define MAX_TICK (((i64)1 << 53) - 1)
 #define MAX_ID (((i64)1 << 31) - 1)
@@ -41,8 +41,8 @@ static int read_codes(Blob blob, u8 *codes, i64 count, u8 highest) {
 }
 
 /* The observation of one robot; its peers follow those of the robots before it. */
-static int read_observation(const Crew *crew, Messages *messages, Input *input, i64 row) {
-    Reader reader = read_message(messages->observations[row], messages->observation_lengths[row], messages->version, 9);
+static int read_observation(const Crew *crew, Messages *messages, Input *input, i64 row, const u8 *payload) {
+    Reader reader = read_message(payload, messages->observation_lengths[row], messages->version, 9);
     i64 tick = read_integer(&reader, MAX_TICK), robot = read_integer(&reader, MAX_ID), first = messages->begin[row];
     for (int i = 0; i < POSE; i++) messages->poses[POSE * row + i] = read_number(&reader, LARGEST_NUMBER);
     Blob peers = read_blob(&reader), reception = read_blob(&reader);
@@ -59,8 +59,8 @@ static int read_observation(const Crew *crew, Messages *messages, Input *input, 
 }
 
 /* The beacon of one sender; its links follow those of the senders before it. */
-static int read_beacon(const Crew *crew, Messages *messages, i64 tick, i64 row) {
-    Reader reader = read_message(messages->beacons[row], messages->beacon_lengths[row], messages->version, 10);
+static int read_beacon(const Crew *crew, Messages *messages, i64 tick, i64 row, const u8 *payload) {
+    Reader reader = read_message(payload, messages->beacon_lengths[row], messages->version, 10);
     i64 stamp = read_integer(&reader, MAX_TICK), first = messages->link_begin[row];
     messages->sender_ids[row] = read_integer(&reader, MAX_ID);
     for (int i = 0; i < POSE; i++) messages->sender_poses[POSE * row + i] = read_number(&reader, MAX_NUMBER);
@@ -93,12 +93,14 @@ static int are_complete(const Crew *crew, const Messages *messages) {
 
 int wire_read(const Crew *crew, Messages *messages, Input *input) {
     messages->begin[0] = messages->link_begin[0] = 0;
-    for (i64 row = 0; row < crew->robots; row++) {
-        int result = read_observation(crew, messages, input, row);
+    const u8 *payload = messages->observations;
+    for (i64 row = 0; row < crew->robots; payload += messages->observation_lengths[row++]) {
+        int result = read_observation(crew, messages, input, row, payload);
         if (result != READ) return result;
     }
-    for (i64 row = 0; row < messages->senders; row++) {
-        int result = read_beacon(crew, messages, input->tick - 1, row);
+    payload = messages->beacons;
+    for (i64 row = 0; row < messages->senders; payload += messages->beacon_lengths[row++]) {
+        int result = read_beacon(crew, messages, input->tick - 1, row, payload);
         if (result != READ) return result;
     }
     Beacons beacons = {messages->senders, messages->sender_ids, messages->sender_poses, messages->link_begin,

@@ -8,11 +8,11 @@
 typedef struct {
     i64 version;                       /* of the protocol */
     const i64 *since;                  /* tick from which each robot takes part [n] */
-    const u8 *const *observations;     /* of the robots, in their order [n] */
-    const i64 *observation_lengths;
+    const u8 *observations;            /* of the robots, in their order, one behind the other */
+    const i64 *observation_lengths;    /* [n] */
     i64 senders;
-    const u8 *const *beacons;          /* by ascending sender [senders] */
-    const i64 *beacon_lengths;
+    const u8 *beacons;                 /* by ascending sender, one behind the other */
+    const i64 *beacon_lengths;         /* [senders] */
     i64 pairs;                         /* room for pairs in range, and for links of the senders */
     i64 links;
     double *poses;                     /* [n, 3] */
@@ -28,8 +28,10 @@ typedef struct {
 
 enum { READ, TOO_LITTLE_ROOM, UNUSUAL };
 
-/* Reads the observations of the tick of the input, and the beacons of the tick before; READ, or why the caller must read them itself. */
+/* Reads the observations of the tick of the input, and the beacons of the tick before; READ, or why the caller must read
+ * them itself. */
 int wire_read(const Crew *crew, Messages *messages, Input *input);
+
 /* Where messages are written, and of which robots. */
 typedef struct {
     u8 *out;

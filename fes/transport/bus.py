@@ -65,6 +65,12 @@ class Query:
             query.reply_err(REJECTION + reason.encode())
 
 
+def _payload(sample: zenoh.Sample) -> bytes | None:
+    """The payload of a sample; None for a deletion, which has none."""
+    payload = sample.payload.to_bytes()
+    return payload if payload or sample.kind == zenoh.SampleKind.PUT else None
+
+
 class Mailbox:
     """Samples that wait to be taken, the oldest first; when it is full the oldest is dropped."""
 
@@ -80,8 +86,15 @@ class Mailbox:
         sample = self._subscriber.try_recv()
         if sample is None:
             return None
-        put = sample.kind == zenoh.SampleKind.PUT
-        return str(sample.key_expr), sample.payload.to_bytes() if put else None
+        return str(sample.key_expr), _payload(sample)
+
+    def payloads(self) -> list[bytes | None]:
+        """The payloads of the samples that wait, without their keys: MAILBOX at most, as more may arrive."""
+        payloads: list[bytes | None] = []
+        receive = self._subscriber.try_recv
+        while len(payloads) < MAILBOX and (sample := receive()) is not None:
+            payloads.append(_payload(sample))
+        return payloads
 
 
 class Bus:
@@ -117,8 +130,7 @@ class Bus:
                 mark = sample.attachment
                 if not gate(name, b"" if mark is None else mark.to_bytes()):
                     return
-            put = sample.kind == zenoh.SampleKind.PUT
-            handler(name, sample.payload.to_bytes() if put else None)
+            handler(name, _payload(sample))
 
         declared = self._session.declare_subscriber(key, zenoh.handlers.Callback(on_sample, indirect=False))
         return declared.undeclare

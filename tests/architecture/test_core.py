@@ -25,7 +25,10 @@ EXPORTED = {
     },
     "robots": {"fes_crew_layout", "fes_crew_tick", "fes_crew_payloads", "fes_agent_tick", "fes_crew_kernel"},
     "formula_index": {"fes_formula_index"},
-    "world": {"fes_world_layout", "fes_world_tick", "fes_world_separations", "fes_world_link_errors"},
+    "world": {
+        *("fes_world_layout", "fes_world_tick", "fes_world_separations", "fes_world_link_errors"),
+        *("fes_world_beacons", "fes_world_commands"),
+    },
 }
 """Every function of a library that another program can call."""
 

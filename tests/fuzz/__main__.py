@@ -1,5 +1,9 @@
-"""`python -m tests.fuzz SECONDS`: random messages into the core for so long, a new seed each minute."""
+"""`python -m tests.fuzz SECONDS`: random messages into the core for so long, a new seed each minute.
 
+The programs of the agents' reader and of the world's take turns.
+"""
+
+import itertools
 import subprocess
 import sys
 import tempfile
@@ -17,13 +21,16 @@ def main() -> int:
     seconds = int(sys.argv[1]) if len(sys.argv) > 1 else 600
     begun, seed = time.monotonic(), int(time.time())
     with tempfile.TemporaryDirectory() as folder:
-        program = build.build(Path(folder))
+        programs = [build.build(name, Path(folder)) for name in build.PROGRAMS]
+        turns = itertools.cycle(programs)
         while (left := seconds - (time.monotonic() - begun)) >= 1.0:
             seed += 1
+            program = next(turns)
             try:
-                print(f"seed {seed}: {build.run(program, int(min(ROUND, left)), seed)}", flush=True)
+                counts = build.run(program, int(min(ROUND, left)), seed)
+                print(f"{program.name}, seed {seed}: {counts}", flush=True)
             except subprocess.CalledProcessError as error:
-                print(f"seed {seed}: {error.stderr}")
+                print(f"{program.name}, seed {seed}: {error.stderr}")
                 return 1
     return 0
 

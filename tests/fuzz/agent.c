@@ -1,105 +1,26 @@
 /* Random and damaged messages into an agent's tick, under sanitizers: `agent SECONDS SEED`.
  *
- * Each message lies in memory of exactly its length, so that a read beyond its end is seen. Prints how many ticks were
+ * The messages of a tick lie in memory of exactly their length, so that a read beyond their end is seen. Prints how many ticks were
  * answered, and how many were left to Python. */
 #include <stdio.h>
-#include <stdlib.h>
 #include <time.h>
 
-#include "agents/core/msgpack.h"
 #include "agents/core/wire.h"
+#include "tests/fuzz/messages.h"
 
-enum { ROBOTS = 3, SENDERS = 9, PAIRS = 24, LINKS = 64, LONGEST = 1024, VERSION = 3 };
+enum { ROBOTS = 3, SENDERS = 9, PAIRS = 24, LINKS = 64 };
 
 i64 fes_agent_tick(const Crew *crew, Messages *messages, Input *input, u8 *before_buffer, i64 before_capacity,
-                   u8 *after_buffer, double *scratch, i64 *range);
-
-static u64 random_state;
-
-static u64 random_word(void) { /* xorshift64 */
-    random_state ^= random_state << 13;
-    random_state ^= random_state >> 7;
-    random_state ^= random_state << 17;
-    return random_state;
-}
-
-static i64 below(i64 bound) { return (i64)(random_word() % (u64)bound); }
-
-static double random_number(void) {
-    static const double special[] = {0.0, -0.0, 1e12, -1e12, 5e-324, 1e-300, 70.0};
-    u64 kind = random_word() % 4096;
-    if (kind < 2) return kind ? from_bits(random_word()) : 1e13; /* most of these are rejected */
-    return kind < 256 ? special[kind % 7] : (double)below(4000000) / 1e4 - 200.0;
-}
-
-/* Ascending ids, some of them of robots that do not exist. */
-static i64 random_ids(i64 *ids, i64 most) {
-    i64 count = below(most + 1), id = below(2);
-    for (i64 i = 0; i < count; i++) {
-        ids[i] = id;
-        id += 1 + !below(8);
-    }
-    return count;
-}
-
-static void write_codes(Writer *writer, i64 count, int highest) {
-    write_length(writer, count);
-    for (i64 i = 0; i < count; i++) *writer->next++ = (u8)below(highest + 1);
-}
-
-static void write_numbers(Writer *writer, i64 count) {
-    write_length(writer, 8 * count);
-    for (i64 i = 0; i < count; i++) {
-        double value = random_number();
-        memcpy(writer->next, &value, 8);
-        writer->next += 8;
-    }
-}
-
-static Writer started(u8 *place, int count, i64 tick, i64 robot) {
-    Writer writer = {place};
-    *writer.next++ = (u8)(0x91 + count);
-    write_integer(&writer, VERSION);
-    write_integer(&writer, tick);
-    write_integer(&writer, robot);
-    for (int i = 0; i < POSE; i++) write_number(&writer, random_number());
-    return writer;
-}
+                   u8 *after_buffer, double *scratch, i64 *range, const u8 *observations, const u8 *beacons);
 
 static i64 observation(u8 *place, i64 tick, i64 robot) {
-    Writer writer = started(place, 9, tick, robot);
+    Writer writer = started(place, 9, tick, robot, POSE);
     i64 ids[30], count = random_ids(ids, below(100) ? 5 : 30);
     write_ids(&writer, ids, count);
     write_codes(&writer, count, DECODED);
     *writer.next++ = 0xc2;
     write_integer(&writer, 0);
     return writer.next - place;
-}
-
-static i64 beacon(const Crew *crew, u8 *place, i64 tick, i64 robot) {
-    Writer writer = started(place, 10, tick, robot);
-    i64 ids[30], count = random_ids(ids, below(400) ? 6 : 30);
-    write_ids(&writer, ids, count);
-    write_numbers(&writer, count);
-    write_codes(&writer, count, 1);
-    write_numbers(&writer, crew->statistics);
-    write_blob(&writer, NULL, 0);
-    return writer.next - place;
-}
-
-/* A copy of a message of exactly its length, damaged one time in 64. */
-static u8 *sent(u8 *message, i64 *length) {
-    if (!below(64)) {
-        i64 place = below(*length);
-        u64 kind = random_word() % 4;
-        if (kind == 0) message[place] ^= (u8)(1u << below(8));
-        if (kind == 1) *length = place;
-        if (kind == 2) message[place] = (u8)random_word();
-        if (kind == 3) (*length)++;
-    }
-    u8 *copy = malloc((size_t)*length + (*length == 0));
-    memcpy(copy, message, (size_t)*length);
-    return copy;
 }
 
 static Crew crew_of(i64 seeking, i64 rule, const i64 *ids, const i64 *first, const u64 *keys) {
@@ -156,8 +77,7 @@ int main(int count, char **words) {
         state_at(&crew, PAIRS, before, &state);
         for (i64 robot = 0; robot < ROBOTS; robot++) state.since[robot] = state.linked_since[robot] = (i64)1 << 60;
         for (i64 tick = 0; tick < 200; tick++) {
-            Messages messages = {VERSION, since, (const u8 *const *)observations, lengths, 0,
-                                 (const u8 *const *)beacons, beacon_lengths, PAIRS, LINKS, poses, begin, in_range,
+            Messages messages = {VERSION, since, NULL, lengths, 0, NULL, beacon_lengths, PAIRS, LINKS, poses, begin, in_range,
                                  reception, sender_ids, link_begin, link_peers, sender_poses, estimates, statistics,
                                  selected, below(3) - 1, out, ends};
             Input input;
@@ -168,13 +88,16 @@ int main(int count, char **words) {
                 observations[robot] = sent(message, lengths + robot);
             }
             for (i64 id = 0; tick && messages.senders < SENDERS; id += 1 + !below(60)) {
-                beacon_lengths[messages.senders] = beacon(&crew, message, tick - 1, id);
+                beacon_lengths[messages.senders] = beacon(message, tick - 1, id, crew.statistics);
                 beacons[messages.senders] = sent(message, beacon_lengths + messages.senders);
                 messages.senders++;
             }
-            i64 flags = fes_agent_tick(&crew, &messages, &input, before, PAIRS, after, scratch, range);
-            for (i64 robot = 0; robot < ROBOTS; robot++) free(observations[robot]);
-            for (i64 sender = 0; sender < messages.senders; sender++) free(beacons[sender]);
+            u8 *sensed = joined(ROBOTS, observations, lengths);
+            u8 *heard = joined(messages.senders, beacons, beacon_lengths);
+            i64 flags =
+                fes_agent_tick(&crew, &messages, &input, before, PAIRS, after, scratch, range, sensed, heard);
+            free(sensed);
+            free(heard);
             answered += flags >= 0;
             left += flags < 0;
             if (flags < 0) continue;

@@ -1,4 +1,4 @@
-"""The program of agent.c: an agent's tick under the sanitizers for addresses and undefined behavior."""
+"""The programs of agent.c and world.c: readers of messages under sanitizers for addresses and undefined behavior."""
 
 import subprocess
 from pathlib import Path
@@ -8,12 +8,15 @@ from tests.support.paths import ROOT
 
 SANITIZED = ("-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-DFES_ONE_VERSION")
 
+PROGRAMS = {"agent": "agents/core/*.c", "world": "world/simulation/core/messages.c"}
+"""Program -> the sources of the core that it tests."""
 
-def build(folder: Path) -> Path:
-    """Compile the program into a folder. Raises build_core.NotBuilt, or CalledProcessError without the sanitizers."""
-    program = folder / "agent"
+
+def build(name: str, folder: Path) -> Path:
+    """Compile a program into a folder. Raises build_core.NotBuilt, or CalledProcessError without the sanitizers."""
+    program = folder / name
     usual = [flag for flag in build_core.FLAGS if flag.startswith(("-std", "-W", "-ffp", "-fno"))]
-    sources = [ROOT / "tests/fuzz/agent.c", *sorted((ROOT / "agents/core").glob("*.c"))]
+    sources = [ROOT / f"tests/fuzz/{name}.c", *sorted(ROOT.glob(PROGRAMS[name]))]
     command = [*build_core.compiler(), *usual, *SANITIZED, f"-I{ROOT}", "-o", str(program), *map(str, sources)]
     subprocess.run(command, check=True, capture_output=True, text=True)
     return program

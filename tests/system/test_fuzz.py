@@ -12,9 +12,10 @@ from tests.fuzz import build
 pytestmark = [pytest.mark.slow]
 
 
-def test_no_message_makes_the_core_read_or_write_beyond_its_memory(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", build.PROGRAMS)
+def test_no_message_makes_the_core_read_or_write_beyond_its_memory(name: str, tmp_path: Path) -> None:
     try:
-        program = build.build(tmp_path)
+        program = build.build(name, tmp_path)
     except (build_core.NotBuilt, subprocess.CalledProcessError) as reason:
         pytest.skip(f"no compiler with sanitizers: {reason}")
     counts = re.fullmatch(r"(\d+) answered, (\d+) left to Python", build.run(program, 5, seed=1))

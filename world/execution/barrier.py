@@ -78,7 +78,7 @@ class Barrier:
     def rest(self, participants: Participants) -> None:
         """Await no answer: the tick of the `participants` has not begun."""
         self._now = participants
-        self._pending: Bools = np.zeros_like(participants.present)
+        self._pending: Bools = np.zeros(len(participants.present), dtype=np.bool_)
         """Robots whose answers are missing [n]."""
         self._answered: Bools = self._pending.copy()
         self.missing = 0
@@ -87,7 +87,7 @@ class Barrier:
         """Await an answer of each robot that takes part; all of them were sent their observations at `now` [s]."""
         self.rest(participants)
         self._pending = participants.present.copy()
-        self.missing = int(self._pending.sum())
+        self.missing = int(np.count_nonzero(self._pending))
         self._begun, self._patience = now, RESEND_AFTER
         self.deadline = now + RESEND_AFTER
 

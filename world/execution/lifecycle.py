@@ -144,6 +144,8 @@ class Lifecycle:
         expected, self._suspended = self._scheduled(tick)
         able = self._answering & ~(self._disconnected & continuing)
         self._disconnected[:] = False
+        if not self.hosting.renewed:  # the usual tick
+            return able & expected
         restarted = np.zeros(self.robots, dtype=np.bool_)
         for robot in [robot for robot in self.hosting.renewed if able[robot]]:
             self.hosting.renewed.discard(robot)
@@ -160,8 +162,9 @@ class Lifecycle:
 
         Both are [n].
         """
-        expected = np.ones(self.robots, dtype=np.bool_)
-        hung = ~expected
+        expected, hung = np.ones(self.robots, dtype=np.bool_), np.zeros(self.robots, dtype=np.bool_)
+        if not self._schedule:  # the usual run
+            return expected, hung
         for start, scheduled in self._schedule.items():
             if start <= tick:
                 expected = events.participating(expected, scheduled)

@@ -14,8 +14,9 @@ from fes.arrays.types import Bools
 from fes.errors import MessageError, Overloaded, Rejected, Unavailable
 from fes.protocol import keys, messages
 from fes.protocol.messages import Beacon
-from fes.transport.bus import MAILBOX, Bus, Query
+from fes.transport.bus import Bus, Query
 from fes.transport.drop_log import DropLog, shown
+from world.simulation.core import message_reader
 
 RECALL_TIMEOUT = 2.0
 """A robot that does not repeat its beacon within this time [s] is at fault."""
@@ -46,6 +47,7 @@ class BeaconTap:
         """
         self._judged, self._guarded, self._robots = judged, guarded, robots
         self._bus, self._run, self._drops = bus, run, drops
+        self._reader = message_reader.of(robots)
         self._mailboxes = [bus.mailbox(keys.beacon(run, robot)) for robot in range(robots)]
         self._payloads: dict[int, dict[int, bytes]] = {}
         """Tick -> robot -> its first readable payload; three ticks at most are stored."""
@@ -66,14 +68,26 @@ class BeaconTap:
 
     def _collect(self, tick: int, decodable: Bools) -> list[bytes]:
         heard = decodable.tolist()
-        for robot, is_decodable in enumerate(heard):
-            if is_decodable:
-                self._read(robot, tick)
+        arrived = {robot: self._mailboxes[robot].payloads() for robot, is_heard in enumerate(heard) if is_heard}
+        if not self._take(tick, arrived):
+            for robot, samples in arrived.items():
+                self._sort(robot, tick, samples)
         for old in [known for known in self._payloads if known < tick - 1]:
             del self._payloads[old]
             self._faults.pop(old, None)
         payloads = self._payloads.get(tick, {})
-        return [payloads.get(robot, b"") if is_decodable else b"" for robot, is_decodable in enumerate(heard)]
+        return [payloads.get(robot, b"") if is_heard else b"" for robot, is_heard in enumerate(heard)]
+
+    def _take(self, tick: int, arrived: Mapping[int, list[bytes | None]]) -> bool:
+        """Store one beacon of `tick` per robot, if the core finds nothing else; False if nothing was stored."""
+        if self._reader is None or tick in self._payloads:
+            return False
+        payloads = [samples[0] for samples in arrived.values() if len(samples) == 1]
+        usual = [payload for payload in payloads if payload is not None]
+        if len(usual) < len(arrived) or not self._reader.are_beacons(tick, list(arrived), usual):
+            return False
+        self._payloads[tick] = dict(zip(arrived, usual, strict=True))
+        return True
 
     async def judge(self, tick: int, decodable: Bools) -> tuple[list[bytes], Faults]:
         """The payload of each robot's Beacon of `tick`, in id order, and the `decodable` [n] robots at fault.
@@ -106,13 +120,9 @@ class BeaconTap:
         else:
             query.reply_err(f"the world holds no beacon of robot {shown(robot)} from tick {tick}")
 
-    def _read(self, robot: int, tick: int) -> None:
-        """Sort at most MAILBOX beacons of a mailbox by tick: the mailbox may fill while it is emptied."""
-        for _ in range(MAILBOX):
-            sample = self._mailboxes[robot].take()
-            if sample is None:
-                return
-            payload = sample[1]
+    def _sort(self, robot: int, tick: int, samples: list[bytes | None]) -> None:
+        """Sort the beacons of a mailbox by tick."""
+        for payload in samples:
             try:
                 beacon = self._decoded(payload, robot)
             except MessageError:

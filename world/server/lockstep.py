@@ -9,14 +9,16 @@ import numpy as np
 
 from fes.arrays.types import Bools
 from fes.errors import MessageError, Unavailable
+from fes.protocol import keys
 from fes.protocol.messages import Command
 from fes.transport.drop_log import DropLog
-from fes.transport.inbox import Inbox
+from fes.transport.inbox import Inbox, Item
 from world.execution import marshalling
 from world.execution.barrier import Barrier, Pace, Verdict
 from world.execution.lifecycle import Lifecycle
 from world.execution.run import Answer
 from world.server import participation
+from world.simulation.core import message_reader
 from world.simulation.truth import State
 
 RETURN_TIMEOUT = 60.0
@@ -40,6 +42,7 @@ class Lockstep:
         speed."""
         self._inbox, self._lifecycle = inbox, lifecycle
         self._drops = drops
+        self._reader = message_reader.of(lifecycle.robots)
         self._observe = observe
         self._barrier, self._pace = Barrier(lifecycle.robots), Pace(pace)
         self._logger = logging.getLogger("world")
@@ -82,8 +85,9 @@ class Lockstep:
         while barrier.missing:
             # The inbox only counts messages, so junk may end the wait too: each pass checks the time.
             await self._inbox.wait(barrier.missing, max(0.0, barrier.deadline - time.monotonic()))
-            for key, payload in self._inbox.drain():
-                command = self._read(state, key, payload)
+            items = self._inbox.drain()
+            for (key, payload), usual in zip(items, self._usual(state.tick, items), strict=True):
+                command = self._read(state, key, payload, usual)
                 if command is not None and payload is not None:
                     answers[command.robot] = command, payload
             if barrier.missing:
@@ -97,10 +101,22 @@ class Lockstep:
             await asyncio.sleep(rest)
         return answers, state.present & np.array([answer is not None for answer in answers])
 
-    def _read(self, state: State, key: str, payload: bytes | None) -> Command | None:
-        """The command in a message if it is an answer that is awaited; errors are dropped and counted."""
+    def _usual(self, tick: int, items: list[Item]) -> Sequence[Command | None]:
+        """The commands for `tick` in messages, read together; None for each if one of them is unusual."""
+        senders = [robot for key, _ in items if (robot := keys.robot_of(key)) is not None]
+        payloads = [payload for _, payload in items if payload is not None]
+        commands = None
+        if self._reader is not None and len(senders) == len(payloads) == len(items):
+            commands = self._reader.commands(tick, senders, payloads)
+        return [None] * len(items) if commands is None else commands
+
+    def _read(self, state: State, key: str, payload: bytes | None, usual: Command | None = None) -> Command | None:
+        """The command in a message if it is an answer that is awaited; errors are dropped and counted.
+
+        `usual` is the command if it was read already.
+        """
         try:
-            command = marshalling.decode(key, payload, len(state.present))
+            command = usual or marshalling.decode(key, payload, len(state.present))
             verdict = self._barrier.judge(command.tick, command.robot, self._lifecycle.message(command.robot))
             if verdict is Verdict.WRONG_TICK:
                 raise MessageError("Command", "is not for this tick", str(command.tick))

@@ -214,7 +214,7 @@ class Server:
     def _attend(self, present: Bools) -> None:
         """Let the robots of `present` [n] take part from this tick on."""
         before = self.run.state
-        if (present == before.present).all():
+        if present.tobytes() == before.present.tobytes():  # the usual tick; a comparison of arrays costs more
             return
         self.run.attend(present)
         participation.log_changes(before, self.run.state)

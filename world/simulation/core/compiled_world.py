@@ -51,6 +51,7 @@ def _passes(loaded: ctypes.CDLL) -> bool:
     loaded.fes_world_layout.restype = loaded.fes_world_tick.restype = c_int64
     loaded.fes_world_layout.argtypes = [c_int64, c_int64, c_void_p]
     loaded.fes_world_tick.argtypes = [c_void_p] * 4
+    loaded.fes_world_beacons.restype = loaded.fes_world_commands.restype = c_int64
     return self_test.digest(loaded) == self_test.EXPECTED
 
 

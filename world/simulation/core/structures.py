@@ -112,3 +112,17 @@ class Layout:
         names, dtype = list(_FIELDS), _FIELDS[first]
         place, following = self.places[first], self.places[names[names.index(first) + 1]]
         return place, dtype, (following - place, np.dtype(dtype).itemsize)
+
+
+class Batch(ctypes.Structure):
+    """The payloads of one tick: `Batch` in messages.h."""
+
+    _fields_ = (("version", c_int64), ("tick", c_int64), ("robots", c_int64), ("count", c_int64))
+
+
+class Parts(ctypes.Structure):
+    """The parts of a command beside its twist: `Parts` in messages.h."""
+
+    _fields_ = tuple(
+        (name, c_int64) for name in ("links_at", "links_length", "estimates", "learnt", "details", "is_model_free")
+    )

@@ -81,6 +81,10 @@ NAMED: dict[str, dict[str, Any]] = {
     "simulation/core/tick.c": {
         "NEW_PAIRS": compiled_world.NEW_PAIRS, "CANDIDATES_TOO_OLD": compiled_world.CANDIDATES_TOO_OLD
     },
+    "messages.h": {
+        "MAX_TICK": wire.MAX_TICK - 1, "MAX_ID": wire.MAX_ID,
+        "MAX_NUMBER": sensing.MAX_NUMBER, "MAX_TWIST": sensing.MAX_TWIST,
+    },
     "world.h": {"OPENING_TICKS": sensing.OPENING_TICKS, "WORDS": 4, "UNKNOWN": bursts.UNKNOWN},
 }  # fmt: skip
 """Numbers with a name, by the end of the path of their file."""
@@ -100,6 +104,9 @@ COUNTED: dict[str, dict[str, int]] = {
         "CONTACTS", "RULE", "LINKS", "PULL", "GIVE_WAY", "TWISTS", "SLOW_DOWN", "MEASURED", "MEASURED_SEEK",
         "PERTURBATION_SEEK",
     )},
+    "messages.h": {
+        name: getattr(sensing, name) for name in ("MAX_STATISTICS", "MAX_DECLARED", "MAX_LEARNT", "MAX_DETAILS")
+    },
     "world.h": {
         **{name: getattr(geometry, name) for name in ("X", "Y", "HEADING", "LINEAR", "ANGULAR")},
         "POSE": 3, "TWIST": 2, "CLOSED": sensing.CLOSED, "LOST": sensing.LOST, "DECODED": sensing.DECODED,
@@ -119,6 +126,8 @@ STRUCTURES: dict[tuple[str, str], type[ctypes.Structure]] = {
     ("wire.h", "Messages"): robots.Messages,
     ("formula_index.c", "Formula"): Formula,
     ("world.h", "Settings"): world.Settings,
+    ("messages.h", "Batch"): world.Batch,
+    ("messages.h", "Parts"): world.Parts,
     ("world.h", "Candidates"): world.CandidateList,
     ("simulation/core/tick.c", "Input"): world.Input,
 }
