@@ -6,6 +6,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from fes.arithmetic import elementary
+from fes.arrays import masks
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bytes, Floats, Ints
 from fes.model import outage
@@ -65,8 +66,10 @@ def build(metrics: MetricsCollector, name: str, alive: Bytes, elapsed: float, ti
     learnt = [_mean(_pick(row, ab), _pick(row, ba)) for row in telemetry.learnt]  # other laws learn other numbers
     none = np.zeros(0, dtype=np.int64)
     missed, late = (metrics.deadlines.missed, metrics.deadlines.late) if metrics.deadlines else (none, none)
-    fits = isinstance(scenario.seeking, MeasuredConfig) and telemetry.learnt.size
-    level, exponent = learnt if fits else [np.full(len(low), np.nan)] * 2
+    level = exponent = learnt_reception = np.full(len(low), np.nan)
+    if isinstance(scenario.seeking, MeasuredConfig) and telemetry.learnt.size:
+        level, exponent = learnt
+        learnt_reception = elementary.exp(-elementary.exp(level + exponent * elementary.log(separation / scale)))
     true_level, true_exponent = _known_line(scenario, state.channel, scale)
     return Report(
         **metrics.shared(),
@@ -87,7 +90,7 @@ def build(metrics: MetricsCollector, name: str, alive: Bytes, elapsed: float, ti
         sent=_both_ways(radio.sent, forward, backward),
         decoded=_both_ways(radio.decoded, forward, backward),
         longest_gap=_both_ways(radio.longest_gap, forward, backward, np.maximum),
-        learnt_reception=elementary.exp(-elementary.exp(level + exponent * elementary.log(separation / scale))),
+        learnt_reception=learnt_reception,
         learnt_level=level,
         learnt_exponent=exponent,
         true_level=true_level,
@@ -136,12 +139,16 @@ def _both_ways(counts: Ints, forward: Ints, backward: Ints, join: np.ufunc = np.
 
 def _outage(scenario: Scenario, state: State, separation: Floats, forward: Ints, backward: Ints) -> Floats:
     """True outage of each link, both directions averaged: of the last beacon, or of the channel without a beacon."""
+    known = np.full(len(separation), np.nan)
+    if len(state.radio.edges):
+        decoded = 0.5 * (state.radio.probability[forward] + state.radio.probability[backward])
+        known = np.where((forward >= 0) & np.isfinite(decoded), 1.0 - decoded, np.nan)
+    is_known = np.isfinite(known)
+    if masks.is_full(is_known):
+        return known
     formula = _without_beacon(scenario, state.channel, separation)
     lost = 1.0 - (1.0 - formula) * bursts.mean_reception_factor(state.channel.bursts)
-    if not len(state.radio.edges):
-        return lost
-    decoded = 0.5 * (state.radio.probability[forward] + state.radio.probability[backward])
-    return np.where((forward >= 0) & np.isfinite(decoded), 1.0 - decoded, lost)
+    return np.where(is_known, known, lost)
 
 
 def _without_beacon(scenario: Scenario, channel: RadioConfig, separation: Floats) -> Floats:
