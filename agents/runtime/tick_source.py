@@ -45,7 +45,6 @@ class TickSource:
         """`on_quiet` is called after each silence of QUIET [s]."""
         self._robots, self._on_quiet = robots, on_quiet
         self._keys = [keys.observation(run, robot) for robot in robots]
-        self._places = {key: place for place, key in enumerate(self._keys)}
         self._inbox, self._outbox = inbox, outbox
         self._drops = drops
         self._ticks: LockstepTicks[Observation] | LiveTicks[Observation] = LockstepTicks(robots)
@@ -68,8 +67,8 @@ class TickSource:
         self._ticks = ticks = LockstepTicks[Observation](self._robots)
         while True:
             items = self._arrived(ticks.missing)
-            is_usual = ticks.is_between and self._is_one_each(items)
-            if is_usual and answer(ticks.tick + 1, [payload or b"" for _, payload in items]):
+            payloads = self._one_each(items) if ticks.is_between else None
+            if payloads is not None and answer(ticks.tick + 1, payloads):
                 ticks.answered()
                 world.is_new = False
                 continue
@@ -105,17 +104,18 @@ class TickSource:
                 raise Unavailable(reason)
 
     def _arrived(self, count: int) -> list[Item]:
-        """Wait for `count` messages; all that have arrived, in the order of the robots if there is one each."""
+        """Wait for `count` messages; all that have arrived, in their order."""
         if not self._inbox.wait(count, QUIET):
             self._outlast_silence(count)
-        items = self._inbox.drain()
-        if len(items) > 1 and len(items) == len(self._robots):
-            items.sort(key=lambda item: self._places.get(item[0], -1))
-        return items
+        return self._inbox.drain()
 
-    def _is_one_each(self, items: list[Item]) -> bool:
-        """True if these are messages on the keys of all robots, one each, in their order."""
-        return [key for key, payload in items if payload is not None] == self._keys
+    def _one_each(self, items: list[Item]) -> list[bytes] | None:
+        """The payloads in the order of the robots, if there is one on the key of each robot, and nothing else."""
+        by_key = {key: payload for key, payload in items if payload is not None}
+        if len(items) != len(by_key) or len(by_key) != len(self._keys):
+            return None
+        payloads = [by_key[key] for key in self._keys if key in by_key]
+        return payloads if len(payloads) == len(by_key) else None
 
     def _decoded(self, items: list[Item]) -> list[tuple[str, Observation]]:
         """Key and content of all messages that can be decoded."""

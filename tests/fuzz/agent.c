@@ -67,6 +67,8 @@ int main(int count, char **words) {
     long answered = 0, left = 0;
     while (time(NULL) < end) {
         Crew crew = crew_of(1 + below(3), below(3), ids, first, keys);
+        i64 senders = below(4) ? SENDERS : 1; /* a message alone has nothing behind its end */
+        crew.robots = below(4) ? ROBOTS : 1;
         State state;
         u8 none[8];
         i64 size = state_at(&crew, PAIRS, none, &state);
@@ -75,7 +77,7 @@ int main(int count, char **words) {
         double *scratch = malloc((2 * ROBOTS + PAIRS) * sizeof(double));
         i64 *range = calloc(ROBOTS + 1 + PAIRS, sizeof(i64));
         state_at(&crew, PAIRS, before, &state);
-        for (i64 robot = 0; robot < ROBOTS; robot++) state.since[robot] = state.linked_since[robot] = (i64)1 << 60;
+        for (i64 robot = 0; robot < crew.robots; robot++) state.since[robot] = state.linked_since[robot] = (i64)1 << 60;
         for (i64 tick = 0; tick < 200; tick++) {
             Messages messages = {VERSION, since, NULL, lengths, 0, NULL, beacon_lengths, PAIRS, LINKS, poses, begin, in_range,
                                  reception, sender_ids, link_begin, link_peers, sender_poses, estimates, statistics,
@@ -83,16 +85,16 @@ int main(int count, char **words) {
             Input input;
             memset(&input, 0, sizeof input);
             input.tick = tick;
-            for (i64 robot = 0; robot < ROBOTS; robot++) {
+            for (i64 robot = 0; robot < crew.robots; robot++) {
                 lengths[robot] = observation(message, tick, ids[robot]);
                 observations[robot] = sent(message, lengths + robot);
             }
-            for (i64 id = 0; tick && messages.senders < SENDERS; id += 1 + !below(60)) {
+            for (i64 id = 0; tick && messages.senders < senders; id += 1 + !below(60)) {
                 beacon_lengths[messages.senders] = beacon(message, tick - 1, id, crew.statistics);
                 beacons[messages.senders] = sent(message, beacon_lengths + messages.senders);
                 messages.senders++;
             }
-            u8 *sensed = joined(ROBOTS, observations, lengths);
+            u8 *sensed = joined(crew.robots, observations, lengths);
             u8 *heard = joined(messages.senders, beacons, beacon_lengths);
             i64 flags =
                 fes_agent_tick(&crew, &messages, &input, before, PAIRS, after, scratch, range, sensed, heard);

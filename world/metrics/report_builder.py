@@ -163,7 +163,9 @@ def _without_beacon(scenario: Scenario, channel: RadioConfig, separation: Floats
 
 
 def _known_line(scenario: Scenario, channel: RadioConfig, scale: float) -> tuple[float, float]:
-    """The reception line, computed once for a channel."""
+    """The reception line; computed once for a channel with a formula, which has no other parameters."""
+    if channel.model not in FORMULAS:
+        return _reception_line(scenario, channel, scale)
     key = id(channel), scale
     known = _known_lines.get(key)
     if known is None or known[0] is not channel:

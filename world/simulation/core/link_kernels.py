@@ -51,8 +51,6 @@ class LinkKernels:
         library.fes_world_link_errors.argtypes = [c_void_p] * 3 + [c_double, c_void_p]
         library.fes_world_separations.restype = library.fes_world_link_errors.restype = None
         self._known: WeakKeyDictionary[Edges, _Known] = WeakKeyDictionary()
-        self._numbers = (c_double * NUMBERS)()
-        self._address = ctypes.addressof(self._numbers)
 
     def separations(self, links: Edges, poses: Floats) -> Floats:
         """True separation of each of `links.undirected` [u] [m], of robots at `poses` [n, 3]."""
@@ -69,8 +67,9 @@ class LinkKernels:
         if (len(estimates), len(separation)) != (len(links), known.structure.links):
             raise ValueError(f"{len(links)} links, {len(estimates)} estimates and {len(separation)} separations")
         values = estimates.tobytes(), separation.tobytes()  # copies: to ask numpy for an address takes longer
-        self._library.fes_world_link_errors(known.address, *values, optimal, self._address)
-        return self._numbers[:]
+        numbers = (c_double * NUMBERS)()  # of this call: another thread may compute another run
+        self._library.fes_world_link_errors(known.address, *values, optimal, ctypes.addressof(numbers))
+        return numbers[:]
 
     def _learn(self, links: Edges) -> _Known:
         undirected, mutual = links.undirected, links.mutual

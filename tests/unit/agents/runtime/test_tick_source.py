@@ -38,6 +38,12 @@ Scene = Callable[[int, Sense, WorldLiveliness], None]
 """The observations that arrive while a tick is being answered; the last of them ends the run."""
 
 
+def observation(tick: int, robot: int, since: int = 0, over: bool = False) -> tuple[str, bytes]:
+    """The key and the payload of an observation."""
+    sensed = Observation(tick, robot, (0.0, 0.0, 0.0), NOTHING, NOTHING.astype(np.uint8), over, since)
+    return keys.observation("test", robot), messages.encode_observation(sensed)
+
+
 def play(scene: Scene, live: bool = False) -> tuple[list[int], TickPayloads, DropLog]:
     """The ticks that were answered, what was repeated, and what was odd, while tick 0 and then a scene come."""
     outbox, drops = TickPayloads(), DropLog(logging.getLogger("test"))
@@ -48,15 +54,14 @@ def play(scene: Scene, live: bool = False) -> tuple[list[int], TickPayloads, Dro
         ticks, world = TickSource("test", (3,), inbox, outbox, drops), WorldLiveliness("the world", inbox)  # type: ignore[arg-type]
 
         def sense(tick: int, since: int = 0, over: bool = False) -> None:
-            sensed = Observation(tick, 3, (0.0, 0.0, 0.0), NOTHING, NOTHING.astype(np.uint8), over, since)
-            inbox.put(keys.observation("test", 3), messages.encode_observation(sensed))
+            inbox.put(*observation(tick, 3, since, over))
 
         sense(0)
-        for [observation] in ticks.live(world) if live else ticks.lockstep(world):
-            assert observation.tick == ticks.tick
-            answered.append(observation.tick)
-            outbox.last = observation.tick
-            scene(observation.tick, sense, world)
+        for [received] in ticks.live(world) if live else ticks.lockstep(world):
+            assert received.tick == ticks.tick
+            answered.append(received.tick)
+            outbox.last = received.tick
+            scene(received.tick, sense, world)
 
     asyncio.run(main())
     return answered, outbox, drops
@@ -86,6 +91,25 @@ def test_ticks_that_arrive_together_are_all_answered_in_their_order() -> None:
 
     answered, _, drops = play(scene)
     assert answered == [0, 1, 2, 3]
+    assert not drops.counts
+
+
+def test_observations_of_two_ticks_that_arrive_together_are_read_in_their_order() -> None:
+    """Two robots of one process: a tick is complete when the first observation of the next one has arrived."""
+    drops, stepped = DropLog(logging.getLogger("test")), list[list[tuple[int, int]]]()
+
+    async def main() -> None:
+        inbox = ThreadInbox()
+        world = WorldLiveliness("the world", inbox)
+        ticks = TickSource("test", (0, 1), inbox, TickPayloads(), drops).lockstep(world)  # type: ignore[arg-type]
+        for together in ([(0, 0), (0, 1), (1, 0)], [(1, 1), (2, 0)], [(2, 1)]):
+            for tick, robot in together:
+                inbox.put(*observation(tick, robot))
+            inbox.fail(Unavailable("the test is over"))  # once all that has arrived is read
+            stepped.append([(received.tick, received.robot) for received in next(ticks)])
+
+    asyncio.run(main())
+    assert stepped == [[(tick, 0), (tick, 1)] for tick in range(3)]
     assert not drops.counts
 
 
